@@ -1,0 +1,92 @@
+//! What can go wrong, split by what a caller can do about it.
+
+use std::path::{Path, PathBuf};
+
+/// The result of everything here that can fail.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What went wrong. Each message is one line: the file, what was found, what to do next.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A layer that the work needs is neither in the file nor named.
+    #[error("{}: {found}; {remedy}", path.display())]
+    MissingAov {
+        /// The file looked into.
+        path: PathBuf,
+        /// What is missing and what the file holds instead.
+        found: String,
+        /// The flag that would name it.
+        remedy: String,
+    },
+    /// Two inputs that must have the same pixels do not.
+    #[error("{}: is {found}, but {expected}; give inputs of one size", path.display())]
+    SizeMismatch {
+        /// The file that does not fit.
+        path: PathBuf,
+        /// Its window.
+        found: String,
+        /// What it had to fit, and its window.
+        expected: String,
+    },
+    /// A parameter lies outside its range, or two contradict each other.
+    #[error("{name} {found}; {remedy}")]
+    BadParameter {
+        /// The parameter, as it is called on the command line.
+        name: &'static str,
+        /// What was given.
+        found: String,
+        /// What it may be.
+        remedy: String,
+    },
+    /// The file is of a kind, or uses a feature, that cannot be read or written.
+    #[error("{}: {found}; {remedy}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The feature.
+        found: String,
+        /// How to make a file that can be.
+        remedy: String,
+    },
+    /// The file contradicts itself or ends too early.
+    #[error("{}: {found}; write or copy the file again", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// The contradiction.
+        found: String,
+    },
+    /// The data do not tell something that must be known.
+    #[error("{}: {found}; {remedy}", path.display())]
+    Undetermined {
+        /// The file.
+        path: PathBuf,
+        /// What stays open, with the evidence.
+        found: String,
+        /// The flag that settles it.
+        remedy: String,
+    },
+    /// The system refused a file operation.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried, as a verb: "read", "write".
+        action: &'static str,
+        /// Why the system refused.
+        source: std::io::Error,
+    },
+}
+
+impl Error {
+    /// Attaches the file and the action to a system error: `map_err(Error::io(path, "read"))`.
+    pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Error {
+        let path = path.to_path_buf();
+        move |source| Error::Io {
+            path,
+            action,
+            source,
+        }
+    }
+}

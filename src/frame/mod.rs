@@ -1,0 +1,88 @@
+//! The data everything passes around: planes, the mask, windows, the camera.
+
+mod mask;
+mod plane;
+mod space;
+mod window;
+
+pub use mask::Mask;
+pub use plane::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes};
+pub use space::{Camera, NormalSpace, Projection};
+pub use window::Window;
+
+use std::collections::BTreeMap;
+
+/// A surface seen from one viewpoint, with the picture made of it.
+///
+/// All planes have the size of the data window. Outside the mask their samples have no meaning,
+/// apart from colour and alpha, which are the picture and are carried through everywhere.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// The pixels that the planes hold.
+    pub data_window: Window,
+    /// The pixels meant to be shown; the camera is centred on them.
+    pub display_window: Window,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// Where a surface was seen.
+    pub mask: Mask,
+    /// View-space unit normals.
+    pub normal: Vector3Planes,
+    /// Length of the normals before they were made unit length: below 1 where a filter mixed unlike
+    /// normals. `None` where nothing was filtered.
+    pub normal_length: Option<Plane>,
+    /// Distance from the viewer, positive, in scene units.
+    pub depth: Option<Plane>,
+    /// Alpha or ambient occlusion, 0..1, that stands in for depth when silhouettes are sought.
+    pub occlusion: Option<Plane>,
+    /// The picture, scene-linear.
+    pub color: Option<ColorPlanes>,
+    /// Coverage of the picture, 0..1; colour is premultiplied by it.
+    pub alpha: Option<Plane>,
+    /// The camera, where it is known.
+    pub camera: Option<Camera>,
+    /// What the frame was read from.
+    pub source: Source,
+}
+
+/// What a frame was read from: what an output has to give back unharmed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Source {
+    /// Full names of all layers in the file, those not read included.
+    pub layers: Vec<String>,
+    /// Attributes of the file's first part, as text.
+    pub attributes: BTreeMap<String, String>,
+    /// Weights of linear red, green and blue in luminance, where the file says which primaries it has.
+    pub luminance_weights: Option<[f32; 3]>,
+}
+
+impl Frame {
+    /// The part of the frame inside `part`, with the same coordinates, camera and display window.
+    ///
+    /// # Panics
+    /// If `part` reaches outside the data window.
+    pub fn crop(&self, part: Window) -> Frame {
+        let whole = self.data_window;
+        let plane = |p: &Plane| p.crop(whole, part);
+        Frame {
+            data_window: part,
+            mask: self.mask.crop(whole, part),
+            normal: Vector3Planes {
+                x: plane(&self.normal.x),
+                y: plane(&self.normal.y),
+                z: plane(&self.normal.z),
+            },
+            normal_length: self.normal_length.as_ref().map(plane),
+            depth: self.depth.as_ref().map(plane),
+            occlusion: self.occlusion.as_ref().map(plane),
+            color: self.color.as_ref().map(|c| ColorPlanes {
+                r: plane(&c.r),
+                g: plane(&c.g),
+                b: plane(&c.b),
+            }),
+            alpha: self.alpha.as_ref().map(plane),
+            source: self.source.clone(),
+            ..*self
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Planes: one quantity, one value per pixel.
+
+use crate::frame::Window;
+use ndarray::{ArrayView2, ArrayViewMut2};
+use std::ops::Range;
+
+/// One quantity over a rectangle of pixels: row-major, rows contiguous, rows running down.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plane<T = f32> {
+    width: usize,
+    height: usize,
+    samples: Vec<T>,
+}
+
+impl<T: Copy> Plane<T> {
+    /// A plane with every sample equal to `value`.
+    pub fn filled(width: usize, height: usize, value: T) -> Self {
+        Self {
+            width,
+            height,
+            samples: vec![value; width * height],
+        }
+    }
+
+    /// A plane over samples already in row-major order.
+    ///
+    /// # Panics
+    /// If `samples` does not hold `width * height` values.
+    pub fn from_samples(width: usize, height: usize, samples: Vec<T>) -> Self {
+        assert_eq!(
+            samples.len(),
+            width * height,
+            "samples do not fill a {width}x{height} plane"
+        );
+        Self {
+            width,
+            height,
+            samples,
+        }
+    }
+
+    /// A plane whose sample at column `x` and row `y` is `sample(x, y)`.
+    pub fn from_fn(width: usize, height: usize, mut sample: impl FnMut(usize, usize) -> T) -> Self {
+        let samples = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(|(x, y)| sample(x, y))
+            .collect();
+        Self {
+            width,
+            height,
+            samples,
+        }
+    }
+
+    /// Number of columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The sample at column `x` of row `y`.
+    pub fn at(&self, x: usize, y: usize) -> T {
+        self.row(y)[x]
+    }
+
+    /// Row `y`, left to right.
+    pub fn row(&self, y: usize) -> &[T] {
+        &self.samples[y * self.width..(y + 1) * self.width]
+    }
+
+    /// Row `y`, left to right, to be written.
+    pub fn row_mut(&mut self, y: usize) -> &mut [T] {
+        &mut self.samples[y * self.width..(y + 1) * self.width]
+    }
+
+    /// The parts of the rows `rows` that lie in the columns `columns`, top to bottom.
+    pub fn rows_within(
+        &self,
+        columns: Range<usize>,
+        rows: Range<usize>,
+    ) -> impl Iterator<Item = &[T]> {
+        rows.map(move |y| &self.row(y)[columns.clone()])
+    }
+
+    /// All samples, row after row.
+    pub fn samples(&self) -> &[T] {
+        &self.samples
+    }
+
+    /// All samples, row after row, to be written.
+    pub fn samples_mut(&mut self) -> &mut [T] {
+        &mut self.samples
+    }
+
+    /// The plane of `f(sample)`.
+    pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Plane<U> {
+        Plane {
+            width: self.width,
+            height: self.height,
+            samples: self.samples.iter().copied().map(f).collect(),
+        }
+    }
+
+    /// The part of this plane inside `part`, where the plane itself covers `whole`.
+    ///
+    /// # Panics
+    /// If `part` reaches outside `whole`.
+    pub fn crop(&self, whole: Window, part: Window) -> Plane<T> {
+        assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
+        let columns = (part.x0 - whole.x0) as usize..(part.x1 - whole.x0) as usize;
+        let rows = (part.y0 - whole.y0) as usize..(part.y1 - whole.y0) as usize;
+        let samples = self.rows_within(columns, rows).flatten().copied().collect();
+        Plane {
+            width: part.width(),
+            height: part.height(),
+            samples,
+        }
+    }
+
+    /// The samples as an array indexed `[row, column]`.
+    pub fn view(&self) -> ArrayView2<'_, T> {
+        ArrayView2::from_shape((self.height, self.width), &self.samples)
+            .expect("a plane is contiguous")
+    }
+
+    /// The samples as an array indexed `[row, column]`, to be written.
+    pub fn view_mut(&mut self) -> ArrayViewMut2<'_, T> {
+        ArrayViewMut2::from_shape((self.height, self.width), &mut self.samples)
+            .expect("a plane is contiguous")
+    }
+}
+
+/// A field of 2-vectors, one plane per component (x right, y up).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vector2Planes {
+    /// First components.
+    pub x: Plane,
+    /// Second components.
+    pub y: Plane,
+}
+
+/// A field of 3-vectors, one plane per component. Its space is that of the quantity it holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vector3Planes {
+    /// First components.
+    pub x: Plane,
+    /// Second components.
+    pub y: Plane,
+    /// Third components.
+    pub z: Plane,
+}
+
+/// A field of symmetric 2x2 matrices, one plane per distinct entry.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SymmetricPlanes {
+    /// Entries of row x, column x.
+    pub xx: Plane,
+    /// The off-diagonal entries.
+    pub xy: Plane,
+    /// Entries of row y, column y.
+    pub yy: Plane,
+}
+
+/// Scene-linear colour, one plane per primary, not clamped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColorPlanes {
+    /// Red.
+    pub r: Plane,
+    /// Green.
+    pub g: Plane,
+    /// Blue.
+    pub b: Plane,
+}

@@ -1,0 +1,69 @@
+//! Rectangles of pixels in absolute coordinates.
+
+use serde::Serialize;
+
+/// A half-open rectangle of pixels, `x0 <= x < x1` and `y0 <= y < y1`, rows running down.
+///
+/// Coordinates are absolute: a crop keeps those of the picture it was cut from, and they may be
+/// negative (overscan). Only `io` knows the inclusive corners that EXR files store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+pub struct Window {
+    /// Leftmost column inside.
+    pub x0: i32,
+    /// Topmost row inside.
+    pub y0: i32,
+    /// First column to the right of the window.
+    pub x1: i32,
+    /// First row below the window.
+    pub y1: i32,
+}
+
+impl Window {
+    /// The window of `width` x `height` pixels whose top-left pixel is (0, 0).
+    pub fn from_size(width: usize, height: usize) -> Self {
+        Self::at(0, 0, width, height)
+    }
+
+    /// The window of `width` x `height` pixels whose top-left pixel is (`x0`, `y0`).
+    pub fn at(x0: i32, y0: i32, width: usize, height: usize) -> Self {
+        Self {
+            x0,
+            y0,
+            x1: x0 + width as i32,
+            y1: y0 + height as i32,
+        }
+    }
+
+    /// Number of columns; 0 where the corners are crossed.
+    pub fn width(&self) -> usize {
+        (i64::from(self.x1) - i64::from(self.x0)).max(0) as usize
+    }
+
+    /// Number of rows; 0 where the corners are crossed.
+    pub fn height(&self) -> usize {
+        (i64::from(self.y1) - i64::from(self.y0)).max(0) as usize
+    }
+
+    /// Whether the pixel (`x`, `y`) lies inside.
+    pub fn contains(&self, x: i32, y: i32) -> bool {
+        (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
+    }
+
+    /// Whether every pixel of `other` lies inside.
+    pub fn encloses(&self, other: &Window) -> bool {
+        self.x0 <= other.x0 && self.y0 <= other.y0 && other.x1 <= self.x1 && other.y1 <= self.y1
+    }
+}
+
+impl std::fmt::Display for Window {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}x{} at ({}, {})",
+            self.width(),
+            self.height(),
+            self.x0,
+            self.y0
+        )
+    }
+}
