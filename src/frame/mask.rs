@@ -31,6 +31,16 @@ impl Mask {
         Self::new(Plane::filled(width, height, true))
     }
 
+    /// Number of columns.
+    pub fn width(&self) -> usize {
+        self.covered.width()
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.covered.height()
+    }
+
     /// Row `y`: true where covered.
     pub fn row(&self, y: usize) -> &[bool] {
         self.covered.row(y)

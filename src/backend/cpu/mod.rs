@@ -1,0 +1,210 @@
+//! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
+
+mod edges;
+mod light;
+mod passes;
+mod statistics;
+
+use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::params::{CurvatureGain, WhiteLevel};
+use crate::plan::{Plan, Stage};
+use std::time::{Duration, Instant};
+
+/// Rows that one task takes at the least: enough work to be worth handing out.
+const ROWS_PER_TASK: usize = 8;
+
+/// The planes of the shape descriptor that a plan asked for, and those it needed on the way.
+#[derive(Debug, Clone, Default)]
+pub struct Shape {
+    /// Silhouette weight, 0..1.
+    pub silhouette: Option<Plane>,
+    /// Crease weight, 0..1.
+    pub crease: Option<Plane>,
+    /// Conductance, 0..1; 0 outside the mask.
+    pub conductance: Option<Plane>,
+    /// Depth gradient at the scale asked for, y up.
+    pub gradient: Option<Vector2Planes>,
+    /// Trace of the Hessian, per pixel; convex is negative.
+    pub trace: Option<Plane>,
+    /// Hessian of the height, per pixel, y up; convex is negative.
+    pub hessian: Option<SymmetricPlanes>,
+    /// Principal and mean curvature, per pixel.
+    pub curvatures: Option<CurvaturePlanes>,
+    /// Mapped curvature, -1..1; **convex is positive**.
+    pub kappa: Option<Plane>,
+    /// Direction of the curvature larger in size, x right, y up, equal to its opposite; 0 where
+    /// there is none.
+    pub direction: Option<Vector2Planes>,
+}
+
+/// Principal curvatures `u >= v` and their mean, per pixel; convex is negative.
+#[derive(Debug, Clone)]
+pub struct CurvaturePlanes {
+    /// The larger principal curvature.
+    pub u: Plane,
+    /// The smaller principal curvature.
+    pub v: Plane,
+    /// Their mean.
+    pub mean: Plane,
+}
+
+/// What a run gave.
+#[derive(Debug, Clone, Default)]
+pub struct Outcome {
+    /// The descriptor.
+    pub shape: Shape,
+    /// The picture with its shape brought out, or the curvature display.
+    pub color: Option<ColorPlanes>,
+    /// The gain of the curvature mapping that was used.
+    pub gain: Option<f32>,
+    /// The white level that was used.
+    pub white_level: Option<f32>,
+    /// How long each pass took, in order.
+    pub timings: Vec<(&'static str, Duration)>,
+}
+
+/// Runs `plan` on `frame`, in the rayon pool of the caller.
+///
+/// # Panics
+/// If the plan was made for other inputs than the frame holds: [`Goal::Enhance`] needs colour.
+///
+/// [`Goal::Enhance`]: crate::plan::Goal::Enhance
+pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
+    let mut run = Run {
+        plan,
+        frame,
+        outcome: Outcome::default(),
+    };
+    if plan.has(Stage::Conductance) {
+        run.find_shape();
+    }
+    if plan.has(Stage::RadianceScaling) {
+        run.scale_radiance();
+    }
+    run.outcome
+}
+
+struct Run<'a> {
+    plan: &'a Plan,
+    frame: &'a Frame,
+    outcome: Outcome,
+}
+
+impl Run<'_> {
+    fn timed<T>(&mut self, name: &'static str, pass: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = pass();
+        self.outcome.timings.push((name, start.elapsed()));
+        result
+    }
+
+    fn find_shape(&mut self) {
+        let (plan, frame) = (self.plan, self.frame);
+        let edges = self.timed("edges", || edges::edges(plan, frame));
+        let gradient = self.timed("gradient", || passes::gradient(frame, &plan.shape));
+        let gradient = if plan.has(Stage::Diffusion) {
+            let mask = &frame.mask;
+            self.timed("diffusion", || {
+                passes::diffusion(gradient, &edges.conductance, mask, &plan.shape)
+            })
+        } else {
+            gradient
+        };
+        if plan.has(Stage::Hessian) {
+            self.describe(&gradient, &edges.conductance);
+        } else {
+            let trace = self.timed("trace", || {
+                passes::trace(&gradient, &edges.conductance, &frame.mask)
+            });
+            self.choose_gain(&trace, &edges.conductance);
+            self.outcome.shape.trace = Some(trace);
+        }
+        if plan.has(Stage::CurvatureDisplay) {
+            self.display(&edges.conductance);
+        }
+        let shape = &mut self.outcome.shape;
+        shape.silhouette = edges.silhouette;
+        shape.crease = edges.crease;
+        shape.conductance = Some(edges.conductance);
+        shape.gradient = Some(gradient);
+    }
+
+    /// Everything that the layers of the descriptor hold beyond gradient and weights.
+    fn describe(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
+        let mask = &self.frame.mask;
+        let hessian = self.timed("hessian", || passes::hessian(gradient, conductance, mask));
+        let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask));
+        let direction = self.timed("directions", || passes::directions(&hessian, mask));
+        let trace = curvatures.mean.map(|mean| 2.0 * mean);
+        let gain = self.choose_gain(&trace, conductance);
+        self.outcome.shape.kappa = Some(passes::mapped_curvature(&trace, gain, mask));
+        self.outcome.shape.hessian = Some(hessian);
+        self.outcome.shape.curvatures = Some(curvatures);
+        self.outcome.shape.direction = Some(direction);
+    }
+
+    fn choose_gain(&mut self, trace: &Plane, conductance: &Plane) -> f32 {
+        let gain = match self.plan.scaling.curvature_gain {
+            CurvatureGain::Fixed(gain) => gain,
+            CurvatureGain::Auto => self.timed("auto-gain", || {
+                statistics::curvature_gain(trace, conductance)
+            }),
+        };
+        self.outcome.gain = Some(gain);
+        gain
+    }
+
+    fn display(&mut self, conductance: &Plane) {
+        let gain = self
+            .outcome
+            .gain
+            .expect("the gain is chosen before the display");
+        let trace = self
+            .outcome
+            .shape
+            .trace
+            .as_ref()
+            .expect("the display needs the trace");
+        let start = Instant::now();
+        let color = light::curvature_display(trace, conductance, &self.frame.mask, gain);
+        self.outcome.timings.push(("display", start.elapsed()));
+        self.outcome.color = Some(color);
+    }
+
+    fn scale_radiance(&mut self) {
+        let (plan, frame) = (self.plan, self.frame);
+        let color = frame
+            .color
+            .as_ref()
+            .expect("radiance scaling needs a picture");
+        let weights = light::luminance_weights(frame);
+        let white = match plan.scaling.white_level {
+            WhiteLevel::Fixed(level) => level,
+            WhiteLevel::Auto => self.timed("auto-white", || {
+                statistics::white_level(color, weights, &frame.mask)
+            }),
+        };
+        let gain = self
+            .outcome
+            .gain
+            .expect("the gain is chosen before scaling");
+        let trace = self
+            .outcome
+            .shape
+            .trace
+            .take()
+            .expect("scaling needs the trace");
+        let scaled = self.timed("radiance-scaling", || {
+            let scaler = light::Scaler {
+                params: plan.scaling,
+                gain,
+                white,
+                weights,
+            };
+            scaler.scale(color, &trace, &frame.mask)
+        });
+        self.outcome.shape.trace = Some(trace);
+        self.outcome.white_level = Some(white);
+        self.outcome.color = Some(scaled);
+    }
+}

@@ -1,0 +1,127 @@
+//! What shape analysis can be told.
+
+use crate::error::{Error, Result};
+use serde::Serialize;
+
+/// A soft step: 0 up to `lo`, 1 from `hi`, linear between.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SoftThreshold {
+    /// Where the weight starts to rise.
+    pub lo: f32,
+    /// Where the weight reaches 1.
+    pub hi: f32,
+}
+
+impl SoftThreshold {
+    /// The weight of `value`, 0..1. With `lo == hi` the step is hard.
+    pub fn weight(&self, value: f32) -> f32 {
+        if value >= self.hi {
+            1.0
+        } else if value <= self.lo {
+            0.0
+        } else {
+            (value - self.lo) / (self.hi - self.lo)
+        }
+    }
+}
+
+impl std::fmt::Display for SoftThreshold {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{}", self.lo, self.hi)
+    }
+}
+
+impl std::str::FromStr for SoftThreshold {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let parse = |s: &str| s.trim().parse::<f32>().ok().filter(|v| v.is_finite());
+        match text.split_once(',').map(|(lo, hi)| (parse(lo), parse(hi))) {
+            Some((Some(lo), Some(hi))) if 0.0 <= lo && lo <= hi => Ok(Self { lo, hi }),
+            _ => Err("expected two numbers LO,HI with 0 <= LO <= HI".into()),
+        }
+    }
+}
+
+/// How silhouettes, creases and curvature are found.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ShapeParams {
+    /// Jump of depth across a pixel, as a share of the distance, that makes a silhouette. Lower
+    /// values cut steep slopes apart; higher ones let curvature leak between objects.
+    pub silhouette: SoftThreshold,
+    /// The same for an occlusion or alpha map, as an absolute jump, where there is no depth.
+    pub occlusion_silhouette: SoftThreshold,
+    /// Angle between neighbouring normals, in degrees, that makes a crease. Lower values turn fine
+    /// relief into creases, which are left alone; higher ones round off real edges.
+    pub crease: SoftThreshold,
+    /// Foreshortening exponent f of the gradient `-n_xy / n_z^f`, 0 or more. 0 measures the surface
+    /// as an object seen from anywhere (k1 + k2); 1 measures the height field that the viewer sees,
+    /// with slopes that grow without end toward silhouettes.
+    pub foreshortening: f32,
+    /// Floor of n_z in that gradient, in (0, 1]. Lower floors let one rim pixel rule the Hessian;
+    /// higher ones flatten the surface near silhouettes.
+    pub min_nz: f32,
+    /// Explicit diffusion steps: the scale is `sqrt(2 * time_step * iterations)` pixels. 0 keeps the
+    /// finest detail and all noise.
+    pub iterations: u32,
+    /// Length of one explicit step, in (0, 1/4]. Above 1/4 the scheme is unstable; at exactly 1/4
+    /// a checkerboard never decays.
+    pub time_step: f32,
+}
+
+impl Default for ShapeParams {
+    fn default() -> Self {
+        Self {
+            silhouette: SoftThreshold { lo: 0.03, hi: 0.04 },
+            occlusion_silhouette: SoftThreshold { lo: 0.2, hi: 0.4 },
+            crease: SoftThreshold { lo: 30.0, hi: 60.0 },
+            foreshortening: 0.4,
+            min_nz: 0.05,
+            iterations: 10,
+            time_step: 0.2,
+        }
+    }
+}
+
+impl ShapeParams {
+    /// Refuses values outside their ranges.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] naming the first one.
+    pub fn validate(&self) -> Result<()> {
+        let bad = |name, found: String, remedy: &str| {
+            Err(Error::BadParameter {
+                name,
+                found,
+                remedy: remedy.into(),
+            })
+        };
+        if !(0.0..=4.0).contains(&self.foreshortening) {
+            return bad(
+                "--foreshortening",
+                format!("is {}", self.foreshortening),
+                "give 0 to 4",
+            );
+        }
+        if !(self.min_nz > 0.0 && self.min_nz <= 1.0) {
+            return bad(
+                "min_nz",
+                format!("is {}", self.min_nz),
+                "give more than 0, at most 1",
+            );
+        }
+        if !(self.time_step > 0.0 && self.time_step <= 0.25) {
+            return bad(
+                "time_step",
+                format!("is {}", self.time_step),
+                "explicit diffusion is stable only from 0 to 0.25",
+            );
+        }
+        Ok(())
+    }
+
+    /// Standard deviation, in pixels, of the Gaussian that the diffusion equals away from edges.
+    pub fn scale_px(&self) -> f32 {
+        (2.0 * self.time_step * self.iterations as f32).sqrt()
+    }
+}

@@ -1,0 +1,272 @@
+//! The decision for each stage, with its reason: the rules of the plan, written once.
+
+use super::{Available, Goal, Stage, chooses_gain, chooses_white, scales};
+use crate::params::{ScalingParams, ShapeParams};
+use serde::Serialize;
+
+/// Whether a stage runs, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Decision {
+    /// The stage.
+    pub stage: Stage,
+    /// Whether it runs.
+    pub kept: bool,
+    /// Why, in a few words.
+    pub reason: String,
+}
+
+impl Stage {
+    /// The stage's name as `--explain` and `--timings` print it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::DepthSilhouettes => "depth-silhouettes",
+            Self::OcclusionSilhouettes => "occlusion-silhouettes",
+            Self::BorderSilhouettes => "border-silhouettes",
+            Self::Creases => "creases",
+            Self::Conductance => "conductance",
+            Self::Gradient => "gradient",
+            Self::Diffusion => "diffusion",
+            Self::Trace => "trace",
+            Self::Hessian => "hessian",
+            Self::Curvatures => "curvatures",
+            Self::Directions => "directions",
+            Self::AutoGain => "auto-gain",
+            Self::AutoWhite => "auto-white",
+            Self::MappedCurvature => "mapped-curvature",
+            Self::RadianceScaling => "radiance-scaling",
+            Self::CurvatureDisplay => "curvature-display",
+        }
+    }
+}
+
+impl std::fmt::Display for Decision {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let verdict = if self.kept { "run " } else { "skip" };
+        write!(f, "{verdict}  {:<21} {}", self.stage.name(), self.reason)
+    }
+}
+
+/// Decides every stage, in the order of execution.
+pub(super) fn decide(
+    goal: Goal,
+    available: Available,
+    shape: &ShapeParams,
+    scaling: &ScalingParams,
+) -> Vec<Decision> {
+    let idle = goal == Goal::Enhance && !scales(scaling);
+    let all = goal == Goal::Layers;
+    let rules = [
+        silhouettes(available),
+        vec![
+            keep(Stage::Creases, "from normals"),
+            keep(
+                Stage::Conductance,
+                "barriers for diffusion, flatness at edges",
+            ),
+            keep(
+                Stage::Gradient,
+                format!("foreshortening {}", shape.foreshortening),
+            ),
+            rule(
+                Stage::Diffusion,
+                shape.iterations > 0,
+                format!(
+                    "{} steps, scale {:.2} px",
+                    shape.iterations,
+                    shape.scale_px()
+                ),
+                "--iterations 0",
+            ),
+            rule(
+                Stage::Trace,
+                !all,
+                "only the sum of curvatures is needed",
+                "part of the hessian",
+            ),
+            rule(
+                Stage::Hessian,
+                all,
+                "asked for as layers",
+                "its trace is enough",
+            ),
+            rule(
+                Stage::Curvatures,
+                all,
+                "asked for as layers",
+                "their sum is enough",
+            ),
+            rule(
+                Stage::Directions,
+                all,
+                "asked for as layers",
+                "nothing here follows a direction",
+            ),
+            rule(
+                Stage::AutoGain,
+                chooses_gain(scaling),
+                "--curvature-gain auto",
+                format!("--curvature-gain {}", scaling.curvature_gain),
+            ),
+        ],
+        light(goal, scaling),
+    ];
+    let mut decisions: Vec<Decision> = rules.into_iter().flatten().collect();
+    if idle {
+        for decision in &mut decisions {
+            *decision = skip(decision.stage, "--scaling 0 leaves the picture as it is");
+        }
+    }
+    decisions
+}
+
+/// One source of silhouettes: depth before occlusion before the mere border.
+fn silhouettes(available: Available) -> Vec<Decision> {
+    let Available { depth, occlusion } = available;
+    let no_occlusion = if depth {
+        "depth serves"
+    } else {
+        "no occlusion map, no alpha"
+    };
+    vec![
+        rule(
+            Stage::DepthSilhouettes,
+            depth,
+            "relative depth jumps",
+            "no depth",
+        ),
+        rule(
+            Stage::OcclusionSilhouettes,
+            !depth && occlusion,
+            "no depth: jumps of occlusion or alpha",
+            no_occlusion,
+        ),
+        rule(
+            Stage::BorderSilhouettes,
+            !depth && !occlusion,
+            "no depth: the border of the mask",
+            "a map tells more",
+        ),
+    ]
+}
+
+fn light(goal: Goal, scaling: &ScalingParams) -> Vec<Decision> {
+    let enhance = goal == Goal::Enhance;
+    let not_light = "no light is asked for";
+    let white = if enhance {
+        format!("--white-level {}", scaling.white_level)
+    } else {
+        not_light.to_string()
+    };
+    vec![
+        rule(
+            Stage::AutoWhite,
+            enhance && chooses_white(scaling),
+            "--white-level auto",
+            white,
+        ),
+        rule(
+            Stage::MappedCurvature,
+            goal == Goal::Layers,
+            "asked for as a layer",
+            "made on the fly where it is used",
+        ),
+        rule(
+            Stage::RadianceScaling,
+            enhance,
+            format!("magnitude {}", scaling.scaling),
+            not_light,
+        ),
+        rule(
+            Stage::CurvatureDisplay,
+            goal == Goal::Display,
+            "a picture of the descriptor",
+            "no display is asked for",
+        ),
+    ]
+}
+
+fn rule(
+    stage: Stage,
+    kept: bool,
+    why_kept: impl Into<String>,
+    why_not: impl Into<String>,
+) -> Decision {
+    if kept {
+        keep(stage, why_kept)
+    } else {
+        skip(stage, why_not)
+    }
+}
+
+fn keep(stage: Stage, reason: impl Into<String>) -> Decision {
+    Decision {
+        stage,
+        kept: true,
+        reason: reason.into(),
+    }
+}
+
+fn skip(stage: Stage, reason: impl Into<String>) -> Decision {
+    Decision {
+        stage,
+        kept: false,
+        reason: reason.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Plan;
+
+    fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
+        let shape = ShapeParams {
+            iterations,
+            ..ShapeParams::default()
+        };
+        Plan::new(goal, available, shape, ScalingParams::default()).unwrap()
+    }
+
+    const DEPTH: Available = Available {
+        depth: true,
+        occlusion: true,
+    };
+    const NOTHING: Available = Available {
+        depth: false,
+        occlusion: false,
+    };
+
+    #[test]
+    fn a_run_pays_only_for_what_it_needs() {
+        assert!(plan(Goal::Enhance, DEPTH, 50).has(Stage::Diffusion));
+        assert!(!plan(Goal::Enhance, DEPTH, 0).has(Stage::Diffusion));
+        assert!(!plan(Goal::Enhance, NOTHING, 50).has(Stage::DepthSilhouettes));
+        assert!(!plan(Goal::Enhance, DEPTH, 50).has(Stage::OcclusionSilhouettes));
+        for stage in [Stage::Directions, Stage::Curvatures, Stage::Hessian] {
+            assert!(!plan(Goal::Enhance, DEPTH, 50).has(stage));
+            assert!(plan(Goal::Layers, DEPTH, 50).has(stage));
+        }
+    }
+
+    #[test]
+    fn scaling_by_zero_computes_nothing() {
+        let idle = ScalingParams {
+            scaling: 0.0,
+            ..ScalingParams::default()
+        };
+        let plan = Plan::new(Goal::Enhance, DEPTH, ShapeParams::default(), idle).unwrap();
+        assert!(plan.stages().is_empty());
+    }
+
+    #[test]
+    fn every_stage_is_decided_once_and_in_order() {
+        let decisions = plan(Goal::Layers, DEPTH, 1).decisions().to_vec();
+        assert!(
+            decisions
+                .windows(2)
+                .all(|pair| pair[0].stage < pair[1].stage)
+        );
+        assert_eq!(decisions.last().unwrap().stage, Stage::CurvatureDisplay);
+        assert_eq!(decisions.len(), Stage::CurvatureDisplay as usize + 1);
+    }
+}

@@ -1,0 +1,150 @@
+//! What to compute, in what order, and why: from the products asked for and the inputs present, the
+//! stages needed and no others. A plan touches no pixel.
+
+mod explain;
+
+pub use explain::Decision;
+
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::params::{CurvatureGain, ScalingParams, ShapeParams, WhiteLevel};
+use serde::Serialize;
+
+/// What a run is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Goal {
+    /// Every layer of the descriptor.
+    Layers,
+    /// The coloured curvature display of [LW] figure 6.
+    Display,
+    /// Radiance scaling of the picture.
+    Enhance,
+}
+
+/// One step of the work. The order of the variants is the order of execution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// Silhouette weights from depth.
+    DepthSilhouettes,
+    /// Silhouette weights from an occlusion map or alpha.
+    OcclusionSilhouettes,
+    /// Silhouette weights from the border of coverage alone.
+    BorderSilhouettes,
+    /// Crease weights from normals.
+    Creases,
+    /// Conductance from both weights.
+    Conductance,
+    /// Depth gradient.
+    Gradient,
+    /// Diffusion of the gradient.
+    Diffusion,
+    /// Trace of the Hessian alone.
+    Trace,
+    /// The whole Hessian.
+    Hessian,
+    /// Principal and mean curvatures.
+    Curvatures,
+    /// Directions of the larger curvature.
+    Directions,
+    /// Gain of the curvature mapping, chosen from the frame.
+    AutoGain,
+    /// White level, chosen from the picture.
+    AutoWhite,
+    /// Mapped curvature as a layer.
+    MappedCurvature,
+    /// Radiance scaling of the picture.
+    RadianceScaling,
+    /// Coloured curvature display.
+    CurvatureDisplay,
+}
+
+/// Which inputs there are to plan with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Available {
+    /// Depth.
+    pub depth: bool,
+    /// An occlusion map or alpha.
+    pub occlusion: bool,
+}
+
+impl Available {
+    /// The inputs that `frame` holds.
+    pub fn in_frame(frame: &Frame) -> Self {
+        Self {
+            depth: frame.depth.is_some(),
+            occlusion: frame.occlusion.is_some(),
+        }
+    }
+}
+
+/// The stages of a run in their order, with the reason for each one kept or left out.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What the run is for.
+    pub goal: Goal,
+    /// How shape is found.
+    pub shape: ShapeParams,
+    /// How light is scaled; used by [`Goal::Enhance`], its gain by all.
+    pub scaling: ScalingParams,
+    stages: Vec<Stage>,
+    decisions: Vec<Decision>,
+}
+
+impl Plan {
+    /// The plan for `goal` over a frame with the given inputs.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] for a parameter outside its range.
+    pub fn new(
+        goal: Goal,
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+    ) -> Result<Self> {
+        shape.validate()?;
+        scaling.validate()?;
+        let decisions = explain::decide(goal, available, &shape, &scaling);
+        let stages = decisions
+            .iter()
+            .filter(|d| d.kept)
+            .map(|d| d.stage)
+            .collect();
+        Ok(Self {
+            goal,
+            shape,
+            scaling,
+            stages,
+            decisions,
+        })
+    }
+
+    /// The stages to run, in order.
+    pub fn stages(&self) -> &[Stage] {
+        &self.stages
+    }
+
+    /// Whether `stage` is part of the plan.
+    pub fn has(&self, stage: Stage) -> bool {
+        self.stages.contains(&stage)
+    }
+
+    /// Every stage there is, kept or left out, and why.
+    pub fn decisions(&self) -> &[Decision] {
+        &self.decisions
+    }
+}
+
+/// Whether the scaling changes anything at all.
+pub(crate) fn scales(scaling: &ScalingParams) -> bool {
+    scaling.scaling > 0.0
+}
+
+pub(crate) fn chooses_gain(scaling: &ScalingParams) -> bool {
+    scaling.curvature_gain == CurvatureGain::Auto
+}
+
+pub(crate) fn chooses_white(scaling: &ScalingParams) -> bool {
+    scaling.white_level == WhiteLevel::Auto
+}

@@ -1,0 +1,78 @@
+//! Anisotropic diffusion of the gradient: the scale of the descriptor.
+//!
+//! Theory: dg/ds = div(c grad g) ([LW] section 4.3), Neumann at the border of the picture and of
+//! coverage. Here by explicit steps, stable up to a time step of 1/4. Changes: face conductances
+//! are harmonic means, so the scheme is conservative and a closed silhouette leaks exactly nothing.
+
+/// Face conductances around one row of pixels.
+#[derive(Debug, Clone, Copy)]
+pub struct Faces<'a> {
+    /// `left[x]` joins column `x - 1` and `x`; one longer than the row, both ends 0.
+    pub left: &'a [f32],
+    /// `above[x]` joins this row and the row above; 0 in the first row.
+    pub above: &'a [f32],
+    /// `below[x]` joins this row and the row below; 0 in the last row.
+    pub below: &'a [f32],
+}
+
+/// Pixels read to each side by one step.
+pub const REACH: usize = 1;
+
+/// One explicit step for the columns of `span`: `g + dt * sum c_ij (g_j - g_i)` over 4 neighbours.
+pub fn diffuse_row(
+    out: &mut [f32],
+    g: &crate::shape::Rows,
+    faces: &Faces,
+    time_step: f32,
+    span: std::ops::Range<usize>,
+) {
+    if span.is_empty() {
+        return;
+    }
+    let last = g.at.len() - 1;
+    let edge = |x: usize| {
+        let sides = [
+            g.at[x.saturating_sub(1)],
+            g.at[(x + 1).min(last)],
+            g.above[x],
+            g.below[x],
+        ];
+        let joined = [
+            faces.left[x],
+            faces.left[x + 1],
+            faces.above[x],
+            faces.below[x],
+        ];
+        diffused(g.at[x], sides, joined, time_step)
+    };
+    let (first, end) = (span.start.max(1), span.end.min(last));
+    if span.start == 0 {
+        out[0] = edge(0);
+    }
+    if span.end == last + 1 {
+        out[last] = edge(last);
+    }
+    if first >= end {
+        return;
+    }
+    let n = end - first;
+    let (out, at) = (&mut out[first..end], &g.at[first..end]);
+    let (west, east) = (&g.at[first - 1..][..n], &g.at[first + 1..][..n]);
+    let (north, south) = (&g.above[first..end], &g.below[first..end]);
+    let (to_west, to_east) = (&faces.left[first..end], &faces.left[first + 1..][..n]);
+    let (to_north, to_south) = (&faces.above[first..end], &faces.below[first..end]);
+    for x in 0..n {
+        let sides = [west[x], east[x], north[x], south[x]];
+        let joined = [to_west[x], to_east[x], to_north[x], to_south[x]];
+        out[x] = diffused(at[x], sides, joined, time_step);
+    }
+}
+
+/// A sample after one step, from its neighbours west, east, north and south and the conductances
+/// of the faces to them. Opposite neighbours are summed first: a mirrored or turned picture gives
+/// the same bits.
+#[inline(always)]
+fn diffused(g: f32, sides: [f32; 4], joined: [f32; 4], time_step: f32) -> f32 {
+    let flux = |i: usize| joined[i] * (sides[i] - g);
+    g + time_step * ((flux(0) + flux(1)) + (flux(2) + flux(3)))
+}

@@ -1,0 +1,51 @@
+//! The shape descriptor of [LW] section 4: pure kernels over rows, no files, threads or clock.
+//!
+//! Rows run down while y points up: `d/dy` is (row above - row below) / 2. Every kernel says how
+//! many pixels it reads to each side.
+
+pub mod conductance;
+pub mod crease;
+pub mod curvature;
+pub mod diffusion;
+pub mod gradient;
+pub mod hessian;
+pub mod silhouette;
+
+/// Three neighbouring rows of one plane: above, at and below the row being computed. At the border
+/// of a picture the row beyond it is the border row again.
+#[derive(Debug, Clone, Copy)]
+pub struct Rows<'a, T = f32> {
+    /// The row above.
+    pub above: &'a [T],
+    /// The row being computed.
+    pub at: &'a [T],
+    /// The row below.
+    pub below: &'a [T],
+}
+
+impl<'a, T: Copy> Rows<'a, T> {
+    /// The rows around row `y` of `plane`.
+    pub fn around(plane: &'a crate::frame::Plane<T>, y: usize) -> Self {
+        Self {
+            above: plane.row(y.saturating_sub(1)),
+            at: plane.row(y),
+            below: plane.row((y + 1).min(plane.height() - 1)),
+        }
+    }
+
+    /// The 3x3 samples around column `x`, rows top to bottom; columns beyond the border repeat it.
+    #[inline(always)]
+    pub fn neighbourhood(&self, x: usize) -> [[T; 3]; 3] {
+        let (left, right) = (x.saturating_sub(1), (x + 1).min(self.at.len() - 1));
+        [self.above, self.at, self.below].map(|row| [row[left], row[x], row[right]])
+    }
+}
+
+/// Derivatives (d/dx, d/dy) per pixel of a 3x3 neighbourhood, y up: Sobel's kernel, whose sum of 8
+/// is divided out.
+#[inline(always)]
+pub fn sobel(n: [[f32; 3]; 3]) -> [f32; 2] {
+    let column = |x: usize| (n[0][x] + n[2][x]) + 2.0 * n[1][x];
+    let row = |y: usize| (n[y][0] + n[y][2]) + 2.0 * n[y][1];
+    [(column(2) - column(0)) / 8.0, (row(0) - row(2)) / 8.0]
+}
