@@ -1,0 +1,309 @@
+//! The names of the contract. Every default is read from `params`.
+
+use crate::frame::NormalSpace;
+use crate::io::inputs::{Flip, Inputs, NormalEncoding};
+use crate::io::photo::ViewTransform;
+use crate::params::{CurvatureGain, ScalingParams, ShapeParams, SoftThreshold, WhiteLevel};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+static SHAPE: LazyLock<ShapeParams> = LazyLock::new(ShapeParams::default);
+static SCALING: LazyLock<ScalingParams> = LazyLock::new(ScalingParams::default);
+
+/// Brings out the shape of surfaces in pictures, from their normals and depth.
+#[derive(Debug, Parser)]
+#[command(name = "relievo", version, arg_required_else_help = true)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Say what is in files: which layer plays which role, in which space, and why.
+    #[command(after_help = INSPECT_EXAMPLES)]
+    Inspect(InspectArgs),
+    /// Write the shape descriptor: layers to an EXR, or the coloured curvature display to a picture.
+    #[command(after_help = SHAPE_EXAMPLES)]
+    Shape(ShapeArgs),
+    /// Bring out the shape in the shading that a picture already has.
+    #[command(after_help = ENHANCE_EXAMPLES)]
+    Enhance(EnhanceArgs),
+}
+
+const INSPECT_EXAMPLES: &str = "\
+Examples:
+  relievo inspect render.exr
+  relievo inspect --json shot.*.exr
+  relievo inspect photo.jpg --normal normals.png";
+
+const SHAPE_EXAMPLES: &str = "\
+Examples:
+  relievo shape render.exr -o curvature.png          a look at what is found
+  relievo shape render.exr -o layers.exr             all layers beside those of the render
+  relievo shape render.exr -o fine.png --iterations 0";
+
+const ENHANCE_EXAMPLES: &str = "\
+Examples:
+  relievo enhance render.exr -o enhanced.png
+  relievo enhance render.exr -o enhanced.exr --scaling 1.5 --iterations 50
+  relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg";
+
+#[derive(Debug, Args)]
+pub(super) struct InspectArgs {
+    /// Files to look into.
+    #[arg(required = true, value_name = "FILE")]
+    pub(super) files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    /// Print one JSON array instead of text.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ShapeArgs {
+    /// The render or photo.
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    #[command(flatten)]
+    pub(super) shape: ShapeFlags,
+    #[command(flatten)]
+    pub(super) gain: GainFlag,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
+    #[command(flatten)]
+    pub(super) run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct EnhanceArgs {
+    /// The render or photo.
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    #[command(flatten)]
+    pub(super) shape: ShapeFlags,
+    #[command(flatten)]
+    pub(super) gain: GainFlag,
+    #[command(flatten)]
+    pub(super) scaling: ScalingFlags,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
+    #[command(flatten)]
+    pub(super) run: RunArgs,
+}
+
+/// Which layers and files play which role.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Inputs")]
+pub(super) struct RoleArgs {
+    /// Normals: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    normal: Option<String>,
+    /// Depth: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    depth: Option<String>,
+    /// World-space positions: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    position: Option<String>,
+    /// The picture to be enhanced: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    color: Option<String>,
+    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    occlusion: Option<String>,
+    /// Coverage, a surface where above one half: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    mask: Option<String>,
+    /// Space of the normals.
+    #[arg(long, value_name = "SPACE", default_value = "auto")]
+    normal_space: SpaceArg,
+    /// Encoding of the normals.
+    #[arg(long, value_name = "ENCODING", default_value = "auto")]
+    normal_encoding: EncodingArg,
+    /// Axes of the normals that point the wrong way: y for DirectX normal maps.
+    #[arg(long, value_name = "AXES", default_value = "", hide_default_value = true)]
+    normal_flip: Flip,
+    /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SpaceArg {
+    Auto,
+    View,
+    World,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum EncodingArg {
+    Auto,
+    Signed,
+    Unsigned,
+}
+
+impl RoleArgs {
+    pub(super) fn inputs(&self, picture: &std::path::Path) -> Inputs {
+        Inputs {
+            picture: picture.to_path_buf(),
+            color: self.color.clone(),
+            normal: self.normal.clone(),
+            depth: self.depth.clone(),
+            position: self.position.clone(),
+            occlusion: self.occlusion.clone(),
+            mask: self.mask.clone(),
+            camera: self.camera.clone(),
+            normal_space: match self.normal_space {
+                SpaceArg::Auto => None,
+                SpaceArg::View => Some(NormalSpace::View),
+                SpaceArg::World => Some(NormalSpace::World),
+            },
+            normal_encoding: match self.normal_encoding {
+                EncodingArg::Auto => None,
+                EncodingArg::Signed => Some(NormalEncoding::Signed),
+                EncodingArg::Unsigned => Some(NormalEncoding::Unsigned),
+            },
+            normal_flip: self.normal_flip,
+        }
+    }
+}
+
+/// How shape is found.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Shape")]
+pub(super) struct ShapeFlags {
+    /// Diffusion steps: more show larger features only.
+    #[arg(long, value_name = "N", default_value_t = SHAPE.iterations)]
+    iterations: u32,
+    /// Foreshortening of the gradient: 0 as an object, 1 as the viewer's height field.
+    #[arg(long, value_name = "F", default_value_t = SHAPE.foreshortening)]
+    foreshortening: f32,
+    /// Jump of depth, as a share of the distance, that makes a silhouette.
+    #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.silhouette)]
+    silhouette: SoftThreshold,
+    /// Angle between neighbouring normals, in degrees, that makes a crease.
+    #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.crease)]
+    crease: SoftThreshold,
+}
+
+impl ShapeFlags {
+    pub(super) fn params(&self) -> ShapeParams {
+        ShapeParams {
+            iterations: self.iterations,
+            foreshortening: self.foreshortening,
+            silhouette: self.silhouette,
+            crease: self.crease,
+            ..*SHAPE
+        }
+    }
+}
+
+/// How curvature is mapped to -1..1.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Shape")]
+pub(super) struct GainFlag {
+    /// Curvature gain in pixels, or auto to fit the frame.
+    #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain)]
+    pub(super) curvature_gain: CurvatureGain,
+}
+
+/// How the picture is scaled.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Radiance scaling")]
+pub(super) struct ScalingFlags {
+    /// Scaling magnitude: 0 changes nothing.
+    #[arg(long, value_name = "G", default_value_t = SCALING.scaling)]
+    scaling: f32,
+    /// Intensity, 0..1, that stays as it is; brighter ones brighten on convexities.
+    #[arg(long, value_name = "A", default_value_t = SCALING.invariant_point)]
+    invariant_point: f32,
+    /// Luminance that counts as intensity 1, or auto to fit the picture.
+    #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level)]
+    white_level: WhiteLevel,
+}
+
+impl ScalingFlags {
+    pub(super) fn params(&self, gain: &GainFlag) -> ScalingParams {
+        ScalingParams {
+            scaling: self.scaling,
+            invariant_point: self.invariant_point,
+            curvature_gain: gain.curvature_gain,
+            white_level: self.white_level,
+        }
+    }
+}
+
+/// Where results go.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct OutputArgs {
+    /// File to write: .exr .png .jpg .tif .hdr.
+    #[arg(short = 'o', long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+    /// EXR: append a part to the input's own bytes, or write the results alone.
+    #[arg(long, value_name = "WHAT", default_value = "keep")]
+    pub(super) layers: LayersArg,
+    /// EXR: sample type; as the input where not given (float for descriptor layers and photos).
+    #[arg(long, value_name = "TYPE")]
+    pub(super) depth_of_output: Option<SampleArg>,
+    /// Pictures: from scene-linear to display.
+    #[arg(long, value_name = "CURVE", default_value = "srgb")]
+    pub(super) view_transform: TransformArg,
+    /// Refuse to replace a file.
+    #[arg(long)]
+    pub(super) no_clobber: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum LayersArg {
+    Keep,
+    Results,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum SampleArg {
+    Half,
+    Float,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum TransformArg {
+    Srgb,
+    None,
+}
+
+impl From<TransformArg> for ViewTransform {
+    fn from(arg: TransformArg) -> Self {
+        match arg {
+            TransformArg::Srgb => Self::Srgb,
+            TransformArg::None => Self::None,
+        }
+    }
+}
+
+/// How the work is run and told about.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Run")]
+pub(super) struct RunArgs {
+    /// Threads; all cores where not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(super) threads: Option<u16>,
+    /// Print each stage kept or left out, and why.
+    #[arg(long)]
+    pub(super) explain: bool,
+    /// Write how long each stage took, as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub(super) timings: Option<PathBuf>,
+    /// Say what was concluded about the inputs.
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub(super) verbose: bool,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}

@@ -1,0 +1,28 @@
+//! The command line: arguments in, files and messages out.
+
+mod args;
+mod enhance;
+mod inspect;
+mod message;
+mod output;
+mod shape;
+
+use args::{Cli, Command};
+use clap::Parser;
+
+/// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused.
+pub fn run() -> i32 {
+    let command = Cli::parse().command;
+    let result = match &command {
+        Command::Inspect(args) => inspect::run(args),
+        Command::Shape(args) => shape::run(args),
+        Command::Enhance(args) => enhance::run(args),
+    };
+    match result {
+        Ok(()) => 0,
+        Err(error) => {
+            message::error(&error);
+            message::exit_code(&error)
+        }
+    }
+}

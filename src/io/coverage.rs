@@ -1,0 +1,95 @@
+//! Where a surface was seen: backgrounds and missing samples become the mask, and nothing else.
+
+use super::normals::MIN_LENGTH;
+use crate::frame::{Mask, Plane, Vector3Planes};
+
+/// What is left of the infinite distance in a half float.
+const HALF_INFINITY: f32 = 65504.0;
+
+/// Distances from here on are a renderer's way of saying "nothing there" (1e10, 1e30, 1e38).
+const BACKGROUND_DEPTH: f32 = 1e9;
+
+/// Whether a depth sample is a distance rather than a background value: 0, negative, not finite,
+/// 65504 (infinity clamped to half float) or 1e9 and more.
+pub(super) fn is_distance(depth: f32) -> bool {
+    depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
+}
+
+/// The planes that coverage is read from.
+pub(super) struct Evidence<'a> {
+    /// Decoded normals, not yet renormalised.
+    pub(super) normal: &'a Vector3Planes,
+    pub(super) depth: Option<&'a Plane>,
+    pub(super) alpha: Option<&'a Plane>,
+    pub(super) mask: Option<&'a Plane>,
+}
+
+/// Covered: the normal has a direction, depth is a distance, and the mask is above one half. Alpha
+/// decides only where there is neither depth nor a mask.
+pub(super) fn coverage(evidence: &Evidence) -> Mask {
+    let normal = evidence.normal;
+    let half = |plane: Option<&Plane>, x, y| plane.is_none_or(|p| p.at(x, y) > 0.5);
+    let deciding_alpha = match (evidence.depth, evidence.mask) {
+        (None, None) => evidence.alpha,
+        _ => None,
+    };
+    Mask::new(Plane::from_fn(normal.x.width(), normal.x.height(), |x, y| {
+        let n = glam::Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
+        n.is_finite()
+            && n.length_squared() > MIN_LENGTH * MIN_LENGTH
+            && n.length_squared().is_finite()
+            && evidence.depth.is_none_or(|d| is_distance(d.at(x, y)))
+            && half(evidence.mask, x, y)
+            && half(deciding_alpha, x, y)
+    }))
+}
+
+/// Gives every sample outside the mask the value 0, so that no NaN or sentinel travels on.
+pub(super) fn blank_outside(plane: &mut Plane, mask: &Mask) {
+    for (sample, &covered) in plane.samples_mut().iter_mut().zip(mask.plane().samples()) {
+        if !covered {
+            *sample = 0.0;
+        }
+    }
+}
+
+/// Replaces what no picture can show: NaN by 0, infinities by the largest half float. Returns how
+/// many samples there were.
+pub(super) fn sanitise(plane: &mut Plane) -> usize {
+    let mut replaced = 0;
+    for sample in plane.samples_mut().iter_mut().filter(|s| !s.is_finite()) {
+        *sample = if sample.is_nan() { 0.0 } else { HALF_INFINITY.copysign(*sample) };
+        replaced += 1;
+    }
+    replaced
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_known_background_is_no_distance() {
+        let sentinels = [0.0, -1.0, 1e10, 1e30, 1e38, 65504.0, f32::INFINITY, f32::NAN, -0.0];
+        assert!(sentinels.iter().all(|&depth| !is_distance(depth)));
+        assert!([1e-6, 1.0, 65503.0, 1e6].iter().all(|&depth| is_distance(depth)));
+    }
+
+    #[test]
+    fn normals_without_direction_are_not_covered() {
+        let x = vec![0.0, f32::NAN, f32::INFINITY, 1e30, 1.0, 0.01];
+        let zero = Plane::filled(6, 1, 0.0);
+        let normal =
+            Vector3Planes { x: Plane::from_samples(6, 1, x), y: zero.clone(), z: zero };
+        let evidence = Evidence { normal: &normal, depth: None, alpha: None, mask: None };
+        assert_eq!(coverage(&evidence).row(0), [false, false, false, false, true, false]);
+    }
+
+    #[test]
+    fn what_cannot_be_shown_is_replaced() {
+        let mut plane =
+            Plane::from_samples(4, 1, vec![f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -2.0]);
+        assert_eq!(sanitise(&mut plane), 3);
+        assert_eq!(plane.row(0), [0.0, 65504.0, -65504.0, -2.0]);
+    }
+}

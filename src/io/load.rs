@@ -1,0 +1,328 @@
+//! From files to a frame: reads what a goal needs, and turns everything to view space once.
+
+use super::coverage::{self, Evidence};
+use super::exr::ExrFile;
+use super::inputs::{Inputs, NormalEncoding};
+use super::normals;
+use super::roles::Role;
+use super::sources::{Opened, RolePlanes, RoleSource, read_all};
+use super::view::{Surface, View, turn_to_view};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, Frame, Plane, Source, Vector3Planes, Window};
+use serde::Serialize;
+use std::rc::Rc;
+
+/// What was concluded about an input, from what evidence, and the flag that would force it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// What the conclusion is about: a role, the camera, the space of the normals.
+    pub subject: String,
+    /// The conclusion.
+    pub conclusion: String,
+    /// Why.
+    pub evidence: String,
+    /// The flag that would force it.
+    pub flag: String,
+}
+
+/// A frame with all that was concluded on the way.
+pub struct Loaded {
+    /// The frame, in view space.
+    pub frame: Frame,
+    /// What was concluded.
+    pub findings: Vec<Finding>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// Bits per sample of a photo; `None` for an EXR.
+    pub photo_bits: Option<u8>,
+    main: Rc<Opened>,
+}
+
+impl Loaded {
+    /// The picture as an EXR file, where it is one.
+    pub fn exr(&self) -> Option<&ExrFile> {
+        match self.main.as_ref() {
+            Opened::Exr { file, .. } => Some(file),
+            Opened::Photo { .. } => None,
+        }
+    }
+}
+
+/// Reads the frame that `inputs` describe: normals, what silhouettes need, and, if `with_color`,
+/// the picture.
+///
+/// # Errors
+/// Any [`Error`] of reading; [`Error::MissingAov`] without normals or without a picture where one is
+/// wanted; [`Error::SizeMismatch`] for inputs of unlike windows; [`Error::Undetermined`] where
+/// neither names nor data tell the space of the normals.
+pub fn load(inputs: &Inputs, with_color: bool) -> Result<Loaded> {
+    let main = Opened::open(&inputs.picture)?;
+    let sources = Sources::resolve(inputs, &main, with_color)?;
+    let window = sources.common_window()?;
+    let mut planes = sources.read()?;
+    let mut notes = Notes::about(&sources);
+
+    let stored = planes.vector(Role::Normal).expect("normals are always resolved");
+    let encoding = notes.encoding(inputs, &sources, &stored);
+    let mut normal = stored;
+    normals::decode(&mut normal, encoding, inputs.normal_flip);
+    let mut depth = planes.scalar(Role::Depth);
+    let (color, alpha) = planes.color(&mut notes);
+    let user_mask = planes.scalar(Role::Mask);
+    let mask = coverage::coverage(&Evidence {
+        normal: &normal,
+        depth: depth.as_ref(),
+        alpha: alpha.as_ref(),
+        mask: user_mask.as_ref(),
+    });
+    let lengths = normals::normalise(&mut normal, mask.plane());
+    if let Some(depth) = &mut depth {
+        coverage::blank_outside(depth, &mask);
+    }
+
+    let (display_window, pixel_aspect) = shown(&main, window);
+    let position = planes.vector(Role::Position);
+    let surface = Surface {
+        mask: &mask,
+        position: position.as_ref(),
+        depth: depth.as_ref(),
+        data_window: window,
+        display_window,
+        pixel_aspect,
+    };
+    let View { camera, findings } = turn_to_view(inputs, &surface, &mut normal)?;
+    notes.findings.extend(findings);
+    if mask.count() == 0 {
+        notes.warnings.push("no pixel shows a surface: nothing to do".into());
+    }
+
+    let occlusion = planes.scalar(Role::Occlusion).or_else(|| varying(alpha.as_ref()));
+    let frame = Frame {
+        data_window: window,
+        display_window,
+        pixel_aspect,
+        mask,
+        normal,
+        normal_length: (encoding == NormalEncoding::Signed).then_some(lengths),
+        depth,
+        occlusion,
+        color,
+        alpha,
+        camera,
+        source: origin(&main),
+    };
+    let Notes { findings, warnings } = notes;
+    let photo_bits = match main.as_ref() {
+        Opened::Photo { photo, .. } => Some(photo.bits),
+        Opened::Exr { .. } => None,
+    };
+    Ok(Loaded { frame, findings, warnings, photo_bits, main })
+}
+
+/// The sources of all roles that this run reads.
+struct Sources {
+    roles: Vec<RoleSource>,
+}
+
+impl Sources {
+    fn resolve(inputs: &Inputs, main: &Rc<Opened>, with_color: bool) -> Result<Self> {
+        let find = |role, name: &Option<String>| RoleSource::resolve(role, name.as_deref(), main);
+        let normal = find(Role::Normal, &inputs.normal)?
+            .ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
+        let mut roles = vec![normal];
+        // Silhouettes come from one map: an occlusion map that was asked for spares the depth.
+        let only_occlusion = inputs.occlusion.is_some() && inputs.depth.is_none();
+        let depth = if only_occlusion { None } else { find(Role::Depth, &inputs.depth)? };
+        if depth.is_none() {
+            roles.extend(find(Role::Occlusion, &inputs.occlusion)?);
+        }
+        roles.extend(depth);
+        if inputs.camera.is_none() {
+            roles.extend(find(Role::Position, &inputs.position)?);
+        }
+        let color = find(Role::Color, &inputs.color)?;
+        if with_color && color.is_none() {
+            return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
+        }
+        // Without depth, alpha tells coverage, so the picture is read for it.
+        if with_color || roles.iter().all(|s| s.role != Role::Depth) {
+            roles.extend(color);
+        }
+        roles.extend(find(Role::Mask, &inputs.mask)?);
+        Ok(Self { roles })
+    }
+
+    /// The window that all sources share.
+    fn common_window(&self) -> Result<Window> {
+        let expected = &self.roles[0];
+        let window = expected.window();
+        for source in &self.roles[1..] {
+            if source.window() != window {
+                return Err(Error::SizeMismatch {
+                    path: source.file.path().to_path_buf(),
+                    found: format!("{} ({})", source.window(), source.label()),
+                    expected: format!("the normals ({}) are {window}", expected.label()),
+                });
+            }
+        }
+        Ok(window)
+    }
+
+    fn read(&self) -> Result<Planes> {
+        let read = read_all(&self.roles)?;
+        Ok(Planes { roles: self.roles.iter().map(|s| s.role).zip(read).collect() })
+    }
+
+    fn get(&self, role: Role) -> Option<&RoleSource> {
+        self.roles.iter().find(|s| s.role == role)
+    }
+}
+
+fn missing(main: &Opened, role: Role, flag: &str) -> Error {
+    let layers = main.layer_names();
+    let found = if layers.is_empty() { "a photo".into() } else { layers.join(", ") };
+    Error::MissingAov {
+        path: main.path().to_path_buf(),
+        found: format!("has no {} layer (found {found})", role.name()),
+        remedy: format!("name one with {flag}"),
+    }
+}
+
+/// The planes as read, taken out role by role.
+struct Planes {
+    roles: Vec<(Role, RolePlanes)>,
+}
+
+impl Planes {
+    fn take(&mut self, role: Role) -> Option<RolePlanes> {
+        let index = self.roles.iter().position(|(r, _)| *r == role)?;
+        Some(self.roles.swap_remove(index).1)
+    }
+
+    fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
+        let [x, y, z] = three(self.take(role)?.planes);
+        Some(Vector3Planes { x, y, z })
+    }
+
+    fn scalar(&mut self, role: Role) -> Option<Plane> {
+        self.take(role).map(|read| grey(read.planes))
+    }
+
+    fn color(&mut self, notes: &mut Notes) -> (Option<ColorPlanes>, Option<Plane>) {
+        let Some(RolePlanes { mut planes, mut alpha }) = self.take(Role::Color) else {
+            return (None, None);
+        };
+        let replaced: usize = planes.iter_mut().chain(&mut alpha).map(coverage::sanitise).sum();
+        if replaced > 0 {
+            notes.warnings.push(format!(
+                "{replaced} colour samples were not finite: NaN became 0, infinity 65504"
+            ));
+        }
+        let [r, g, b] = three(planes);
+        (Some(ColorPlanes { r, g, b }), alpha)
+    }
+}
+
+/// Three planes of one or three: a grey picture has three equal ones.
+fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
+    let third = planes.pop().expect("a source has planes");
+    match (planes.pop(), planes.pop()) {
+        (Some(second), Some(first)) => [first, second, third],
+        _ => [third.clone(), third.clone(), third],
+    }
+}
+
+/// One plane of one or three: their mean.
+fn grey(mut planes: Vec<Plane>) -> Plane {
+    if planes.len() == 1 {
+        return planes.remove(0);
+    }
+    let [r, g, b] = three(planes);
+    Plane::from_fn(r.width(), r.height(), |x, y| (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0)
+}
+
+/// A plane that has more than one value: alpha that is 1 everywhere tells of no edge.
+fn varying(plane: Option<&Plane>) -> Option<Plane> {
+    let plane = plane?;
+    let first = plane.at(0, 0);
+    plane.samples().iter().any(|&v| v != first).then(|| plane.clone())
+}
+
+fn shown(main: &Opened, window: Window) -> (Window, f32) {
+    match main {
+        Opened::Exr { file, .. } => (file.display_window, file.pixel_aspect),
+        Opened::Photo { .. } => (window, 1.0),
+    }
+}
+
+fn origin(main: &Opened) -> Source {
+    match main {
+        Opened::Photo { .. } => Source::default(),
+        Opened::Exr { file, .. } => Source {
+            layers: main.layer_names(),
+            attributes: file.attributes.clone(),
+            luminance_weights: file.luminance_weights,
+        },
+    }
+}
+
+/// Conclusions and warnings gathered while loading.
+struct Notes {
+    findings: Vec<Finding>,
+    warnings: Vec<String>,
+}
+
+impl Notes {
+    fn about(sources: &Sources) -> Self {
+        let findings = sources
+            .roles
+            .iter()
+            .map(|source| Finding {
+                subject: source.role.name(),
+                conclusion: source.label(),
+                evidence: format!("from {}", source.file.path().display()),
+                flag: format!("--{} \"{}\"", source.role.name(), source.label()),
+            })
+            .collect();
+        let data = [Role::Normal, Role::Depth, Role::Position];
+        let warnings = data
+            .into_iter()
+            .filter_map(|role| sources.get(role))
+            .filter(|source| !source.lossy_channels().is_empty())
+            .map(|source| {
+                format!(
+                    "{} was stored with a lossy compression: expect noise in curvature",
+                    source.lossy_channels().join(", ")
+                )
+            })
+            .collect();
+        Self { findings, warnings }
+    }
+
+    fn encoding(
+        &mut self,
+        inputs: &Inputs,
+        sources: &Sources,
+        stored: &Vector3Planes,
+    ) -> NormalEncoding {
+        let integers = sources.get(Role::Normal).is_some_and(|source| {
+            matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.is_float)
+        });
+        let (encoding, evidence) = match inputs.normal_encoding {
+            Some(encoding) => (encoding, "as told"),
+            None if integers => (NormalEncoding::Unsigned, "stored as integers"),
+            None => (normals::judge_encoding(stored), "from lengths and signs"),
+        };
+        let (conclusion, name) = match encoding {
+            NormalEncoding::Signed => ("signed, -1..1", "signed"),
+            NormalEncoding::Unsigned => ("unsigned, 0..1", "unsigned"),
+        };
+        self.findings.push(Finding {
+            subject: "normal encoding".into(),
+            conclusion: conclusion.into(),
+            evidence: evidence.into(),
+            flag: format!("--normal-encoding {name}"),
+        });
+        encoding
+    }
+}

@@ -1,0 +1,441 @@
+//! Which layer plays which role, found from its name.
+//!
+//! A channel is `layer.component`; the layer's own last word, without view-layer prefix, case or
+//! punctuation, is looked up in one table. So `ViewLayer.Depth.Z`, `depth.V` and plain `Z` are all
+//! depth, while `ViewLayer.Normal.Z` is a component of the normal.
+
+use serde::Serialize;
+
+/// What a layer is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[expect(
+    missing_docs,
+    reason = "each variant is the pass it names, as renderers call it"
+)]
+pub enum Role {
+    Color,
+    Normal,
+    Depth,
+    Position,
+    Occlusion,
+    Mask,
+    DiffuseDirect,
+    DiffuseIndirect,
+    DiffuseColor,
+    GlossyDirect,
+    GlossyIndirect,
+    GlossyColor,
+    TransmissionDirect,
+    TransmissionIndirect,
+    TransmissionColor,
+    Emission,
+    Environment,
+    Shadow,
+    Motion,
+    Mist,
+    TextureCoordinates,
+    ObjectIndex,
+    MaterialIndex,
+}
+
+/// How many values a role has per pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Arity {
+    /// One.
+    Scalar,
+    /// Three: x, y, z.
+    Vector,
+    /// Three: red, green, blue; or one grey.
+    Color,
+}
+
+/// One row: a role, its arity, and the names that mean it, best first. The empty name is a layer
+/// without a name: bare `R`, `G`, `B`, `Z`.
+type Rule = (Role, Arity, &'static [&'static str]);
+
+const RULES: &[Rule] = &[
+    (
+        Role::Color,
+        Arity::Color,
+        &["combined", "beauty", "rgba", "rgb", "", "image", "color"],
+    ),
+    (Role::Normal, Arity::Vector, &["normal", "normals", "n"]),
+    (Role::Depth, Arity::Scalar, &["depth", "z", ""]),
+    (Role::Position, Arity::Vector, &["position", "p"]),
+    (
+        Role::Occlusion,
+        Arity::Color,
+        &["ambientocclusion", "ao", "occlusion"],
+    ),
+    (
+        Role::DiffuseDirect,
+        Arity::Color,
+        &["diffusedirect", "diffdir"],
+    ),
+    (
+        Role::DiffuseIndirect,
+        Arity::Color,
+        &["diffuseindirect", "diffind"],
+    ),
+    (
+        Role::DiffuseColor,
+        Arity::Color,
+        &["diffusecolor", "diffcol", "albedo"],
+    ),
+    (
+        Role::GlossyDirect,
+        Arity::Color,
+        &["glossydirect", "glossdir"],
+    ),
+    (
+        Role::GlossyIndirect,
+        Arity::Color,
+        &["glossyindirect", "glossind"],
+    ),
+    (
+        Role::GlossyColor,
+        Arity::Color,
+        &["glossycolor", "glosscol"],
+    ),
+    (
+        Role::TransmissionDirect,
+        Arity::Color,
+        &["transmissiondirect", "transdir"],
+    ),
+    (
+        Role::TransmissionIndirect,
+        Arity::Color,
+        &["transmissionindirect", "transind"],
+    ),
+    (
+        Role::TransmissionColor,
+        Arity::Color,
+        &["transmissioncolor", "transcol"],
+    ),
+    (Role::Emission, Arity::Color, &["emission", "emit"]),
+    (Role::Environment, Arity::Color, &["environment", "env"]),
+    (Role::Shadow, Arity::Color, &["shadow"]),
+    (
+        Role::Motion,
+        Arity::Vector,
+        &["vector", "motion", "forward"],
+    ),
+    (Role::Mist, Arity::Scalar, &["mist"]),
+    (Role::TextureCoordinates, Arity::Vector, &["uv", "st"]),
+    (
+        Role::ObjectIndex,
+        Arity::Scalar,
+        &["objectindex", "indexob"],
+    ),
+    (
+        Role::MaterialIndex,
+        Arity::Scalar,
+        &["materialindex", "indexma"],
+    ),
+];
+
+impl Role {
+    /// The role as messages and `--json` name it.
+    pub fn name(self) -> String {
+        match serde_json::to_value(self) {
+            Ok(serde_json::Value::String(name)) => name,
+            _ => unreachable!("a unit variant serialises to its name"),
+        }
+    }
+
+    fn arity(self) -> Arity {
+        RULES
+            .iter()
+            .find(|(role, ..)| *role == self)
+            .map_or(Arity::Color, |(_, arity, _)| *arity)
+    }
+}
+
+/// The channels of one part that share a name up to their component.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layer {
+    /// The part the channels are in.
+    pub part: usize,
+    /// The name without component; the part's name where the channels have none; may be empty.
+    pub name: String,
+    /// Component (lower case, `r` for `red`) and channel index within the part.
+    pub components: Vec<(String, usize)>,
+}
+
+/// The channels that play a role, in the order of its components.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Match {
+    /// Name of the layer, as the file has it.
+    pub layer: String,
+    /// The part the channels are in.
+    pub part: usize,
+    /// One channel index for a scalar or grey layer, else three.
+    pub channels: Vec<usize>,
+    /// The channel that holds the coverage of the layer.
+    pub alpha: Option<usize>,
+}
+
+const COMPONENTS: &[(&str, &str)] = &[("red", "r"), ("green", "g"), ("blue", "b"), ("alpha", "a")];
+const SHORT_COMPONENTS: &[&str] = &["r", "g", "b", "a", "x", "y", "z", "w", "u", "v", "t", "s"];
+
+/// Groups the channels of a file's parts into layers, in the order of the file.
+pub fn layers<'a>(parts: impl Iterator<Item = (Option<&'a str>, Vec<&'a str>)>) -> Vec<Layer> {
+    let mut layers: Vec<Layer> = Vec::new();
+    for (part, (part_name, channels)) in parts.enumerate() {
+        for (index, channel) in channels.into_iter().enumerate() {
+            let (prefix, component) = split_component(channel);
+            let name = if prefix.is_empty() {
+                part_name.unwrap_or("")
+            } else {
+                prefix
+            };
+            match layers.iter_mut().find(|l| l.part == part && l.name == name) {
+                Some(layer) => layer.components.push((component, index)),
+                None => layers.push(Layer {
+                    part,
+                    name: name.to_string(),
+                    components: vec![(component, index)],
+                }),
+            }
+        }
+    }
+    layers
+}
+
+/// `ViewLayer.Normal.X` is `ViewLayer.Normal` and `x`; `depth` is a layer with no component.
+fn split_component(channel: &str) -> (&str, String) {
+    let (prefix, last) = channel.rsplit_once('.').unwrap_or(("", channel));
+    let last_lower = last.to_ascii_lowercase();
+    if let Some((_, short)) = COMPONENTS.iter().find(|(long, _)| *long == last_lower) {
+        return (prefix, (*short).to_string());
+    }
+    if SHORT_COMPONENTS.contains(&last_lower.as_str()) {
+        return (prefix, last_lower);
+    }
+    (channel, String::new())
+}
+
+impl Layer {
+    /// The word the table knows the layer by: the last of its name, the eye of a stereo pair left
+    /// out, in lower case without punctuation.
+    fn key(&self) -> String {
+        let mut words: Vec<&str> = self.name.split('.').collect();
+        if words.len() > 1 && matches!(words.last(), Some(&"left" | &"right")) {
+            words.pop();
+        }
+        let last = words.last().copied().unwrap_or_default();
+        last.chars()
+            .filter(char::is_ascii_alphanumeric)
+            .collect::<String>()
+            .to_ascii_lowercase()
+    }
+
+    /// The layer's channels in the order that `role` wants, if it has them.
+    pub fn matched(&self, role: Role) -> Option<Match> {
+        let component = |name: &str| {
+            self.components
+                .iter()
+                .find(|(c, _)| c == name)
+                .map(|&(_, channel)| channel)
+        };
+        let all = |names: [&str; 3]| names.into_iter().map(component).collect::<Option<Vec<_>>>();
+        let one = |names: &[&str]| names.iter().find_map(|n| component(n)).map(|c| vec![c]);
+        let alone = || (self.components.len() == 1).then(|| vec![self.components[0].1]);
+        let channels = match role.arity() {
+            Arity::Vector => all(["x", "y", "z"]).or_else(|| all(["r", "g", "b"])),
+            Arity::Color => all(["r", "g", "b"]).or_else(|| one(&["y"])).or_else(alone),
+            Arity::Scalar => one(&["z", "v", "t", "", "r"]).or_else(alone),
+        }?;
+        let alpha = component("a").filter(|a| !channels.contains(a));
+        Some(Match {
+            layer: self.name.clone(),
+            part: self.part,
+            channels,
+            alpha,
+        })
+    }
+}
+
+/// The layer that plays `role`, by the table's order of preference, then the file's.
+pub fn find(layers: &[Layer], role: Role) -> Option<Match> {
+    let (_, _, names) = RULES.iter().find(|(r, ..)| *r == role)?;
+    names.iter().find_map(|name| {
+        layers
+            .iter()
+            .filter(|layer| layer.key() == *name)
+            .find_map(|layer| {
+                // A nameless layer is depth only by its component Z, never for being alone.
+                let bare_depth = role == Role::Depth && name.is_empty();
+                let has_z = layer.components.iter().any(|(c, _)| c == "z");
+                layer.matched(role).filter(|_| !bare_depth || has_z)
+            })
+    })
+}
+
+/// The layer that a user called `name`: its full name, else its last word, in any case.
+pub fn named(layers: &[Layer], name: &str, role: Role) -> Option<Match> {
+    let exact = layers.iter().find(|l| l.name.eq_ignore_ascii_case(name));
+    let by_last_word = || {
+        layers.iter().find(|l| {
+            l.name
+                .rsplit('.')
+                .next()
+                .is_some_and(|last| last.eq_ignore_ascii_case(name))
+        })
+    };
+    // `--depth Z` may also name a single channel of a layer: `ViewLayer.Depth.Z`, or bare `Z`.
+    let by_channel = || {
+        let (prefix, component) = split_component(name);
+        let layer = layers
+            .iter()
+            .find(|l| l.name.eq_ignore_ascii_case(prefix))?;
+        let &(_, channel) = layer.components.iter().find(|(c, _)| *c == component)?;
+        Some(Match {
+            layer: name.into(),
+            part: layer.part,
+            channels: vec![channel],
+            alpha: None,
+        })
+    };
+    exact
+        .or_else(by_last_word)
+        .and_then(|layer| layer.matched(role))
+        .or_else(by_channel)
+}
+
+/// Every role that some layer plays, with that layer.
+pub fn assign(layers: &[Layer]) -> Vec<(Role, Match)> {
+    RULES
+        .iter()
+        .filter_map(|&(role, ..)| find(layers, role).map(|m| (role, m)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn single_part(channels: &[&'static str]) -> Vec<Layer> {
+        layers([(None, channels.to_vec())].into_iter())
+    }
+
+    fn role_names(layers: &[Layer], role: Role) -> Option<String> {
+        find(layers, role).map(|m| m.layer)
+    }
+
+    #[test]
+    fn blender_single_part_names() {
+        let layers = single_part(&[
+            "ViewLayer.Combined.A",
+            "ViewLayer.Combined.B",
+            "ViewLayer.Combined.G",
+            "ViewLayer.Combined.R",
+            "ViewLayer.Combined_key.B",
+            "ViewLayer.Combined_key.G",
+            "ViewLayer.Combined_key.R",
+            "ViewLayer.Depth.Z",
+            "ViewLayer.DiffDir.B",
+            "ViewLayer.DiffDir.G",
+            "ViewLayer.DiffDir.R",
+            "ViewLayer.Mist.Z",
+            "ViewLayer.Normal.X",
+            "ViewLayer.Normal.Y",
+            "ViewLayer.Normal.Z",
+            "ViewLayer.Position.X",
+            "ViewLayer.Position.Y",
+            "ViewLayer.Position.Z",
+        ]);
+        let color = find(&layers, Role::Color).unwrap();
+        assert_eq!((color.channels, color.alpha), (vec![3, 2, 1], Some(0)));
+        assert_eq!(find(&layers, Role::Depth).unwrap().channels, [7]);
+        assert_eq!(find(&layers, Role::Mist).unwrap().channels, [11]);
+        assert_eq!(find(&layers, Role::Normal).unwrap().channels, [12, 13, 14]);
+        assert_eq!(
+            find(&layers, Role::Position).unwrap().channels,
+            [15, 16, 17]
+        );
+        assert_eq!(
+            role_names(&layers, Role::DiffuseDirect).unwrap(),
+            "ViewLayer.DiffDir"
+        );
+    }
+
+    #[test]
+    fn blender_five_parts_and_spaces() {
+        let layers = layers(
+            [
+                (Some("ViewLayer.Combined"), vec!["ViewLayer.Combined.R"]),
+                (Some("ViewLayer.Depth"), vec!["ViewLayer.Depth.Z"]),
+                (
+                    Some("ViewLayer.Ambient Occlusion"),
+                    vec![
+                        "ViewLayer.Ambient Occlusion.B",
+                        "ViewLayer.Ambient Occlusion.G",
+                        "ViewLayer.Ambient Occlusion.R",
+                    ],
+                ),
+            ]
+            .into_iter(),
+        );
+        let occlusion = find(&layers, Role::Occlusion).unwrap();
+        assert_eq!((occlusion.part, occlusion.channels), (2, vec![2, 1, 0]));
+        assert_eq!(find(&layers, Role::Depth).unwrap().part, 1);
+    }
+
+    #[test]
+    fn plain_names() {
+        let layers = single_part(&[
+            "A", "B", "G", "N.X", "N.Y", "N.Z", "P.x", "P.y", "P.z", "R", "Z",
+        ]);
+        assert_eq!(find(&layers, Role::Color).unwrap().channels, [9, 2, 1]);
+        assert_eq!(find(&layers, Role::Color).unwrap().alpha, Some(0));
+        assert_eq!(find(&layers, Role::Normal).unwrap().channels, [3, 4, 5]);
+        assert_eq!(find(&layers, Role::Position).unwrap().channels, [6, 7, 8]);
+        assert_eq!(find(&layers, Role::Depth).unwrap().channels, [10]);
+        let layers = single_part(&["depth", "normals.b", "normals.g", "normals.r"]);
+        assert_eq!(find(&layers, Role::Depth).unwrap().channels, [0]);
+        assert_eq!(find(&layers, Role::Normal).unwrap().channels, [3, 2, 1]);
+    }
+
+    #[test]
+    fn bare_color_is_not_depth() {
+        assert_eq!(find(&single_part(&["B", "G", "R"]), Role::Depth), None);
+    }
+
+    #[test]
+    fn a_part_name_names_bare_channels() {
+        let layers = layers(
+            [
+                (Some("rgba"), vec!["B", "G", "R"]),
+                (Some("N"), vec!["X", "Y", "Z"]),
+            ]
+            .into_iter(),
+        );
+        assert_eq!(find(&layers, Role::Normal).unwrap().part, 1);
+        assert_eq!(find(&layers, Role::Depth), None);
+    }
+
+    #[test]
+    fn users_name_layers_loosely() {
+        let layers = single_part(&[
+            "ViewLayer.Depth.Z",
+            "ViewLayer.camN.B",
+            "ViewLayer.camN.G",
+            "ViewLayer.camN.R",
+        ]);
+        for name in ["ViewLayer.camN", "camN", "camn"] {
+            assert_eq!(
+                named(&layers, name, Role::Normal).unwrap().channels,
+                [3, 2, 1]
+            );
+        }
+        assert_eq!(
+            named(&layers, "ViewLayer.Depth.Z", Role::Depth)
+                .unwrap()
+                .channels,
+            [0]
+        );
+        assert_eq!(named(&layers, "nothing", Role::Normal), None);
+    }
+}

@@ -1,0 +1,207 @@
+//! Opened inputs, and which of them each role is read from.
+
+use super::exr::{ChannelId, ExrFile, Limits};
+use super::photo::Photo;
+use super::roles::{self, Layer, Match, Role};
+use crate::error::{Error, Result};
+use crate::frame::{Plane, Window};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// An input file: an EXR's header and layers, or a whole photo.
+pub(super) enum Opened {
+    Exr { file: ExrFile, layers: Vec<Layer> },
+    Photo { path: PathBuf, photo: Photo },
+}
+
+/// The first bytes of every EXR file.
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+impl Opened {
+    pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
+        if !has_exr_magic(path)? {
+            let photo = Photo::read(path)?;
+            return Ok(Rc::new(Self::Photo { path: path.to_path_buf(), photo }));
+        }
+        let file = ExrFile::open(path, &Limits::default())?;
+        let layers = roles::layers(file.parts.iter().map(|part| {
+            (part.name.as_deref(), part.channels.iter().map(|c| c.name.as_str()).collect())
+        }));
+        Ok(Rc::new(Self::Exr { file, layers }))
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        match self {
+            Self::Exr { file, .. } => &file.path,
+            Self::Photo { path, .. } => path,
+        }
+    }
+
+    /// Names of the layers, for messages: a photo has none.
+    pub(super) fn layer_names(&self) -> Vec<String> {
+        match self {
+            Self::Exr { layers, .. } => layers.iter().map(layer_label).collect(),
+            Self::Photo { .. } => Vec::new(),
+        }
+    }
+}
+
+/// A layer's name, or its bare channels where it has none.
+fn layer_label(layer: &Layer) -> String {
+    if !layer.name.is_empty() {
+        return layer.name.clone();
+    }
+    layer.components.iter().map(|(c, _)| c.to_ascii_uppercase()).collect::<Vec<_>>().join("")
+}
+
+fn has_exr_magic(path: &Path) -> Result<bool> {
+    use std::io::Read;
+    let mut file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
+    let mut first = [0; 4];
+    match file.read_exact(&mut first) {
+        Ok(()) => Ok(first == EXR_MAGIC),
+        Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
+        Err(e) => Err(Error::io(path, "read")(e)),
+    }
+}
+
+/// Where the planes of one role are.
+#[derive(Clone)]
+pub(super) struct RoleSource {
+    pub(super) role: Role,
+    pub(super) file: Rc<Opened>,
+    /// The layer of an EXR; a photo is one layer.
+    layer: Option<Match>,
+}
+
+/// The planes of one role: one or three, and the coverage stored with them.
+pub(super) struct RolePlanes {
+    pub(super) planes: Vec<Plane>,
+    pub(super) alpha: Option<Plane>,
+}
+
+impl RoleSource {
+    /// The layer that plays `role`: the one named, a layer of `main` or a file; else by its name.
+    pub(super) fn resolve(
+        role: Role,
+        named: Option<&str>,
+        main: &Rc<Opened>,
+    ) -> Result<Option<Self>> {
+        let Some(name) = named else { return Ok(Self::by_role(role, main)) };
+        if let Opened::Exr { layers, .. } = main.as_ref()
+            && let Some(layer) = roles::named(layers, name, role)
+        {
+            return Ok(Some(Self { role, file: main.clone(), layer: Some(layer) }));
+        }
+        let path = Path::new(name);
+        if !path.exists() {
+            return Err(no_such_layer(role, name, main));
+        }
+        let file = Opened::open(path)?;
+        let source = Self::by_role(role, &file).or_else(|| Self::only_layer(role, &file));
+        source.map(Some).ok_or_else(|| no_such_layer(role, name, &file))
+    }
+
+    fn by_role(role: Role, file: &Rc<Opened>) -> Option<Self> {
+        match file.as_ref() {
+            Opened::Exr { layers, .. } => roles::find(layers, role)
+                .map(|layer| Self { role, file: file.clone(), layer: Some(layer) }),
+            Opened::Photo { .. } if role == Role::Color => {
+                Some(Self { role, file: file.clone(), layer: None })
+            }
+            Opened::Photo { .. } => None,
+        }
+    }
+
+    /// A file named for a role serves it whatever its layer is called.
+    fn only_layer(role: Role, file: &Rc<Opened>) -> Option<Self> {
+        let layer = match file.as_ref() {
+            Opened::Exr { layers, .. } => Some(layers.iter().find_map(|l| l.matched(role))?),
+            Opened::Photo { .. } => None,
+        };
+        Some(Self { role, file: file.clone(), layer })
+    }
+
+    /// What messages call this source.
+    pub(super) fn label(&self) -> String {
+        match &self.layer {
+            Some(layer) if layer.layer.is_empty() => "bare channels".into(),
+            Some(layer) => layer.layer.clone(),
+            None => self.file.path().display().to_string(),
+        }
+    }
+
+    /// The pixels this source holds.
+    pub(super) fn window(&self) -> Window {
+        match (self.file.as_ref(), &self.layer) {
+            (Opened::Exr { file, .. }, Some(layer)) => file.parts[layer.part].window,
+            (Opened::Exr { file, .. }, None) => file.display_window,
+            (Opened::Photo { photo, .. }, _) => Window::from_size(photo.width, photo.height),
+        }
+    }
+
+    /// The channels whose stored values a lossy compression has altered.
+    pub(super) fn lossy_channels(&self) -> Vec<String> {
+        let (Opened::Exr { file, .. }, Some(layer)) = (self.file.as_ref(), &self.layer) else {
+            return Vec::new();
+        };
+        let part = &file.parts[layer.part];
+        let lossy = layer.channels.iter().filter(|&&channel| part.is_lossy(channel));
+        lossy.map(|&channel| part.channels[channel].name.clone()).collect()
+    }
+
+    fn channel_ids(&self) -> Vec<ChannelId> {
+        let Some(layer) = &self.layer else { return Vec::new() };
+        let channels = layer.channels.iter().chain(&layer.alpha);
+        channels.map(|&channel| ChannelId { part: layer.part, channel }).collect()
+    }
+}
+
+fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
+    let layers = file.layer_names();
+    let found = if layers.is_empty() { "no layers".into() } else { layers.join(", ") };
+    Error::MissingAov {
+        path: file.path().to_path_buf(),
+        found: format!("no {} called {name} (found {found})", role.name()),
+        remedy: format!("give --{} a layer with the right channels, or a file", role.name()),
+    }
+}
+
+/// Reads the planes of all `sources`, each file once, in the order given.
+pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
+    let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
+    for first in 0..sources.len() {
+        if planes[first].is_some() {
+            continue;
+        }
+        let file = &sources[first].file;
+        let of_file: Vec<usize> =
+            (first..sources.len()).filter(|&i| Rc::ptr_eq(&sources[i].file, file)).collect();
+        match file.as_ref() {
+            Opened::Exr { file, .. } => {
+                let wanted: Vec<_> =
+                    of_file.iter().flat_map(|&i| sources[i].channel_ids()).collect();
+                let mut read = file.read_channels(&wanted)?.into_iter();
+                for &i in &of_file {
+                    planes[i] = sources[i].layer.as_ref().map(|layer| RolePlanes {
+                        planes: read.by_ref().take(layer.channels.len()).collect(),
+                        alpha: layer.alpha.and_then(|_| read.next()),
+                    });
+                }
+            }
+            Opened::Photo { photo, .. } => {
+                for &i in &of_file {
+                    planes[i] = Some(photo_planes(photo, sources[i].role));
+                }
+            }
+        }
+    }
+    Ok(planes.into_iter().flatten().collect())
+}
+
+/// A photo is colour only where colour is wanted; as data its values are taken as they are.
+fn photo_planes(photo: &Photo, role: Role) -> RolePlanes {
+    let planes =
+        if role == Role::Color { photo.to_linear() } else { photo.planes.clone() };
+    RolePlanes { planes, alpha: photo.alpha.clone() }
+}
