@@ -1,6 +1,7 @@
 //! relievo brings out the shape of surfaces in pictures.
 
 pub mod backend;
+pub mod cli;
 pub mod error;
 pub mod frame;
 pub mod io;

@@ -1,2 +1,5 @@
 //! The `relievo` command.
-fn main() {}
+
+fn main() {
+    std::process::exit(relievo::cli::run());
+}

@@ -307,3 +307,13 @@ pub(super) struct RunArgs {
     #[arg(short, long)]
     pub(super) quiet: bool,
 }
+
+impl RoleArgs {
+    /// Every input that is a file of its own.
+    pub(super) fn files(&self, picture: &std::path::Path) -> Vec<PathBuf> {
+        let named =
+            [&self.normal, &self.depth, &self.position, &self.color, &self.occlusion, &self.mask];
+        let named = named.into_iter().flatten().map(PathBuf::from).filter(|path| path.exists());
+        std::iter::once(picture.to_path_buf()).chain(named).chain(self.camera.clone()).collect()
+    }
+}

@@ -1,3 +1,17 @@
 //! Files to frames, and planes to files.
 
+mod coverage;
+pub mod exr;
+mod fence;
+pub mod inputs;
+mod load;
+mod normals;
+pub mod output;
+pub mod photo;
 pub mod roles;
+mod sources;
+mod survey;
+mod view;
+
+pub use load::{Finding, Loaded, load};
+pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

@@ -202,6 +202,6 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
 /// A photo is colour only where colour is wanted; as data its values are taken as they are.
 fn photo_planes(photo: &Photo, role: Role) -> RolePlanes {
     let planes =
-        if role == Role::Color { photo.to_linear() } else { photo.planes.clone() };
+        if role == Role::Color { photo.to_linear() } else { photo.channels.clone() };
     RolePlanes { planes, alpha: photo.alpha.clone() }
 }

@@ -1,0 +1,94 @@
+//! `relievo inspect`.
+
+use super::args::InspectArgs;
+use super::message::{self, finding_line};
+use crate::error::{Error, Result};
+use crate::io::{self, Finding, PartSurvey, Survey};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// What is known of one file; the JSON form of `inspect`, documented in the README.
+#[derive(Debug, Serialize)]
+struct Inspection {
+    file: PathBuf,
+    #[serde(flatten)]
+    survey: Survey,
+    findings: Vec<Finding>,
+    warnings: Vec<String>,
+    /// Why no frame can be made of the file as it stands.
+    problem: Option<String>,
+}
+
+pub(super) fn run(args: &InspectArgs) -> Result<()> {
+    let mut inspections = Vec::new();
+    let mut failed = None;
+    for file in &args.files {
+        match inspect(args, file) {
+            Ok(inspection) => inspections.push(inspection),
+            Err(error) => {
+                // The other files are still looked into; the last error is reported by the caller.
+                if let Some(earlier) = failed.replace(error) {
+                    message::error(&earlier);
+                }
+            }
+        }
+    }
+    if args.json {
+        let json = serde_json::to_string_pretty(&inspections).expect("plain data serialises");
+        message::result(&format!("{json}\n"));
+    } else {
+        message::result(&inspections.iter().map(text).collect::<String>());
+    }
+    failed.map_or(Ok(()), Err)
+}
+
+fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
+    let survey = io::survey(file)?;
+    let (findings, warnings, problem) = match io::load(&args.roles.inputs(file), false) {
+        Ok(loaded) => (loaded.findings, loaded.warnings, None),
+        Err(Error::Damaged { path, found }) => return Err(Error::Damaged { path, found }),
+        Err(error) => (Vec::new(), Vec::new(), Some(error.to_string())),
+    };
+    Ok(Inspection { file: file.to_path_buf(), survey, findings, warnings, problem })
+}
+
+fn text(inspection: &Inspection) -> String {
+    let mut out = String::new();
+    let Inspection { file, survey, findings, warnings, problem } = inspection;
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "{}", file.display());
+    let _ = writeln!(
+        out,
+        "  display {}, pixel aspect {}",
+        survey.display_window, survey.pixel_aspect
+    );
+    for part in &survey.parts {
+        let _ = writeln!(out, "  {}", part_text(part));
+        for layer in &part.layers {
+            let components = layer.components.join(" ");
+            let name = if layer.name.is_empty() { "(bare)" } else { &layer.name };
+            let _ = writeln!(out, "    {name:<32} {components:<8} {}", layer.sample_type);
+        }
+    }
+    let _ = writeln!(out, "  roles");
+    for role in &survey.roles {
+        let _ = writeln!(out, "    {:<20} {}", role.role.name(), role.channels.join(" "));
+    }
+    let _ = writeln!(out, "  conclusions");
+    for finding in findings {
+        let _ = writeln!(out, "    {}", finding_line(finding));
+    }
+    for warning in warnings {
+        let _ = writeln!(out, "    warning: {warning}");
+    }
+    if let Some(problem) = problem {
+        let _ = writeln!(out, "    cannot be used as it stands: {problem}");
+    }
+    out
+}
+
+fn part_text(part: &PartSurvey) -> String {
+    let name = part.name.as_deref().map_or(String::new(), |name| format!(" \"{name}\""));
+    format!("part{name}: {}, {}", part.data_window, part.compression)
+}

@@ -1,0 +1,38 @@
+//! What is said on stderr, and the exit codes.
+
+use crate::error::Error;
+use crate::io::Finding;
+use std::io::Write;
+
+/// Prints an error as one line.
+pub(super) fn error(error: &Error) {
+    let line = error.to_string().replace('\n', " ");
+    eprintln!("error: {line}");
+}
+
+/// 2 for what the user can mend on the command line, 1 for everything else.
+pub(super) fn exit_code(error: &Error) -> i32 {
+    match error {
+        Error::BadParameter { .. } => 2,
+        _ => 1,
+    }
+}
+
+/// Prints a warning, unless told to be quiet.
+pub(super) fn warning(quiet: bool, text: &str) {
+    if !quiet {
+        eprintln!("warning: {text}");
+    }
+}
+
+/// A conclusion as one line.
+pub(super) fn finding_line(finding: &Finding) -> String {
+    let Finding { subject, conclusion, evidence, flag } = finding;
+    format!("{subject:<16} {conclusion} ({evidence}; force with {flag})")
+}
+
+/// Writes results to stdout; a reader that has gone away is no error.
+pub(super) fn result(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}

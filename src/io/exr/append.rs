@@ -1,0 +1,126 @@
+//! Adding a part to a copy of a file, without touching what is there.
+
+use super::ExrFile;
+use super::attributes::Attributes;
+use super::chunks::{ChunkReader, Place, RawChunk};
+use super::fault::{Fault, Parsed};
+use super::header::{LONG_NAMES, MULTI_PART, header_bytes};
+use super::write::{ChunkSink, OutputPart, ReadyPart};
+use crate::error::{Error, Result};
+use std::io::{Seek, Write};
+use std::path::Path;
+
+const TILED: u32 = 1 << 9;
+/// Name of the only part of a file that gave it none.
+const FIRST_NAME: &str = "main";
+
+/// Writes a copy of `input` with `part` added. `target` is only named in errors.
+///
+/// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
+/// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
+/// time code of the first one, which all parts must share.
+///
+/// # Panics
+/// If a plane does not have the size of the data window.
+pub fn append_part(
+    input: &ExrFile,
+    w: &mut (impl Write + Seek),
+    target: &Path,
+    part: &OutputPart,
+) -> Result<()> {
+    let failed = |source| Error::io(target, "write")(source);
+    let mut parts = named_parts(input);
+    let part = OutputPart {
+        name: free_name(&part.name, &parts),
+        ..part.clone()
+    };
+    let ready = ReadyPart::new(&part, target, parts.first())?;
+    parts.push(ready.attributes.clone());
+
+    let flags = input.header.flags & !TILED | MULTI_PART | ready.long_names();
+    let headers = &input.header.meta.headers;
+    let mut counts: Vec<usize> = headers.iter().map(|h| h.chunk_count).collect();
+    counts.push(ready.chunk_count());
+    let flags = match parts.iter().any(Attributes::has_long_names) {
+        true => flags | LONG_NAMES,
+        false => flags,
+    };
+    let start = w.stream_position().map_err(failed)?;
+    let head = header_bytes(flags, &parts);
+    let mut out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
+    copy_chunks(input, &mut out, target)?;
+    ready.write_chunks(&mut out, headers.len(), target)?;
+    out.finish().map_err(failed)
+}
+
+/// The input's attributes, with those added that only a file of several parts must have.
+fn named_parts(input: &ExrFile) -> Vec<Attributes> {
+    let mut parts = input.header.parts.clone();
+    for (i, header) in input.header.meta.headers.iter().enumerate() {
+        if parts[i].text("name").is_none_or(|name| name.is_empty()) {
+            let name = match input.header.is_multi_part() {
+                true => free_name(&format!("part{i}"), &parts),
+                false => FIRST_NAME.to_owned(),
+            };
+            parts[i].set_text("name", &name);
+        }
+        parts[i].set_int("chunkCount", header.chunk_count as i32);
+    }
+    parts
+}
+
+/// `name`, with a number added if one of `parts` has it.
+fn free_name(name: &str, parts: &[Attributes]) -> String {
+    let taken = |name: &str| {
+        parts
+            .iter()
+            .any(|p| p.text("name").as_deref() == Some(name))
+    };
+    let numbered = (2..).map(|n| format!("{name}.{n}"));
+    std::iter::once(name.to_owned())
+        .chain(numbered)
+        .find(|name| !taken(name))
+        .unwrap_or_default()
+}
+
+/// Copies all chunks in the order in which they lie in the file.
+fn copy_chunks(
+    input: &ExrFile,
+    out: &mut ChunkSink<impl Write + Seek>,
+    target: &Path,
+) -> Result<()> {
+    let damaged = |fault: Fault| fault.at(&input.path);
+    let mut chunks = ChunkReader::open(input).map_err(damaged)?;
+    let mut end = 0;
+    for (offset, part, index) in all_chunks(input, &mut chunks).map_err(damaged)? {
+        let chunk = next_chunk(&mut chunks, offset, end, part).map_err(damaged)?;
+        end = chunks.position();
+        let written = match chunk.place {
+            Place::Row(y) => out.chunk(part, index, &[y], &chunk.bytes),
+            Place::Tile(tile) => out.chunk(part, index, &tile, &chunk.bytes),
+        };
+        written.map_err(Error::io(target, "write"))?;
+    }
+    Ok(())
+}
+
+/// Offset, part and index within the part of every chunk, by offset.
+fn all_chunks(input: &ExrFile, chunks: &mut ChunkReader) -> Parsed<Vec<(u64, usize, usize)>> {
+    let mut all = Vec::new();
+    for (part, header) in input.header.meta.headers.iter().enumerate() {
+        let offsets = chunks.offsets(part, header.chunk_count)?;
+        all.extend(offsets.iter().enumerate().map(|(i, &o)| (o, part, i)));
+    }
+    all.sort_unstable();
+    Ok(all)
+}
+
+/// The chunk at `offset`, which must not reach back before `end`: a small file whose chunks overlap
+/// could be made into a huge copy.
+fn next_chunk(chunks: &mut ChunkReader, offset: u64, end: u64, part: usize) -> Parsed<RawChunk> {
+    let chunk = chunks.chunk(offset, i32::MAX as u64)?;
+    match offset >= end && chunk.part as usize == part {
+        true => Ok(chunk),
+        false => Err(Fault::damaged("its blocks of pixels overlap")),
+    }
+}

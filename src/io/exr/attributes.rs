@@ -1,0 +1,267 @@
+//! Header attributes, byte for byte.
+//!
+//! They are kept as they stand in the file, so that a copy gives back every one of them: in the same
+//! order, of unknown types, and with values no reader understands.
+
+use super::fault::{Fault, Parsed};
+use crate::frame::Window;
+use std::io::Read;
+
+/// Longest name of an attribute, a type or a channel.
+pub(super) const MAX_NAME: usize = 255;
+/// Longest name that needs no flag in the file's version field.
+pub(super) const MAX_SHORT_NAME: usize = 31;
+/// Most bytes of all headers together; Cryptomatte manifests reach a few MiB.
+const MAX_HEADER_BYTES: u64 = 64 << 20;
+/// Longest rendering of an attribute as text, in characters.
+const MAX_TEXT: usize = 4096;
+
+/// One attribute.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Attribute {
+    pub(super) name: Vec<u8>,
+    pub(super) kind: Vec<u8>,
+    pub(super) value: Vec<u8>,
+}
+
+/// The attributes of one part, in the order of the file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Attributes(Vec<Attribute>);
+
+impl Attributes {
+    pub(super) fn get(&self, name: &str) -> Option<&Attribute> {
+        self.0.iter().find(|a| a.name == name.as_bytes())
+    }
+
+    /// The value of the attribute `name`, if it is of the type `kind`.
+    fn value(&self, name: &str, kind: &str) -> Option<&[u8]> {
+        self.get(name)
+            .filter(|a| a.kind == kind.as_bytes())
+            .map(|a| a.value.as_slice())
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Attribute> {
+        self.0.iter()
+    }
+
+    /// Replaces the attribute `name`, or appends it.
+    pub(super) fn set(&mut self, name: &str, kind: &str, value: Vec<u8>) {
+        let attribute = Attribute {
+            name: name.into(),
+            kind: kind.into(),
+            value,
+        };
+        match self.0.iter_mut().find(|a| a.name == attribute.name) {
+            Some(old) => *old = attribute,
+            None => self.0.push(attribute),
+        }
+    }
+
+    /// Removes the attribute `name`, if there is one.
+    pub(super) fn remove(&mut self, name: &str) {
+        self.0.retain(|a| a.name != name.as_bytes());
+    }
+
+    pub(super) fn set_text(&mut self, name: &str, text: &str) {
+        self.set(name, "string", text.into());
+    }
+
+    pub(super) fn set_int(&mut self, name: &str, value: i32) {
+        self.set(name, "int", value.to_le_bytes().into());
+    }
+
+    pub(super) fn set_floats(&mut self, name: &str, kind: &str, values: &[f32]) {
+        let bytes = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.set(name, kind, bytes);
+    }
+
+    /// Stores a window, which must not be empty, with EXR's inclusive corners.
+    pub(super) fn set_window(&mut self, name: &str, window: Window) {
+        let corners = [window.x0, window.y0, window.x1 - 1, window.y1 - 1];
+        let bytes = corners.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.set(name, "box2i", bytes);
+    }
+
+    pub(super) fn sort(&mut self) {
+        self.0.sort_by(|a, b| a.name.cmp(&b.name));
+    }
+
+    pub(super) fn text(&self, name: &str) -> Option<String> {
+        self.value(name, "string").map(text_of_bytes)
+    }
+
+    pub(super) fn byte(&self, name: &str, kind: &str) -> Option<u8> {
+        self.value(name, kind)?.first().copied()
+    }
+
+    pub(super) fn floats<const N: usize>(&self, name: &str, kind: &str) -> Option<[f32; N]> {
+        let values = elements(self.value(name, kind)?, f32::from_le_bytes);
+        <[f32; N]>::try_from(values).ok()
+    }
+
+    /// Inclusive corners: left, top, right, bottom.
+    pub(super) fn corners(&self, name: &str) -> Option<[i32; 4]> {
+        let values = elements(self.value(name, "box2i")?, i32::from_le_bytes);
+        <[i32; 4]>::try_from(values).ok()
+    }
+
+    /// Whether a name is too long for files without the long-name flag.
+    pub(super) fn has_long_names(&self) -> bool {
+        self.iter()
+            .any(|a| a.name.len() > MAX_SHORT_NAME || a.kind.len() > MAX_SHORT_NAME)
+    }
+
+    /// Appends the attributes and the zero byte that ends them.
+    pub(super) fn write_to(&self, bytes: &mut Vec<u8>) {
+        for a in self.iter() {
+            bytes.extend_from_slice(&a.name);
+            bytes.push(0);
+            bytes.extend_from_slice(&a.kind);
+            bytes.push(0);
+            bytes.extend_from_slice(&(a.value.len() as i32).to_le_bytes());
+            bytes.extend_from_slice(&a.value);
+        }
+        bytes.push(0);
+    }
+}
+
+/// Reads headers, never past the end of the file nor past the limit for all headers.
+pub(super) struct HeaderReader<R> {
+    read: R,
+    position: u64,
+    file_len: u64,
+}
+
+impl<R: Read> HeaderReader<R> {
+    pub(super) fn new(read: R, file_len: u64) -> Self {
+        HeaderReader {
+            read,
+            position: 0,
+            file_len,
+        }
+    }
+
+    /// Bytes read so far.
+    pub(super) fn position(&self) -> u64 {
+        self.position
+    }
+
+    pub(super) fn array<const N: usize>(&mut self) -> Parsed<[u8; N]> {
+        let mut bytes = [0; N];
+        self.read.read_exact(&mut bytes)?;
+        self.position += N as u64;
+        Ok(bytes)
+    }
+
+    /// The attributes of the next part; empty where the list of parts ends.
+    pub(super) fn attributes(&mut self) -> Parsed<Attributes> {
+        let mut attributes = Attributes::default();
+        loop {
+            let name = self.name()?;
+            if name.is_empty() {
+                return Ok(attributes);
+            }
+            let kind = self.name()?;
+            let size = i32::from_le_bytes(self.array()?);
+            let value = self.bytes(size, &name)?;
+            attributes.0.push(Attribute { name, kind, value });
+        }
+    }
+
+    /// Text up to a zero byte.
+    fn name(&mut self) -> Parsed<Vec<u8>> {
+        let mut name = Vec::new();
+        loop {
+            match self.array()? {
+                [0] => return Ok(name),
+                [byte] if name.len() < MAX_NAME => name.push(byte),
+                _ => return Err(Fault::damaged("holds an attribute name that never ends")),
+            }
+        }
+    }
+
+    fn bytes(&mut self, size: i32, name: &[u8]) -> Parsed<Vec<u8>> {
+        let left = self.file_len.saturating_sub(self.position);
+        let Some(size) = u64::try_from(size).ok().filter(|&s| s <= left) else {
+            let name = text_of_bytes(name);
+            let found = format!("attribute {name:?} claims {size} bytes, the file has {left} left");
+            return Err(Fault::Damaged(found));
+        };
+        if self.position + size > MAX_HEADER_BYTES {
+            return Err(Fault::Unsupported {
+                found: format!("has a header of more than {} MiB", MAX_HEADER_BYTES >> 20),
+                remedy: "remove its large attributes",
+            });
+        }
+        let mut bytes = vec![0; size as usize];
+        self.read.read_exact(&mut bytes)?;
+        self.position += size;
+        Ok(bytes)
+    }
+}
+
+/// Bytes as UTF-8, or as Latin-1 where they are not.
+pub(super) fn text_of_bytes(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
+    }
+}
+
+impl Attribute {
+    /// The value as text: numbers in the order of the file with blanks between them, so that they
+    /// can be read back; types without a plain rendering as their name and size.
+    pub(super) fn text(&self) -> String {
+        let v = self.value.as_slice();
+        let text = match self.kind.as_slice() {
+            b"string" => text_of_bytes(v),
+            b"stringvector" => strings(v).join(" "),
+            b"float" | b"v2f" | b"v3f" | b"m33f" | b"m44f" | b"box2f" | b"chromaticities" => {
+                joined(elements(v, f32::from_le_bytes))
+            }
+            b"double" | b"v2d" | b"v3d" | b"m33d" | b"m44d" => {
+                joined(elements(v, f64::from_le_bytes))
+            }
+            b"int" | b"v2i" | b"v3i" | b"box2i" | b"rational" | b"keycode" => {
+                joined(elements(v, i32::from_le_bytes))
+            }
+            b"timecode" => joined(elements(v, u32::from_le_bytes)),
+            b"compression" | b"lineOrder" | b"envmap" => joined(v.to_vec()),
+            kind => format!("({}, {} bytes)", text_of_bytes(kind), v.len()),
+        };
+        shortened(text)
+    }
+}
+
+fn elements<const N: usize, T>(bytes: &[u8], element: impl Fn([u8; N]) -> T) -> Vec<T> {
+    bytes.as_chunks().0.iter().map(|&b| element(b)).collect()
+}
+
+fn joined<T: ToString>(values: Vec<T>) -> String {
+    let texts: Vec<String> = values.iter().map(T::to_string).collect();
+    texts.join(" ")
+}
+
+fn strings(mut bytes: &[u8]) -> Vec<String> {
+    let mut strings = Vec::new();
+    while let Some((size, rest)) = bytes.split_first_chunk() {
+        let size = u32::from_le_bytes(*size) as usize;
+        let Some((text, rest)) = rest.split_at_checked(size) else {
+            break;
+        };
+        strings.push(text_of_bytes(text));
+        bytes = rest;
+    }
+    strings
+}
+
+fn shortened(text: String) -> String {
+    match text.char_indices().nth(MAX_TEXT) {
+        None => text,
+        Some((end, _)) => format!("{}...", &text[..end]),
+    }
+}

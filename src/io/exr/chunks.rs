@@ -1,0 +1,133 @@
+//! Chunks: where the compressed blocks of pixels lie in a file.
+
+use super::ExrFile;
+use super::fault::{Fault, Parsed};
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+
+/// Which block of a part a chunk holds, as the chunk itself says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    /// The first row of a block of rows.
+    Row(i32),
+    /// Column and row of a tile, then column and row of its resolution level.
+    Tile([i32; 4]),
+}
+
+/// A compressed block of pixels.
+#[derive(Debug)]
+pub(super) struct RawChunk {
+    pub(super) part: i32,
+    pub(super) place: Place,
+    pub(super) bytes: Vec<u8>,
+}
+
+/// Reads chunks of one file.
+pub(super) struct ChunkReader<'a> {
+    exr: &'a ExrFile,
+    file: BufReader<File>,
+    position: u64,
+}
+
+impl<'a> ChunkReader<'a> {
+    pub(super) fn open(exr: &'a ExrFile) -> Parsed<Self> {
+        Ok(ChunkReader {
+            exr,
+            file: BufReader::new(File::open(&exr.path)?),
+            position: 0,
+        })
+    }
+
+    /// Where the first `count` chunks of `part` start.
+    pub(super) fn offsets(&mut self, part: usize, count: usize) -> Parsed<Vec<u64>> {
+        let header = &self.exr.header;
+        let before: usize = header.meta.headers[..part]
+            .iter()
+            .map(|h| h.chunk_count)
+            .sum();
+        let all: usize = header.meta.headers.iter().map(|h| h.chunk_count).sum();
+        self.seek(header.end + 8 * before as u64)?;
+        let mut bytes = vec![0; 8 * count];
+        self.read_exact(&mut bytes)?;
+        let offsets: Vec<u64> = bytes
+            .as_chunks()
+            .0
+            .iter()
+            .map(|&b| u64::from_le_bytes(b))
+            .collect();
+
+        let pixels = header.end + 8 * all as u64..self.exr.file_len;
+        let missing = offsets.iter().filter(|o| !pixels.contains(o)).count();
+        match missing {
+            0 => Ok(offsets),
+            _ => Err(Fault::damaged(format!(
+                "is not complete: {missing} of {count} blocks of pixels are missing"
+            ))),
+        }
+    }
+
+    /// The chunk at `offset`, if it has no more than `max_bytes`.
+    pub(super) fn chunk(&mut self, offset: u64, max_bytes: u64) -> Parsed<RawChunk> {
+        self.seek(offset)?;
+        let part = match self.exr.header.is_multi_part() {
+            true => self.int()?,
+            false => 0,
+        };
+        let parts = &self.exr.parts;
+        let tiled = usize::try_from(part)
+            .ok()
+            .and_then(|p| parts.get(p))
+            .ok_or_else(|| Fault::damaged(format!("a block of pixels claims part {part}")))?
+            .tiled;
+        let place = match tiled {
+            true => Place::Tile([self.int()?, self.int()?, self.int()?, self.int()?]),
+            false => Place::Row(self.int()?),
+        };
+        let bytes = self.sized_bytes(max_bytes)?;
+        Ok(RawChunk { part, place, bytes })
+    }
+
+    /// Where the last chunk read ends.
+    pub(super) fn position(&self) -> u64 {
+        self.position
+    }
+
+    fn sized_bytes(&mut self, max_bytes: u64) -> Parsed<Vec<u8>> {
+        let size = self.int()?;
+        let left = self.exr.file_len.saturating_sub(self.position);
+        let most = max_bytes.min(left);
+        let Some(size) = u64::try_from(size).ok().filter(|&s| s <= most) else {
+            let found = match size {
+                0.. if max_bytes > left => "the file ends within a block of pixels".to_owned(),
+                _ => format!("a block of pixels claims {size} bytes"),
+            };
+            return Err(Fault::Damaged(found));
+        };
+        let mut bytes = vec![0; size as usize];
+        self.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn int(&mut self) -> Parsed<i32> {
+        let mut bytes = [0; 4];
+        self.read_exact(&mut bytes)?;
+        Ok(i32::from_le_bytes(bytes))
+    }
+
+    fn read_exact(&mut self, bytes: &mut [u8]) -> Parsed<()> {
+        self.file.read_exact(bytes)?;
+        self.position += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// Moves to `position`, keeping what is buffered where that is near.
+    fn seek(&mut self, position: u64) -> Parsed<()> {
+        let step = i128::from(position) - i128::from(self.position);
+        match i64::try_from(step) {
+            Ok(step) => self.file.seek_relative(step)?,
+            Err(_) => _ = self.file.seek(SeekFrom::Start(position))?,
+        }
+        self.position = position;
+        Ok(())
+    }
+}

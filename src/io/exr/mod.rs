@@ -1,0 +1,182 @@
+//! OpenEXR: channels to planes, planes to parts.
+//!
+//! Opening reads the header alone and refuses what cannot be read. Reading takes only the channels
+//! asked for, and skips whole parts and resolution levels. Writing makes a file of one part, or adds
+//! a part to a copy of the input in which every other byte of pixels stays as it was.
+//!
+//! The `exr` crate decompresses; everything that decides how much memory is used, and where a chunk
+//! lies, is done here, because that crate trusts what the file claims.
+
+mod append;
+mod attributes;
+mod chunks;
+mod decode;
+mod fault;
+mod header;
+mod read;
+mod write;
+
+pub use append::append_part;
+pub use write::{OutputChannel, OutputPart, OutputType, write_results};
+
+use crate::error::{Error, Result};
+use crate::frame::Window;
+use header::FileHeader;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// How much a file may ask for before it is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Most pixels in the data window of a part.
+    pub max_pixels: u64,
+    /// Most bytes of decoded planes and the blocks being decoded, at one time.
+    pub max_bytes: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits {
+            max_pixels: 1 << 28,
+            max_bytes: 2 << 30,
+        }
+    }
+}
+
+/// An OpenEXR file whose header has been read.
+#[derive(Debug)]
+pub struct ExrFile {
+    /// Where the file is.
+    pub path: PathBuf,
+    /// Its parts, in order.
+    pub parts: Vec<Part>,
+    /// The pixels meant to be shown.
+    pub display_window: Window,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// The attributes of the first part as text, long ones cut. Numbers stand in the order of the
+    /// file, with blanks between them.
+    pub attributes: BTreeMap<String, String>,
+    /// x and y of the red, green and blue primaries and of white, where the file gives them.
+    pub chromaticities: Option<[f32; 8]>,
+    /// Weights of linear red, green and blue in luminance, where `chromaticities` are usable.
+    pub luminance_weights: Option<[f32; 3]>,
+    header: FileHeader,
+    file_len: u64,
+    limits: Limits,
+}
+
+/// One part of a file: a picture with its own window, channels and compression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Its name; only files with several parts must have one.
+    pub name: Option<String>,
+    /// The view it belongs to, such as "left".
+    pub view: Option<String>,
+    /// The pixels that are stored.
+    pub window: Window,
+    /// The compression, in lower case: "none", "zip", "dwaa".
+    pub compression: String,
+    /// Whether the pixels are stored in tiles rather than rows.
+    pub tiled: bool,
+    /// The channels, in alphabetical order.
+    pub channels: Vec<Channel>,
+    /// What the colours mean, as `colorInteropID` says, such as "lin_rec709_scene" or "data".
+    pub color_interop_id: Option<String>,
+}
+
+/// One channel of a part.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Channel {
+    /// The full name, such as "ViewLayer.Normal.X".
+    pub name: String,
+    /// How a sample is stored.
+    pub sample_type: SampleType,
+}
+
+/// How a sample is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SampleType {
+    /// 16-bit floating point.
+    Half,
+    /// 32-bit floating point.
+    Float,
+    /// 32-bit unsigned integer.
+    Uint,
+}
+
+impl SampleType {
+    /// Bytes per sample.
+    pub fn bytes(self) -> usize {
+        match self {
+            SampleType::Half => 2,
+            SampleType::Float | SampleType::Uint => 4,
+        }
+    }
+}
+
+/// A channel by its place in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ChannelId {
+    /// Index into [`ExrFile::parts`].
+    pub part: usize,
+    /// Index into [`Part::channels`].
+    pub channel: usize,
+}
+
+impl Part {
+    /// Whether the compression changed the samples of the channel at index `channel`.
+    ///
+    /// DWA goes by the last token of the name: of a vector X, Y, Z it spoils exactly Y.
+    pub fn is_lossy(&self, channel: usize) -> bool {
+        let Channel { name, sample_type } = &self.channels[channel];
+        match self.compression.as_str() {
+            "pxr24" => *sample_type == SampleType::Float,
+            "b44" | "b44a" => *sample_type == SampleType::Half,
+            "dwaa" | "dwab" => {
+                let suffix = name.rsplit('.').next().unwrap_or(name);
+                *sample_type != SampleType::Uint
+                    && ["R", "G", "B", "Y", "RY", "BY"].contains(&suffix)
+            }
+            _ => false,
+        }
+    }
+}
+
+impl ExrFile {
+    /// Reads the header of the file at `path`.
+    pub fn open(path: &Path, limits: &Limits) -> Result<ExrFile> {
+        let file = File::open(path).map_err(Error::io(path, "read"))?;
+        let metadata = file.metadata().map_err(Error::io(path, "read"))?;
+        let header = FileHeader::read(BufReader::new(file), metadata.len(), limits)
+            .map_err(|fault| fault.at(path))?;
+        let first = &header.parts[0];
+        let chromaticities = first.floats("chromaticities", "chromaticities");
+        Ok(ExrFile {
+            path: path.to_path_buf(),
+            parts: (0..header.parts.len()).map(|i| header.part(i)).collect(),
+            display_window: header::display_window(first)
+                .unwrap_or_else(|| header::data_window(&header.meta.headers[0])),
+            pixel_aspect: header::pixel_aspect(first),
+            attributes: first
+                .iter()
+                .map(|a| (attributes::text_of_bytes(&a.name), a.text()))
+                .collect(),
+            chromaticities,
+            luminance_weights: chromaticities.and_then(header::luminance_weights),
+            file_len: metadata.len(),
+            limits: *limits,
+            header,
+        })
+    }
+
+    /// All channels of all parts, in order.
+    pub fn channel_ids(&self) -> impl Iterator<Item = ChannelId> {
+        let parts = self.parts.iter().enumerate();
+        parts.flat_map(|(part, p)| {
+            (0..p.channels.len()).map(move |channel| ChannelId { part, channel })
+        })
+    }
+}

@@ -1,0 +1,133 @@
+//! What is in a file, for `inspect`: headers and names, no pixels.
+
+use super::exr::SampleType;
+use super::roles;
+use super::sources::Opened;
+use crate::error::Result;
+use crate::frame::Window;
+use serde::Serialize;
+use std::path::Path;
+
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Survey {
+    /// The pixels meant to be shown.
+    pub display_window: Window,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// The parts of an EXR; a photo has one.
+    pub parts: Vec<PartSurvey>,
+    /// Which layer plays which role, by name.
+    pub roles: Vec<RoleSurvey>,
+}
+
+/// One part of a file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartSurvey {
+    /// Its name, where it has one.
+    pub name: Option<String>,
+    /// The pixels it holds.
+    pub data_window: Window,
+    /// How its pixels are compressed.
+    pub compression: String,
+    /// Its layers.
+    pub layers: Vec<LayerSurvey>,
+}
+
+/// The channels that share a name up to their component.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LayerSurvey {
+    /// The name; empty for bare channels.
+    pub name: String,
+    /// Its components, in the order of the file.
+    pub components: Vec<String>,
+    /// Sample type of its first channel: half, float, uint, u8 or u16.
+    pub sample_type: &'static str,
+}
+
+/// A role and the layer found for it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RoleSurvey {
+    /// The role.
+    pub role: roles::Role,
+    /// The layer's name; empty for bare channels.
+    pub layer: String,
+    /// Full names of its channels, in the order of the role's components.
+    pub channels: Vec<String>,
+}
+
+/// Looks into the file at `path` without reading the pixels of an EXR.
+///
+/// # Errors
+/// Any [`crate::Error`] of opening it.
+pub fn survey(path: &Path) -> Result<Survey> {
+    Ok(match Opened::open(path)?.as_ref() {
+        Opened::Exr { file, layers } => Survey {
+            display_window: file.display_window,
+            pixel_aspect: file.pixel_aspect,
+            parts: (0..file.parts.len()).map(|part| part_survey(file, layers, part)).collect(),
+            roles: roles::assign(layers)
+                .into_iter()
+                .map(|(role, found)| RoleSurvey {
+                    role,
+                    channels: found
+                        .channels
+                        .iter()
+                        .map(|&channel| file.parts[found.part].channels[channel].name.clone())
+                        .collect(),
+                    layer: found.layer,
+                })
+                .collect(),
+        },
+        Opened::Photo { photo, .. } => photo_survey(photo),
+    })
+}
+
+fn part_survey(file: &super::exr::ExrFile, layers: &[roles::Layer], index: usize) -> PartSurvey {
+    let part = &file.parts[index];
+    let of_part = layers.iter().filter(|layer| layer.part == index);
+    PartSurvey {
+        name: part.name.clone(),
+        data_window: part.window,
+        compression: part.compression.clone(),
+        layers: of_part
+            .map(|layer| LayerSurvey {
+                name: layer.name.clone(),
+                components: layer.components.iter().map(|(c, _)| c.clone()).collect(),
+                sample_type: match part.channels[layer.components[0].1].sample_type {
+                    SampleType::Half => "half",
+                    SampleType::Float => "float",
+                    SampleType::Uint => "uint",
+                },
+            })
+            .collect(),
+    }
+}
+
+fn photo_survey(photo: &super::photo::Photo) -> Survey {
+    let window = Window::from_size(photo.width, photo.height);
+    let grey_or_color = if photo.channels.len() == 1 { &["y"][..] } else { &["r", "g", "b"][..] };
+    let alpha = photo.alpha.as_ref().map(|_| &"a");
+    let components: Vec<String> =
+        grey_or_color.iter().chain(alpha).map(|c| (*c).to_string()).collect();
+    let sample_type = match photo.bits {
+        8 => "u8",
+        16 => "u16",
+        _ => "float",
+    };
+    Survey {
+        display_window: window,
+        pixel_aspect: 1.0,
+        parts: vec![PartSurvey {
+            name: None,
+            data_window: window,
+            compression: "photo".into(),
+            layers: vec![LayerSurvey { name: String::new(), components, sample_type }],
+        }],
+        roles: vec![RoleSurvey {
+            role: roles::Role::Color,
+            layer: String::new(),
+            channels: grey_or_color.iter().map(|c| (*c).to_string()).collect(),
+        }],
+    }
+}
