@@ -1,1 +1,3 @@
 //! Files to frames, and planes to files.
+
+pub mod camera;
