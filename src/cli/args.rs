@@ -127,7 +127,12 @@ pub(super) struct RoleArgs {
     #[arg(long, value_name = "ENCODING", default_value = "auto")]
     normal_encoding: EncodingArg,
     /// Axes of the normals that point the wrong way: y for DirectX normal maps.
-    #[arg(long, value_name = "AXES", default_value = "", hide_default_value = true)]
+    #[arg(
+        long,
+        value_name = "AXES",
+        default_value = "",
+        hide_default_value = true
+    )]
     normal_flip: Flip,
     /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
     #[arg(long, value_name = "FILE")]
@@ -311,9 +316,22 @@ pub(super) struct RunArgs {
 impl RoleArgs {
     /// Every input that is a file of its own.
     pub(super) fn files(&self, picture: &std::path::Path) -> Vec<PathBuf> {
-        let named =
-            [&self.normal, &self.depth, &self.position, &self.color, &self.occlusion, &self.mask];
-        let named = named.into_iter().flatten().map(PathBuf::from).filter(|path| path.exists());
-        std::iter::once(picture.to_path_buf()).chain(named).chain(self.camera.clone()).collect()
+        let named = [
+            &self.normal,
+            &self.depth,
+            &self.position,
+            &self.color,
+            &self.occlusion,
+            &self.mask,
+        ];
+        let named = named
+            .into_iter()
+            .flatten()
+            .map(PathBuf::from)
+            .filter(|path| path.exists());
+        std::iter::once(picture.to_path_buf())
+            .chain(named)
+            .chain(self.camera.clone())
+            .collect()
     }
 }

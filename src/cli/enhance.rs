@@ -29,7 +29,11 @@ pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
     job.tell_plan(&plan);
     let outcome = cpu::run(&plan, frame);
 
-    let color = outcome.color.as_ref().or(frame.color.as_ref()).expect("a picture was loaded");
+    let color = outcome
+        .color
+        .as_ref()
+        .or(frame.color.as_ref())
+        .expect("a picture was loaded");
     let write = match job.kind {
         Kind::Picture(format) => job.write_picture(
             format,
@@ -41,7 +45,10 @@ pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
             },
         )?,
         Kind::Exr => {
-            let stored = args.output.depth_of_output.map_or(loaded.color_type(), Into::into);
+            let stored = args
+                .output
+                .depth_of_output
+                .map_or(loaded.color_type(), Into::into);
             let layer = job.color_layer(&loaded);
             let channels = color_channels(layer, color, frame.alpha.as_ref(), stored);
             job.write_exr(&loaded, channels)?

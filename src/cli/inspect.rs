@@ -50,12 +50,24 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
         Err(Error::Damaged { path, found }) => return Err(Error::Damaged { path, found }),
         Err(error) => (Vec::new(), Vec::new(), Some(error.to_string())),
     };
-    Ok(Inspection { file: file.to_path_buf(), survey, findings, warnings, problem })
+    Ok(Inspection {
+        file: file.to_path_buf(),
+        survey,
+        findings,
+        warnings,
+        problem,
+    })
 }
 
 fn text(inspection: &Inspection) -> String {
     let mut out = String::new();
-    let Inspection { file, survey, findings, warnings, problem } = inspection;
+    let Inspection {
+        file,
+        survey,
+        findings,
+        warnings,
+        problem,
+    } = inspection;
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{}", file.display());
     let _ = writeln!(
@@ -67,13 +79,22 @@ fn text(inspection: &Inspection) -> String {
         let _ = writeln!(out, "  {}", part_text(part));
         for layer in &part.layers {
             let components = layer.components.join(" ");
-            let name = if layer.name.is_empty() { "(bare)" } else { &layer.name };
+            let name = if layer.name.is_empty() {
+                "(bare)"
+            } else {
+                &layer.name
+            };
             let _ = writeln!(out, "    {name:<32} {components:<8} {}", layer.sample_type);
         }
     }
     let _ = writeln!(out, "  roles");
     for role in &survey.roles {
-        let _ = writeln!(out, "    {:<20} {}", role.role.name(), role.channels.join(" "));
+        let _ = writeln!(
+            out,
+            "    {:<20} {}",
+            role.role.name(),
+            role.channels.join(" ")
+        );
     }
     let _ = writeln!(out, "  conclusions");
     for finding in findings {
@@ -89,6 +110,9 @@ fn text(inspection: &Inspection) -> String {
 }
 
 fn part_text(part: &PartSurvey) -> String {
-    let name = part.name.as_deref().map_or(String::new(), |name| format!(" \"{name}\""));
+    let name = part
+        .name
+        .as_deref()
+        .map_or(String::new(), |name| format!(" \"{name}\""));
     format!("part{name}: {}, {}", part.data_window, part.compression)
 }

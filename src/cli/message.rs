@@ -27,7 +27,12 @@ pub(super) fn warning(quiet: bool, text: &str) {
 
 /// A conclusion as one line.
 pub(super) fn finding_line(finding: &Finding) -> String {
-    let Finding { subject, conclusion, evidence, flag } = finding;
+    let Finding {
+        subject,
+        conclusion,
+        evidence,
+        flag,
+    } = finding;
     format!("{subject:<16} {conclusion} ({evidence}; force with {flag})")
 }
 

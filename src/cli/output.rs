@@ -25,7 +25,9 @@ pub(super) enum Kind {
 
 impl Kind {
     pub(super) fn of(path: &Path) -> Result<Self> {
-        let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        let is_exr = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
         match PictureFormat::of_path(path) {
             _ if is_exr => Ok(Self::Exr),
             Some(format) => Ok(Self::Picture(format)),
@@ -69,9 +71,18 @@ impl<'a> Job<'a> {
         }
         if let Some(threads) = run.threads {
             // A pool that exists already, in a program that calls this twice, keeps its size.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+            let _ = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.into())
+                .build_global();
         }
-        Ok(Self { input, roles, output, run, kind, started: Instant::now() })
+        Ok(Self {
+            input,
+            roles,
+            output,
+            run,
+            kind,
+            started: Instant::now(),
+        })
     }
 
     /// Says what was found in the input, as loudly as asked for.
@@ -82,13 +93,19 @@ impl<'a> Job<'a> {
             }
         }
         for warning in &loaded.warnings {
-            message::warning(self.run.quiet, &format!("{}: {warning}", self.input.display()));
+            message::warning(
+                self.run.quiet,
+                &format!("{}: {warning}", self.input.display()),
+            );
         }
     }
 
     pub(super) fn tell_plan(&self, plan: &Plan) {
         if self.run.explain {
-            let lines = plan.decisions().iter().map(|decision| format!("{decision}\n"));
+            let lines = plan
+                .decisions()
+                .iter()
+                .map(|decision| format!("{decision}\n"));
             message::result(&lines.collect::<String>());
         }
     }
@@ -128,7 +145,9 @@ impl<'a> Job<'a> {
             )],
             chromaticities: loaded.exr().and_then(|file| file.chromaticities),
         };
-        let kept = loaded.exr().filter(|_| self.output.layers == LayersArg::Keep);
+        let kept = loaded
+            .exr()
+            .filter(|_| self.output.layers == LayersArg::Keep);
         write_atomically(path, !self.output.no_clobber, |w| match kept {
             Some(input) => append_part(input, w, path, &part),
             None => write_results(w, path, &part),
@@ -159,11 +178,19 @@ impl<'a> Job<'a> {
         }
         if !self.run.quiet {
             let chosen = [
-                outcome.gain.map(|gain| format!("curvature gain {gain:.3}, ")),
-                outcome.white_level.map(|white| format!("white level {white:.4}, ")),
+                outcome
+                    .gain
+                    .map(|gain| format!("curvature gain {gain:.3}, ")),
+                outcome
+                    .white_level
+                    .map(|white| format!("white level {white:.4}, ")),
             ];
             let chosen: String = chosen.into_iter().flatten().collect();
-            eprintln!("{}: {chosen}{:.2} s", self.output.output.display(), total.as_secs_f64());
+            eprintln!(
+                "{}: {chosen}{:.2} s",
+                self.output.output.display(),
+                total.as_secs_f64()
+            );
         }
         Ok(())
     }
@@ -201,7 +228,12 @@ pub(super) fn color_channels<'a>(
     alpha: Option<&'a Plane>,
     sample_type: OutputType,
 ) -> Vec<OutputChannel<'a>> {
-    let planes = [("R", Some(&color.r)), ("G", Some(&color.g)), ("B", Some(&color.b)), ("A", alpha)];
+    let planes = [
+        ("R", Some(&color.r)),
+        ("G", Some(&color.g)),
+        ("B", Some(&color.b)),
+        ("A", alpha),
+    ];
     let name = |component: &str| match layer {
         Some(layer) => format!("{layer}.{component}"),
         None => component.to_string(),
@@ -209,7 +241,11 @@ pub(super) fn color_channels<'a>(
     planes
         .into_iter()
         .filter_map(|(component, plane)| plane.map(|plane| (name(component), plane)))
-        .map(|(name, plane)| OutputChannel { name, plane, sample_type })
+        .map(|(name, plane)| OutputChannel {
+            name,
+            plane,
+            sample_type,
+        })
         .collect()
 }
 

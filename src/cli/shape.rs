@@ -27,8 +27,10 @@ pub(super) fn run(args: &ShapeArgs) -> Result<()> {
     job.tell_findings(&loaded);
 
     let frame = &loaded.frame;
-    let scaling =
-        ScalingParams { curvature_gain: args.gain.curvature_gain, ..ScalingParams::default() };
+    let scaling = ScalingParams {
+        curvature_gain: args.gain.curvature_gain,
+        ..ScalingParams::default()
+    };
     let plan = Plan::new(goal, Available::in_frame(frame), shape, scaling)?;
     job.tell_plan(&plan);
     let outcome = cpu::run(&plan, frame);
@@ -37,10 +39,21 @@ pub(super) fn run(args: &ShapeArgs) -> Result<()> {
         Kind::Picture(format) => {
             let color = outcome.color.as_ref().expect("the plan made a display");
             let transform = DISPLAY_REFERRED;
-            job.write_picture(format, &Picture { color, alpha: None, bits: 8, transform })?
+            job.write_picture(
+                format,
+                &Picture {
+                    color,
+                    alpha: None,
+                    bits: 8,
+                    transform,
+                },
+            )?
         }
         Kind::Exr => {
-            let stored = args.output.depth_of_output.map_or(OutputType::Float, Into::into);
+            let stored = args
+                .output
+                .depth_of_output
+                .map_or(OutputType::Float, Into::into);
             job.write_exr(&loaded, descriptor_channels(frame, &outcome, stored))?
         }
     };
@@ -78,6 +91,10 @@ fn descriptor_channels<'a>(
     layers
         .into_iter()
         .filter_map(|(name, plane)| plane.map(|plane| (name, plane)))
-        .map(|(name, plane)| OutputChannel { name: name.into(), plane, sample_type })
+        .map(|(name, plane)| OutputChannel {
+            name: name.into(),
+            plane,
+            sample_type,
+        })
         .collect()
 }

@@ -33,15 +33,19 @@ pub(super) fn coverage(evidence: &Evidence) -> Mask {
         (None, None) => evidence.alpha,
         _ => None,
     };
-    Mask::new(Plane::from_fn(normal.x.width(), normal.x.height(), |x, y| {
-        let n = glam::Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
-        n.is_finite()
-            && n.length_squared() > MIN_LENGTH * MIN_LENGTH
-            && n.length_squared().is_finite()
-            && evidence.depth.is_none_or(|d| is_distance(d.at(x, y)))
-            && half(evidence.mask, x, y)
-            && half(deciding_alpha, x, y)
-    }))
+    Mask::new(Plane::from_fn(
+        normal.x.width(),
+        normal.x.height(),
+        |x, y| {
+            let n = glam::Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
+            n.is_finite()
+                && n.length_squared() > MIN_LENGTH * MIN_LENGTH
+                && n.length_squared().is_finite()
+                && evidence.depth.is_none_or(|d| is_distance(d.at(x, y)))
+                && half(evidence.mask, x, y)
+                && half(deciding_alpha, x, y)
+        },
+    ))
 }
 
 /// Gives every sample outside the mask the value 0, so that no NaN or sentinel travels on.
@@ -58,7 +62,11 @@ pub(super) fn blank_outside(plane: &mut Plane, mask: &Mask) {
 pub(super) fn sanitise(plane: &mut Plane) -> usize {
     let mut replaced = 0;
     for sample in plane.samples_mut().iter_mut().filter(|s| !s.is_finite()) {
-        *sample = if sample.is_nan() { 0.0 } else { HALF_INFINITY.copysign(*sample) };
+        *sample = if sample.is_nan() {
+            0.0
+        } else {
+            HALF_INFINITY.copysign(*sample)
+        };
         replaced += 1;
     }
     replaced
@@ -70,19 +78,44 @@ mod tests {
 
     #[test]
     fn every_known_background_is_no_distance() {
-        let sentinels = [0.0, -1.0, 1e10, 1e30, 1e38, 65504.0, f32::INFINITY, f32::NAN, -0.0];
+        let sentinels = [
+            0.0,
+            -1.0,
+            1e10,
+            1e30,
+            1e38,
+            65504.0,
+            f32::INFINITY,
+            f32::NAN,
+            -0.0,
+        ];
         assert!(sentinels.iter().all(|&depth| !is_distance(depth)));
-        assert!([1e-6, 1.0, 65503.0, 1e6].iter().all(|&depth| is_distance(depth)));
+        assert!(
+            [1e-6, 1.0, 65503.0, 1e6]
+                .iter()
+                .all(|&depth| is_distance(depth))
+        );
     }
 
     #[test]
     fn normals_without_direction_are_not_covered() {
         let x = vec![0.0, f32::NAN, f32::INFINITY, 1e30, 1.0, 0.01];
         let zero = Plane::filled(6, 1, 0.0);
-        let normal =
-            Vector3Planes { x: Plane::from_samples(6, 1, x), y: zero.clone(), z: zero };
-        let evidence = Evidence { normal: &normal, depth: None, alpha: None, mask: None };
-        assert_eq!(coverage(&evidence).row(0), [false, false, false, false, true, false]);
+        let normal = Vector3Planes {
+            x: Plane::from_samples(6, 1, x),
+            y: zero.clone(),
+            z: zero,
+        };
+        let evidence = Evidence {
+            normal: &normal,
+            depth: None,
+            alpha: None,
+            mask: None,
+        };
+        assert_eq!(
+            coverage(&evidence).row(0),
+            [false, false, false, false, true, false]
+        );
     }
 
     #[test]

@@ -35,6 +35,8 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// Bits per sample of a photo; `None` for an EXR.
     pub photo_bits: Option<u8>,
+    /// Whether the picture was stored as half floats.
+    pub color_is_half: bool,
     main: Rc<Opened>,
 }
 
@@ -62,7 +64,9 @@ pub fn load(inputs: &Inputs, with_color: bool) -> Result<Loaded> {
     let mut planes = sources.read()?;
     let mut notes = Notes::about(&sources);
 
-    let stored = planes.vector(Role::Normal).expect("normals are always resolved");
+    let stored = planes
+        .vector(Role::Normal)
+        .expect("normals are always resolved");
     let encoding = notes.encoding(inputs, &sources, &stored);
     let mut normal = stored;
     normals::decode(&mut normal, encoding, inputs.normal_flip);
@@ -93,10 +97,14 @@ pub fn load(inputs: &Inputs, with_color: bool) -> Result<Loaded> {
     let View { camera, findings } = turn_to_view(inputs, &surface, &mut normal)?;
     notes.findings.extend(findings);
     if mask.count() == 0 {
-        notes.warnings.push("no pixel shows a surface: nothing to do".into());
+        notes
+            .warnings
+            .push("no pixel shows a surface: nothing to do".into());
     }
 
-    let occlusion = planes.scalar(Role::Occlusion).or_else(|| varying(alpha.as_ref()));
+    let occlusion = planes
+        .scalar(Role::Occlusion)
+        .or_else(|| varying(alpha.as_ref()));
     let frame = Frame {
         data_window: window,
         display_window,
@@ -116,7 +124,15 @@ pub fn load(inputs: &Inputs, with_color: bool) -> Result<Loaded> {
         Opened::Photo { photo, .. } => Some(photo.bits),
         Opened::Exr { .. } => None,
     };
-    Ok(Loaded { frame, findings, warnings, photo_bits, main })
+    let color_is_half = sources.get(Role::Color).is_some_and(RoleSource::is_half);
+    Ok(Loaded {
+        frame,
+        findings,
+        warnings,
+        photo_bits,
+        color_is_half,
+        main,
+    })
 }
 
 /// The sources of all roles that this run reads.
@@ -132,7 +148,11 @@ impl Sources {
         let mut roles = vec![normal];
         // Silhouettes come from one map: an occlusion map that was asked for spares the depth.
         let only_occlusion = inputs.occlusion.is_some() && inputs.depth.is_none();
-        let depth = if only_occlusion { None } else { find(Role::Depth, &inputs.depth)? };
+        let depth = if only_occlusion {
+            None
+        } else {
+            find(Role::Depth, &inputs.depth)?
+        };
         if depth.is_none() {
             roles.extend(find(Role::Occlusion, &inputs.occlusion)?);
         }
@@ -170,7 +190,9 @@ impl Sources {
 
     fn read(&self) -> Result<Planes> {
         let read = read_all(&self.roles)?;
-        Ok(Planes { roles: self.roles.iter().map(|s| s.role).zip(read).collect() })
+        Ok(Planes {
+            roles: self.roles.iter().map(|s| s.role).zip(read).collect(),
+        })
     }
 
     fn get(&self, role: Role) -> Option<&RoleSource> {
@@ -180,7 +202,11 @@ impl Sources {
 
 fn missing(main: &Opened, role: Role, flag: &str) -> Error {
     let layers = main.layer_names();
-    let found = if layers.is_empty() { "a photo".into() } else { layers.join(", ") };
+    let found = if layers.is_empty() {
+        "a photo".into()
+    } else {
+        layers.join(", ")
+    };
     Error::MissingAov {
         path: main.path().to_path_buf(),
         found: format!("has no {} layer (found {found})", role.name()),
@@ -209,10 +235,18 @@ impl Planes {
     }
 
     fn color(&mut self, notes: &mut Notes) -> (Option<ColorPlanes>, Option<Plane>) {
-        let Some(RolePlanes { mut planes, mut alpha }) = self.take(Role::Color) else {
+        let Some(RolePlanes {
+            mut planes,
+            mut alpha,
+        }) = self.take(Role::Color)
+        else {
             return (None, None);
         };
-        let replaced: usize = planes.iter_mut().chain(&mut alpha).map(coverage::sanitise).sum();
+        let replaced: usize = planes
+            .iter_mut()
+            .chain(&mut alpha)
+            .map(coverage::sanitise)
+            .sum();
         if replaced > 0 {
             notes.warnings.push(format!(
                 "{replaced} colour samples were not finite: NaN became 0, infinity 65504"
@@ -238,14 +272,20 @@ fn grey(mut planes: Vec<Plane>) -> Plane {
         return planes.remove(0);
     }
     let [r, g, b] = three(planes);
-    Plane::from_fn(r.width(), r.height(), |x, y| (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0)
+    Plane::from_fn(r.width(), r.height(), |x, y| {
+        (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0
+    })
 }
 
 /// A plane that has more than one value: alpha that is 1 everywhere tells of no edge.
 fn varying(plane: Option<&Plane>) -> Option<Plane> {
     let plane = plane?;
     let first = plane.at(0, 0);
-    plane.samples().iter().any(|&v| v != first).then(|| plane.clone())
+    plane
+        .samples()
+        .iter()
+        .any(|&v| v != first)
+        .then(|| plane.clone())
 }
 
 fn shown(main: &Opened, window: Window) -> (Window, f32) {
@@ -305,9 +345,9 @@ impl Notes {
         sources: &Sources,
         stored: &Vector3Planes,
     ) -> NormalEncoding {
-        let integers = sources.get(Role::Normal).is_some_and(|source| {
-            matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.is_float)
-        });
+        let integers = sources.get(Role::Normal).is_some_and(
+            |source| matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.is_float),
+        );
         let (encoding, evidence) = match inputs.normal_encoding {
             Some(encoding) => (encoding, "as told"),
             None if integers => (NormalEncoding::Unsigned, "stored as integers"),

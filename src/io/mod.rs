@@ -1,10 +1,12 @@
 //! Files to frames, and planes to files.
 
+pub mod camera;
 mod coverage;
 pub mod exr;
 mod fence;
 pub mod inputs;
 mod load;
+pub mod normal_space;
 mod normals;
 pub mod output;
 pub mod photo;

@@ -10,9 +10,17 @@ pub(super) const MIN_LENGTH: f32 = 0.05;
 /// Tells signed from unsigned components: unsigned ones hold no negatives, and turn to unit length
 /// only once decoded.
 pub(super) fn judge_encoding(stored: &Vector3Planes) -> NormalEncoding {
-    let samples = stored.x.samples().iter().zip(stored.y.samples()).zip(stored.z.samples());
+    let samples = stored
+        .x
+        .samples()
+        .iter()
+        .zip(stored.y.samples())
+        .zip(stored.z.samples());
     let (mut decoded, mut as_stored) = (0_usize, 0_usize);
-    for n in samples.map(|((&x, &y), &z)| Vec3::new(x, y, z)).filter(|n| n.length() > MIN_LENGTH) {
+    for n in samples
+        .map(|((&x, &y), &z)| Vec3::new(x, y, z))
+        .filter(|n| n.length() > MIN_LENGTH)
+    {
         if n.min_element() < -0.01 {
             return NormalEncoding::Signed;
         }
@@ -20,21 +28,30 @@ pub(super) fn judge_encoding(stored: &Vector3Planes) -> NormalEncoding {
         decoded += usize::from(near_unit(2.0 * n - Vec3::ONE));
         as_stored += usize::from(near_unit(n));
     }
-    if decoded > as_stored { NormalEncoding::Unsigned } else { NormalEncoding::Signed }
+    if decoded > as_stored {
+        NormalEncoding::Unsigned
+    } else {
+        NormalEncoding::Signed
+    }
 }
 
 /// Decodes components and turns flipped axes round, in place.
 pub(super) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip: Flip) {
-    for (plane, flipped) in
-        [(&mut stored.x, flip.x), (&mut stored.y, flip.y), (&mut stored.z, flip.z)]
-    {
+    for (plane, flipped) in [
+        (&mut stored.x, flip.x),
+        (&mut stored.y, flip.y),
+        (&mut stored.z, flip.z),
+    ] {
         let (scale, offset) = match encoding {
             NormalEncoding::Signed => (1.0, 0.0),
             NormalEncoding::Unsigned => (2.0, -1.0),
         };
         let sign = if flipped { -1.0 } else { 1.0 };
         if (scale, sign) != (1.0, 1.0) {
-            plane.samples_mut().iter_mut().for_each(|v| *v = sign * (scale * *v + offset));
+            plane
+                .samples_mut()
+                .iter_mut()
+                .for_each(|v| *v = sign * (scale * *v + offset));
         }
     }
 }
@@ -50,11 +67,13 @@ pub(super) fn normalise(normal: &mut Vector3Planes, covered: &Plane<bool>) -> Pl
         .zip(normal.y.samples_mut())
         .zip(normal.z.samples_mut())
         .map(|((x, y), z)| [x, y, z]);
-    for ((n, length), &covered) in
-        components.zip(lengths.samples_mut()).zip(covered.samples())
-    {
+    for ((n, length), &covered) in components.zip(lengths.samples_mut()).zip(covered.samples()) {
         let stored = Vec3::new(*n[0], *n[1], *n[2]);
-        let unit = if covered { stored.normalize_or_zero() } else { Vec3::ZERO };
+        let unit = if covered {
+            stored.normalize_or_zero()
+        } else {
+            Vec3::ZERO
+        };
         *length = if covered { stored.length() } else { 0.0 };
         for (component, value) in n.into_iter().zip(unit.to_array()) {
             *component = value;
@@ -71,20 +90,32 @@ mod tests {
         let plane = |f: fn(&Vec3) -> f32| {
             Plane::from_samples(normals.len(), 1, normals.iter().map(f).collect())
         };
-        Vector3Planes { x: plane(|n| n.x), y: plane(|n| n.y), z: plane(|n| n.z) }
+        Vector3Planes {
+            x: plane(|n| n.x),
+            y: plane(|n| n.y),
+            z: plane(|n| n.z),
+        }
     }
 
     fn slopes() -> Vec<Vec3> {
-        (-4..=4).map(|i| Vec3::new(0.2 * i as f32, 0.1, 1.0).normalize()).collect()
+        (-4..=4)
+            .map(|i| Vec3::new(0.2 * i as f32, 0.1, 1.0).normalize())
+            .collect()
     }
 
     #[test]
     fn encodings_are_told_apart() {
         assert_eq!(judge_encoding(&planes(&slopes())), NormalEncoding::Signed);
-        let encoded: Vec<_> = slopes().iter().map(|n| 0.5 * *n + Vec3::splat(0.5)).collect();
+        let encoded: Vec<_> = slopes()
+            .iter()
+            .map(|n| 0.5 * *n + Vec3::splat(0.5))
+            .collect();
         assert_eq!(judge_encoding(&planes(&encoded)), NormalEncoding::Unsigned);
         // A wall facing the viewer: (0, 0, 1) is unit as it is; (0.5, 0.5, 1) only once decoded.
-        assert_eq!(judge_encoding(&planes(&[Vec3::Z; 4])), NormalEncoding::Signed);
+        assert_eq!(
+            judge_encoding(&planes(&[Vec3::Z; 4])),
+            NormalEncoding::Signed
+        );
         let wall = [Vec3::new(0.5, 0.5, 1.0); 4];
         assert_eq!(judge_encoding(&planes(&wall)), NormalEncoding::Unsigned);
     }
@@ -92,7 +123,14 @@ mod tests {
     #[test]
     fn decoding_flips_and_normalises() {
         let mut stored = planes(&[Vec3::new(0.5, 0.75, 0.9), Vec3::ZERO, Vec3::splat(f32::NAN)]);
-        decode(&mut stored, NormalEncoding::Unsigned, Flip { y: true, ..Flip::default() });
+        decode(
+            &mut stored,
+            NormalEncoding::Unsigned,
+            Flip {
+                y: true,
+                ..Flip::default()
+            },
+        );
         let covered = Plane::from_samples(3, 1, vec![true, false, false]);
         let length = normalise(&mut stored, &covered);
         // (0, 0.5, 0.8) with y turned round, of length 0.9434.

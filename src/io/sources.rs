@@ -1,6 +1,6 @@
 //! Opened inputs, and which of them each role is read from.
 
-use super::exr::{ChannelId, ExrFile, Limits};
+use super::exr::{ChannelId, ExrFile, Limits, SampleType};
 use super::photo::Photo;
 use super::roles::{self, Layer, Match, Role};
 use crate::error::{Error, Result};
@@ -21,11 +21,17 @@ impl Opened {
     pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
         if !has_exr_magic(path)? {
             let photo = Photo::read(path)?;
-            return Ok(Rc::new(Self::Photo { path: path.to_path_buf(), photo }));
+            return Ok(Rc::new(Self::Photo {
+                path: path.to_path_buf(),
+                photo,
+            }));
         }
         let file = ExrFile::open(path, &Limits::default())?;
         let layers = roles::layers(file.parts.iter().map(|part| {
-            (part.name.as_deref(), part.channels.iter().map(|c| c.name.as_str()).collect())
+            (
+                part.name.as_deref(),
+                part.channels.iter().map(|c| c.name.as_str()).collect(),
+            )
         }));
         Ok(Rc::new(Self::Exr { file, layers }))
     }
@@ -51,7 +57,12 @@ fn layer_label(layer: &Layer) -> String {
     if !layer.name.is_empty() {
         return layer.name.clone();
     }
-    layer.components.iter().map(|(c, _)| c.to_ascii_uppercase()).collect::<Vec<_>>().join("")
+    layer
+        .components
+        .iter()
+        .map(|(c, _)| c.to_ascii_uppercase())
+        .collect::<Vec<_>>()
+        .join("")
 }
 
 fn has_exr_magic(path: &Path) -> Result<bool> {
@@ -87,11 +98,17 @@ impl RoleSource {
         named: Option<&str>,
         main: &Rc<Opened>,
     ) -> Result<Option<Self>> {
-        let Some(name) = named else { return Ok(Self::by_role(role, main)) };
+        let Some(name) = named else {
+            return Ok(Self::by_role(role, main));
+        };
         if let Opened::Exr { layers, .. } = main.as_ref()
             && let Some(layer) = roles::named(layers, name, role)
         {
-            return Ok(Some(Self { role, file: main.clone(), layer: Some(layer) }));
+            return Ok(Some(Self {
+                role,
+                file: main.clone(),
+                layer: Some(layer),
+            }));
         }
         let path = Path::new(name);
         if !path.exists() {
@@ -99,16 +116,23 @@ impl RoleSource {
         }
         let file = Opened::open(path)?;
         let source = Self::by_role(role, &file).or_else(|| Self::only_layer(role, &file));
-        source.map(Some).ok_or_else(|| no_such_layer(role, name, &file))
+        source
+            .map(Some)
+            .ok_or_else(|| no_such_layer(role, name, &file))
     }
 
     fn by_role(role: Role, file: &Rc<Opened>) -> Option<Self> {
         match file.as_ref() {
-            Opened::Exr { layers, .. } => roles::find(layers, role)
-                .map(|layer| Self { role, file: file.clone(), layer: Some(layer) }),
-            Opened::Photo { .. } if role == Role::Color => {
-                Some(Self { role, file: file.clone(), layer: None })
-            }
+            Opened::Exr { layers, .. } => roles::find(layers, role).map(|layer| Self {
+                role,
+                file: file.clone(),
+                layer: Some(layer),
+            }),
+            Opened::Photo { .. } if role == Role::Color => Some(Self {
+                role,
+                file: file.clone(),
+                layer: None,
+            }),
             Opened::Photo { .. } => None,
         }
     }
@@ -119,7 +143,11 @@ impl RoleSource {
             Opened::Exr { layers, .. } => Some(layers.iter().find_map(|l| l.matched(role))?),
             Opened::Photo { .. } => None,
         };
-        Some(Self { role, file: file.clone(), layer })
+        Some(Self {
+            role,
+            file: file.clone(),
+            layer,
+        })
     }
 
     /// What messages call this source.
@@ -146,24 +174,55 @@ impl RoleSource {
             return Vec::new();
         };
         let part = &file.parts[layer.part];
-        let lossy = layer.channels.iter().filter(|&&channel| part.is_lossy(channel));
-        lossy.map(|&channel| part.channels[channel].name.clone()).collect()
+        let lossy = layer
+            .channels
+            .iter()
+            .filter(|&&channel| part.is_lossy(channel));
+        lossy
+            .map(|&channel| part.channels[channel].name.clone())
+            .collect()
+    }
+
+    /// Whether all its channels are half floats.
+    pub(super) fn is_half(&self) -> bool {
+        let (Opened::Exr { file, .. }, Some(layer)) = (self.file.as_ref(), &self.layer) else {
+            return false;
+        };
+        let channels = &file.parts[layer.part].channels;
+        layer
+            .channels
+            .iter()
+            .all(|&channel| channels[channel].sample_type == SampleType::Half)
     }
 
     fn channel_ids(&self) -> Vec<ChannelId> {
-        let Some(layer) = &self.layer else { return Vec::new() };
+        let Some(layer) = &self.layer else {
+            return Vec::new();
+        };
         let channels = layer.channels.iter().chain(&layer.alpha);
-        channels.map(|&channel| ChannelId { part: layer.part, channel }).collect()
+        channels
+            .map(|&channel| ChannelId {
+                part: layer.part,
+                channel,
+            })
+            .collect()
     }
 }
 
 fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
     let layers = file.layer_names();
-    let found = if layers.is_empty() { "no layers".into() } else { layers.join(", ") };
+    let found = if layers.is_empty() {
+        "no layers".into()
+    } else {
+        layers.join(", ")
+    };
     Error::MissingAov {
         path: file.path().to_path_buf(),
         found: format!("no {} called {name} (found {found})", role.name()),
-        remedy: format!("give --{} a layer with the right channels, or a file", role.name()),
+        remedy: format!(
+            "give --{} a layer with the right channels, or a file",
+            role.name()
+        ),
     }
 }
 
@@ -175,12 +234,15 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
             continue;
         }
         let file = &sources[first].file;
-        let of_file: Vec<usize> =
-            (first..sources.len()).filter(|&i| Rc::ptr_eq(&sources[i].file, file)).collect();
+        let of_file: Vec<usize> = (first..sources.len())
+            .filter(|&i| Rc::ptr_eq(&sources[i].file, file))
+            .collect();
         match file.as_ref() {
             Opened::Exr { file, .. } => {
-                let wanted: Vec<_> =
-                    of_file.iter().flat_map(|&i| sources[i].channel_ids()).collect();
+                let wanted: Vec<_> = of_file
+                    .iter()
+                    .flat_map(|&i| sources[i].channel_ids())
+                    .collect();
                 let mut read = file.read_channels(&wanted)?.into_iter();
                 for &i in &of_file {
                     planes[i] = sources[i].layer.as_ref().map(|layer| RolePlanes {
@@ -201,7 +263,13 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
 
 /// A photo is colour only where colour is wanted; as data its values are taken as they are.
 fn photo_planes(photo: &Photo, role: Role) -> RolePlanes {
-    let planes =
-        if role == Role::Color { photo.to_linear() } else { photo.channels.clone() };
-    RolePlanes { planes, alpha: photo.alpha.clone() }
+    let planes = if role == Role::Color {
+        photo.to_linear()
+    } else {
+        photo.channels.clone()
+    };
+    RolePlanes {
+        planes,
+        alpha: photo.alpha.clone(),
+    }
 }

@@ -65,7 +65,9 @@ pub fn survey(path: &Path) -> Result<Survey> {
         Opened::Exr { file, layers } => Survey {
             display_window: file.display_window,
             pixel_aspect: file.pixel_aspect,
-            parts: (0..file.parts.len()).map(|part| part_survey(file, layers, part)).collect(),
+            parts: (0..file.parts.len())
+                .map(|part| part_survey(file, layers, part))
+                .collect(),
             roles: roles::assign(layers)
                 .into_iter()
                 .map(|(role, found)| RoleSurvey {
@@ -106,10 +108,17 @@ fn part_survey(file: &super::exr::ExrFile, layers: &[roles::Layer], index: usize
 
 fn photo_survey(photo: &super::photo::Photo) -> Survey {
     let window = Window::from_size(photo.width, photo.height);
-    let grey_or_color = if photo.channels.len() == 1 { &["y"][..] } else { &["r", "g", "b"][..] };
+    let grey_or_color = if photo.channels.len() == 1 {
+        &["y"][..]
+    } else {
+        &["r", "g", "b"][..]
+    };
     let alpha = photo.alpha.as_ref().map(|_| &"a");
-    let components: Vec<String> =
-        grey_or_color.iter().chain(alpha).map(|c| (*c).to_string()).collect();
+    let components: Vec<String> = grey_or_color
+        .iter()
+        .chain(alpha)
+        .map(|c| (*c).to_string())
+        .collect();
     let sample_type = match photo.bits {
         8 => "u8",
         16 => "u16",
@@ -122,7 +131,11 @@ fn photo_survey(photo: &super::photo::Photo) -> Survey {
             name: None,
             data_window: window,
             compression: "photo".into(),
-            layers: vec![LayerSurvey { name: String::new(), components, sample_type }],
+            layers: vec![LayerSurvey {
+                name: String::new(),
+                components,
+                sample_type,
+            }],
         }],
         roles: vec![RoleSurvey {
             role: roles::Role::Color,

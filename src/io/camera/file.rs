@@ -1,0 +1,501 @@
+//! Cameras written as JSON.
+
+use crate::error::{Error, Result};
+use crate::frame::{Camera, Projection, Window};
+use glam::{DAffine3, DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
+use serde_json::Value;
+use std::path::Path;
+
+/// How far a rotation may be from orthonormal: rows printed with four digits still pass.
+const ROTATION_TOLERANCE: f64 = 2e-3;
+
+/// Reads a camera from a JSON file.
+///
+/// Every length in pixels refers to the display window, with (0, 0) at its top-left corner, pixel
+/// edges at integers and y down. Keys that are not listed here are ignored.
+///
+/// | key | meaning |
+/// |---|---|
+/// | `world_to_camera` | rows of a 4x4 matrix for column vectors; the camera looks down -z, x right, y up. Absent: view space itself, enough for view-space normals |
+/// | `focal_px` | perspective: focal length in pixel widths |
+/// | `pixels_per_unit` | orthographic: pixel widths per unit of length |
+/// | `principal_point_px` | `[x, y]` of the view axis; absent: the centre of the display window |
+/// | `intrinsics_px` | `{fx, fy, cx, cy}` in place of the three above; for `camera_type` `"ORTHO"`, `fx` and `fy` are pixels per unit |
+/// | `camera_type` | `"PERSP"` or `"ORTHO"`; absent: told by the other keys |
+/// | `resolution` | `[width, height]` that the pixels refer to; absent: the display window |
+///
+/// The smallest files are `{"focal_px": 900}` and
+/// `{"world_to_camera": [[..4], [..4], [..4], [0, 0, 0, 1]], "focal_px": 900}`.
+/// Where `resolution` has the shape of the display window but another size, as for a proxy, the
+/// intrinsics are scaled. A uniform scale in `world_to_camera` is divided out.
+///
+/// # Errors
+/// If the file cannot be read, is not JSON, lacks a key, holds a mirrored or sheared matrix, belongs
+/// to a panorama, or was made for a picture of another shape.
+pub fn read_camera(path: &Path, display_window: Window, pixel_aspect: f32) -> Result<Camera> {
+    let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
+    camera_of_json(&text, display_window, f64::from(pixel_aspect)).map_err(
+        |Rejected { found, remedy }| Error::Unsupported {
+            path: path.to_path_buf(),
+            found,
+            remedy,
+        },
+    )
+}
+
+/// Why a camera file was not accepted, before the file's name is attached.
+#[derive(Debug)]
+struct Rejected {
+    found: String,
+    remedy: String,
+}
+
+impl Rejected {
+    fn new(found: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self {
+            found: found.into(),
+            remedy: remedy.into(),
+        }
+    }
+}
+
+type Parsed<T> = std::result::Result<T, Rejected>;
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Perspective,
+    Orthographic,
+}
+
+fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
+    let json: Value = serde_json::from_str(text).map_err(|e| {
+        Rejected::new(
+            format!("not a JSON camera ({e})"),
+            "write an object with world_to_camera and focal_px",
+        )
+    })?;
+    if !json.is_object() {
+        return Err(Rejected::new(
+            format!("holds {} instead of a JSON object", described(&json)),
+            "write an object with world_to_camera and focal_px",
+        ));
+    }
+    let kind = kind_of(&json)?;
+    let (view_from_world, scale) = match present(&json, "world_to_camera") {
+        Some(value) => rigid_transform(value)?,
+        None => (DAffine3::IDENTITY, 1.0),
+    };
+    let lens = Lens::of_json(&json, kind, display, aspect)?;
+    Ok(Camera {
+        view_from_world,
+        projection: lens.projection(kind, scale, display),
+    })
+}
+
+/// The value of `key`, where it is given and not null.
+fn present<'a>(json: &'a Value, key: &str) -> Option<&'a Value> {
+    json.get(key).filter(|value| !value.is_null())
+}
+
+fn described(value: &Value) -> String {
+    match value {
+        Value::Null => "null".into(),
+        Value::Bool(b) => b.to_string(),
+        Value::Number(n) => n.to_string(),
+        Value::String(s) => format!("the text \"{}\"", s.chars().take(40).collect::<String>()),
+        Value::Array(a) => format!("an array of {}", a.len()),
+        Value::Object(_) => "an object".into(),
+    }
+}
+
+fn kind_of(json: &Value) -> Parsed<Kind> {
+    let focal = present(json, "focal_px").is_some();
+    let parallel = present(json, "pixels_per_unit").is_some();
+    if focal && parallel {
+        return Err(Rejected::new(
+            "has both focal_px and pixels_per_unit",
+            "keep focal_px for a perspective camera, pixels_per_unit for an orthographic one",
+        ));
+    }
+    let named = match present(json, "camera_type") {
+        None => None,
+        Some(value) => Some(kind_named(value)?),
+    };
+    match named {
+        Some(Kind::Perspective) if parallel => Err(Rejected::new(
+            "camera_type PERSP with pixels_per_unit",
+            "give focal_px instead, or set camera_type to ORTHO",
+        )),
+        Some(Kind::Orthographic) if focal => Err(Rejected::new(
+            "camera_type ORTHO with focal_px",
+            "give pixels_per_unit instead, or set camera_type to PERSP",
+        )),
+        Some(kind) => Ok(kind),
+        None if parallel => Ok(Kind::Orthographic),
+        None => Ok(Kind::Perspective),
+    }
+}
+
+fn kind_named(value: &Value) -> Parsed<Kind> {
+    let name = value.as_str().unwrap_or_default().to_ascii_uppercase();
+    match name.as_str() {
+        "PERSP" | "PERSPECTIVE" => Ok(Kind::Perspective),
+        "ORTHO" | "ORTHOGRAPHIC" => Ok(Kind::Orthographic),
+        "PANO" | "PANORAMA" | "EQUIRECTANGULAR" => Err(Rejected::new(
+            "the camera is a panorama",
+            "render with a perspective or orthographic camera, or give view-space normals",
+        )),
+        _ => Err(Rejected::new(
+            format!("camera_type is {}", described(value)),
+            "set it to PERSP or ORTHO",
+        )),
+    }
+}
+
+fn number(value: &Value, name: &str) -> Parsed<f64> {
+    value
+        .as_f64()
+        .filter(|n| n.is_finite())
+        .ok_or_else(|| Rejected::new(format!("{name} is {}", described(value)), "give a number"))
+}
+
+fn numbers<const N: usize>(value: &Value, name: &str) -> Parsed<[f64; N]> {
+    let wanted = || {
+        Rejected::new(
+            format!("{name} is {}", described(value)),
+            format!("give an array of {N} numbers"),
+        )
+    };
+    let array = value
+        .as_array()
+        .filter(|a| a.len() == N)
+        .ok_or_else(wanted)?;
+    let mut out = [0.0; N];
+    for (slot, element) in out.iter_mut().zip(array) {
+        *slot = number(element, name)?;
+    }
+    Ok(out)
+}
+
+fn positive(n: f64, name: &str) -> Parsed<f64> {
+    if n > 0.0 {
+        return Ok(n);
+    }
+    Err(Rejected::new(
+        format!("{name} is {n}"),
+        "give a number above 0",
+    ))
+}
+
+/// The rigid part of a row-major matrix, and the uniform scale that was divided out of it.
+fn rigid_transform(value: &Value) -> Parsed<(DAffine3, f64)> {
+    let rows = matrix_rows(value)?;
+    check_last_row(&rows)?;
+    let linear = Matrix3::from_fn(|r, c| rows[r][c]);
+    let scale = uniform_scale(&linear)?;
+    let rotation = nearest_rotation(&(linear / scale))?;
+    let t = DVec3::new(rows[0][3], rows[1][3], rows[2][3]) / scale;
+    Ok((DAffine3::from_mat3_translation(dmat3(&rotation), t), scale))
+}
+
+fn matrix_rows(value: &Value) -> Parsed<[[f64; 4]; 4]> {
+    let array = value.as_array().filter(|a| a.len() == 4).ok_or_else(|| {
+        Rejected::new(
+            format!("world_to_camera is {}", described(value)),
+            "give four rows of four numbers",
+        )
+    })?;
+    let mut rows = [[0.0; 4]; 4];
+    for (row, element) in rows.iter_mut().zip(array) {
+        *row = numbers(element, "a row of world_to_camera")?;
+    }
+    Ok(rows)
+}
+
+fn check_last_row(rows: &[[f64; 4]; 4]) -> Parsed<()> {
+    let [x, y, z, w] = rows[3];
+    let largest = x.abs().max(y.abs()).max(z.abs());
+    if largest < 1e-6 && (w - 1.0).abs() < 1e-6 {
+        return Ok(());
+    }
+    let transposed = rows[..3].iter().all(|row| row[3] == 0.0) && w == 1.0;
+    Err(if transposed {
+        Rejected::new(
+            "world_to_camera has its translation in the last row",
+            "transpose it: rows of a matrix for column vectors, translation in the last column",
+        )
+    } else {
+        Rejected::new(
+            format!("the last row of world_to_camera is [{x}, {y}, {z}, {w}]"),
+            "give the world-to-view matrix, without the projection; its last row is [0, 0, 0, 1]",
+        )
+    })
+}
+
+fn uniform_scale(linear: &Matrix3<f64>) -> Parsed<f64> {
+    let lengths: Vector3<f64> = Vector3::from_fn(|r, _| linear.row(r).norm());
+    let (least, most) = (lengths.min(), lengths.max());
+    if least <= 0.0 || !most.is_finite() {
+        return Err(Rejected::new(
+            "world_to_camera has a row of zeros",
+            "give a rotation and a translation",
+        ));
+    }
+    if most / least > 1.0 + ROTATION_TOLERANCE {
+        return Err(Rejected::new(
+            format!("world_to_camera stretches axes unevenly ({least} to {most})"),
+            "give a rotation and a translation",
+        ));
+    }
+    Ok(lengths.mean())
+}
+
+fn nearest_rotation(near: &Matrix3<f64>) -> Parsed<Matrix3<f64>> {
+    if near.determinant() < 0.0 {
+        return Err(Rejected::new(
+            "world_to_camera mirrors the scene (its determinant is negative)",
+            "negate the axis that is reversed; the camera looks down -z with x right and y up",
+        ));
+    }
+    let skew = (near * near.transpose() - Matrix3::identity()).amax();
+    if skew > 2.0 * ROTATION_TOLERANCE {
+        return Err(Rejected::new(
+            format!("the axes of world_to_camera are not at right angles (off by {skew:.2e})"),
+            "give a rotation and a translation",
+        ));
+    }
+    super::model::orthonormal(near).ok_or_else(|| {
+        Rejected::new(
+            "world_to_camera holds no rotation",
+            "give a rotation and a translation",
+        )
+    })
+}
+
+/// The same matrix in the types of the frame.
+pub(super) fn dmat3(m: &Matrix3<f64>) -> DMat3 {
+    DMat3::from_cols_array_2d(&m.data.0)
+}
+
+/// Pixels of the display window, origin at its top-left corner.
+struct Lens {
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+}
+
+impl Lens {
+    fn of_json(json: &Value, kind: Kind, display: Window, aspect: f64) -> Parsed<Self> {
+        let size = [display.width() as f64, display.height() as f64];
+        let made_for = match present(json, "resolution") {
+            None => size,
+            Some(value) => numbers(value, "resolution")?,
+        };
+        let lens = match present(json, "intrinsics_px") {
+            Some(value) => Self::of_intrinsics(value)?,
+            None => Self::of_focal(json, kind, made_for, aspect)?,
+        };
+        lens.scaled(made_for, size)
+    }
+
+    fn of_intrinsics(value: &Value) -> Parsed<Self> {
+        let entry = |key: &str| {
+            let name = format!("intrinsics_px.{key}");
+            match present(value, key) {
+                Some(v) => number(v, &name),
+                None => Err(Rejected::new(
+                    format!("intrinsics_px has no {key}"),
+                    "give fx, fy, cx and cy",
+                )),
+            }
+        };
+        Ok(Self {
+            fx: positive(entry("fx")?, "intrinsics_px.fx")?,
+            fy: positive(entry("fy")?, "intrinsics_px.fy")?,
+            cx: entry("cx")?,
+            cy: entry("cy")?,
+        })
+    }
+
+    fn of_focal(json: &Value, kind: Kind, made_for: [f64; 2], aspect: f64) -> Parsed<Self> {
+        let key = match kind {
+            Kind::Perspective => "focal_px",
+            Kind::Orthographic => "pixels_per_unit",
+        };
+        let Some(value) = present(json, key) else {
+            return Err(Rejected::new(
+                format!("has neither intrinsics_px nor {key}"),
+                "add focal_px (perspective) or pixels_per_unit (orthographic)",
+            ));
+        };
+        let fx = positive(number(value, key)?, key)?;
+        let [cx, cy] = match present(json, "principal_point_px") {
+            Some(point) => numbers(point, "principal_point_px")?,
+            None => made_for.map(|side| 0.5 * side),
+        };
+        Ok(Self {
+            fx,
+            fy: fx * aspect,
+            cx,
+            cy,
+        })
+    }
+
+    /// The lens of a picture made in size `from`, for the same picture in size `to`.
+    fn scaled(self, from: [f64; 2], to: [f64; 2]) -> Parsed<Self> {
+        if from == to {
+            return Ok(self);
+        }
+        positive(from[0].min(from[1]), "resolution")?;
+        let (x, y) = (to[0] / from[0], to[1] / from[1]);
+        // Sides are whole pixels: either may be one pixel off the exact proportion.
+        let same_shape = (from[1] * x - to[1]).abs() <= 1.0 || (from[0] * y - to[0]).abs() <= 1.0;
+        if !same_shape {
+            return Err(Rejected::new(
+                format!(
+                    "was made for {}x{} pixels, but the display window has {}x{}",
+                    from[0], from[1], to[0], to[1]
+                ),
+                "give the camera of this picture, or set resolution to its display window",
+            ));
+        }
+        Ok(Self {
+            fx: self.fx * x,
+            fy: self.fy * y,
+            cx: self.cx * x,
+            cy: self.cy * y,
+        })
+    }
+
+    fn projection(&self, kind: Kind, scale: f64, display: Window) -> Projection {
+        let cx = self.cx + f64::from(display.x0);
+        let cy = self.cy + f64::from(display.y0);
+        let (fx, fy) = (self.fx, self.fy);
+        match kind {
+            Kind::Perspective => Projection::Perspective { fx, fy, cx, cy },
+            // Lengths in view space shrank with the scale, so a unit now spans more pixels.
+            Kind::Orthographic => Projection::Orthographic {
+                sx: fx * scale,
+                sy: fy * scale,
+                cx,
+                cy,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    fn parse(text: &str) -> Parsed<Camera> {
+        camera_of_json(text, Window::from_size(640, 480), 1.0)
+    }
+
+    fn message(text: &str) -> String {
+        let Rejected { found, remedy } = parse(text).expect_err("accepted a bad camera");
+        let line = format!("{found}; {remedy}");
+        assert!(!line.contains('\n'), "{line}");
+        line
+    }
+
+    #[test]
+    fn a_bare_focal_length_is_a_view_space_camera() {
+        let camera = parse(r#"{"focal_px": 900}"#).unwrap();
+        assert_eq!(camera.view_from_world, DAffine3::IDENTITY);
+        let centre = camera.pixel_of(DVec3::new(0.0, 0.0, -5.0)).unwrap();
+        assert_eq!(centre, DVec2::new(320.0, 240.0));
+    }
+
+    #[test]
+    fn tall_pixels_shorten_the_vertical_focal_length() {
+        let camera =
+            camera_of_json(r#"{"focal_px": 900}"#, Window::from_size(640, 480), 2.0).unwrap();
+        // Pixels twice as wide as high: a length covers twice as many pixel heights as widths.
+        let Projection::Perspective { fx, fy, .. } = camera.projection else {
+            panic!("not a perspective")
+        };
+        assert_eq!((fx, fy), (900.0, 1800.0));
+    }
+
+    #[test]
+    fn a_display_window_off_the_origin_shifts_the_principal_point() {
+        let window = Window::at(-100, 20, 640, 480);
+        let camera = camera_of_json(r#"{"focal_px": 900}"#, window, 1.0).unwrap();
+        let centre = camera.pixel_of(DVec3::NEG_Z).unwrap();
+        assert_eq!(centre, DVec2::new(220.0, 260.0));
+    }
+
+    #[test]
+    fn proxies_are_scaled_and_other_shapes_refused() {
+        let text = r#"{"intrinsics_px": {"fx": 2000, "fy": 2000, "cx": 960, "cy": 540},
+                       "resolution": [1920, 1080]}"#;
+        let half = camera_of_json(text, Window::from_size(960, 540), 1.0).unwrap();
+        let Projection::Perspective { fx, cx, cy, .. } = half.projection else {
+            panic!("not a perspective")
+        };
+        assert_eq!((fx, cx, cy), (1000.0, 480.0, 270.0));
+        // 427x240 rounds 426.67 up and is still the same picture.
+        camera_of_json(text, Window::from_size(427, 240), 1.0).unwrap();
+        assert!(message(text).contains("1920x1080"));
+    }
+
+    #[test]
+    fn a_uniform_scale_is_divided_out() {
+        let text = r#"{"world_to_camera": [[2,0,0,4],[0,2,0,6],[0,0,2,-20],[0,0,0,1]],
+                       "pixels_per_unit": 10}"#;
+        let camera = parse(text).unwrap();
+        // u = 320 + 10 (2 * 1 + 4), v = 240 - 10 (2 * 1 + 6)
+        let seen = camera.pixel_of(DVec3::ONE).unwrap();
+        assert!((seen - DVec2::new(380.0, 160.0)).length() < 1e-9, "{seen}");
+        let determinant = camera.view_from_world.matrix3.determinant();
+        assert!((determinant - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_nearly_orthonormal_rotation_is_mended() {
+        let text = r#"{"world_to_camera": [[0.6,0.8001,0,0],[-0.8,0.6,0,0],[0,0,1,-3],[0,0,0,1]],
+                       "focal_px": 500}"#;
+        let m = parse(text).unwrap().view_from_world.matrix3;
+        let off = m * m.transpose() - DMat3::IDENTITY;
+        assert!(off.to_cols_array().iter().all(|e| e.abs() < 1e-12));
+    }
+
+    #[test]
+    fn each_fault_is_told_in_one_line() {
+        let with_matrix = |m: &str| format!(r#"{{"focal_px": 9, "world_to_camera": {m}}}"#);
+        let mirrored = with_matrix("[[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]]");
+        assert!(message(&mirrored).contains("mirrors"));
+        let stretched = with_matrix("[[1,0,0,0],[0,3,0,0],[0,0,1,0],[0,0,0,1]]");
+        assert!(message(&stretched).contains("unevenly"));
+        let sheared = with_matrix("[[1,0,0,0],[0.6,0.8,0,0],[0,0,1,0],[0,0,0,1]]");
+        assert!(message(&sheared).contains("right angles"));
+        let transposed = with_matrix("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[1,2,3,1]]");
+        assert!(message(&transposed).contains("transpose"));
+        let zero = with_matrix("[[0,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]");
+        assert!(message(&zero).contains("zeros"));
+        assert!(message(&with_matrix("[[1,0],[0,1]]")).contains("four rows"));
+        assert!(message(&with_matrix("7")).contains("is 7"));
+        assert!(message(r#"{"focal_px": -3}"#).contains("is -3"));
+        assert!(message(r#"{"focal_px": "50mm"}"#).contains("50mm"));
+        assert!(message(r#"{"focal_px": 1, "pixels_per_unit": 1}"#).contains("both"));
+        assert!(message(r#"{"camera_type": "PANO"}"#).contains("panorama"));
+        assert!(message(r#"{"camera_type": "FISHEYE"}"#).contains("FISHEYE"));
+        assert!(message(r#"{"camera_type": "ORTHO", "focal_px": 9}"#).contains("ORTHO"));
+        assert!(message("{}").contains("focal_px"));
+        assert!(message(r#"{"intrinsics_px": {"fx": 9}}"#).contains("no fy"));
+        assert!(message(r#"{"focal_px": 9, "resolution": [0, 0]}"#).contains("resolution"));
+        assert!(message("[1, 2]").contains("array of 2"));
+        assert!(message("{\"focal_px\": \n").contains("not a JSON"));
+    }
+
+    #[test]
+    fn an_absent_file_names_itself() {
+        let path = Path::new("no/such/camera.json");
+        let error = read_camera(path, Window::from_size(4, 4), 1.0).expect_err("read nothing");
+        assert!(error.to_string().contains("camera.json"), "{error}");
+    }
+}

@@ -1,0 +1,265 @@
+//! One seven-parameter camera for perspective and parallel projection, and its polishing.
+//!
+//! A normalised point `q` turned to the view, `p = R q`, is seen at
+//! `(scale p_x + a, scale p_y + b) / (1 - convergence p_z)`. Zero convergence is a parallel
+//! projection; otherwise the eye lies `1 / convergence` from the centroid and the focal length is
+//! `scale / convergence`. Long lenses are thus no singular case, and a negative convergence is the
+//! mark of a mirrored scene.
+
+use super::samples::{Sample, quantile};
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
+
+/// Turn 3, shift 2, logarithm of the scale 1, convergence 1, principal point 2.
+const PARAMETERS: usize = 9;
+pub(super) const CONVERGENCE: usize = 6;
+type Step = SVector<f64, PARAMETERS>;
+type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
+
+/// Median distance of a 2-vector of unit normal noise from its mean, `sqrt(2 ln 2)`.
+const MEDIAN_RADIUS: f64 = 1.177_410_022_515_474_7;
+/// Residuals beyond this many standard deviations are left out: 1 in 90 of normal ones.
+const TRIM: f64 = 3.0;
+/// Residuals beyond this many standard deviations are pulled linearly (Huber).
+const HUBER: f64 = 1.5;
+/// Depths along the view, in units of the centroid's, below which a point counts as behind the eye.
+const NEAREST: f64 = 1e-6;
+
+/// The rotation nearest to `near`; `None` where it is singular or not finite.
+pub(super) fn orthonormal(near: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    if !near.iter().all(|e| e.is_finite()) {
+        return None;
+    }
+    let svd = near.svd(true, true);
+    let rotation = svd.u? * svd.v_t?;
+    (svd.singular_values.min() > 1e-9 && rotation.determinant() > 0.0).then_some(rotation)
+}
+
+/// Which parameters a fit may move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Free {
+    /// A parallel projection.
+    Parallel,
+    /// A perspective with the principal point at the centre of the display window.
+    Perspective,
+    /// A perspective with lens shift.
+    Shifted,
+}
+
+impl Free {
+    fn count(self) -> usize {
+        match self {
+            Self::Parallel => 6,
+            Self::Perspective => 7,
+            Self::Shifted => 9,
+        }
+    }
+}
+
+/// A camera in the normalised frame of the samples.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Model {
+    /// View from normalised world.
+    pub(super) rotation: Rotation3<f64>,
+    /// Where the centroid is seen, less the principal point.
+    pub(super) shift: Vector2<f64>,
+    /// Pixel widths per unit at the depth of the centroid.
+    pub(super) scale: f64,
+    /// One over the centroid's depth.
+    pub(super) convergence: f64,
+    /// Where the view axis is seen.
+    pub(super) principal: Vector2<f64>,
+}
+
+impl Model {
+    pub(super) fn new(rotation: Matrix3<f64>, shift: Vector2<f64>, scale: f64, c: f64) -> Self {
+        Self {
+            rotation: Rotation3::from_matrix_unchecked(rotation),
+            shift,
+            scale,
+            convergence: c,
+            principal: Vector2::zeros(),
+        }
+    }
+
+    /// Distance between where the sample was seen and where it should be, as a vector.
+    pub(super) fn residual(&self, sample: &Sample) -> Option<Vector2<f64>> {
+        let p = self.rotation * sample.point;
+        let w = 1.0 - self.convergence * p.z;
+        (w > NEAREST).then(|| (self.scale * p.xy() + self.shift) / w + self.principal - sample.seen)
+    }
+
+    /// Length of the residual; infinite for a point behind the eye.
+    pub(super) fn error(&self, sample: &Sample) -> f64 {
+        self.residual(sample).map_or(f64::INFINITY, |r| r.norm())
+    }
+
+    /// Median error, a measure that outliers do not move.
+    pub(super) fn median_error(&self, samples: &[Sample]) -> f64 {
+        let mut errors: Vec<f64> = samples.iter().map(|s| self.error(s)).collect();
+        quantile(&mut errors, 0.5)
+    }
+
+    /// Derivatives of the two picture coordinates by the parameters.
+    fn jacobian(&self, sample: &Sample, free: Free) -> SMatrix<f64, 2, PARAMETERS> {
+        let p = self.rotation * sample.point;
+        let w = 1.0 - self.convergence * p.z;
+        let s = self.scale / w;
+        let at = (self.scale * p.xy() + self.shift) / w;
+        // How the picture moves with depth, and with a small turn omega: dp = omega x p.
+        let (uz, vz) = (at.x * self.convergence / w, at.y * self.convergence / w);
+        let (x, y, z) = (p.x, p.y, p.z);
+        #[rustfmt::skip]
+        let mut j = SMatrix::<f64, 2, PARAMETERS>::from_row_slice(&[
+            uz * y,          s * z - uz * x, -s * y, 1.0 / w, 0.0,     s * x, at.x * z / w, 1.0, 0.0,
+            vz * y - s * z, -vz * x,          s * x, 0.0,     1.0 / w, s * y, at.y * z / w, 0.0, 1.0,
+        ]);
+        for column in free.count()..PARAMETERS {
+            j.column_mut(column).fill(0.0);
+        }
+        j
+    }
+
+    fn moved(&self, step: &Step) -> Self {
+        let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
+        Self {
+            rotation: turn * self.rotation,
+            shift: self.shift + Vector2::new(step[3], step[4]),
+            scale: self.scale * step[5].clamp(-2.0, 2.0).exp(),
+            convergence: self.convergence + step[CONVERGENCE],
+            principal: self.principal + Vector2::new(step[7], step[8]),
+        }
+    }
+
+    /// Sum of Huber losses; infinite where a sample falls behind the eye.
+    fn loss(&self, samples: &[Sample], threshold: f64) -> f64 {
+        samples
+            .iter()
+            .map(|s| huber(self.error(s), threshold))
+            .sum()
+    }
+
+    fn normal_equations(&self, samples: &[Sample], threshold: f64, free: Free) -> (Normal, Step) {
+        let (mut normal, mut gradient) = (Normal::zeros(), Step::zeros());
+        for sample in samples {
+            let Some(r) = self.residual(sample) else {
+                continue;
+            };
+            let weight = (threshold / r.norm()).min(1.0);
+            let j = self.jacobian(sample, free);
+            let weighted = j.transpose() * weight;
+            normal += weighted * j;
+            gradient += weighted * r;
+        }
+        // Parameters that are held keep a row of their own.
+        for i in free.count()..PARAMETERS {
+            normal[(i, i)] = 1.0;
+        }
+        (normal, gradient)
+    }
+
+    /// Levenberg-Marquardt on all of `samples`.
+    fn descend(mut self, samples: &[Sample], threshold: f64, free: Free, steps: usize) -> Self {
+        let mut loss = self.loss(samples, threshold);
+        let mut damping = 1e-4;
+        for _ in 0..steps {
+            let (normal, gradient) = self.normal_equations(samples, threshold, free);
+            let before = loss;
+            while damping < 1e8 {
+                let mut damped = normal;
+                for i in 0..PARAMETERS {
+                    damped[(i, i)] += damping * normal[(i, i)] + 1e-300;
+                }
+                let next = damped.cholesky().map(|c| self.moved(&c.solve(&-gradient)));
+                let better = next
+                    .map(|m| (m, m.loss(samples, threshold)))
+                    .filter(|(_, l)| *l <= loss);
+                if let Some((model, lower)) = better {
+                    (self, loss) = (model, lower);
+                    damping = (damping * 0.1).max(1e-12);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if damping >= 1e8 || before - loss <= 1e-10 * before {
+                break;
+            }
+        }
+        self
+    }
+
+    /// The polished model: trimming and descent in turns, each with the noise measured afresh.
+    pub(super) fn polished(self, samples: &[Sample], free: Free, rounds: usize) -> Self {
+        let mut model = self;
+        for _ in 0..rounds {
+            let (sigma, kept) = model.trimmed(samples);
+            if kept.len() < free.count() {
+                return model;
+            }
+            model = model.descend(&kept, HUBER * sigma, free, 12);
+        }
+        model
+    }
+
+    /// Noise per coordinate in pixel widths, and the samples within three times it.
+    pub(super) fn trimmed(&self, samples: &[Sample]) -> (f64, Vec<Sample>) {
+        // The floor keeps exact data from trimming itself to the last bit.
+        let sigma = (self.median_error(samples) / MEDIAN_RADIUS).max(1e-9);
+        let limit = TRIM * sigma * MEDIAN_RADIUS;
+        let kept = samples.iter().filter(|s| self.error(s) <= limit);
+        (sigma, kept.copied().collect())
+    }
+
+    /// Covariance of the parameters for a noise of `sigma` per coordinate; `None` where singular.
+    pub(super) fn covariance(&self, samples: &[Sample], sigma: f64, free: Free) -> Option<Normal> {
+        let (normal, _) = self.normal_equations(samples, f64::INFINITY, free);
+        let count = free.count();
+        // Scaled to a unit diagonal, so that units do not decide what counts as singular.
+        let size = Step::from_fn(|i, _| normal[(i, i)].sqrt().max(1e-300));
+        let scaled = Normal::from_fn(|r, c| normal[(r, c)] / (size[r] * size[c]));
+        let inverse = scaled.cholesky()?.inverse();
+        let mut covariance =
+            Normal::from_fn(|r, c| sigma * sigma * inverse[(r, c)] / (size[r] * size[c]));
+        for i in count..PARAMETERS {
+            covariance.row_mut(i).fill(0.0);
+            covariance.column_mut(i).fill(0.0);
+        }
+        covariance
+            .iter()
+            .all(|e| e.is_finite())
+            .then_some(covariance)
+    }
+}
+
+fn huber(error: f64, threshold: f64) -> f64 {
+    if error <= threshold {
+        0.5 * error * error
+    } else {
+        threshold * (error - 0.5 * threshold)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let turn = Rotation3::from_euler_angles(0.3, -0.8, 1.1);
+        let mut model = Model::new(*turn.matrix(), Vector2::new(30.0, -12.0), 200.0, 0.3);
+        model.principal = Vector2::new(5.0, 7.0);
+        let sample = Sample {
+            point: Vector3::new(0.4, -0.7, 0.9),
+            seen: Vector2::new(3.0, 4.0),
+        };
+        let exact = model.jacobian(&sample, Free::Shifted);
+        for i in 0..PARAMETERS {
+            let mut step = Step::zeros();
+            step[i] = 1e-6;
+            let ahead = model.moved(&step).residual(&sample).unwrap();
+            let behind = model.moved(&-step).residual(&sample).unwrap();
+            let slope = (ahead - behind) / 2e-6;
+            let off = (slope - exact.column(i)).norm();
+            assert!(off < 1e-5 * slope.norm().max(1.0), "parameter {i}: {off}");
+        }
+    }
+}

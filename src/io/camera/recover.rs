@@ -1,0 +1,398 @@
+//! The camera from a layer of world-space positions.
+//!
+//! The idea: every covered pixel pairs a point with its picture, so a few thousand of them fix the
+//! camera. Guesses come from linear fits (Hartley-normalised direct linear transform, a homography
+//! where the points lie in a plane, an affine map for parallel projections) to all samples and to
+//! random handfuls. The best few are polished by trimmed, Huber-weighted Levenberg-Marquardt over the
+//! parameters a render camera has: rotation, centre and one focal length, with square pixels times
+//! the pixel aspect and the principal point at the centre of the display window.
+//!
+//! What that buys: positions in half float, 100 units off the origin, leave the view axis uncertain by
+//! 0.1 degree in the eleven free parameters of the linear fit, and by less than 0.01 in these seven.
+//!
+//! How to use it: the layer must hold positions, not distances, in one right-handed space for the whole
+//! picture. Panoramas, fisheyes and layers in object space fit no camera and are refused.
+
+use super::file::dmat3;
+use super::hypotheses::{hypotheses, principal_axes};
+use super::model::{CONVERGENCE, Free, Model};
+use super::samples::{Sample, Samples, gather, quantile};
+use crate::frame::{Camera, Mask, Projection, Vector3Planes, Window};
+use glam::{DAffine3, DVec3};
+use nalgebra::{Matrix3, Vector3};
+
+/// Fewer samples than this are refused.
+const FEWEST: usize = 24;
+/// Samples that rank the guesses.
+const RANKING: usize = 600;
+/// Guesses that are polished on those samples.
+const FINALISTS: usize = 8;
+/// Rotation less certain than this, in degrees, is no answer.
+const WORST_ROTATION_DEG: f64 = 1.0;
+/// Focal length less certain than this share is no answer where the points lie in a plane.
+const WORST_FOCAL: f64 = 0.1;
+/// A perspective that moves no sample by more than this many pixels is called parallel.
+const LEAST_PERSPECTIVE_PX: f64 = 0.02;
+/// A parameter counts as different from zero from this many standard errors on.
+const SIGNIFICANT: f64 = 6.0;
+
+/// A camera found in a position layer, with the evidence for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecoveredCamera {
+    /// The camera.
+    pub camera: Camera,
+    /// Median distance, in pixel widths, between where samples were seen and where the camera sees them.
+    pub residual_px_median: f64,
+    /// The same distance that 95 % of the samples stay below.
+    pub residual_px_p95: f64,
+    /// Share of samples that agree with the camera within the noise of the others, 0..1.
+    pub inlier_share: f64,
+    /// How many samples were used.
+    pub samples: usize,
+}
+
+/// Why no camera was found in a position layer.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecoveryFailure {
+    /// Too few pixels hold a position.
+    #[error("only {found} pixels hold a position, and a camera takes at least {needed}")]
+    TooFewPoints {
+        /// Pixels that hold one.
+        found: usize,
+        /// Pixels that it takes.
+        needed: usize,
+    },
+    /// The points lie in a plane, or nearly so, in a way that many cameras fit.
+    #[error("the positions lie in one plane seen too flatly to tell the camera")]
+    CoplanarUndetermined,
+    /// The points vary too little for their rounding.
+    #[error("the positions leave the view direction uncertain by {rotation_deg:.1} degrees")]
+    Undetermined {
+        /// One standard error of the rotation, in degrees.
+        rotation_deg: f64,
+    },
+    /// The best camera is far from the samples: a panorama, a fisheye, or not world positions.
+    #[error(
+        "the positions fit neither a perspective nor a parallel camera (the best is {residual_px:.1} px off); \
+         a panorama, or positions that are not in world space"
+    )]
+    NotACamera {
+        /// Median residual of the best camera, in pixel widths.
+        residual_px: f64,
+    },
+    /// A camera fits, but only with the scene mirrored.
+    #[error("the positions are mirrored: their axes are left-handed")]
+    Mirrored,
+}
+
+/// Recovers the camera from world-space positions.
+///
+/// `position` and `mask` hold the pixels of `data_window`; the camera is centred on
+/// `display_window` unless the positions show a lens shift clearly. The same input always gives the
+/// same bits.
+///
+/// A mirrored (left-handed) scene under a parallel camera cannot be told from a right-handed one,
+/// nor can one that lies in a plane.
+///
+/// # Errors
+/// If the positions do not determine a camera or fit none.
+///
+/// # Panics
+/// If `position` or `mask` do not have the size of `data_window`.
+pub fn recover_camera(
+    position: &Vector3Planes,
+    mask: &Mask,
+    data_window: Window,
+    display_window: Window,
+    pixel_aspect: f32,
+) -> Result<RecoveredCamera, RecoveryFailure> {
+    for plane in [&position.x, &position.y, &position.z] {
+        let size = (plane.width(), plane.height());
+        let wanted = (data_window.width(), data_window.height());
+        assert_eq!(size, wanted, "the positions do not fill the data window");
+    }
+    let aspect = if pixel_aspect.is_finite() && pixel_aspect > 0.0 {
+        f64::from(pixel_aspect)
+    } else {
+        1.0
+    };
+    let samples = gather(position, mask, data_window, display_window, aspect);
+    let found = Fit::of(&samples, display_window)?;
+    Ok(found.report(&samples, display_window, aspect))
+}
+
+/// The camera that fits best, and how the samples scatter about it.
+struct Fit {
+    model: Model,
+    free: Free,
+    /// Noise per coordinate, in pixel widths.
+    sigma: f64,
+    kept: Vec<Sample>,
+}
+
+impl Fit {
+    fn of(samples: &Samples, display: Window) -> Result<Fit, RecoveryFailure> {
+        let found = samples.list.len();
+        if found < FEWEST {
+            return Err(RecoveryFailure::TooFewPoints {
+                found,
+                needed: FEWEST,
+            });
+        }
+        let (extent, _) = principal_axes(&samples.list);
+        // A line, or a single point, leaves a turn about it open.
+        let length = extent.x.sqrt();
+        let rounding = samples.quantum / samples.spread.max(f64::MIN_POSITIVE);
+        if samples.spread <= 0.0 || extent.y.sqrt() <= (1e-6 + rounding) * length {
+            return Err(RecoveryFailure::CoplanarUndetermined);
+        }
+        let fit = Self::chosen(&samples.list, samples.half, display.width() as f64)
+            .ok_or(RecoveryFailure::Undetermined { rotation_deg: 90.0 })?;
+        fit.check_residual(samples, display)?;
+        fit.check_handedness(&samples.list)?;
+        let fit = fit.simplest(&samples.list);
+        fit.check_certainty()?;
+        Ok(fit)
+    }
+
+    fn new(model: Model, samples: &[Sample], free: Free) -> Self {
+        let (sigma, kept) = model.trimmed(samples);
+        Self {
+            model,
+            free,
+            sigma,
+            kept,
+        }
+    }
+
+    /// The best perspective fit, with lens shift where that is called for.
+    fn chosen(samples: &[Sample], half: bool, width: f64) -> Option<Self> {
+        let ranking = spread_out(samples, RANKING);
+        let mut ranked: Vec<(f64, Model)> = hypotheses(&ranking, width)
+            .into_iter()
+            .map(|model| (model.median_error(&ranking), model))
+            .filter(|(error, _)| error.is_finite())
+            .collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let finalists = finalists(&ranked);
+        let best = |free: Free| {
+            finalists
+                .iter()
+                .map(|model| model.polished(&ranking, free, 4))
+                .map(|model| (model.median_error(&ranking), model))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, model)| Self::new(model.polished(samples, free, 3), samples, free))
+        };
+        let centred = best(Free::Perspective)?;
+        if centred.sigma < 1e-3 {
+            return Some(centred);
+        }
+        let shifted = best(Free::Shifted)?;
+        Some(if shifted.shift_is_real(centred.sigma, half) {
+            shifted
+        } else {
+            centred
+        })
+    }
+
+    /// Whether the lens shift explains what a camera without one leaves unexplained.
+    fn shift_is_real(&self, centred_sigma: f64, half: bool) -> bool {
+        let gain = if half { 0.4 } else { 0.7 };
+        let Some(covariance) = self.covariance() else {
+            return false;
+        };
+        let error = (covariance[(7, 7)] + covariance[(8, 8)]).sqrt();
+        self.sigma < gain * centred_sigma && self.model.principal.norm() > SIGNIFICANT * error
+    }
+
+    fn covariance(&self) -> Option<nalgebra::SMatrix<f64, 9, 9>> {
+        self.model.covariance(&self.kept, self.sigma, self.free)
+    }
+
+    /// Refuses a camera that leaves more unexplained than rounding, jitter and compression can.
+    fn check_residual(&self, samples: &Samples, display: Window) -> Result<(), RecoveryFailure> {
+        let residual_px = self.model.median_error(&samples.list);
+        let rounding_px = samples.quantum / samples.spread * self.model.scale;
+        let diagonal = (display.width() as f64).hypot(display.height() as f64);
+        let limit = 1.0 + 0.004 * diagonal.min(2000.0) + 1.0 * rounding_px;
+        let explained = residual_px <= limit && 2 * self.kept.len() >= samples.list.len();
+        if explained {
+            Ok(())
+        } else {
+            Err(RecoveryFailure::NotACamera { residual_px })
+        }
+    }
+
+    /// The most that perspective moves a sample, in pixel widths.
+    fn perspective_px(&self) -> f64 {
+        let moved = |s: &Sample| {
+            let depth = (self.model.rotation * s.point).z;
+            (self.model.convergence * depth).abs() * s.seen.norm()
+        };
+        let mut all: Vec<f64> = self.kept.iter().map(moved).collect();
+        quantile(&mut all, 0.99)
+    }
+
+    /// Convergence in standard errors.
+    fn convergence_significance(&self) -> f64 {
+        let error = self
+            .covariance()
+            .map_or(f64::INFINITY, |c| c[(CONVERGENCE, CONVERGENCE)].sqrt());
+        self.model.convergence / error.max(f64::MIN_POSITIVE)
+    }
+
+    fn check_handedness(&self, samples: &[Sample]) -> Result<(), RecoveryFailure> {
+        let reversed = self.convergence_significance() < -SIGNIFICANT
+            && self.perspective_px() > LEAST_PERSPECTIVE_PX + self.sigma / 4.0;
+        if reversed && !self.is_flat(samples) {
+            return Err(RecoveryFailure::Mirrored);
+        }
+        Ok(())
+    }
+
+    /// A parallel camera where perspective explains nothing.
+    fn simplest(self, samples: &[Sample]) -> Self {
+        let perspective = self.convergence_significance() > SIGNIFICANT
+            && self.perspective_px() > LEAST_PERSPECTIVE_PX;
+        if perspective {
+            return self;
+        }
+        let parallel = Model {
+            convergence: 0.0,
+            shift: self.model.shift + self.model.principal,
+            principal: nalgebra::Vector2::zeros(),
+            ..self.model
+        };
+        Self::new(
+            parallel.polished(samples, Free::Parallel, 4),
+            samples,
+            Free::Parallel,
+        )
+    }
+
+    /// Whether the samples stand out of a plane by no more than their noise.
+    fn is_flat(&self, samples: &[Sample]) -> bool {
+        let (_, axes) = principal_axes(&self.kept);
+        let normal: Vector3<f64> = axes.column(2).into_owned();
+        let mut heights: Vec<f64> = samples.iter().map(|s| s.point.dot(&normal)).collect();
+        let middle = quantile(&mut heights, 0.5);
+        let mut off: Vec<f64> = heights.iter().map(|h| (h - middle).abs()).collect();
+        quantile(&mut off, 0.75) * self.model.scale < 2.0 * self.sigma.max(5e-3)
+    }
+
+    fn check_certainty(&self) -> Result<(), RecoveryFailure> {
+        let flat = self.is_flat(&self.kept);
+        if flat && self.free == Free::Parallel {
+            return Err(RecoveryFailure::CoplanarUndetermined);
+        }
+        // Exact data are not certain without end: their model of the lens is not exact.
+        let floored = self.sigma.max(0.02);
+        let covariance = self.model.covariance(&self.kept, floored, self.free);
+        let rotation_deg = covariance.map_or(90.0, |c| {
+            rotation_error_deg(&c.fixed_view::<3, 3>(0, 0).into_owned())
+        });
+        if rotation_deg > WORST_ROTATION_DEG {
+            return Err(if flat {
+                RecoveryFailure::CoplanarUndetermined
+            } else {
+                RecoveryFailure::Undetermined { rotation_deg }
+            });
+        }
+        let focal_error = covariance.map_or(1.0, |c| {
+            c[(CONVERGENCE, CONVERGENCE)].sqrt() / self.model.convergence
+        });
+        if flat && focal_error > WORST_FOCAL {
+            return Err(RecoveryFailure::CoplanarUndetermined);
+        }
+        Ok(())
+    }
+
+    fn report(&self, samples: &Samples, display: Window, aspect: f64) -> RecoveredCamera {
+        let list = &samples.list;
+        let mut errors: Vec<f64> = list.iter().map(|s| self.model.error(s)).collect();
+        RecoveredCamera {
+            camera: self.camera(samples, display, aspect),
+            residual_px_median: quantile(&mut errors, 0.5),
+            residual_px_p95: quantile(&mut errors, 0.95),
+            inlier_share: self.kept.len() as f64 / list.len() as f64,
+            samples: list.len(),
+        }
+    }
+
+    /// The model back in scene units and absolute pixels.
+    fn camera(&self, samples: &Samples, display: Window, aspect: f64) -> Camera {
+        let model = &self.model;
+        let per_unit = model.scale / samples.spread;
+        let cx = 0.5 * (f64::from(display.x0) + f64::from(display.x1)) + model.principal.x;
+        let cy = 0.5 * (f64::from(display.y0) + f64::from(display.y1)) - aspect * model.principal.y;
+        let parallel = self.free == Free::Parallel;
+        let (projection, distance) = if parallel {
+            let (sx, sy) = (per_unit, per_unit * aspect);
+            let nearest = list_max(&self.kept, |s| (model.rotation * s.point).z);
+            let distance = samples.spread * (nearest + 1.0);
+            (Projection::Orthographic { sx, sy, cx, cy }, distance)
+        } else {
+            let fx = model.scale / model.convergence;
+            let fy = fx * aspect;
+            (
+                Projection::Perspective { fx, fy, cx, cy },
+                samples.spread / model.convergence,
+            )
+        };
+        let turned = model.rotation * samples.centroid;
+        let offset = model.shift / per_unit;
+        let translation = DVec3::new(
+            offset.x - turned.x,
+            offset.y - turned.y,
+            -distance - turned.z,
+        );
+        Camera {
+            view_from_world: DAffine3::from_mat3_translation(
+                dmat3(model.rotation.matrix()),
+                translation,
+            ),
+            projection,
+        }
+    }
+}
+
+fn list_max(samples: &[Sample], f: impl Fn(&Sample) -> f64) -> f64 {
+    samples.iter().map(f).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// One standard error of the turn about the least certain axis.
+fn rotation_error_deg(covariance: &Matrix3<f64>) -> f64 {
+    covariance
+        .symmetric_eigenvalues()
+        .max()
+        .max(0.0)
+        .sqrt()
+        .to_degrees()
+}
+
+/// At most `count` samples, evenly over the list.
+fn spread_out(samples: &[Sample], count: usize) -> Vec<Sample> {
+    let count = count.min(samples.len());
+    (0..count)
+        .map(|i| samples[i * samples.len() / count])
+        .collect()
+}
+
+/// The first few of the ranked guesses that differ from one another.
+fn finalists(ranked: &[(f64, Model)]) -> Vec<Model> {
+    let mut chosen: Vec<Model> = Vec::new();
+    for (_, model) in ranked {
+        let new = chosen.iter().all(|c| {
+            c.rotation.angle_to(&model.rotation) > 0.02
+                || (c.convergence - model.convergence).abs() > 0.05 * c.convergence.abs()
+        });
+        if new {
+            chosen.push(*model);
+        }
+        if chosen.len() == FINALISTS {
+            break;
+        }
+    }
+    chosen
+}

@@ -1,0 +1,210 @@
+//! Which pixels of a position layer a camera is recovered from.
+
+use crate::frame::{Mask, Vector3Planes, Window};
+use half::f16;
+use nalgebra::{Vector2, Vector3};
+
+/// Samples that the fit works on; more gain nothing that a pixel's own rounding does not hide.
+const WANTED: usize = 20_000;
+/// Pixels looked at to find that many; edges and gaps cost some.
+const CANDIDATES: usize = 2 * WANTED;
+/// Below this many samples away from edges, edge pixels are let in and left to the robust fit.
+const ENOUGH: usize = 400;
+/// Coordinates from here on stand for "nothing there" in some renderer.
+const FARTHEST: f64 = 1e9;
+
+/// A surface point and where it was seen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    /// Position less the centroid, in units of the spread.
+    pub(super) point: Vector3<f64>,
+    /// Place on the picture from the centre of the display window, x right and y up, in pixel widths.
+    pub(super) seen: Vector2<f64>,
+}
+
+/// Samples in a normalised frame: `world = centroid + spread * point`.
+#[derive(Debug)]
+pub(super) struct Samples {
+    pub(super) list: Vec<Sample>,
+    pub(super) centroid: Vector3<f64>,
+    pub(super) spread: f64,
+    /// Largest step between neighbouring values of the positions, in scene units.
+    pub(super) quantum: f64,
+    /// Whether every coordinate is a half float.
+    pub(super) half: bool,
+}
+
+/// A position layer with the pixels it covers.
+struct Layer<'a> {
+    position: &'a Vector3Planes,
+    mask: &'a Mask,
+}
+
+impl Layer<'_> {
+    /// The position at column `x` of row `y`, where one was seen.
+    fn at(&self, x: isize, y: isize) -> Option<Vector3<f64>> {
+        let plane = &self.position.x;
+        let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+        if x >= plane.width() || y >= plane.height() || !self.mask.at(x, y) {
+            return None;
+        }
+        let p = Vector3::new(
+            plane.at(x, y),
+            self.position.y.at(x, y),
+            self.position.z.at(x, y),
+        )
+        .map(f64::from);
+        let real = p.iter().all(|c| c.is_finite() && c.abs() < FARTHEST);
+        // The origin itself is what renderers write where they saw nothing.
+        (real && p != Vector3::zeros()).then_some(p)
+    }
+
+    /// Whether the surface runs on smoothly for two pixels to either side.
+    ///
+    /// A pixel on or beside an edge has, among the four steps along a row or column, one or two
+    /// that dwarf the others. Where in its pixel a renderer took its sample makes single steps
+    /// short, so the measure is the second shortest one.
+    fn is_smooth(&self, x: isize, y: isize, quantum: f64) -> bool {
+        [(1, 0), (0, 1)].into_iter().all(|(dx, dy)| {
+            let mut line = [Vector3::zeros(); 5];
+            for (slot, i) in line.iter_mut().zip(-2..=2) {
+                match self.at(x + i * dx, y + i * dy) {
+                    Some(p) => *slot = p,
+                    None => return false,
+                }
+            }
+            let mut steps = [0, 1, 2, 3].map(|i| (line[i + 1] - line[i]).norm());
+            steps.sort_by(f64::total_cmp);
+            steps[3] <= 5.0 * steps[1] + 4.0 * quantum
+        })
+    }
+}
+
+/// At most 20,000 covered pixels of `position`, away from edges where enough of those exist.
+pub(super) fn gather(
+    position: &Vector3Planes,
+    mask: &Mask,
+    data_window: Window,
+    display_window: Window,
+    pixel_aspect: f64,
+) -> Samples {
+    let layer = Layer { position, mask };
+    let candidates = candidates(&layer);
+    let half = is_half(&candidates);
+    let quantum = quantum(&candidates, half);
+    let smooth: Vec<_> = candidates
+        .iter()
+        .filter(|(x, y, _)| layer.is_smooth(*x as isize, *y as isize, quantum))
+        .copied()
+        .collect();
+    let chosen = if smooth.len() >= ENOUGH {
+        thinned(smooth, WANTED)
+    } else {
+        thinned(candidates, WANTED)
+    };
+    let centre = Vector2::new(
+        0.5 * (f64::from(display_window.x0) + f64::from(display_window.x1)),
+        0.5 * (f64::from(display_window.y0) + f64::from(display_window.y1)),
+    );
+    let seen = |x: usize, y: usize| {
+        let column = f64::from(data_window.x0) + x as f64 + 0.5;
+        let row = f64::from(data_window.y0) + y as f64 + 0.5;
+        Vector2::new(column - centre.x, (centre.y - row) / pixel_aspect)
+    };
+    let raw = chosen.iter().map(|&(x, y, p)| (p, seen(x, y))).collect();
+    normalised(raw, quantum, half)
+}
+
+type Candidate = (usize, usize, Vector3<f64>);
+
+/// Covered pixels, evenly thinned to a multiple of what is wanted.
+fn candidates(layer: &Layer) -> Vec<Candidate> {
+    let (width, height) = (layer.position.x.width(), layer.position.x.height());
+    let stride = (layer.mask.count() / CANDIDATES).max(1);
+    let covered = (0..height).flat_map(|y| {
+        layer
+            .mask
+            .span(y)
+            .filter(move |&x| x < width && layer.mask.at(x, y))
+            .map(move |x| (x, y))
+    });
+    covered
+        .step_by(stride)
+        .filter_map(|(x, y)| Some((x, y, layer.at(x as isize, y as isize)?)))
+        .collect()
+}
+
+fn thinned<T: Copy>(list: Vec<T>, wanted: usize) -> Vec<T> {
+    if list.len() <= wanted {
+        return list;
+    }
+    (0..wanted).map(|i| list[i * list.len() / wanted]).collect()
+}
+
+/// Whether the coordinates look written as half floats; a share of stray values, as a resampling of
+/// the edges leaves them, does not count.
+fn is_half(candidates: &[Candidate]) -> bool {
+    let halves = candidates
+        .iter()
+        .filter(|(_, _, p)| p.iter().all(|&c| f16::from_f64(c).to_f64() == c))
+        .count();
+    10 * halves > 9 * candidates.len()
+}
+
+/// The step between neighbouring values of the largest coordinates.
+fn quantum(candidates: &[Candidate], half: bool) -> f64 {
+    let mut sizes: Vec<f64> = candidates.iter().map(|(_, _, p)| p.amax()).collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let typical = quantile(&mut sizes, 0.9).max(f64::from(f32::MIN_POSITIVE));
+    let digits = if half { 10 } else { 23 };
+    (typical.log2().floor() - f64::from(digits)).exp2()
+}
+
+fn normalised(raw: Vec<(Vector3<f64>, Vector2<f64>)>, quantum: f64, half: bool) -> Samples {
+    let (centroid, spread) = frame_of(&raw);
+    let unit = if spread > 0.0 { spread } else { 1.0 };
+    let list = raw
+        .into_iter()
+        .map(|(p, seen)| Sample {
+            point: (p - centroid) / unit,
+            seen,
+        })
+        .collect();
+    Samples {
+        list,
+        centroid,
+        spread,
+        quantum,
+        half,
+    }
+}
+
+/// Mean and root mean square distance from it, of the points that are no strays.
+fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
+    let middle = Vector3::from_fn(|axis, _| {
+        let mut values: Vec<f64> = raw.iter().map(|(p, _)| p[axis]).collect();
+        quantile(&mut values, 0.5)
+    });
+    let mut distances: Vec<f64> = raw.iter().map(|(p, _)| (p - middle).norm()).collect();
+    let reach = 10.0 * quantile(&mut distances, 0.75);
+    let near: Vec<Vector3<f64>> = raw
+        .iter()
+        .map(|(p, _)| p - middle)
+        .filter(|d| d.norm() <= reach)
+        .collect();
+    let count = near.len().max(1) as f64;
+    let mean = near.iter().sum::<Vector3<f64>>() / count;
+    let square: f64 = near.iter().map(|d| (d - mean).norm_squared()).sum();
+    (middle + mean, (square / count).sqrt())
+}
+
+/// The value that a share `q` of `values` lies below; 0 for none. Reorders `values`.
+pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let rank = ((values.len() - 1) as f64 * q).round() as usize;
+    *values.select_nth_unstable_by(rank, f64::total_cmp).1
+}

@@ -1,0 +1,616 @@
+//! Which space a normal map was written in, judged from the map itself.
+//!
+//! Names do not tell: one renderer's `N` is in world space, another's in view space, a third's has z
+//! pointing away. But a visible surface faces the viewer, so in the right reading nearly all normals
+//! do; and where positions exist, the right reading agrees with the shape they have.
+//!
+//! What this cannot see: a world-space map of a scene watched from straight above with z up *is* a
+//! view-space map, up to a turn about the view axis. Without a camera it is read as view space.
+
+use crate::frame::{Camera, Mask, NormalSpace, Projection, Vector3Planes, Window};
+use glam::{DMat3, DVec2, DVec3};
+
+/// Pixels that the judgement looks at.
+const WANTED: usize = 40_000;
+/// A unit normal counts as facing the viewer down to this cosine: filtering and bump tip a few over.
+const FACING: f64 = -0.05;
+/// Share of facing normals from which a reading holds.
+const HOLDS: f64 = 0.98;
+/// Share below which a reading fails.
+const FAILS: f64 = 0.9;
+/// Two readings whose normals differ by less than this on average, in degrees, are one.
+const SAME_DEG: f64 = 2.0;
+/// Median angle from the shape of the positions up to which a reading can be right: bump maps and
+/// smoothed normals stray from the facets, but not this far.
+const SHAPE_HOLDS_DEG: f64 = 25.0;
+/// The right reading is this many times closer to the shape than a wrong one.
+const SHAPE_DECIDES: f64 = 2.0;
+/// Fewer shape samples than this decide nothing.
+const FEWEST_SHAPES: usize = 24;
+
+/// What the normals turned out to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalSpaceConclusion {
+    /// The space is known.
+    Certain {
+        /// The space.
+        space: NormalSpace,
+        /// Whether z points away from the viewer and has to be negated (view space only).
+        flip_z: bool,
+    },
+    /// Not view space, so world space by elimination, but there is no camera to turn them with.
+    WorldWithoutCamera,
+    /// More than one reading holds, or none does.
+    Ambiguous,
+}
+
+/// The numbers behind a judgement.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NormalSpaceEvidence {
+    /// Normals looked at.
+    pub samples: usize,
+    /// Share that faces the viewer read as view space, z toward the viewer.
+    pub facing_view: f64,
+    /// Share that faces the viewer read as view space, z away from the viewer.
+    pub facing_view_flipped: f64,
+    /// Share that faces the viewer read as world space and turned by the camera.
+    pub facing_world: Option<f64>,
+    /// Median angle, in degrees, to the normal of the positions, read as world space.
+    pub shape_world_deg: Option<f64>,
+    /// The same, read as view space with z toward the viewer.
+    pub shape_view_deg: Option<f64>,
+    /// The same, read as view space with z away from the viewer.
+    pub shape_view_flipped_deg: Option<f64>,
+    /// Mean angle, in degrees, between the world reading and the better view reading.
+    pub readings_differ_deg: Option<f64>,
+}
+
+/// A judgement on the space of a normal map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NormalSpaceVerdict {
+    /// What the normals are.
+    pub conclusion: NormalSpaceConclusion,
+    /// The numbers that it rests on.
+    pub evidence: NormalSpaceEvidence,
+    /// The same in one line, for a person.
+    pub reason: String,
+}
+
+/// Judges which space `normal` was written in.
+///
+/// `normal` holds the components as read (signed, not necessarily of unit length), `position` a layer
+/// of world-space positions, `camera` the camera where it is known; planes and mask fill
+/// `data_window`. Normals of length zero and values that are not finite are passed over.
+///
+/// With neither camera nor positions, normals that nearly all have z toward the viewer are taken for
+/// view space; see the module on what that misses.
+pub fn judge_normal_space(
+    normal: &Vector3Planes,
+    mask: &Mask,
+    position: Option<&Vector3Planes>,
+    camera: Option<&Camera>,
+    data_window: Window,
+) -> NormalSpaceVerdict {
+    let input = Input {
+        normal,
+        mask,
+        position,
+        camera,
+        data_window,
+    };
+    let evidence = input.evidence();
+    let (conclusion, why) = concluded(&evidence);
+    NormalSpaceVerdict {
+        conclusion,
+        reason: format!("{why}{}", numbers(&evidence)),
+        evidence,
+    }
+}
+
+struct Input<'a> {
+    normal: &'a Vector3Planes,
+    mask: &'a Mask,
+    position: Option<&'a Vector3Planes>,
+    camera: Option<&'a Camera>,
+    data_window: Window,
+}
+
+/// One normal under each reading, in the space it is compared in.
+#[derive(Clone, Copy)]
+struct Readings {
+    view: DVec3,
+    flipped: DVec3,
+    world: Option<DVec3>,
+}
+
+fn at(planes: &Vector3Planes, x: usize, y: usize) -> Option<DVec3> {
+    let v = DVec3::new(
+        planes.x.at(x, y).into(),
+        planes.y.at(x, y).into(),
+        planes.z.at(x, y).into(),
+    );
+    v.is_finite().then_some(v)
+}
+
+impl Input<'_> {
+    /// Covered pixels, evenly thinned.
+    fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let plane = self.mask.plane();
+        let covered = (0..plane.height()).flat_map(move |y| {
+            let span = self.mask.span(y);
+            span.filter(move |&x| self.mask.at(x, y))
+                .map(move |x| (x, y))
+        });
+        covered.step_by((self.mask.count() / WANTED).max(1))
+    }
+
+    fn turn(&self) -> Option<DMat3> {
+        self.camera.map(|c| c.view_from_world.matrix3)
+    }
+
+    /// The normal at a pixel under each reading, in view space.
+    fn readings(&self, x: usize, y: usize) -> Option<Readings> {
+        let n = at(self.normal, x, y)?;
+        // Filtering shortens normals at edges; the shortest ones have no direction left.
+        let n = n.try_normalize().filter(|_| n.length() > 0.1)?;
+        Some(Readings {
+            view: n,
+            flipped: DVec3::new(n.x, n.y, -n.z),
+            world: self.turn().map(|m| m * n),
+        })
+    }
+
+    /// The unit direction to the eye, in view space.
+    fn to_eye(&self, x: usize, y: usize) -> DVec3 {
+        let place = DVec2::new(
+            f64::from(self.data_window.x0) + x as f64 + 0.5,
+            f64::from(self.data_window.y0) + y as f64 + 0.5,
+        );
+        let projection: Option<Projection> = self.camera.map(|c| c.projection);
+        let lean = projection.map_or(DVec2::ZERO, |p| p.to_eye(place.x, place.y));
+        lean.extend(1.0).normalize_or(DVec3::Z)
+    }
+
+    fn evidence(&self) -> NormalSpaceEvidence {
+        let mut tally = Tally::default();
+        for (x, y) in self.pixels() {
+            if let Some(readings) = self.readings(x, y) {
+                tally.add_facing(&readings, self.to_eye(x, y));
+                if let Some(shape) = self.shape(x, y) {
+                    tally.add_shape(self.normal, (x, y), shape, self.turn());
+                }
+            }
+        }
+        tally.evidence(self.camera.is_some())
+    }
+
+    /// The world-space unit normal of the surface through the positions around a pixel, away from edges.
+    fn shape(&self, x: usize, y: usize) -> Option<DVec3> {
+        let plane = self.mask.plane();
+        let inside = x > 0 && y > 0 && x + 1 < plane.width() && y + 1 < plane.height();
+        if !inside {
+            return None;
+        }
+        let seen = |x: usize, y: usize| at(self.position?, x, y).filter(|_| self.mask.at(x, y));
+        let here = seen(x, y)?;
+        let right = central(seen(x - 1, y)?, here, seen(x + 1, y)?)?;
+        let up = central(seen(x, y + 1)?, here, seen(x, y - 1)?)?;
+        right.cross(up).try_normalize()
+    }
+}
+
+/// The step from `before` to `after`; `None` across an edge, where the two halves are unlike.
+fn central(before: DVec3, here: DVec3, after: DVec3) -> Option<DVec3> {
+    let (a, b) = ((here - before).length(), (after - here).length());
+    (a.max(b) < 3.0 * a.min(b)).then_some(after - before)
+}
+
+#[derive(Default)]
+struct Tally {
+    samples: usize,
+    view: usize,
+    flipped: usize,
+    world: usize,
+    /// Sums of angles between the world reading and the two view readings.
+    differ: [f64; 2],
+    shape_world: Vec<f64>,
+    shape_view: Vec<f64>,
+    shape_flipped: Vec<f64>,
+}
+
+impl Tally {
+    fn add_facing(&mut self, readings: &Readings, eye: DVec3) {
+        let faces = |n: DVec3| usize::from(n.dot(eye) > FACING);
+        self.samples += 1;
+        self.view += faces(readings.view);
+        self.flipped += faces(readings.flipped);
+        if let Some(world) = readings.world {
+            self.world += faces(world);
+            self.differ[0] += angle_deg(world, readings.view);
+            self.differ[1] += angle_deg(world, readings.flipped);
+        }
+    }
+
+    fn add_shape(
+        &mut self,
+        normal: &Vector3Planes,
+        (x, y): (usize, usize),
+        shape: DVec3,
+        turn: Option<DMat3>,
+    ) {
+        let Some(n) = at(normal, x, y).and_then(DVec3::try_normalize) else {
+            return;
+        };
+        self.shape_world.push(line_angle_deg(n, shape));
+        if let Some(turn) = turn {
+            let shape = turn * shape;
+            let flipped = DVec3::new(n.x, n.y, -n.z);
+            self.shape_view.push(line_angle_deg(n, shape));
+            self.shape_flipped.push(line_angle_deg(flipped, shape));
+        }
+    }
+
+    fn evidence(mut self, camera: bool) -> NormalSpaceEvidence {
+        let count = self.samples.max(1) as f64;
+        let share = |n: usize| n as f64 / count;
+        let differ = if self.view >= self.flipped {
+            self.differ[0]
+        } else {
+            self.differ[1]
+        };
+        NormalSpaceEvidence {
+            samples: self.samples,
+            facing_view: share(self.view),
+            facing_view_flipped: share(self.flipped),
+            facing_world: camera.then(|| share(self.world)),
+            shape_world_deg: median(&mut self.shape_world),
+            shape_view_deg: median(&mut self.shape_view),
+            shape_view_flipped_deg: median(&mut self.shape_flipped),
+            readings_differ_deg: camera.then_some(differ / count),
+        }
+    }
+}
+
+fn angle_deg(a: DVec3, b: DVec3) -> f64 {
+    a.dot(b).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// The angle between two lines, 0..90 degrees: back faces and mirrored scenes reverse a normal without
+/// changing its space.
+fn line_angle_deg(a: DVec3, b: DVec3) -> f64 {
+    a.dot(b).abs().min(1.0).acos().to_degrees()
+}
+
+/// The median; `None` for too few values to decide anything.
+fn median(values: &mut [f64]) -> Option<f64> {
+    if values.len() < FEWEST_SHAPES {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+const WORLD: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
+    space: NormalSpace::World,
+    flip_z: false,
+};
+const VIEW: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
+    space: NormalSpace::View,
+    flip_z: false,
+};
+const VIEW_FLIPPED: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
+    space: NormalSpace::View,
+    flip_z: true,
+};
+
+type Concluded = (NormalSpaceConclusion, &'static str);
+
+fn concluded(e: &NormalSpaceEvidence) -> Concluded {
+    if e.samples == 0 {
+        return (
+            NormalSpaceConclusion::Ambiguous,
+            "undecided: no covered pixel holds a normal",
+        );
+    }
+    by_shape(e)
+        .or_else(|| by_shape_without_camera(e))
+        .unwrap_or_else(|| match e.facing_world {
+            Some(world) => by_facing(e, world),
+            None => by_facing_without_camera(e),
+        })
+}
+
+/// The reading that agrees with the positions, where one does and the others do not.
+fn by_shape(e: &NormalSpaceEvidence) -> Option<Concluded> {
+    let mut readings = [
+        (
+            e.shape_world_deg?,
+            WORLD,
+            "world: agrees with the positions",
+        ),
+        (e.shape_view_deg?, VIEW, "view: agrees with the positions"),
+        (
+            e.shape_view_flipped_deg?,
+            VIEW_FLIPPED,
+            "view with z away from the viewer: agrees with the positions",
+        ),
+    ];
+    readings.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (best, conclusion, why) = readings[0];
+    let decides = best <= SHAPE_HOLDS_DEG && readings[1].0 > SHAPE_DECIDES * best + SAME_DEG;
+    decides.then_some((conclusion, why))
+}
+
+/// Positions without a camera only tell whether the normals share their space.
+fn by_shape_without_camera(e: &NormalSpaceEvidence) -> Option<Concluded> {
+    let world = e.shape_world_deg.filter(|_| e.facing_world.is_none())?;
+    let also_view = e.facing_view.max(e.facing_view_flipped) >= HOLDS;
+    (world <= 0.5 * SHAPE_HOLDS_DEG || (world <= SHAPE_HOLDS_DEG && !also_view))
+        .then_some((WORLD, "world: agrees with the positions"))
+}
+
+/// The view reading that more normals face the viewer in, and its share.
+fn better_view(e: &NormalSpaceEvidence) -> (f64, Concluded) {
+    if e.facing_view >= e.facing_view_flipped {
+        let why = "view: the normals face the viewer as they are";
+        (e.facing_view, (VIEW, why))
+    } else {
+        let why = "view with z away from the viewer: the normals face the viewer once z is negated";
+        (e.facing_view_flipped, (VIEW_FLIPPED, why))
+    }
+}
+
+fn by_facing(e: &NormalSpaceEvidence, world: f64) -> Concluded {
+    let turned = (
+        WORLD,
+        "world: the normals face the viewer once turned by the camera",
+    );
+    let (view, as_view) = better_view(e);
+    if e.readings_differ_deg.is_some_and(|d| d <= SAME_DEG) {
+        return if world > view { turned } else { as_view };
+    }
+    if world >= HOLDS && view < FAILS.max(world - 0.05) {
+        return turned;
+    }
+    if view >= HOLDS && world < FAILS.max(view - 0.05) {
+        return as_view;
+    }
+    let why = if world.min(view) >= FAILS {
+        "undecided: the normals face the viewer both as they are and turned by the camera"
+    } else {
+        "undecided: the normals face the viewer in no space"
+    };
+    (NormalSpaceConclusion::Ambiguous, why)
+}
+
+fn by_facing_without_camera(e: &NormalSpaceEvidence) -> Concluded {
+    let (view, as_view) = better_view(e);
+    if view >= HOLDS {
+        as_view
+    } else if view < FAILS {
+        (
+            NormalSpaceConclusion::WorldWithoutCamera,
+            "world, but no camera: the normals do not face the viewer as they are",
+        )
+    } else {
+        (
+            NormalSpaceConclusion::Ambiguous,
+            "undecided: most normals face the viewer as they are, but not nearly all",
+        )
+    }
+}
+
+/// The evidence as the tail of a sentence.
+fn numbers(e: &NormalSpaceEvidence) -> String {
+    use std::fmt::Write;
+    if e.samples == 0 {
+        return String::new();
+    }
+    let mut text = String::from(" (facing the viewer: ");
+    if let Some(world) = e.facing_world {
+        let _ = write!(text, "{:.1} % turned by the camera, ", 100.0 * world);
+    }
+    let _ = write!(
+        text,
+        "{:.1} % as they are, {:.1} % with z negated",
+        100.0 * e.facing_view,
+        100.0 * e.facing_view_flipped
+    );
+    if let Some(world) = e.shape_world_deg {
+        let _ = write!(
+            text,
+            "; angle to the positions' shape: {world:.1} deg as world"
+        );
+    }
+    if let (Some(view), Some(flipped)) = (e.shape_view_deg, e.shape_view_flipped_deg) {
+        let _ = write!(text, ", {view:.1} as view, {flipped:.1} with z negated");
+    }
+    text.push(')');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Plane;
+    use glam::DAffine3;
+
+    const SIDE: usize = 96;
+
+    /// A ball seen by a camera that looks along the world's +y with z up, and its normals.
+    struct Ball {
+        camera: Camera,
+        mask: Mask,
+        position: Vector3Planes,
+        normal: Vector3Planes,
+    }
+
+    fn planes(field: impl Fn(usize, usize) -> DVec3) -> Vector3Planes {
+        let plane = |axis: usize| Plane::from_fn(SIDE, SIDE, |x, y| field(x, y)[axis] as f32);
+        Vector3Planes {
+            x: plane(0),
+            y: plane(1),
+            z: plane(2),
+        }
+    }
+
+    /// `tilt_deg` of 90 looks along the horizon, 0 straight down.
+    fn ball(tilt_deg: f64) -> Ball {
+        let turn = DMat3::from_rotation_x(-tilt_deg.to_radians());
+        let camera = Camera {
+            view_from_world: DAffine3::from_mat3_translation(turn, DVec3::new(0.0, 0.0, -5.0)),
+            projection: Projection::Orthographic {
+                sx: 40.0,
+                sy: 40.0,
+                cx: 48.0,
+                cy: 48.0,
+            },
+        };
+        let view = |x: usize, y: usize| {
+            let (u, v) = ((x as f64 - 47.5) / 40.0, (47.5 - y as f64) / 40.0);
+            let square = 1.0 - u * u - v * v;
+            (square > 0.0).then(|| DVec3::new(u, v, square.sqrt()))
+        };
+        let world = |x: usize, y: usize| view(x, y).map_or(DVec3::ZERO, |n| turn.transpose() * n);
+        Ball {
+            camera,
+            mask: Mask::new(Plane::from_fn(SIDE, SIDE, |x, y| view(x, y).is_some())),
+            position: planes(world),
+            normal: planes(world),
+        }
+    }
+
+    impl Ball {
+        fn in_view(&self, flip: f64) -> Vector3Planes {
+            let m = self.camera.view_from_world.matrix3;
+            planes(|x, y| {
+                let n = m * at(&self.normal, x, y).unwrap();
+                DVec3::new(n.x, n.y, flip * n.z)
+            })
+        }
+
+        fn judge(
+            &self,
+            normal: &Vector3Planes,
+            position: bool,
+            camera: bool,
+        ) -> NormalSpaceVerdict {
+            let verdict = judge_normal_space(
+                normal,
+                &self.mask,
+                position.then_some(&self.position),
+                camera.then_some(&self.camera),
+                Window::from_size(SIDE, SIDE),
+            );
+            assert!(!verdict.reason.contains('\n'));
+            verdict
+        }
+    }
+
+    #[test]
+    fn each_reading_is_told_with_every_kind_of_evidence() {
+        let ball = ball(90.0);
+        let (view, flipped) = (ball.in_view(1.0), ball.in_view(-1.0));
+        for (position, camera) in [(true, true), (false, true)] {
+            let judged = |n: &Vector3Planes| ball.judge(n, position, camera).conclusion;
+            assert_eq!(judged(&ball.normal), WORLD);
+            assert_eq!(judged(&view), VIEW);
+            assert_eq!(judged(&flipped), VIEW_FLIPPED);
+        }
+        let alone = |n: &Vector3Planes| ball.judge(n, false, false).conclusion;
+        assert_eq!(alone(&view), VIEW);
+        assert_eq!(alone(&flipped), VIEW_FLIPPED);
+        assert_eq!(
+            alone(&ball.normal),
+            NormalSpaceConclusion::WorldWithoutCamera
+        );
+        assert_eq!(ball.judge(&ball.normal, true, false).conclusion, WORLD);
+    }
+
+    #[test]
+    fn the_reason_holds_the_numbers() {
+        let ball = ball(90.0);
+        let verdict = ball.judge(&ball.normal, true, true);
+        assert!(verdict.reason.starts_with("world: "), "{}", verdict.reason);
+        assert!(
+            verdict.reason.contains("100.0 % turned"),
+            "{}",
+            verdict.reason
+        );
+        let evidence = verdict.evidence;
+        assert_eq!(evidence.samples, ball.mask.count());
+        assert!(evidence.shape_world_deg.is_some_and(|d| d < 1.0));
+        assert!(evidence.shape_view_deg.is_some_and(|d| d > 30.0));
+    }
+
+    #[test]
+    fn a_gentle_tilt_needs_the_positions() {
+        // Flat ground from 30 degrees off the vertical faces the viewer in either reading.
+        let mut ground = ball(30.0);
+        let up = planes(|_, _| DVec3::Z);
+        let inverse = ground.camera.view_from_world.inverse();
+        ground.position = planes(|x, y| {
+            let seen = DVec3::new(x as f64 / 40.0, -(y as f64) / 40.0, -5.0);
+            let from = inverse.transform_point3(seen);
+            let along = inverse.transform_vector3(DVec3::NEG_Z);
+            from - along * (from.z / along.z)
+        });
+        let blind = ground.judge(&up, false, true);
+        assert_eq!(blind.conclusion, NormalSpaceConclusion::Ambiguous);
+        assert_eq!(ground.judge(&up, true, true).conclusion, WORLD);
+    }
+
+    #[test]
+    fn equal_readings_are_no_riddle() {
+        // Straight down with z up, world and view axes are the same.
+        let above = ball(0.0);
+        let verdict = above.judge(&above.normal, true, true);
+        assert_eq!(verdict.conclusion, VIEW);
+        assert!(
+            verdict
+                .evidence
+                .readings_differ_deg
+                .is_some_and(|d| d < 1e-3)
+        );
+        assert_eq!(above.judge(&above.normal, false, false).conclusion, VIEW);
+    }
+
+    #[test]
+    fn a_flat_normal_map_is_view_space() {
+        let flat = planes(|_, _| DVec3::Z);
+        let mask = Mask::full(SIDE, SIDE);
+        let verdict = judge_normal_space(&flat, &mask, None, None, Window::from_size(SIDE, SIDE));
+        assert_eq!(verdict.conclusion, VIEW);
+    }
+
+    #[test]
+    fn normals_that_face_away_keep_their_space() {
+        let ball = ball(90.0);
+        let away = planes(|x, y| -at(&ball.normal, x, y).unwrap());
+        assert_eq!(ball.judge(&away, true, true).conclusion, WORLD);
+        let blind = ball.judge(&away, false, true);
+        assert_eq!(blind.conclusion, NormalSpaceConclusion::Ambiguous);
+    }
+
+    #[test]
+    fn nothing_to_judge_is_undecided() {
+        for value in [0.0, f64::NAN, f64::INFINITY] {
+            let bad = planes(|_, _| DVec3::splat(value));
+            let verdict = ball(90.0).judge(&bad, true, true);
+            assert_eq!(verdict.conclusion, NormalSpaceConclusion::Ambiguous);
+        }
+        let empty = Mask::new(Plane::filled(SIDE, SIDE, false));
+        let window = Window::from_size(SIDE, SIDE);
+        let field = planes(|_, _| DVec3::Z);
+        let verdict = judge_normal_space(&field, &empty, None, None, window);
+        assert_eq!(verdict.conclusion, NormalSpaceConclusion::Ambiguous);
+        let point = Plane::filled(1, 1, 1.0);
+        let single = Vector3Planes {
+            x: point.clone(),
+            y: point.clone(),
+            z: point,
+        };
+        let window = Window::from_size(1, 1);
+        judge_normal_space(&single, &Mask::full(1, 1), Some(&single), None, window);
+    }
+}

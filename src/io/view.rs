@@ -1,0 +1,215 @@
+//! The turn to view space: which camera, which space the normals were in, and why.
+
+use super::camera::{read_camera, recover_camera};
+use super::inputs::Inputs;
+use super::load::Finding;
+use super::normal_space::{NormalSpaceConclusion, judge_normal_space};
+use crate::error::{Error, Result};
+use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
+use glam::{DVec3, Mat3};
+
+/// What the camera and the space of the normals are judged from.
+pub(super) struct Surface<'a> {
+    pub(super) mask: &'a Mask,
+    pub(super) position: Option<&'a Vector3Planes>,
+    pub(super) depth: Option<&'a Plane>,
+    pub(super) data_window: Window,
+    pub(super) display_window: Window,
+    pub(super) pixel_aspect: f32,
+}
+
+/// The camera, where one was found, and what was concluded.
+pub(super) struct View {
+    pub(super) camera: Option<Camera>,
+    pub(super) findings: Vec<Finding>,
+}
+
+/// Turns unit normals to view space, in place.
+pub(super) fn turn_to_view(
+    inputs: &Inputs,
+    surface: &Surface,
+    normal: &mut Vector3Planes,
+) -> Result<View> {
+    let mut findings = Vec::new();
+    let camera = find_camera(inputs, surface, &mut findings)?;
+    let space = match inputs.normal_space {
+        Some(space) => Reading {
+            space,
+            flip_z: false,
+            reason: "as told".into(),
+        },
+        None => judged(inputs, surface, normal, camera.as_ref(), &findings)?,
+    };
+    findings.push(space.finding());
+    match (space.space, &camera) {
+        (NormalSpace::World, Some(camera)) => rotate(normal, camera),
+        (NormalSpace::World, None) => return Err(no_camera(inputs, &space.reason, &findings)),
+        (NormalSpace::View, _) if space.flip_z => {
+            normal.z.samples_mut().iter_mut().for_each(|z| *z = -*z);
+        }
+        (NormalSpace::View, _) => {}
+    }
+    Ok(View { camera, findings })
+}
+
+/// How the stored normals are to be read.
+struct Reading {
+    space: NormalSpace,
+    flip_z: bool,
+    reason: String,
+}
+
+impl Reading {
+    fn finding(&self) -> Finding {
+        let (name, flag) = match (self.space, self.flip_z) {
+            (NormalSpace::World, _) => ("world", "--normal-space world"),
+            (NormalSpace::View, false) => ("view", "--normal-space view"),
+            (NormalSpace::View, true) => (
+                "view, z away from the viewer",
+                "--normal-space view --normal-flip z",
+            ),
+        };
+        Finding {
+            subject: "normal space".into(),
+            conclusion: name.into(),
+            evidence: self.reason.clone(),
+            flag: flag.into(),
+        }
+    }
+}
+
+fn judged(
+    inputs: &Inputs,
+    surface: &Surface,
+    normal: &Vector3Planes,
+    camera: Option<&Camera>,
+    findings: &[Finding],
+) -> Result<Reading> {
+    let verdict = judge_normal_space(
+        normal,
+        surface.mask,
+        surface.position,
+        camera,
+        surface.data_window,
+    );
+    let reason = verdict.reason;
+    match verdict.conclusion {
+        NormalSpaceConclusion::Certain { space, flip_z } => Ok(Reading {
+            space,
+            flip_z,
+            reason,
+        }),
+        NormalSpaceConclusion::WorldWithoutCamera => Err(no_camera(inputs, &reason, findings)),
+        // An empty mask has no normals to be read either way.
+        NormalSpaceConclusion::Ambiguous if surface.mask.count() == 0 => Ok(Reading {
+            space: NormalSpace::View,
+            flip_z: false,
+            reason,
+        }),
+        NormalSpaceConclusion::Ambiguous => Err(Error::Undetermined {
+            path: inputs.picture.clone(),
+            found: format!("the space of the normals is unclear ({reason})"),
+            remedy: "name it with --normal-space view or --normal-space world".into(),
+        }),
+    }
+}
+
+/// World-space normals that nothing can turn; says what was tried to find a camera.
+fn no_camera(inputs: &Inputs, reason: &str, findings: &[Finding]) -> Error {
+    let tried: Vec<_> = findings
+        .iter()
+        .filter(|f| f.subject == CAMERA)
+        .map(|f| format!("; {}", f.evidence))
+        .collect();
+    Error::Undetermined {
+        path: inputs.picture.clone(),
+        found: format!(
+            "normals in world space, and no camera ({reason}{})",
+            tried.concat()
+        ),
+        remedy: "give --camera FILE, or --normal-space view if they are not".into(),
+    }
+}
+
+/// What findings about the camera are called.
+const CAMERA: &str = "camera";
+
+fn find_camera(
+    inputs: &Inputs,
+    surface: &Surface,
+    findings: &mut Vec<Finding>,
+) -> Result<Option<Camera>> {
+    let (camera, evidence) = if let Some(path) = &inputs.camera {
+        let camera = read_camera(path, surface.display_window, surface.pixel_aspect)?;
+        (Some(camera), format!("from {}", path.display()))
+    } else if let Some(position) = surface.position {
+        from_positions(surface, position)
+    } else {
+        return Ok(None);
+    };
+    findings.push(Finding {
+        subject: CAMERA.into(),
+        conclusion: camera.map_or("unknown".into(), |camera| described(&camera)),
+        evidence,
+        flag: "--camera FILE".into(),
+    });
+    Ok(camera)
+}
+
+fn from_positions(surface: &Surface, position: &Vector3Planes) -> (Option<Camera>, String) {
+    let Surface {
+        mask,
+        data_window,
+        display_window,
+        pixel_aspect,
+        ..
+    } = *surface;
+    match recover_camera(position, mask, data_window, display_window, pixel_aspect) {
+        Ok(found) => (
+            Some(found.camera),
+            format!(
+                "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
+                found.samples, found.residual_px_median, found.residual_px_p95
+            ),
+        ),
+        Err(failure) => (None, failure.to_string()),
+    }
+}
+
+fn described(camera: &Camera) -> String {
+    let eye = camera.view_from_world.inverse().translation;
+    let axis = camera.view_from_world.matrix3.transpose() * DVec3::NEG_Z;
+    let looks = format!(
+        "looking along ({:.3}, {:.3}, {:.3})",
+        axis.x, axis.y, axis.z
+    );
+    match camera.projection {
+        Projection::Perspective { fx, .. } => format!(
+            "perspective, focal {fx:.1} px, at ({:.3}, {:.3}, {:.3}), {looks}",
+            eye.x, eye.y, eye.z
+        ),
+        Projection::Orthographic { sx, .. } => {
+            format!("orthographic, {sx:.2} px per unit, {looks}")
+        }
+    }
+}
+
+fn rotate(normal: &mut Vector3Planes, camera: &Camera) {
+    let turn = Mat3::from_cols_array(
+        &camera
+            .view_from_world
+            .matrix3
+            .to_cols_array()
+            .map(|v| v as f32),
+    );
+    let components = normal
+        .x
+        .samples_mut()
+        .iter_mut()
+        .zip(normal.y.samples_mut())
+        .zip(normal.z.samples_mut());
+    for ((x, y), z) in components {
+        let turned = turn * glam::Vec3::new(*x, *y, *z);
+        (*x, *y, *z) = (turned.x, turned.y, turned.z);
+    }
+}
