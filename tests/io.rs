@@ -423,3 +423,24 @@ fn flipped_bytes_never_panic() {
         fuzz(&std::fs::read(path).unwrap(), 500, 99);
     }
 }
+
+#[test]
+fn tiles_larger_than_the_picture_are_harmless() {
+    let Some(path) = shared("conformance/structure/tiled_with_scanlineimage_type.exr") else {
+        return;
+    };
+    let bytes = std::fs::read(path).unwrap();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("tiles.exr");
+    for size in [
+        [0, 20],
+        [1, 1],
+        [1 << 15, 1 << 15],
+        [i32::MAX as u32; 2],
+        [u32::MAX; 2],
+    ] {
+        let size = size.map(u32::to_le_bytes).concat();
+        std::fs::write(&path, patched(&bytes, "tiles", "tiledesc", &size)).unwrap();
+        println!("{}", survive(&path).unwrap_err());
+    }
+}
