@@ -253,6 +253,32 @@ fn ball_curvature() {
     assert_near(aside.k_v, -1.0 / 40.0, 1.0 / 40.0, 1e-12, "aside");
 }
 
+/// From within, a ball is a bowl: its normals turn to the viewer and its curvatures change sign.
+#[test]
+fn ball_from_within_is_concave() {
+    let radius = DISTANCE + 100.0;
+    for scene in [
+        orthographic(Surface::ball(radius)),
+        orthographic(Surface::ball(radius)).in_perspective(),
+    ] {
+        let seen = scene.exact_at(CX + 20.0, CY - 9.0).expect("all around");
+        assert!(
+            seen.normal.z > 0.9 && seen.normal.x < 0.0,
+            "{}",
+            seen.normal
+        );
+        let object = seen.object_curvatures;
+        assert_near(object.k_u, 1.0 / radius, 1.0 / radius, 1e-12, "k_u");
+        assert_near(object.k_v, 1.0 / radius, 1.0 / radius, 1e-12, "k_v");
+        let [xx, _, _, yy] = scene
+            .depth_gradient_jacobian(CX + 20.0, CY - 9.0, 1.0)
+            .expect("no edge");
+        let bend = seen.hessian.trace();
+        assert!(bend > 0.0, "{bend}");
+        assert_near(xx + yy, bend, bend, 1e-6, "trace");
+    }
+}
+
 /// Right of the axis and above it the normal points right and up: rows run down, y does not.
 #[test]
 fn rows_run_down_and_y_runs_up() {
