@@ -1,0 +1,199 @@
+//! What the tests share: scenes whose answers are known, and frames turned and mirrored.
+
+#![allow(dead_code, reason = "each test binary uses its own part")]
+#![allow(unreachable_pub, reason = "each test binary is its own crate")]
+
+pub mod scenes;
+
+use glam::{DAffine3, DMat3, DVec3};
+use relievo::frame::{Camera, ColorPlanes, Frame, Mask, Plane, Projection, Vector3Planes, Window};
+
+/// The frame as seen in a mirror that stands to its left: columns reversed, x of vectors negated.
+///
+/// The camera's world is mirrored with it, so that its rotation stays one.
+pub fn mirrored(frame: &Frame) -> Frame {
+    let shown = frame.display_window;
+    let flip = |x: i32| shown.x0 + shown.x1 - x;
+    let data = frame.data_window;
+    let mirror = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+    let sides = f64::from(shown.x0 + shown.x1);
+    let turn = Rearranged {
+        width: data.width(),
+        height: data.height(),
+        from: move |x, y| (data.width() - 1 - x, y),
+        vector: |v: DVec3| DVec3::new(-v.x, v.y, v.z),
+    };
+    turn.frame(
+        frame,
+        Window {
+            x0: flip(data.x1),
+            x1: flip(data.x0),
+            ..data
+        },
+        shown,
+        frame.pixel_aspect,
+        |camera| Camera {
+            view_from_world: mirror * camera.view_from_world * mirror,
+            projection: match camera.projection {
+                Projection::Perspective { fx, fy, cx, cy } => Projection::Perspective {
+                    fx,
+                    fy,
+                    cx: sides - cx,
+                    cy,
+                },
+                Projection::Orthographic { sx, sy, cx, cy } => Projection::Orthographic {
+                    sx,
+                    sy,
+                    cx: sides - cx,
+                    cy,
+                },
+            },
+        },
+    )
+}
+
+/// The frame turned a quarter counterclockwise: what was at the right is at the top.
+///
+/// The world stays as it is; the camera is rolled.
+pub fn quarter_turned(frame: &Frame) -> Frame {
+    let shown = frame.display_window;
+    let data = frame.data_window;
+    // A position (x, y), rows running down, moves to (y, x0 + x1 - x).
+    let turned_window = |w: Window| Window {
+        x0: w.y0,
+        x1: w.y1,
+        y0: shown.x0 + shown.x1 - w.x1,
+        y1: shown.x0 + shown.x1 - w.x0,
+    };
+    let roll = DAffine3::from_mat3(DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z));
+    let sides = f64::from(shown.x0 + shown.x1);
+    let turn = Rearranged {
+        width: data.height(),
+        height: data.width(),
+        from: move |x, y| (data.width() - 1 - y, x),
+        vector: |v: DVec3| DVec3::new(-v.y, v.x, v.z),
+    };
+    turn.frame(
+        frame,
+        turned_window(data),
+        turned_window(shown),
+        1.0 / frame.pixel_aspect,
+        |camera| Camera {
+            view_from_world: roll * camera.view_from_world,
+            projection: match camera.projection {
+                Projection::Perspective { fx, fy, cx, cy } => Projection::Perspective {
+                    fx: fy,
+                    fy: fx,
+                    cx: cy,
+                    cy: sides - cx,
+                },
+                Projection::Orthographic { sx, sy, cx, cy } => Projection::Orthographic {
+                    sx: sy,
+                    sy: sx,
+                    cx: cy,
+                    cy: sides - cx,
+                },
+            },
+        },
+    )
+}
+
+/// The frame with every sample outside the mask, of every plane but the picture's own, replaced by
+/// `poison`: nothing computed may change.
+pub fn poisoned(frame: &Frame, poison: f32) -> Frame {
+    let spoil = |p: &Plane| {
+        Plane::from_fn(p.width(), p.height(), |x, y| {
+            if frame.mask.at(x, y) {
+                p.at(x, y)
+            } else {
+                poison
+            }
+        })
+    };
+    Frame {
+        normal: Vector3Planes {
+            x: spoil(&frame.normal.x),
+            y: spoil(&frame.normal.y),
+            z: spoil(&frame.normal.z),
+        },
+        normal_length: frame.normal_length.as_ref().map(spoil),
+        depth: frame.depth.as_ref().map(spoil),
+        ..frame.clone()
+    }
+}
+
+/// A plane turned the way `quarter_turned` turns a frame.
+pub fn quarter_turned_plane<T: Copy>(plane: &Plane<T>) -> Plane<T> {
+    Plane::from_fn(plane.height(), plane.width(), |x, y| {
+        plane.at(plane.width() - 1 - y, x)
+    })
+}
+
+/// A plane mirrored the way `mirrored` mirrors a frame.
+pub fn mirrored_plane<T: Copy>(plane: &Plane<T>) -> Plane<T> {
+    Plane::from_fn(plane.width(), plane.height(), |x, y| {
+        plane.at(plane.width() - 1 - x, y)
+    })
+}
+
+/// How samples and vectors move: the sample at (x, y) comes from `from(x, y)`.
+struct Rearranged<P, V> {
+    width: usize,
+    height: usize,
+    from: P,
+    vector: V,
+}
+
+impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P, V> {
+    fn plane<T: Copy>(&self, plane: &Plane<T>) -> Plane<T> {
+        Plane::from_fn(self.width, self.height, |x, y| {
+            let (x, y) = (self.from)(x, y);
+            plane.at(x, y)
+        })
+    }
+
+    fn vectors(&self, planes: &Vector3Planes) -> Vector3Planes {
+        let component = |pick: fn(DVec3) -> f64| {
+            Plane::from_fn(self.width, self.height, |x, y| {
+                let (x, y) = (self.from)(x, y);
+                let at = |p: &Plane| f64::from(p.at(x, y));
+                let turned = (self.vector)(DVec3::new(at(&planes.x), at(&planes.y), at(&planes.z)));
+                pick(turned) as f32
+            })
+        };
+        Vector3Planes {
+            x: component(|v| v.x),
+            y: component(|v| v.y),
+            z: component(|v| v.z),
+        }
+    }
+
+    fn frame(
+        &self,
+        frame: &Frame,
+        data_window: Window,
+        display_window: Window,
+        pixel_aspect: f32,
+        camera: impl Fn(Camera) -> Camera,
+    ) -> Frame {
+        let plane = |p: &Plane| self.plane(p);
+        Frame {
+            data_window,
+            display_window,
+            pixel_aspect,
+            mask: Mask::new(self.plane(frame.mask.plane())),
+            normal: self.vectors(&frame.normal),
+            normal_length: frame.normal_length.as_ref().map(plane),
+            depth: frame.depth.as_ref().map(plane),
+            occlusion: frame.occlusion.as_ref().map(plane),
+            color: frame.color.as_ref().map(|c| ColorPlanes {
+                r: plane(&c.r),
+                g: plane(&c.g),
+                b: plane(&c.b),
+            }),
+            alpha: frame.alpha.as_ref().map(plane),
+            camera: frame.camera.map(camera),
+            source: frame.source.clone(),
+        }
+    }
+}
