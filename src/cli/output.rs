@@ -43,7 +43,6 @@ impl Kind {
 /// One run from its arguments to its messages: what `shape` and `enhance` share.
 pub(super) struct Job<'a> {
     pub(super) input: &'a Path,
-    pub(super) roles: &'a RoleArgs,
     pub(super) output: &'a OutputArgs,
     pub(super) run: &'a RunArgs,
     pub(super) kind: Kind,
@@ -77,7 +76,6 @@ impl<'a> Job<'a> {
         }
         Ok(Self {
             input,
-            roles,
             output,
             run,
             kind,

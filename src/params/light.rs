@@ -92,7 +92,7 @@ impl Default for ScalingParams {
     fn default() -> Self {
         Self {
             scaling: 1.0,
-            invariant_point: 0.1,
+            invariant_point: 0.25,
             curvature_gain: CurvatureGain::Auto,
             white_level: WhiteLevel::Auto,
         }

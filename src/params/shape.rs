@@ -74,8 +74,8 @@ impl Default for ShapeParams {
         Self {
             silhouette: SoftThreshold { lo: 0.03, hi: 0.04 },
             occlusion_silhouette: SoftThreshold { lo: 0.2, hi: 0.4 },
-            crease: SoftThreshold { lo: 30.0, hi: 60.0 },
-            foreshortening: 0.4,
+            crease: SoftThreshold { lo: 45.0, hi: 80.0 },
+            foreshortening: 0.0,
             min_nz: 0.05,
             iterations: 10,
             time_step: 0.2,

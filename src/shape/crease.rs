@@ -32,14 +32,29 @@ impl CreaseDetector {
     }
 
     /// Crease weight, 0..1, of a pixel with unit normal `n`, whose filtered normal had the length
-    /// `length`, beside covered neighbours with unit normals `neighbours`.
+    /// `length`, among the unit normals of its neighbours left, right, above and below, where covered.
+    ///
+    /// The largest angle counts: to a neighbour, and across the pixel from one side to the other. The
+    /// latter is the whole dihedral angle even where a filter has spread the edge over a pixel.
     /// Source: [LW] algorithm 1, step 2.
     #[inline(always)]
-    pub fn weight(&self, n: Vec3, length: f32, neighbours: impl Iterator<Item = Vec3>) -> f32 {
+    pub fn weight(&self, n: Vec3, length: f32, neighbours: [Option<Vec3>; 4]) -> f32 {
+        let [left, right, above, below] = neighbours;
+        let centre = Some(n);
+        let pairs = [
+            (centre, left),
+            (centre, right),
+            (centre, above),
+            (centre, below),
+            (left, right),
+            (above, below),
+        ];
         let mut angle = 0.0_f32;
-        for neighbour in neighbours {
-            if n.dot(neighbour) < self.flat_cosine {
-                angle = angle.max(angle_between(n, neighbour));
+        for (a, b) in pairs {
+            if let (Some(a), Some(b)) = (a, b)
+                && a.dot(b) < self.flat_cosine
+            {
+                angle = angle.max(angle_between(a, b));
             }
         }
         if length < self.flat_length {
@@ -82,7 +97,7 @@ mod tests {
             (60.5, 1.0),
             (180.0, 1.0),
         ] {
-            let weight = detector.weight(Vec3::Z, 1.0, [at_degrees(angle)].into_iter());
+            let weight = detector.weight(Vec3::Z, 1.0, [Some(at_degrees(angle)), None, None, None]);
             assert!(
                 (weight - expected).abs() < 1e-5,
                 "{angle} degrees weigh {weight}"
@@ -91,13 +106,21 @@ mod tests {
     }
 
     #[test]
+    fn an_edge_spread_over_a_pixel_counts_whole() {
+        let detector = CreaseDetector::new(DETECTOR);
+        // Faces at 0 and 62 degrees, the pixel between them at 31 from both.
+        let sides = [Some(at_degrees(0.0)), Some(at_degrees(62.0)), None, None];
+        assert_eq!(detector.weight(at_degrees(31.0), 1.0, sides), 1.0);
+    }
+
+    #[test]
     fn a_short_filtered_normal_is_a_crease() {
         let detector = CreaseDetector::new(DETECTOR);
         // Two faces at 45 degrees mixed half and half: length cos(22.5 deg), weight 1/2.
         let mixed = 22.5_f32.to_radians().cos();
-        assert!((detector.weight(Vec3::Z, mixed, [Vec3::Z].into_iter()) - 0.5).abs() < 1e-5);
+        assert!((detector.weight(Vec3::Z, mixed, [Some(Vec3::Z); 4]) - 0.5).abs() < 1e-5);
         // Half floats leave lengths of 0.999.
-        assert_eq!(detector.weight(Vec3::Z, 0.999, [Vec3::Z].into_iter()), 0.0);
+        assert_eq!(detector.weight(Vec3::Z, 0.999, [Some(Vec3::Z); 4]), 0.0);
     }
 
     #[test]

@@ -169,23 +169,17 @@ impl<'a> NormalRows<'a> {
         Vec3::new(self.x.at[x], self.y.at[x], self.z.at[x])
     }
 
-    /// The normals of the covered pixels left, right, above and below column `x`.
+    /// The normals left, right, above and below column `x`, where covered.
     #[inline(always)]
-    fn beside<'s>(
-        &'s self,
-        x: usize,
-        covered: &'s Rows<'s, bool>,
-    ) -> impl Iterator<Item = Vec3> + 's {
+    fn beside(&self, x: usize, covered: &Rows<bool>) -> [Option<Vec3>; 4] {
         let (left, right) = (x.saturating_sub(1), (x + 1).min(covered.at.len() - 1));
         let above = Vec3::new(self.x.above[x], self.y.above[x], self.z.above[x]);
         let below = Vec3::new(self.x.below[x], self.y.below[x], self.z.below[x]);
         [
-            (covered.at[left], self.at(left)),
-            (covered.at[right], self.at(right)),
-            (covered.above[x], above),
-            (covered.below[x], below),
+            covered.at[left].then_some(self.at(left)),
+            covered.at[right].then_some(self.at(right)),
+            covered.above[x].then_some(above),
+            covered.below[x].then_some(below),
         ]
-        .into_iter()
-        .filter_map(|(covered, normal)| covered.then_some(normal))
     }
 }

@@ -99,8 +99,8 @@ impl FacePlanes {
 /// Trace of the Hessian.
 pub(super) fn trace(gradient: &Vector2Planes, conductance: &Plane, mask: &Mask) -> Plane {
     let [trace] = map_covered(mask, |x, y| {
-        let (gx, gy) = (Rows::around(&gradient.x, y), Rows::around(&gradient.y, y));
-        [hessian_kernel::trace(&gx, &gy, x, conductance.at(x, y))]
+        let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
+        [hessian_kernel::trace(&gx, &gy, &c, x)]
     });
     trace
 }
@@ -112,8 +112,8 @@ pub(super) fn hessian(
     mask: &Mask,
 ) -> SymmetricPlanes {
     let [xx, xy, yy] = map_covered(mask, |x, y| {
-        let (gx, gy) = (Rows::around(&gradient.x, y), Rows::around(&gradient.y, y));
-        hessian_kernel::hessian(&gx, &gy, x, conductance.at(x, y))
+        let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
+        hessian_kernel::hessian(&gx, &gy, &c, x)
     });
     SymmetricPlanes { xx, xy, yy }
 }

@@ -6,7 +6,7 @@ use crate::frame::{ColorPlanes, Mask, Plane};
 const CURVATURE_PERCENTILE: f64 = 0.80;
 
 /// Mapped curvature that the percentile is brought to: clearly seen, far from saturated.
-const TYPICAL_KAPPA: f32 = 0.6;
+const TYPICAL_KAPPA: f32 = 0.35;
 
 /// Gains past this would draw the rounding of half-float normals (5e-4 per pixel) as relief.
 const MAX_GAIN: f32 = 200.0;
@@ -14,16 +14,22 @@ const MAX_GAIN: f32 = 200.0;
 /// Share of the surface that the white level leaves below it.
 const WHITE_PERCENTILE: f64 = 0.98;
 
-/// The gain that maps the 80th percentile of |trace| on the surface, edges left out, to 0.6.
+/// Surfaces that turn by less than this many radians over the whole picture are flat to the eye and
+/// have no say: a room is mostly walls.
+const FLAT_TURN: f32 = 0.25;
+
+/// The gain that maps the 80th percentile of |trace| to 0.35, over what is curved, edges left out.
 pub(super) fn curvature_gain(trace: &Plane, conductance: &Plane) -> f32 {
-    let away_from_edges = trace
+    let flat = FLAT_TURN / (trace.width() as f32).hypot(trace.height() as f32);
+    let curved = trace
         .samples()
         .iter()
         .zip(conductance.samples())
         .filter(|&(_, &c)| c > 0.5)
         .map(|(t, _)| t.abs())
+        .filter(|&t| t > flat)
         .collect();
-    match percentile(away_from_edges, CURVATURE_PERCENTILE) {
+    match percentile(curved, CURVATURE_PERCENTILE) {
         Some(typical) if typical > 0.0 => (TYPICAL_KAPPA.atanh() / typical).min(MAX_GAIN),
         _ => MAX_GAIN,
     }
@@ -69,9 +75,13 @@ mod tests {
 
     #[test]
     fn the_gain_brings_typical_curvature_to_its_target() {
-        // Nine tenths of the surface at |trace| 0.05: tanh(gain * 0.05) = 0.6.
-        let trace = Plane::from_fn(10, 1, |x, _| if x == 0 { 9.0 } else { -0.05 });
-        let gain = curvature_gain(&trace, &Plane::filled(10, 1, 1.0));
+        // Nine tenths of what is curved at |trace| 0.05, and a wall: tanh(gain * 0.05) = 0.35.
+        let trace = Plane::from_fn(100, 1, |x, _| match x {
+            0 => 9.0,
+            1..10 => -0.05,
+            _ => 1e-5,
+        });
+        let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0));
         assert!(((gain * 0.05).tanh() - TYPICAL_KAPPA).abs() < 1e-6);
         // A plane: rounding noise is not blown up without end.
         assert_eq!(
