@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 /// An input file: an EXR's header and layers, or a whole photo.
 pub(super) enum Opened {
-    Exr { file: ExrFile, layers: Vec<Layer> },
+    Exr { file: Box<ExrFile>, layers: Vec<Layer> },
     Photo { path: PathBuf, photo: Photo },
 }
 
@@ -26,7 +26,7 @@ impl Opened {
                 photo,
             }));
         }
-        let file = ExrFile::open(path, &Limits::default())?;
+        let file = Box::new(ExrFile::open(path, &Limits::default())?);
         let layers = roles::layers(file.parts.iter().map(|part| {
             (
                 part.name.as_deref(),
