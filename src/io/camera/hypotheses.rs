@@ -36,7 +36,7 @@ pub(super) fn hypotheses(samples: &[Sample], width: f64) -> Vec<Model> {
     if thin {
         planar_cameras(samples, &axes, width, &mut guesses);
     }
-    let mut random = Random(0x5eed_0f_ca3e_7a11);
+    let mut random = Random(0x5eed_0fca_3e7a_1100);
     for (size, rounds) in HANDFULS {
         for _ in 0..rounds {
             let handful: Vec<Sample> = (0..size)
