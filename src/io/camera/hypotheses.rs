@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector, SymmetricEigen, Ve
 
 /// Handfuls of this many samples give one guess each; outliers spoil few of the small ones, noise
 /// spoils few of the large ones.
-const HANDFULS: [(usize, usize); 2] = [(8, 120), (40, 40)];
+const HANDFULS: [(usize, usize); 2] = [(8, 80), (40, 24)];
 /// A cloud thinner than this share of its length is also tried as a plane.
 const THIN: f64 = 0.05;
 

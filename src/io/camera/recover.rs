@@ -175,7 +175,7 @@ impl Fit {
         let best = |free: Free| best_polished(&finalists, &ranking, free);
         let centred = best(Free::Perspective)?;
         let whole = |fit: Self| {
-            let model = fit.model.polished(samples, fit.free, 2);
+            let model = fit.model.polished(samples, fit.free, 1);
             Self::new(model, samples, fit.free)
         };
         if centred.sigma < 1e-3 {
