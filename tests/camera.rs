@@ -4,8 +4,9 @@
 
 use exr::prelude::*;
 use glam::DVec3;
-use relievo::frame::{Camera, Mask, Plane, Projection, Vector3Planes, Window};
+use relievo::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use relievo::io::camera::{RecoveredCamera, RecoveryFailure, read_camera, recover_camera};
+use relievo::io::normal_space::{NormalSpaceConclusion, judge_normal_space};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -172,5 +173,145 @@ fn panoramas_are_refused() {
         let error = read_camera(&path.with_extension("json"), render.display, 1.0)
             .expect_err("read a panorama's camera");
         assert!(error.to_string().contains("panorama"), "{error}");
+    }
+}
+
+const WORLD: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
+    space: NormalSpace::World,
+    flip_z: false,
+};
+const VIEW: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
+    space: NormalSpace::View,
+    flip_z: false,
+};
+const VIEW_FLIPPED: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
+    space: NormalSpace::View,
+    flip_z: true,
+};
+
+/// The normals turned to the view, z toward the viewer or away from it.
+fn turned(normal: &Vector3Planes, camera: &Camera, sign: f64) -> Vector3Planes {
+    let n = normal;
+    let at = |x, y| {
+        DVec3::new(
+            n.x.at(x, y).into(),
+            n.y.at(x, y).into(),
+            n.z.at(x, y).into(),
+        )
+    };
+    let view = |x, y| camera.view_from_world.matrix3 * at(x, y) * DVec3::new(1.0, 1.0, sign);
+    let plane =
+        |axis: usize| Plane::from_fn(n.x.width(), n.x.height(), |x, y| view(x, y)[axis] as f32);
+    Vector3Planes {
+        x: plane(0),
+        y: plane(1),
+        z: plane(2),
+    }
+}
+
+/// One normal layer judged with every selection of clues; the wrong conclusions.
+fn misjudged(
+    render: &Render,
+    normal: &Vector3Planes,
+    truth: NormalSpaceConclusion,
+    camera: &Camera,
+) -> Vec<String> {
+    let position = render.vector("Position");
+    let depth = render.layer("Depth.Z");
+    let mask = match &depth {
+        Some(depth) => Mask::new(depth.map(|d| d < 1e9)),
+        None => render.mask(normal),
+    };
+    let blind = if truth == WORLD {
+        NormalSpaceConclusion::WorldWithoutCamera
+    } else {
+        truth
+    };
+    // Facing alone may leave a view-space guess open, but must not be sure and wrong.
+    let clues = [
+        ("camera", None, None, Some(camera), truth, false),
+        (
+            "camera+depth",
+            None,
+            depth.as_ref(),
+            Some(camera),
+            truth,
+            false,
+        ),
+        (
+            "camera+position",
+            position.as_ref(),
+            None,
+            Some(camera),
+            truth,
+            false,
+        ),
+        ("depth", None, depth.as_ref(), None, blind, false),
+        ("nothing", None, None, None, blind, true),
+    ];
+    let mut wrong = Vec::new();
+    for (name, position, depth, camera, expected, may_be_open) in clues {
+        let verdict = judge_normal_space(normal, &mask, position, depth, camera, render.data);
+        println!("  {name:<16} {}", verdict.reason);
+        let open = may_be_open && verdict.conclusion == NormalSpaceConclusion::Ambiguous;
+        if verdict.conclusion != expected && !open {
+            wrong.push(format!("{name}: {}", verdict.reason));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn normals_of_renders_are_judged_right() {
+    let mut wrong = Vec::new();
+    for path in renders().into_iter().filter(|p| !is_panorama(p)) {
+        let render = Render::read(&path).expect("a render with layers");
+        let Some(normal) = render.vector("ViewLayer.Normal") else {
+            continue;
+        };
+        let camera = read_camera(&path.with_extension("json"), render.display, render.aspect)
+            .expect("a camera beside the render");
+        let readings = [
+            ("world", normal.clone(), WORLD),
+            ("view", turned(&normal, &camera, 1.0), VIEW),
+            ("flipped", turned(&normal, &camera, -1.0), VIEW_FLIPPED),
+        ];
+        for (kind, normal, truth) in readings {
+            println!("{} as {kind}", path.display());
+            wrong.extend(
+                misjudged(&render, &normal, truth, &camera)
+                    .into_iter()
+                    .map(|w| format!("{} as {kind}, {w}", path.display())),
+            );
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn photographed_normal_maps_are_view_space() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/rgbn"));
+    let names = ["Bricks102_1K-JPG_NormalGL.jpg", "rock058_1k_NormalGL.jpg"];
+    for path in names.map(|n| folder.join(n)) {
+        if !path.exists() {
+            eprintln!("skipped: no {}", path.display());
+            continue;
+        }
+        let picture = image::open(&path).expect("a readable picture").to_rgb8();
+        let (w, h) = (picture.width() as usize, picture.height() as usize);
+        let plane = |channel: usize| {
+            Plane::from_fn(w, h, |x, y| {
+                f32::from(picture.get_pixel(x as u32, y as u32)[channel]) / 127.5 - 1.0
+            })
+        };
+        let normal = Vector3Planes {
+            x: plane(0),
+            y: plane(1),
+            z: plane(2),
+        };
+        let (mask, window) = (Mask::full(w, h), Window::from_size(w, h));
+        let verdict = judge_normal_space(&normal, &mask, None, None, None, window);
+        println!("{}: {}", path.display(), verdict.reason);
+        assert_eq!(verdict.conclusion, VIEW);
     }
 }

@@ -2,12 +2,15 @@
 //!
 //! Names do not tell: one renderer's `N` is in world space, another's in view space, a third's has z
 //! pointing away. But a visible surface faces the viewer, so in the right reading nearly all normals
-//! do; and where positions exist, the right reading agrees with the shape they have.
+//! do; where positions exist, the right reading agrees with the shape they have; and depth rises in the
+//! direction in which view-space normals lean, whatever the focal length: a plane n.P = c seen at
+//! P = D (X, Y, -1) has 1/D = (n_x X + n_y Y - n_z) / c with c < 0, so grad D is a positive multiple of
+//! (n_x, n_y).
 //!
 //! What this cannot see: a world-space map of a scene watched from straight above with z up *is* a
-//! view-space map, up to a turn about the view axis. Without a camera it is read as view space.
+//! view-space map, up to a turn about the view axis. Without camera and depth it is read as view space.
 
-use crate::frame::{Camera, Mask, NormalSpace, Projection, Vector3Planes, Window};
+use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
 
 /// Pixels that the judgement looks at.
@@ -16,6 +19,11 @@ const WANTED: usize = 40_000;
 const FACING: f64 = -0.05;
 /// Share of facing normals from which a reading holds.
 const HOLDS: f64 = 0.98;
+/// The same where nothing else speaks for the reading: world-space normals of a scene that is mostly
+/// ground, seen from well above, reach 0.99 as they are.
+const HOLDS_ALONE: f64 = 0.995;
+/// A wrong reading turns away this share of the normals, and 10 times what the right one does.
+const TURNS_AWAY: f64 = 0.01;
 /// Share below which a reading fails.
 const FAILS: f64 = 0.9;
 /// Two readings whose normals differ by less than this on average, in degrees, are one.
@@ -25,7 +33,16 @@ const SAME_DEG: f64 = 2.0;
 const SHAPE_HOLDS_DEG: f64 = 25.0;
 /// The right reading is this many times closer to the shape than a wrong one.
 const SHAPE_DECIDES: f64 = 2.0;
-/// Fewer shape samples than this decide nothing.
+/// Median angle between the lean of the normals and the slope of depth up to which a reading holds.
+const SLOPE_HOLDS_DEG: f64 = 30.0;
+/// The same angle from which a reading fails; normals that have nothing to do with the depth reach 90.
+const SLOPE_FAILS_DEG: f64 = 60.0;
+/// Depth slopes that count: the logarithm changes this much over a picture width, well above the
+/// rounding of half floats.
+const LEAST_SLOPE: f64 = 0.5;
+/// A unit normal that leans less than this does not lean.
+const LEAST_LEAN: f64 = 0.02;
+/// Fewer samples of shape or slope than this decide nothing.
 const FEWEST_SHAPES: usize = 24;
 
 /// What the normals turned out to be.
@@ -61,6 +78,11 @@ pub struct NormalSpaceEvidence {
     pub shape_view_deg: Option<f64>,
     /// The same, read as view space with z away from the viewer.
     pub shape_view_flipped_deg: Option<f64>,
+    /// Median angle, in degrees, on the picture, between the slope of depth and the lean of the normals
+    /// read as view space (either sign of z).
+    pub slope_view_deg: Option<f64>,
+    /// The same, read as world space and turned by the camera.
+    pub slope_world_deg: Option<f64>,
     /// Mean angle, in degrees, between the world reading and the better view reading.
     pub readings_differ_deg: Option<f64>,
 }
@@ -79,15 +101,16 @@ pub struct NormalSpaceVerdict {
 /// Judges which space `normal` was written in.
 ///
 /// `normal` holds the components as read (signed, not necessarily of unit length), `position` a layer
-/// of world-space positions, `camera` the camera where it is known; planes and mask fill
-/// `data_window`. Normals of length zero and values that are not finite are passed over.
+/// of world-space positions, `depth` distances that grow away from the viewer, `camera` the camera where
+/// it is known; planes and mask fill `data_window`. Normals of length zero and values that are not finite are passed over.
 ///
-/// With neither camera nor positions, normals that nearly all have z toward the viewer are taken for
+/// With no camera, positions or depth, normals that nearly all have z toward the viewer are taken for
 /// view space; see the module on what that misses.
 pub fn judge_normal_space(
     normal: &Vector3Planes,
     mask: &Mask,
     position: Option<&Vector3Planes>,
+    depth: Option<&Plane>,
     camera: Option<&Camera>,
     data_window: Window,
 ) -> NormalSpaceVerdict {
@@ -95,6 +118,7 @@ pub fn judge_normal_space(
         normal,
         mask,
         position,
+        depth,
         camera,
         data_window,
     };
@@ -111,6 +135,7 @@ struct Input<'a> {
     normal: &'a Vector3Planes,
     mask: &'a Mask,
     position: Option<&'a Vector3Planes>,
+    depth: Option<&'a Plane>,
     camera: Option<&'a Camera>,
     data_window: Window,
 }
@@ -176,6 +201,9 @@ impl Input<'_> {
         for (x, y) in self.pixels() {
             if let Some(readings) = self.readings(x, y) {
                 tally.add_facing(&readings, self.to_eye(x, y));
+                if let Some(slope) = self.slope(x, y) {
+                    tally.add_slope(&readings, slope);
+                }
                 if let Some(shape) = self.shape(x, y) {
                     tally.add_shape(self.normal, (x, y), shape, self.turn());
                 }
@@ -184,11 +212,37 @@ impl Input<'_> {
         tally.evidence(self.camera.is_some())
     }
 
+    /// The gradient of depth on the picture, y up, where it is clear of rounding and of edges.
+    fn slope(&self, x: usize, y: usize) -> Option<DVec2> {
+        let depth = self.depth?;
+        if !self.is_inside(x, y) {
+            return None;
+        }
+        let seen = |x: usize, y: usize| {
+            let d = f64::from(depth.at(x, y));
+            (self.mask.at(x, y) && d.is_finite() && d > 0.0).then(|| d.ln())
+        };
+        let here = seen(x, y)?;
+        let run = |before: f64, after: f64| {
+            let (a, b) = (here - before, after - here);
+            // Away from edges both halves are alike, up to what rounding does to short steps.
+            ((a - b).abs() < 0.5 * (a.abs() + b.abs()) + 2e-3).then_some(0.5 * (a + b))
+        };
+        let right = run(seen(x - 1, y)?, seen(x + 1, y)?)?;
+        let up = run(seen(x, y + 1)?, seen(x, y - 1)?)?;
+        let slope = DVec2::new(right, up);
+        (slope.length() * depth.width() as f64 > LEAST_SLOPE).then_some(slope)
+    }
+
+    /// Whether a pixel has neighbours on all sides.
+    fn is_inside(&self, x: usize, y: usize) -> bool {
+        let plane = self.mask.plane();
+        x > 0 && y > 0 && x + 1 < plane.width() && y + 1 < plane.height()
+    }
+
     /// The world-space unit normal of the surface through the positions around a pixel, away from edges.
     fn shape(&self, x: usize, y: usize) -> Option<DVec3> {
-        let plane = self.mask.plane();
-        let inside = x > 0 && y > 0 && x + 1 < plane.width() && y + 1 < plane.height();
-        if !inside {
+        if !self.is_inside(x, y) {
             return None;
         }
         let seen = |x: usize, y: usize| at(self.position?, x, y).filter(|_| self.mask.at(x, y));
@@ -216,6 +270,8 @@ struct Tally {
     shape_world: Vec<f64>,
     shape_view: Vec<f64>,
     shape_flipped: Vec<f64>,
+    slope_view: Vec<f64>,
+    slope_world: Vec<f64>,
 }
 
 impl Tally {
@@ -229,6 +285,20 @@ impl Tally {
             self.differ[0] += angle_deg(world, readings.view);
             self.differ[1] += angle_deg(world, readings.flipped);
         }
+    }
+
+    fn add_slope(&mut self, readings: &Readings, slope: DVec2) {
+        let off = |n: DVec3| {
+            let lean = n.truncate();
+            // A normal that does not lean where depth rises is as wrong as one that leans sideways.
+            if lean.length() < LEAST_LEAN {
+                90.0
+            } else {
+                lean.angle_to(slope).abs().to_degrees()
+            }
+        };
+        self.slope_view.push(off(readings.view));
+        self.slope_world.extend(readings.world.map(off));
     }
 
     fn add_shape(
@@ -266,6 +336,8 @@ impl Tally {
             shape_world_deg: median(&mut self.shape_world),
             shape_view_deg: median(&mut self.shape_view),
             shape_view_flipped_deg: median(&mut self.shape_flipped),
+            slope_view_deg: median(&mut self.slope_view),
+            slope_world_deg: median(&mut self.slope_world),
             readings_differ_deg: camera.then_some(differ / count),
         }
     }
@@ -314,6 +386,7 @@ fn concluded(e: &NormalSpaceEvidence) -> Concluded {
     }
     by_shape(e)
         .or_else(|| by_shape_without_camera(e))
+        .or_else(|| by_slope(e))
         .unwrap_or_else(|| match e.facing_world {
             Some(world) => by_facing(e, world),
             None => by_facing_without_camera(e),
@@ -349,6 +422,30 @@ fn by_shape_without_camera(e: &NormalSpaceEvidence) -> Option<Concluded> {
         .then_some((WORLD, "world: agrees with the positions"))
 }
 
+/// The reading whose normals lean the way depth rises.
+fn by_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
+    let view = e.slope_view_deg?;
+    let as_view = match better_view(e).1.0 {
+        VIEW => (VIEW, "view: agrees with the depth"),
+        flipped => (
+            flipped,
+            "view with z away from the viewer: agrees with the depth",
+        ),
+    };
+    match e.slope_world_deg {
+        Some(world) if world <= SLOPE_HOLDS_DEG && view >= 2.0 * world + 10.0 => {
+            Some((WORLD, "world: agrees with the depth"))
+        }
+        Some(world) if view <= SLOPE_HOLDS_DEG && world >= 2.0 * view + 10.0 => Some(as_view),
+        None if view <= SLOPE_HOLDS_DEG && better_view(e).0 >= FAILS => Some(as_view),
+        None if view >= SLOPE_FAILS_DEG => Some((
+            NormalSpaceConclusion::WorldWithoutCamera,
+            "world, but no camera: as they are, the normals contradict the depth",
+        )),
+        _ => None,
+    }
+}
+
 /// The view reading that more normals face the viewer in, and its share.
 fn better_view(e: &NormalSpaceEvidence) -> (f64, Concluded) {
     if e.facing_view >= e.facing_view_flipped {
@@ -369,10 +466,11 @@ fn by_facing(e: &NormalSpaceEvidence, world: f64) -> Concluded {
     if e.readings_differ_deg.is_some_and(|d| d <= SAME_DEG) {
         return if world > view { turned } else { as_view };
     }
-    if world >= HOLDS && view < FAILS.max(world - 0.05) {
+    let beats = |a: f64, b: f64| a >= HOLDS && 1.0 - b > TURNS_AWAY + 10.0 * (1.0 - a);
+    if beats(world, view) {
         return turned;
     }
-    if view >= HOLDS && world < FAILS.max(view - 0.05) {
+    if beats(view, world) {
         return as_view;
     }
     let why = if world.min(view) >= FAILS {
@@ -385,7 +483,7 @@ fn by_facing(e: &NormalSpaceEvidence, world: f64) -> Concluded {
 
 fn by_facing_without_camera(e: &NormalSpaceEvidence) -> Concluded {
     let (view, as_view) = better_view(e);
-    if view >= HOLDS {
+    if view >= HOLDS_ALONE {
         as_view
     } else if view < FAILS {
         (
@@ -425,6 +523,15 @@ fn numbers(e: &NormalSpaceEvidence) -> String {
     if let (Some(view), Some(flipped)) = (e.shape_view_deg, e.shape_view_flipped_deg) {
         let _ = write!(text, ", {view:.1} as view, {flipped:.1} with z negated");
     }
+    if let Some(view) = e.slope_view_deg {
+        let _ = write!(
+            text,
+            "; angle to the slope of depth: {view:.1} deg as they are"
+        );
+    }
+    if let Some(world) = e.slope_world_deg {
+        let _ = write!(text, ", {world:.1} turned");
+    }
     text.push(')');
     text
 }
@@ -432,7 +539,6 @@ fn numbers(e: &NormalSpaceEvidence) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Plane;
     use glam::DAffine3;
 
     const SIDE: usize = 96;
@@ -499,6 +605,7 @@ mod tests {
                 normal,
                 &self.mask,
                 position.then_some(&self.position),
+                None,
                 camera.then_some(&self.camera),
                 Window::from_size(SIDE, SIDE),
             );
@@ -561,6 +668,28 @@ mod tests {
     }
 
     #[test]
+    fn depth_settles_what_facing_leaves_open() {
+        let ball = ball(50.0);
+        let m = ball.camera.view_from_world.matrix3;
+        let depth = Plane::from_fn(SIDE, SIDE, |x, y| {
+            let n = m * at(&ball.normal, x, y).unwrap();
+            5.0 - n.z as f32
+        });
+        let judged = |normal: &Vector3Planes, camera: Option<&Camera>| {
+            let window = Window::from_size(SIDE, SIDE);
+            judge_normal_space(normal, &ball.mask, None, Some(&depth), camera, window).conclusion
+        };
+        for (flip, expected) in [(1.0, VIEW), (-1.0, VIEW_FLIPPED)] {
+            assert_eq!(judged(&ball.in_view(flip), None), expected);
+            assert_eq!(judged(&ball.in_view(flip), Some(&ball.camera)), expected);
+        }
+        assert_eq!(judged(&ball.normal, Some(&ball.camera)), WORLD);
+        // Ground normals all face the viewer as they are, but depth says the ground recedes.
+        let up = planes(|_, _| DVec3::Z);
+        assert_eq!(judged(&up, None), NormalSpaceConclusion::WorldWithoutCamera);
+    }
+
+    #[test]
     fn equal_readings_are_no_riddle() {
         // Straight down with z up, world and view axes are the same.
         let above = ball(0.0);
@@ -579,7 +708,14 @@ mod tests {
     fn a_flat_normal_map_is_view_space() {
         let flat = planes(|_, _| DVec3::Z);
         let mask = Mask::full(SIDE, SIDE);
-        let verdict = judge_normal_space(&flat, &mask, None, None, Window::from_size(SIDE, SIDE));
+        let verdict = judge_normal_space(
+            &flat,
+            &mask,
+            None,
+            None,
+            None,
+            Window::from_size(SIDE, SIDE),
+        );
         assert_eq!(verdict.conclusion, VIEW);
     }
 
@@ -602,7 +738,7 @@ mod tests {
         let empty = Mask::new(Plane::filled(SIDE, SIDE, false));
         let window = Window::from_size(SIDE, SIDE);
         let field = planes(|_, _| DVec3::Z);
-        let verdict = judge_normal_space(&field, &empty, None, None, window);
+        let verdict = judge_normal_space(&field, &empty, None, None, None, window);
         assert_eq!(verdict.conclusion, NormalSpaceConclusion::Ambiguous);
         let point = Plane::filled(1, 1, 1.0);
         let single = Vector3Planes {
@@ -611,6 +747,13 @@ mod tests {
             z: point,
         };
         let window = Window::from_size(1, 1);
-        judge_normal_space(&single, &Mask::full(1, 1), Some(&single), None, window);
+        judge_normal_space(
+            &single,
+            &Mask::full(1, 1),
+            Some(&single),
+            Some(&single.x),
+            None,
+            window,
+        );
     }
 }

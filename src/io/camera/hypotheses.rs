@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector, SymmetricEigen, Ve
 
 /// Handfuls of this many samples give one guess each; outliers spoil few of the small ones, noise
 /// spoils few of the large ones.
-const HANDFULS: [(usize, usize); 2] = [(8, 120), (40, 40)];
+const HANDFULS: [(usize, usize); 2] = [(8, 80), (40, 24)];
 /// A cloud thinner than this share of its length is also tried as a plane.
 const THIN: f64 = 0.05;
 
@@ -36,7 +36,7 @@ pub(super) fn hypotheses(samples: &[Sample], width: f64) -> Vec<Model> {
     if thin {
         planar_cameras(samples, &axes, width, &mut guesses);
     }
-    let mut random = Random(0x005e_ed0f_ca3e_7a11);
+    let mut random = Random(0x5eed_0fca_3e7a_1100);
     for (size, rounds) in HANDFULS {
         for _ in 0..rounds {
             let handful: Vec<Sample> = (0..size)
@@ -87,36 +87,21 @@ fn picture_frame(samples: &[Sample]) -> Option<(Vector2<f64>, f64)> {
     (size > 0.0).then_some((centre, size))
 }
 
-/// The matrix whose smallest eigenvector holds the rows of the map from `n` homogeneous
-/// coordinates to the picture (direct linear transform), and that eigenvector, back in pixels.
+/// The map from `N` homogeneous coordinates to the picture that fits best (direct linear transform),
+/// scaled to a last entry of 1. `M` is `3 N`, the number of its entries.
 fn homogeneous_map<const N: usize, const M: usize>(
     samples: &[Sample],
     coordinates: impl Fn(&Sample) -> SVector<f64, N>,
 ) -> Option<SMatrix<f64, 3, N>> {
     let (centre, size) = picture_frame(samples)?;
-    let mut plain = SMatrix::<f64, N, N>::zeros();
-    let (mut by_u, mut by_v, mut by_square) = (plain, plain, plain);
+    let mut system = SMatrix::<f64, M, M>::zeros();
     for sample in samples {
         let x = coordinates(sample);
-        let seen = (sample.seen - centre) / size;
-        let outer = x * x.transpose();
-        plain += outer;
-        by_u += outer * seen.x;
-        by_v += outer * seen.y;
-        by_square += outer * seen.norm_squared();
-    }
-    // Each sample gives two rows, [x, 0, -u x] and [0, x, -v x]; this is the sum of their squares.
-    let mut system = SMatrix::<f64, M, M>::zeros();
-    for r in 0..N {
-        for c in 0..N {
-            system[(r, c)] = plain[(r, c)];
-            system[(N + r, N + c)] = plain[(r, c)];
-            system[(r, 2 * N + c)] = -by_u[(r, c)];
-            system[(2 * N + r, c)] = -by_u[(r, c)];
-            system[(N + r, 2 * N + c)] = -by_v[(r, c)];
-            system[(2 * N + r, N + c)] = -by_v[(r, c)];
-            system[(2 * N + r, 2 * N + c)] = by_square[(r, c)];
-        }
+        add_equations(
+            &mut system,
+            &(x * x.transpose()),
+            (sample.seen - centre) / size,
+        );
     }
     let flat = smallest_eigenvector(system)?;
     let w = SMatrix::<f64, 1, N>::from_fn(|_, c| flat[2 * N + c]);
@@ -128,6 +113,25 @@ fn homogeneous_map<const N: usize, const M: usize>(
     let depth = map[(2, N - 1)];
     let scaled = map / depth;
     (depth != 0.0 && scaled.iter().all(|e| e.is_finite())).then_some(scaled)
+}
+
+/// Adds the squares of a sample's two equations, `[x, 0, -u x]` and `[0, x, -v x]`.
+fn add_equations<const N: usize, const M: usize>(
+    system: &mut SMatrix<f64, M, M>,
+    outer: &SMatrix<f64, N, N>,
+    seen: Vector2<f64>,
+) {
+    let mut add = |row: usize, column: usize, factor: f64| {
+        let mut block = system.fixed_view_mut::<N, N>(row * N, column * N);
+        block += outer * factor;
+    };
+    add(0, 0, 1.0);
+    add(1, 1, 1.0);
+    add(2, 2, seen.norm_squared());
+    for (i, coordinate) in [(0, seen.x), (1, seen.y)] {
+        add(i, 2, -coordinate);
+        add(2, i, -coordinate);
+    }
 }
 
 fn smallest_eigenvector<const M: usize>(system: SMatrix<f64, M, M>) -> Option<Vec<f64>> {

@@ -81,6 +81,24 @@ impl Model {
         }
     }
 
+    /// The model of opposite convergence that sees the plane through the first two of `axes` the same.
+    pub(super) fn facing_plane(&self, axes: &Matrix3<f64>) -> Self {
+        // Depth along the plane changes sign with the convergence; the third axis follows from the two.
+        let turned = self.rotation.matrix() * axes;
+        let flip = |i: usize| {
+            turned
+                .column(i)
+                .component_mul(&Vector3::new(1.0, 1.0, -1.0))
+        };
+        let (a, b) = (flip(0), flip(1));
+        let view_from_axes = Matrix3::from_columns(&[a, b, a.cross(&b)]);
+        Self {
+            rotation: Rotation3::from_matrix_unchecked(view_from_axes * axes.transpose()),
+            convergence: -self.convergence,
+            ..*self
+        }
+    }
+
     /// Distance between where the sample was seen and where it should be, as a vector.
     pub(super) fn residual(&self, sample: &Sample) -> Option<Vector2<f64>> {
         let p = self.rotation * sample.point;
@@ -97,6 +115,12 @@ impl Model {
     pub(super) fn median_error(&self, samples: &[Sample]) -> f64 {
         let mut errors: Vec<f64> = samples.iter().map(|s| self.error(s)).collect();
         quantile(&mut errors, 0.5)
+    }
+
+    /// Mean square error, each one counted up to `limit`, as a share of the limit's square: 0..1.
+    pub(super) fn unexplained(&self, samples: &[Sample], limit: f64) -> f64 {
+        let share = |s: &Sample| (self.error(s) / limit).min(1.0).powi(2);
+        samples.iter().map(share).sum::<f64>() / samples.len().max(1) as f64
     }
 
     /// Derivatives of the two picture coordinates by the parameters.

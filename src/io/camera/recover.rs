@@ -27,6 +27,8 @@ const FEWEST: usize = 24;
 const RANKING: usize = 600;
 /// Guesses that are polished on those samples.
 const FINALISTS: usize = 8;
+/// Errors below this many pixels do not rank one guess above another.
+const LEAST_ERROR_PX: f64 = 0.01;
 /// Rotation less certain than this, in degrees, is no answer.
 const WORST_ROTATION_DEG: f64 = 1.0;
 /// Focal length less certain than this share is no answer where the points lie in a plane.
@@ -169,31 +171,22 @@ impl Fit {
     /// The best perspective fit, with lens shift where that is called for.
     fn chosen(samples: &[Sample], half: bool, width: f64) -> Option<Self> {
         let ranking = spread_out(samples, RANKING);
-        let mut ranked: Vec<(f64, Model)> = hypotheses(&ranking, width)
-            .into_iter()
-            .map(|model| (model.median_error(&ranking), model))
-            .filter(|(error, _)| error.is_finite())
-            .collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let finalists = finalists(&ranked);
-        let best = |free: Free| {
-            finalists
-                .iter()
-                .map(|model| model.polished(&ranking, free, 4))
-                .map(|model| (model.median_error(&ranking), model))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, model)| Self::new(model.polished(samples, free, 3), samples, free))
-        };
+        let finalists = finalists(ranked(hypotheses(&ranking, width), &ranking));
+        let best = |free: Free| best_polished(&finalists, &ranking, free);
         let centred = best(Free::Perspective)?;
+        let whole = |fit: Self| {
+            let model = fit.model.polished(samples, fit.free, 1);
+            Self::new(model, samples, fit.free)
+        };
         if centred.sigma < 1e-3 {
-            return Some(centred);
+            return Some(whole(centred));
         }
         let shifted = best(Free::Shifted)?;
-        Some(if shifted.shift_is_real(centred.sigma, half) {
+        Some(whole(if shifted.shift_is_real(centred.sigma, half) {
             shifted
         } else {
             centred
-        })
+        }))
     }
 
     /// Whether the lens shift explains what a camera without one leaves unexplained.
@@ -215,7 +208,7 @@ impl Fit {
         let residual_px = self.model.median_error(&samples.list);
         let rounding_px = samples.quantum / samples.spread * self.model.scale;
         let diagonal = (display.width() as f64).hypot(display.height() as f64);
-        let limit = 1.0 + 0.004 * diagonal.min(2000.0) + 1.0 * rounding_px;
+        let limit = 1.0 + 0.002 * diagonal.min(2000.0) + rounding_px;
         let explained = residual_px <= limit && 2 * self.kept.len() >= samples.list.len();
         if explained {
             Ok(())
@@ -379,8 +372,44 @@ fn spread_out(samples: &[Sample], count: usize) -> Vec<Sample> {
         .collect()
 }
 
+/// Models by how much of the samples they leave unexplained, best first.
+///
+/// The least median error of all sets how far off a sample still counts as explained. The medians
+/// themselves would not do: where a plane holds most samples, models that fit nothing else tie.
+fn ranked(models: Vec<Model>, samples: &[Sample]) -> Vec<(f64, Model)> {
+    let medians = models.iter().map(|m| m.median_error(samples));
+    let limit = 3.0 * medians.fold(f64::INFINITY, f64::min).max(LEAST_ERROR_PX);
+    let mut ranked: Vec<(f64, Model)> = models
+        .into_iter()
+        .map(|m| (m.unexplained(samples, limit), m))
+        .collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked
+}
+
+/// The best of the models once each is polished.
+fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit> {
+    let (_, axes) = principal_axes(samples);
+    let mut polished: Vec<Model> = Vec::new();
+    for model in models {
+        let model = model.polished(samples, free, 4);
+        polished.push(model);
+        // A plane is seen alike by an eye in front of it and a reversed one behind it.
+        if model.convergence < 0.0 {
+            polished.push(model.facing_plane(&axes).polished(samples, free, 4));
+        }
+    }
+    let ranked = ranked(polished, samples);
+    let &(least, first) = ranked.first()?;
+    let as_good = |(unexplained, m): &(f64, Model)| {
+        m.convergence >= 0.0 && *unexplained <= 1.05 * least + 1e-6
+    };
+    let best = ranked.iter().find(|r| as_good(r)).map_or(first, |r| r.1);
+    Some(Fit::new(best, samples, free))
+}
+
 /// The first few of the ranked guesses that differ from one another.
-fn finalists(ranked: &[(f64, Model)]) -> Vec<Model> {
+fn finalists(ranked: Vec<(f64, Model)>) -> Vec<Model> {
     let mut chosen: Vec<Model> = Vec::new();
     for (_, model) in ranked {
         let new = chosen.iter().all(|c| {
@@ -388,7 +417,7 @@ fn finalists(ranked: &[(f64, Model)]) -> Vec<Model> {
                 || (c.convergence - model.convergence).abs() > 0.05 * c.convergence.abs()
         });
         if new {
-            chosen.push(*model);
+            chosen.push(model);
         }
         if chosen.len() == FINALISTS {
             break;
