@@ -73,19 +73,6 @@ impl Projection {
         }
     }
 
-    /// The view-space point seen at picture position (`x`, `y`), `depth` in front of the eye along
-    /// the view axis.
-    pub fn point_at(&self, x: f64, y: f64, depth: f64) -> DVec3 {
-        match *self {
-            Self::Perspective { fx, fy, cx, cy } => {
-                DVec3::new((x - cx) / fx * depth, (cy - y) / fy * depth, -depth)
-            }
-            Self::Orthographic { sx, sy, cx, cy } => {
-                DVec3::new((x - cx) / sx, (cy - y) / sy, -depth)
-            }
-        }
-    }
-
     /// The direction to the eye from the surface seen at picture position (`x`, `y`), scaled so that
     /// its z is 1; only its x and y are returned. Zero for an orthographic camera.
     pub fn to_eye(&self, x: f64, y: f64) -> DVec2 {

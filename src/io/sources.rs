@@ -10,8 +10,14 @@ use std::rc::Rc;
 
 /// An input file: an EXR's header and layers, or a whole photo.
 pub(super) enum Opened {
-    Exr { file: Box<ExrFile>, layers: Vec<Layer> },
-    Photo { path: PathBuf, photo: Photo },
+    Exr {
+        file: Box<ExrFile>,
+        layers: Vec<Layer>,
+    },
+    Photo {
+        path: PathBuf,
+        photo: Photo,
+    },
 }
 
 /// The first bytes of every EXR file.

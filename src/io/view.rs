@@ -85,15 +85,14 @@ fn judged(
     camera: Option<&Camera>,
     findings: &[Finding],
 ) -> Result<Reading> {
-    let judge = |position: Option<&Vector3Planes>| {
-        judge_normal_space(normal, surface.mask, position, camera, surface.data_window)
-    };
-    let mut verdict = judge(surface.position);
-    if verdict.conclusion == NormalSpaceConclusion::Ambiguous
-        && let (Some(depth), Some(camera)) = (surface.depth, camera)
-    {
-        verdict = judge(Some(&unprojected(surface, depth, camera)));
-    }
+    let Surface {
+        mask,
+        position,
+        depth,
+        data_window,
+        ..
+    } = *surface;
+    let verdict = judge_normal_space(normal, mask, position, depth, camera, data_window);
     let reason = verdict.reason;
     match verdict.conclusion {
         NormalSpaceConclusion::Certain { space, flip_z } => Ok(Reading {
@@ -114,28 +113,6 @@ fn judged(
             remedy: "name it with --normal-space view or --normal-space world".into(),
         }),
     }
-}
-
-/// World-space positions from depth, which a depth along the view axis and a camera tell.
-fn unprojected(surface: &Surface, depth: &Plane, camera: &Camera) -> Vector3Planes {
-    let world_from_view = camera.view_from_world.inverse();
-    let (width, height) = (depth.width(), depth.height());
-    let mut planes = [(); 3].map(|()| Plane::filled(width, height, 0.0));
-    for y in 0..height {
-        for x in surface.mask.span(y) {
-            let column = f64::from(surface.data_window.x0) + x as f64 + 0.5;
-            let row = f64::from(surface.data_window.y0) + y as f64 + 0.5;
-            let view = camera
-                .projection
-                .point_at(column, row, depth.at(x, y).into());
-            let world = world_from_view.transform_point3(view).as_vec3().to_array();
-            for (plane, value) in planes.iter_mut().zip(world) {
-                plane.row_mut(y)[x] = value;
-            }
-        }
-    }
-    let [x, y, z] = planes;
-    Vector3Planes { x, y, z }
 }
 
 /// World-space normals that nothing can turn; says what was tried to find a camera.
