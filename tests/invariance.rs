@@ -1,0 +1,218 @@
+//! What must change nothing: mirrors, turns, crops, windows, threads and whatever lies outside the
+//! mask.
+
+mod common;
+
+use common::scenes::{Scene, Surface};
+use common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
+use glam::DVec3;
+use relievo::backend::cpu::{self, Outcome};
+use relievo::frame::{Frame, Plane, Window};
+use relievo::params::{CurvatureGain, ScalingParams, ShapeParams, WhiteLevel};
+use relievo::plan::{Available, Goal, Plan};
+
+const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+
+fn run(goal: Goal, frame: &Frame) -> Outcome {
+    let shape = ShapeParams {
+        iterations: 12,
+        foreshortening: 0.5,
+        ..ShapeParams::default()
+    };
+    // Fixed, so that a crop is not judged by another gain.
+    let scaling = ScalingParams {
+        curvature_gain: CurvatureGain::Fixed(20.0),
+        white_level: WhiteLevel::Fixed(0.6),
+        ..ScalingParams::default()
+    };
+    let plan = Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap();
+    cpu::run(&plan, frame)
+}
+
+/// Balls before each other and a slanted cylinder, in perspective, off centre: silhouettes, a
+/// border of coverage and smooth parts.
+fn frames() -> Vec<Frame> {
+    let balls = Scene::two_balls(22.0, 31.0, 51.3, 44.6).in_perspective();
+    let axis = DVec3::new(0.6, 0.5, 0.45);
+    let cylinder = Scene::orthographic(Surface::cylinder(25.0, axis), 40.0, 50.0);
+    let corner = Scene::box_corner(false, 0.3, 47.0, 52.0).in_perspective();
+    [balls, cylinder, corner]
+        .map(|scene| scene.frame(96, 80))
+        .into()
+}
+
+/// Planes whose values do not turn with the picture.
+fn scalars(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
+    let shape = &outcome.shape;
+    let curvatures = shape.curvatures.as_ref();
+    let color = outcome.color.as_ref();
+    let planes = [
+        ("silhouette", shape.silhouette.as_ref()),
+        ("crease", shape.crease.as_ref()),
+        ("conductance", shape.conductance.as_ref()),
+        ("trace", shape.trace.as_ref()),
+        ("kappa", shape.kappa.as_ref()),
+        ("u", curvatures.map(|c| &c.u)),
+        ("v", curvatures.map(|c| &c.v)),
+        ("mean", curvatures.map(|c| &c.mean)),
+        ("red", color.map(|c| &c.r)),
+        ("blue", color.map(|c| &c.b)),
+    ];
+    planes
+        .into_iter()
+        .filter_map(|(name, plane)| plane.map(|plane| (name, plane)))
+        .collect()
+}
+
+/// All planes, vectors included.
+fn all_planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
+    let shape = &outcome.shape;
+    let (gradient, direction) = (shape.gradient.as_ref(), shape.direction.as_ref());
+    let vectors = [
+        ("gradient.x", gradient.map(|g| &g.x)),
+        ("gradient.y", gradient.map(|g| &g.y)),
+        ("direction.x", direction.map(|d| &d.x)),
+        ("direction.y", direction.map(|d| &d.y)),
+        ("hessian.xy", shape.hessian.as_ref().map(|h| &h.xy)),
+    ];
+    let vectors = vectors
+        .into_iter()
+        .filter_map(|(name, plane)| plane.map(|p| (name, p)));
+    scalars(outcome).into_iter().chain(vectors).collect()
+}
+
+fn assert_close(name: &str, found: &Plane, expected: &Plane) {
+    let largest = expected
+        .samples()
+        .iter()
+        .fold(0.0_f32, |m, v| m.max(v.abs()));
+    let pairs = found.samples().iter().zip(expected.samples());
+    let error = pairs.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
+    assert!(
+        error <= 1e-6 * largest.max(1.0),
+        "{name} differs by {error} of {largest}"
+    );
+}
+
+fn assert_same_bits(one: &Outcome, other: &Outcome) {
+    let (one, other) = (all_planes(one), all_planes(other));
+    assert!(!one.is_empty() && one.len() == other.len());
+    for ((name, a), (_, b)) in one.into_iter().zip(other) {
+        let same = a
+            .samples()
+            .iter()
+            .zip(b.samples())
+            .all(|(a, b)| a.to_bits() == b.to_bits());
+        assert!(same, "{name} has other bits");
+    }
+}
+
+#[test]
+fn a_mirrored_picture_gives_the_mirrored_result() {
+    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
+        let (plain, turned) = (run(goal, frame), run(goal, &mirrored(frame)));
+        for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
+            assert_close(name, found, &mirrored_plane(expected));
+        }
+        if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
+            assert_close(
+                "gradient.x",
+                &turned.x,
+                &mirrored_plane(&plain.x).map(|v| -v),
+            );
+            assert_close("gradient.y", &turned.y, &mirrored_plane(&plain.y));
+        }
+    }
+}
+
+#[test]
+fn a_turned_picture_gives_the_turned_result() {
+    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
+        let (plain, turned) = (run(goal, frame), run(goal, &quarter_turned(frame)));
+        for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
+            assert_close(name, found, &quarter_turned_plane(expected));
+        }
+        // Counterclockwise: what pointed right points up.
+        if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
+            assert_close("gradient.y", &turned.y, &quarter_turned_plane(&plain.x));
+            assert_close(
+                "gradient.x",
+                &turned.x,
+                &quarter_turned_plane(&plain.y).map(|v| -v),
+            );
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let with_threads = |threads, goal, frame: &Frame| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| run(goal, frame))
+    };
+    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
+        let alone = with_threads(1, goal, frame);
+        for threads in [2, 3, 8] {
+            assert_same_bits(&alone, &with_threads(threads, goal, frame));
+        }
+    }
+}
+
+#[test]
+fn a_crop_gives_the_same_bits_away_from_its_border() {
+    // 12 diffusion steps, then one pixel for the Hessian and one for the weights.
+    const REACH: i32 = 14;
+    let part = Window {
+        x0: 13,
+        y0: 9,
+        x1: 83,
+        y1: 74,
+    };
+    let inner = Window {
+        x0: part.x0 + REACH,
+        y0: part.y0 + REACH,
+        x1: part.x1 - REACH,
+        y1: part.y1 - REACH,
+    };
+    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
+        let (whole, cropped) = (run(goal, frame), run(goal, &frame.crop(part)));
+        for ((name, a), (_, b)) in all_planes(&whole).into_iter().zip(all_planes(&cropped)) {
+            let (a, b) = (a.crop(frame.data_window, inner), b.crop(part, inner));
+            assert!(a == b, "{name} differs inside the crop");
+        }
+    }
+}
+
+#[test]
+fn moving_the_windows_changes_nothing() {
+    // A picture without a camera may lie anywhere: overscan, negative origins.
+    for (mut frame, goal) in frames()
+        .into_iter()
+        .flat_map(|f| GOALS.map(|goal| (f.clone(), goal)))
+    {
+        frame.camera = None;
+        let here = run(goal, &frame);
+        frame.data_window = Window::at(-500, 30_000, 96, 80);
+        assert_same_bits(&here, &run(goal, &frame));
+    }
+}
+
+#[test]
+fn what_lies_outside_the_mask_changes_nothing_inside() {
+    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
+        let clean = run(goal, frame);
+        for poison in [f32::NAN, f32::INFINITY, -1e30] {
+            let spoiled = run(goal, &poisoned(frame, poison));
+            for ((name, a), (_, b)) in all_planes(&clean).into_iter().zip(all_planes(&spoiled)) {
+                for y in 0..80 {
+                    for x in frame.mask.span(y).filter(|&x| frame.mask.at(x, y)) {
+                        assert_eq!(a.at(x, y), b.at(x, y), "{name} at ({x}, {y})");
+                    }
+                }
+            }
+        }
+    }
+}
