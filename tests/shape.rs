@@ -132,7 +132,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
             "tilted cylinder",
             at(Surface::cylinder(80.0, DVec3::new(0.6, 0.5, 0.45))),
         ),
-        ("saddle", at(Surface::saddle(0.004, -0.003, 0.4))),
+        ("saddle", at(Surface::saddle(0.006, -0.003, 0.4))),
         ("box corner", Scene::box_corner(true, 0.3, 128.3, 127.6)),
         ("two balls", Scene::two_balls(55.0, 80.0, 128.3, 127.6)),
         ("sine relief", at(Surface::sine_relief(6.0, 80.0, 0.7))),
