@@ -161,13 +161,14 @@ fn every_scene_has_its_exact_hessian_curvatures_and_directions() {
         let (mut tested, mut turned) = (0, 0);
         for (x, y) in pixels(256).filter(|&(x, y)| in_the_open(conductance, x, y)) {
             let exact = scene.exact(x, y).unwrap();
-            // Steep slopes are stiff: truncation grows as 1 / n_z^4. Tested where it is mild.
+            // Truncation is second order: an arc of curvature k is off by a multiple of k^3. Slopes
+            // grow without end toward silhouettes; tested where they are mild.
             if exact.normal.z < 0.55 {
                 continue;
             }
             let h = exact.hessian;
             let norm = (h.xx * h.xx + 2.0 * h.xy * h.xy + h.yy * h.yy).sqrt();
-            let tolerance = 1e-5 + 0.003 * norm / exact.normal.z.powi(4);
+            let tolerance = 1e-5 + 0.005 * norm + 0.5 * norm.powi(3);
             let pairs = [
                 (hessian.xx.at(x, y), exact.hessian.xx),
                 (hessian.xy.at(x, y), exact.hessian.xy),
