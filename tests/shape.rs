@@ -161,14 +161,14 @@ fn every_scene_has_its_exact_hessian_curvatures_and_directions() {
         let (mut tested, mut turned) = (0, 0);
         for (x, y) in pixels(256).filter(|&(x, y)| in_the_open(conductance, x, y)) {
             let exact = scene.exact(x, y).unwrap();
-            // Truncation is second order: an arc of curvature k is off by a multiple of k^3. Slopes
-            // grow without end toward silhouettes; tested where they are mild.
+            // An arc of radius R has f'' = 1 / (R n_z^3), and the central difference of f' is off by
+            // f''''/6 = (5 - 4 n_z^2) / (2 R^3 n_z^7), at most 0.78 f''^3; Sobel's smoothing adds to it.
             if exact.normal.z < 0.55 {
                 continue;
             }
             let h = exact.hessian;
             let norm = (h.xx * h.xx + 2.0 * h.xy * h.xy + h.yy * h.yy).sqrt();
-            let tolerance = 1e-5 + 0.005 * norm + 0.5 * norm.powi(3);
+            let tolerance = 1e-5 + 0.005 * norm + norm.powi(3);
             let pairs = [
                 (hessian.xx.at(x, y), exact.hessian.xx),
                 (hessian.xy.at(x, y), exact.hessian.xy),
