@@ -53,7 +53,7 @@ pub struct RecoveredCamera {
     pub samples: usize,
 }
 
-/// Why no camera was found in a position layer.
+/// Why no camera was found in a position layer, or in depth and normals.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecoveryFailure {
@@ -68,8 +68,8 @@ pub enum RecoveryFailure {
     /// The points lie in a plane, or nearly so, in a way that many cameras fit.
     #[error("the positions lie in one plane seen too flatly to tell the camera")]
     CoplanarUndetermined,
-    /// The points vary too little for their rounding.
-    #[error("the positions leave the view direction uncertain by {rotation_deg:.1} degrees")]
+    /// The points, or the normals, vary too little for their rounding.
+    #[error("the view direction stays uncertain by {rotation_deg:.1} degrees")]
     Undetermined {
         /// One standard error of the rotation, in degrees.
         rotation_deg: f64,
@@ -83,9 +83,31 @@ pub enum RecoveryFailure {
         /// Median residual of the best camera, in pixel widths.
         residual_px: f64,
     },
-    /// A camera fits, but only with the scene mirrored.
-    #[error("the positions are mirrored: their axes are left-handed")]
+    /// A camera fits, but only with the scene mirrored, or with one axis of the normals reversed.
+    #[error("the scene is mirrored: its axes are left-handed")]
     Mirrored,
+    /// Too few pixels lie on smooth surface that has both a normal and depth.
+    #[error(
+        "only {found} places show smooth surface with normals and depth, and a camera takes at least {needed}"
+    )]
+    TooFewPatches {
+        /// Places that show some.
+        found: usize,
+        /// Places that it takes.
+        needed: usize,
+    },
+    /// All normals point the same way, so nothing tells how the picture is turned about it.
+    #[error("the normals all point the same way, which leaves a turn about it open")]
+    ParallelNormals,
+    /// No turn carries the normals onto the slopes of depth.
+    #[error(
+        "the normals do not follow the slopes of depth (the best camera is {residual_deg:.0} degrees off); \
+         a panorama, or depth that is scaled or not a distance"
+    )]
+    NormalsDisagree {
+        /// Median angle between the normals and the slopes, in degrees.
+        residual_deg: f64,
+    },
 }
 
 /// Recovers the camera from world-space positions.

@@ -1,0 +1,370 @@
+//! The turn and the lens that carry the normals of patches onto the slopes of their depth.
+
+use super::depth_lens::{Kind, Lens};
+use super::depth_samples::{Patch, TILES};
+use super::samples::quantile;
+use nalgebra::{Matrix3, Matrix4, Rotation3, SymmetricEigen, Vector3, Vector4};
+
+/// Patches that the scan over the lens, and the choice of its kind, look at.
+const SCANNED: usize = 2_000;
+const RANKED: usize = 5_000;
+/// Residuals beyond this many medians are left out, and from the second on pulled linearly.
+const TRIM: f64 = 4.0;
+const HUBER: f64 = 1.5;
+/// Residuals below this, about a degree, are not told apart: where most of a picture is one exact
+/// plane, the rest still has its say.
+const FINEST: f64 = 0.02;
+/// Residual, about three degrees, at which fits are compared: what lies far beyond counts as a miss.
+const COMPARED: f64 = 0.05;
+/// Error of a patch's normal on plane surface, and its growth with the bend of the patch: facets under
+/// smooth normals, and slopes that change within it.
+const FLAT_ERROR: f64 = 0.003;
+const BEND_ERROR: f64 = 0.3;
+/// A fit is given up for a later one that leaves less than this share of its loss.
+const CLEARLY_BETTER: f64 = 0.8;
+/// Facets under smooth normals pull all of a picture one way: by about this share of the mean residual
+/// for the turn, and by all of it for the lens. On the renders this was tried with, the lens was off by a
+/// hundredth to three times what it says, the turn by a fiftieth to three times.
+const TURN_BIAS: f64 = 0.05;
+/// Residuals count no more than this towards that mean.
+const OUTLYING: f64 = 0.2;
+/// Surfaces seen at a flatter angle than this cosine are left out: their slope changes within a patch.
+const GRAZING: f64 = 0.2;
+
+/// A lens and a turn, with how well they fit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fit {
+    pub(super) lens: Lens,
+    /// View from the space of the normal map.
+    pub(super) turn: Rotation3<f64>,
+    /// Median distance between unit normals.
+    pub(super) residual: f64,
+    /// Mean loss, from 0 for a perfect fit to 1 for none; other than the median, it is not content
+    /// with one plane that fills most of the picture.
+    pub(super) loss: f64,
+}
+
+/// How sure a fit is: standard errors, from the scatter between tiles of the picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Certainty {
+    /// Of the turn about its least certain axis, in radians.
+    pub(super) turn: f64,
+    /// Of the logarithm of the lens's number.
+    pub(super) lens: f64,
+}
+
+/// The proper rotation that best carries weighted normals onto those of the slopes (Wahba's problem),
+/// or with `mirrored` the best improper one.
+fn best_turn(
+    lens: Lens,
+    patches: &[Patch],
+    weights: &[f64],
+    mirrored: bool,
+) -> Option<Matrix3<f64>> {
+    let mut sum = Matrix3::zeros();
+    for (patch, &weight) in patches.iter().zip(weights) {
+        sum += weight * lens.normal(patch) * patch.normal.transpose();
+    }
+    if !sum.iter().all(|e| e.is_finite()) {
+        return None;
+    }
+    let svd = sum.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let sign = (u * v_t).determinant().signum() * if mirrored { -1.0 } else { 1.0 };
+    // Singular values come in falling order: the last direction is the cheapest one to reverse.
+    Some(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t)
+}
+
+fn residuals(lens: Lens, turn: &Matrix3<f64>, patches: &[Patch]) -> Vec<f64> {
+    let off = |p: &Patch| (turn * p.normal - lens.normal(p)).norm();
+    patches.iter().map(off).collect()
+}
+
+/// Loss of a residual, 0..1 (Geman and McClure).
+fn loss(residual: f64) -> f64 {
+    let square = residual * residual;
+    square / (square + COMPARED * COMPARED)
+}
+
+/// Weight of a patch for its shape alone; 1 where it is plane.
+fn shape_weight(patch: &Patch) -> f64 {
+    let relative = BEND_ERROR * patch.bend / FLAT_ERROR;
+    1.0 / (1.0 + relative * relative)
+}
+
+/// Weights of patches for their shapes and residuals.
+fn weights(residuals: &[f64], patches: &[Patch]) -> Vec<f64> {
+    let median = quantile(&mut residuals.to_vec(), 0.5);
+    let scale = median.max(FINEST);
+    let weight = |(&r, patch): (&f64, &Patch)| match r / scale {
+        r if r > TRIM => 0.0,
+        r => (HUBER / r).min(1.0) * shape_weight(patch),
+    };
+    residuals.iter().zip(patches).map(weight).collect()
+}
+
+/// The turn at a fixed lens, by reweighting.
+fn robust_turn(
+    lens: Lens,
+    patches: &[Patch],
+    rounds: usize,
+    mirrored: bool,
+) -> Option<Matrix3<f64>> {
+    let shapes: Vec<f64> = patches.iter().map(shape_weight).collect();
+    let mut turn = best_turn(lens, patches, &shapes, mirrored)?;
+    for _ in 0..rounds {
+        let weights = weights(&residuals(lens, &turn, patches), patches);
+        turn = best_turn(lens, patches, &weights, mirrored)?;
+    }
+    Some(turn)
+}
+
+impl Fit {
+    /// The best turn at a fixed lens.
+    pub(super) fn at(lens: Lens, patches: &[Patch]) -> Option<Self> {
+        let turn = robust_turn(lens, patches, 6, false)?;
+        Self::new(lens, Rotation3::from_matrix_unchecked(turn), patches)
+    }
+
+    fn new(lens: Lens, turn: Rotation3<f64>, patches: &[Patch]) -> Option<Self> {
+        let mut residuals = residuals(lens, turn.matrix(), patches);
+        let loss = residuals.iter().map(|r| loss(*r)).sum::<f64>() / patches.len() as f64;
+        let residual = quantile(&mut residuals, 0.5);
+        let fit = Self {
+            lens,
+            turn,
+            residual,
+            loss,
+        };
+        loss.is_finite().then_some(fit)
+    }
+
+    /// The best fit over a range of the lens: a scan in even steps of the logarithm, then a golden
+    /// section, both on some of the patches.
+    pub(super) fn scanned(
+        kind: Kind,
+        (low, high): (f64, f64),
+        steps: usize,
+        patches: &[Patch],
+    ) -> Option<Self> {
+        let some = spread_out(patches, SCANNED);
+        let lens = |log: f64| Lens {
+            kind,
+            number: log.exp(),
+        };
+        let cost = |log: f64| {
+            let turn = robust_turn(lens(log), &some, 3, false);
+            let fit =
+                turn.and_then(|t| Self::new(lens(log), Rotation3::from_matrix_unchecked(t), &some));
+            fit.map_or(f64::INFINITY, |fit| fit.loss)
+        };
+        let (low, high) = (low.ln(), high.ln());
+        let step = (high - low) / steps.max(1) as f64;
+        let best = (0..=steps)
+            .map(|i| low + step * i as f64)
+            .map(|log| (cost(log), log))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let log = golden_section(best.1 - step, best.1 + step, cost);
+        Self::at(lens(log), &spread_out(patches, RANKED))
+    }
+
+    /// The first of these fits, unless another one is clearly better, polished.
+    pub(super) fn chosen(fits: &[Fit], patches: &[Patch]) -> Option<Self> {
+        let some = spread_out(patches, RANKED);
+        let polished: Vec<Fit> = fits
+            .iter()
+            .filter_map(|fit| {
+                fit.polished(&some)
+                    .or_else(|| Self::new(fit.lens, fit.turn, &some))
+            })
+            .collect();
+        let best = Self::best(&polished)?;
+        Some(best.polished(patches).unwrap_or(best))
+    }
+
+    /// The first of these fits, unless another one is clearly better.
+    pub(super) fn best(fits: &[Fit]) -> Option<Self> {
+        let (first, others) = fits.split_first()?;
+        let better = |best: Fit, fit: &Fit| {
+            if fit.loss < CLEARLY_BETTER * best.loss {
+                *fit
+            } else {
+                best
+            }
+        };
+        Some(others.iter().fold(*first, better))
+    }
+
+    /// Turn and lens polished together, on patches that are not seen at a grazing angle.
+    pub(super) fn polished(mut self, patches: &[Patch]) -> Option<Self> {
+        for _ in 0..12 {
+            let weights = weights(&self.residuals(patches), patches);
+            let step = self.step(patches, &weights)?;
+            self = self.moved(&step);
+            if step.norm() < 1e-9 {
+                break;
+            }
+        }
+        Self::new(self.lens, self.turn, patches)
+    }
+
+    fn residuals(&self, patches: &[Patch]) -> Vec<f64> {
+        residuals(self.lens, self.turn.matrix(), patches)
+    }
+
+    fn moved(&self, step: &Vector4<f64>) -> Self {
+        Self {
+            lens: self.lens.times(step.w.clamp(-0.3, 0.3).exp()),
+            turn: Rotation3::new(step.xyz()) * self.turn,
+            ..*self
+        }
+    }
+
+    /// One Gauss-Newton step: a turn, and a change of the logarithm of the lens's number.
+    fn step(&self, patches: &[Patch], weights: &[f64]) -> Option<Vector4<f64>> {
+        let (mut normal, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
+        for (patch, &weight) in patches.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
+            let turned = self.turn * patch.normal;
+            let slope = self.slope_by_lens(patch);
+            let off = turned - self.lens.normal(patch);
+            let mut j = nalgebra::Matrix3x4::zeros();
+            j.fixed_view_mut::<3, 3>(0, 0)
+                .copy_from(&-turned.cross_matrix());
+            j.set_column(3, &-slope);
+            normal += weight * j.transpose() * j;
+            gradient += weight * j.transpose() * off;
+        }
+        // A lens that leaves no trace stays where it is.
+        normal[(3, 3)] += 1e-9 * normal.trace() + f64::MIN_POSITIVE;
+        normal.cholesky().map(|c| c.solve(&-gradient))
+    }
+
+    /// Change of the normal with the logarithm of the lens's number.
+    fn slope_by_lens(&self, patch: &Patch) -> Vector3<f64> {
+        const H: f64 = 1e-4;
+        let ahead = self.lens.times(1.0 + H).normal(patch);
+        let behind = self.lens.times(1.0 - H).normal(patch);
+        (ahead - behind) / (2.0 * H)
+    }
+
+    /// The patches that this lens does not see at a grazing angle.
+    pub(super) fn facing(&self, patches: &[Patch]) -> Vec<Patch> {
+        let facing = |p: &&Patch| self.lens.facing(p) > GRAZING;
+        patches.iter().filter(facing).copied().collect()
+    }
+
+    /// The typical residual of the patches that the turn rests on, of this fit and of the best mirrored
+    /// one at the same lens.
+    pub(super) fn telling_residuals(&self, patches: &[Patch]) -> (f64, f64) {
+        let telling = |turn: &Matrix3<f64>| {
+            telling_median(&residuals(self.lens, turn, patches), patches).unwrap_or(f64::INFINITY)
+        };
+        let mirrored = robust_turn(self.lens, patches, 4, true);
+        (
+            telling(self.turn.matrix()),
+            mirrored.map_or(f64::INFINITY, |turn| telling(&turn)),
+        )
+    }
+
+    /// Mean square sine by which normals lean away from their main direction, the lesser way: what
+    /// holds a turn about that direction. Only what normals and slopes agree on counts.
+    pub(super) fn spread(&self, patches: &[Patch]) -> f64 {
+        let (hessian, _, total) = self.curvature(patches);
+        let turn: Matrix3<f64> = hessian.fixed_view::<3, 3>(0, 0).into_owned();
+        SymmetricEigen::new(turn).eigenvalues.min() / total.max(f64::MIN_POSITIVE)
+    }
+
+    /// Second derivatives of the weighted cost, the covariance of its gradient, and the sum of weights.
+    fn curvature(&self, patches: &[Patch]) -> (Matrix4<f64>, Matrix4<f64>, f64) {
+        let weights = weights(&self.residuals(patches), patches);
+        let mut hessian = Matrix4::zeros();
+        let mut by_tile = vec![Vector4::zeros(); TILES * TILES];
+        for (patch, &weight) in patches.iter().zip(&weights).filter(|(_, w)| **w > 0.0) {
+            let (turned, normal) = (self.turn * patch.normal, self.lens.normal(patch));
+            let slope = self.slope_by_lens(patch);
+            let outer = normal * turned.transpose();
+            let turn = Matrix3::from_diagonal_element(normal.dot(&turned))
+                - 0.5 * (outer + outer.transpose());
+            let mixed = -turned.cross(&slope);
+            let mut h = Matrix4::zeros();
+            h.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
+            h.fixed_view_mut::<3, 1>(0, 3).copy_from(&mixed);
+            h.fixed_view_mut::<1, 3>(3, 0).copy_from(&mixed.transpose());
+            h[(3, 3)] = slope.norm_squared();
+            hessian += weight * h;
+            by_tile[patch.tile] -= weight * turned.cross(&normal).push(slope.dot(&turned));
+        }
+        let scatter = by_tile.iter().map(|g| g * g.transpose()).sum();
+        (hessian, scatter, weights.iter().sum())
+    }
+
+    /// Standard errors that allow for residuals related within a tile, and for facets; `None` where the fit is no
+    /// minimum.
+    pub(super) fn certainty(&self, patches: &[Patch]) -> Option<Certainty> {
+        let (mut hessian, scatter, total) = self.curvature(patches);
+        hessian[(3, 3)] += 1e-9 * total;
+        let inverse = hessian.cholesky()?.inverse();
+        let covariance = inverse * scatter * inverse;
+        let capped = |r: f64| r.min(OUTLYING);
+        let residuals = self.residuals(patches);
+        let bias = residuals.into_iter().map(capped).sum::<f64>() / patches.len() as f64;
+        let deviation = |m: Matrix3<f64>| SymmetricEigen::new(m).eigenvalues.max().max(0.0).sqrt();
+        Some(Certainty {
+            turn: deviation(covariance.fixed_view::<3, 3>(0, 0).into_owned())
+                .hypot(TURN_BIAS * bias),
+            lens: covariance[(3, 3)].max(0.0).sqrt().hypot(bias),
+        })
+    }
+}
+
+/// Median residual, each patch counting by how far its normal leans off the commonest direction. One
+/// plane that fills most of a picture fits whatever the rest does, and would hide it.
+fn telling_median(residuals: &[f64], patches: &[Patch]) -> Option<f64> {
+    let sum: Matrix3<f64> = patches
+        .iter()
+        .map(|p| p.normal * p.normal.transpose())
+        .sum();
+    let eigen = SymmetricEigen::new(sum);
+    let common = eigen.eigenvectors.column(eigen.eigenvalues.imax());
+    let lean = |p: &Patch| p.normal.cross(&common).norm_squared();
+    let mut list: Vec<(f64, f64)> = residuals
+        .iter()
+        .copied()
+        .zip(patches.iter().map(lean))
+        .collect();
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * list.iter().map(|(_, lean)| lean).sum::<f64>();
+    let mut passed = 0.0;
+    let middle = list.iter().find(|(_, lean)| {
+        passed += lean;
+        passed >= half
+    });
+    middle.map(|(residual, _)| *residual)
+}
+
+/// The place of the least value of `cost` between two bounds, to a thousandth.
+fn golden_section(mut low: f64, mut high: f64, cost: impl Fn(f64) -> f64) -> f64 {
+    let ratio = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
+    let (mut at_a, mut at_b) = (cost(a), cost(b));
+    while high - low > 1e-3 {
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - ratio * (high - low);
+            at_a = cost(a);
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + ratio * (high - low);
+            at_b = cost(b);
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// At most `count` patches, evenly over the list.
+fn spread_out(patches: &[Patch], count: usize) -> Vec<Patch> {
+    let count = count.min(patches.len());
+    (0..count)
+        .map(|i| patches[i * patches.len() / count])
+        .collect()
+}

@@ -1,0 +1,273 @@
+//! Patches of surface that a rotation is recovered from: how fast depth changes, and the normal.
+
+use super::samples::quantile;
+use crate::frame::{Mask, Plane, Vector3Planes, Window};
+use half::f16;
+use nalgebra::{Vector2, Vector3};
+
+/// Pixels tried; about half survive on a typical picture.
+const CANDIDATES: usize = 40_000;
+/// Patches that suffice; with fewer, smaller and rougher ones are let in.
+const ENOUGH: usize = 2_000;
+/// How strictly patches are chosen.
+#[derive(Clone, Copy)]
+struct Choice {
+    /// Pixels to each side of the middle one.
+    reach: usize,
+    /// Length from which a normal counts as unfiltered.
+    shortest: f64,
+    /// Length of the mean of a patch's normals as a share of their own: at 0.99 they lie 8 degrees about
+    /// it, and no sharp crease runs through.
+    alike: f64,
+}
+
+const fn choice(reach: usize, shortest: f64, alike: f64) -> Choice {
+    Choice {
+        reach,
+        shortest,
+        alike,
+    }
+}
+
+/// Strictest first, where depth is exact: small patches follow curved surface best.
+const FINE: [Choice; 3] = [
+    choice(1, 0.98, 0.99),
+    choice(1, 0.95, 0.98),
+    choice(1, 0.9, 0.96),
+];
+/// Strictest first, where renderers took depth at a random place inside each pixel or rounded it to
+/// half floats. A plane fitted to 7x7 pixels has an eighth of that error in its slope that one fitted
+/// to 3x3 has.
+const COARSE: [Choice; 4] = [
+    choice(3, 0.98, 0.99),
+    choice(2, 0.98, 0.99),
+    choice(1, 0.98, 0.98),
+    choice(1, 0.9, 0.96),
+];
+/// How far off the middle of the pixel, in pixels, depth has to be taken for that.
+const OFF_CENTRE: f64 = 0.2;
+/// Places that tell how far off it is.
+const PROBES: usize = 4_000;
+/// Normals longer than this are not normals.
+const LONGEST: f64 = 1.05;
+/// Depths from here on stand for "nothing there" in some renderer.
+const FARTHEST: f64 = 1e9;
+/// Scatter of depth about the fitted plane, in pixels of its slope: random places in the pixel give
+/// 0.3 to 0.4, a step from one surface to the next gives about 1.
+const SCATTER_PX: f64 = 0.7;
+/// Scatter, as a slope seen from a width's distance, that is let pass on surfaces that face the viewer.
+const SCATTER_SLOPE: f64 = 0.03;
+/// Tiles along each side of the picture; errors within one are taken to be related.
+pub(super) const TILES: usize = 12;
+
+/// A small piece of surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patch {
+    /// Place on the picture from the centre of the display window, x right and y up, in pixel widths.
+    pub(super) seen: Vector2<f64>,
+    /// Depth in scene units.
+    pub(super) depth: f64,
+    /// Change of the logarithm of depth per pixel width, to the right and up.
+    pub(super) slope: Vector2<f64>,
+    /// Unit normal in the space of the normal map.
+    pub(super) normal: Vector3<f64>,
+    /// How far normals lie about their mean, as an angle in radians.
+    pub(super) bend: f64,
+    /// Which tile of the picture it lies in.
+    pub(super) tile: usize,
+}
+
+/// Normals and depth of one picture.
+pub(super) struct Surface<'a> {
+    pub(super) normal: &'a Vector3Planes,
+    pub(super) depth: &'a Plane,
+    pub(super) mask: &'a Mask,
+    pub(super) data_window: Window,
+    pub(super) display_window: Window,
+    pub(super) pixel_aspect: f64,
+}
+
+/// Sums over the pixels of a patch.
+#[derive(Default)]
+struct Sums {
+    /// Inverse depth of the middle pixel; that of the others is measured from it.
+    middle: f64,
+    rise: f64,
+    square: f64,
+    across: f64,
+    up: f64,
+    normal: Vector3<f64>,
+    length: f64,
+}
+
+impl Surface<'_> {
+    /// Patches on an even grid over the picture, of the strictest choice that gives enough of them.
+    pub(super) fn patches(&self) -> Vec<Patch> {
+        let roomy = self.mask.count() >= 4 * ENOUGH;
+        let rough = self.is_half() || self.off_centre().is_some_and(|px| px > OFF_CENTRE);
+        let choices = if roomy && rough {
+            &COARSE[..]
+        } else {
+            &FINE[..]
+        };
+        let mut best = Vec::new();
+        for &choice in choices {
+            let found = self.patches_of(choice);
+            if found.len() >= ENOUGH {
+                return found;
+            }
+            if found.len() > 2 * best.len() {
+                best = found;
+            }
+        }
+        best
+    }
+
+    /// Whether depth was rounded to half floats.
+    fn is_half(&self) -> bool {
+        let (width, height) = (self.depth.width(), self.depth.height());
+        let stride = stride(self.mask.count(), PROBES);
+        let places = (0..height)
+            .step_by(stride)
+            .flat_map(|y| (0..width).step_by(stride).map(move |x| (x, y)));
+        places
+            .filter(|&(x, y)| self.mask.at(x, y))
+            .map(|(x, y)| self.depth.at(x, y))
+            .all(|depth| f16::from_f32(depth).to_f32() == depth)
+    }
+
+    /// How far from the middle of its pixel depth was typically taken, in pixels.
+    fn off_centre(&self) -> Option<f64> {
+        let (width, height) = (self.depth.width(), self.depth.height());
+        let stride = stride(self.mask.count(), PROBES);
+        let rows = (1..height.saturating_sub(1)).step_by(stride);
+        let mut found: Vec<f64> = rows
+            .flat_map(|y| {
+                let columns = (2..width.saturating_sub(2)).step_by(stride);
+                columns.filter_map(move |x| self.off_centre_at(x, y))
+            })
+            .collect();
+        // Half of all normal errors lie within 0.67 standard deviations.
+        (found.len() > PROBES / 40).then(|| quantile(&mut found, 0.5) / 0.6745)
+    }
+
+    /// Error of depth in pixels of its slope, from one fourth difference: it cancels what is smooth and
+    /// adds up the errors of five pixels to `sqrt(70)` times that of one.
+    fn off_centre_at(&self, x: usize, y: usize) -> Option<f64> {
+        let at = |x: usize, y: usize| {
+            let depth = f64::from(self.depth.at(x, y));
+            let real = self.mask.at(x, y) && depth > 0.0 && depth < FARTHEST;
+            real.then_some(1.0 / depth)
+        };
+        let (a, b, c) = (at(x - 2, y)?, at(x - 1, y)?, at(x, y)?);
+        let (d, e) = (at(x + 1, y)?, at(x + 2, y)?);
+        let fourth = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
+        let slope = (2.0 * (e - a) + d - b) / 10.0;
+        let slope = slope.hypot(0.5 * (at(x, y - 1)? - at(x, y + 1)?));
+        // Errors on surface that faces the viewer do no harm, whatever share of its slope they are.
+        let facing = SCATTER_SLOPE * c / self.display_window.width().max(1) as f64;
+        Some(fourth.abs() / (70f64.sqrt() * (slope + facing)))
+    }
+
+    fn patches_of(&self, choice: Choice) -> Vec<Patch> {
+        let reach = choice.reach;
+        let (width, height) = (self.depth.width(), self.depth.height());
+        let stride = stride(self.mask.count(), CANDIDATES);
+        let rows = (reach..height.saturating_sub(reach)).step_by(stride);
+        rows.flat_map(|y| {
+            let columns = (reach..width.saturating_sub(reach)).step_by(stride);
+            columns.filter_map(move |x| self.patch(x, y, choice))
+        })
+        .collect()
+    }
+
+    /// The patch around a pixel; `None` where it is not one smooth surface.
+    fn patch(&self, x: usize, y: usize, choice: Choice) -> Option<Patch> {
+        if !self.mask.at(x, y) {
+            return None;
+        }
+        let reach = choice.reach;
+        let sums = self.sums(x, y, reach, choice.shortest)?;
+        let side = (2 * reach + 1) as f64;
+        let count = side * side;
+        // Inverse depth is linear in the picture wherever the surface is plane. Columns and rows of a
+        // patch are uncorrelated, so the two slopes of the least-squares plane come one by one.
+        let spread = count * (side * side - 1.0) / 12.0;
+        let inverse = sums.middle + sums.rise / count;
+        let per_column = sums.across / spread;
+        let per_row = sums.up / spread;
+        let explained = spread * (per_column * per_column + per_row * per_row);
+        let unexplained = sums.square - sums.rise * sums.rise / count - explained;
+        let scatter = (unexplained.max(0.0) / count).sqrt();
+        let allowed = SCATTER_PX * per_column.hypot(per_row)
+            + SCATTER_SLOPE * reach as f64 * inverse / self.display_window.width().max(1) as f64;
+        let alike = sums.normal.norm() / sums.length;
+        (scatter <= allowed && alike >= choice.alike).then(|| Patch {
+            seen: self.seen(x, y),
+            depth: 1.0 / inverse,
+            slope: -Vector2::new(per_column, per_row * self.pixel_aspect) / inverse,
+            normal: sums.normal.normalize(),
+            bend: (2.0 * (1.0 - alike).max(0.0)).sqrt(),
+            tile: self.tile(x, y),
+        })
+    }
+
+    fn sums(&self, x: usize, y: usize, reach: usize, shortest: f64) -> Option<Sums> {
+        let mut sums = Sums {
+            middle: 1.0 / f64::from(self.depth.at(x, y)),
+            ..Sums::default()
+        };
+        let columns = x - reach..x + reach + 1;
+        for row in y - reach..y + reach + 1 {
+            let covered = &self.mask.row(row)[columns.clone()];
+            let depths = &self.depth.row(row)[columns.clone()];
+            for (i, (&covered, &depth)) in covered.iter().zip(depths).enumerate() {
+                let depth = f64::from(depth);
+                if !(covered && depth > 0.0 && depth < FARTHEST) {
+                    return None;
+                }
+                // Sums about the middle keep their digits where depth hardly changes.
+                let rise = 1.0 / depth - sums.middle;
+                sums.rise += rise;
+                sums.square += rise * rise;
+                sums.across += rise * (i as f64 - reach as f64);
+                sums.up += rise * (y as f64 - row as f64);
+                self.add_normal(&mut sums, x + i - reach, row, shortest)?;
+            }
+        }
+        Some(sums)
+    }
+
+    fn add_normal(&self, sums: &mut Sums, x: usize, y: usize, shortest: f64) -> Option<()> {
+        let n = self.normal;
+        let normal = Vector3::new(n.x.at(x, y), n.y.at(x, y), n.z.at(x, y)).map(f64::from);
+        let length = normal.norm();
+        if !(shortest..=LONGEST).contains(&length) {
+            return None;
+        }
+        sums.normal += normal;
+        sums.length += length;
+        Some(())
+    }
+
+    fn seen(&self, x: usize, y: usize) -> Vector2<f64> {
+        let (data, display) = (self.data_window, self.display_window);
+        let column = f64::from(data.x0) + x as f64 + 0.5;
+        let row = f64::from(data.y0) + y as f64 + 0.5;
+        Vector2::new(
+            column - 0.5 * (f64::from(display.x0) + f64::from(display.x1)),
+            (0.5 * (f64::from(display.y0) + f64::from(display.y1)) - row) / self.pixel_aspect,
+        )
+    }
+
+    fn tile(&self, x: usize, y: usize) -> usize {
+        let column = x * TILES / self.depth.width().max(1);
+        let row = y * TILES / self.depth.height().max(1);
+        row * TILES + column
+    }
+}
+
+/// The step along rows and columns that leaves about `wanted` of `count` pixels.
+fn stride(count: usize, wanted: usize) -> usize {
+    ((count as f64 / wanted as f64).sqrt().ceil() as usize).max(1)
+}

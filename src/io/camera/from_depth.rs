@@ -1,0 +1,234 @@
+//! The camera's rotation and lens from depth and world-space normals, without positions.
+//!
+//! The idea: depth alone gives the normal of every small patch of surface in view space, once the
+//! focal length is known; the normal map gives the same normals in world space. One rotation carries
+//! all of the latter onto the former, and the focal length that does it best is the right one. So: for
+//! each focal length the best rotation (Wahba's problem, by singular values, reweighted against
+//! outliers), a scan over focal lengths, then both together by Gauss-Newton.
+//!
+//! What that buys: smoothed normals on flat facets and depth rounded to half floats cancel over
+//! thousands of patches. The focal length scales every slope, so wherever normals differ enough to tell
+//! the rotation they tell it too: to a hundredth or so where the rotation is known to a tenth of a
+//! degree.
+//!
+//! How to use it: give a normal map in any right-handed space. Where it was view space, the rotation
+//! comes out as none, which tells so. The place of the eye stays open: the translation is zero.
+
+use super::depth_fit::{Certainty, Fit};
+use super::depth_lens::{Kind, Lens};
+use super::depth_samples::{Patch, Surface};
+use super::file::dmat3;
+use super::recover::RecoveryFailure;
+use super::samples::quantile;
+use crate::frame::{Camera, Mask, Plane, Projection, Vector3Planes, Window};
+use glam::{DAffine3, DVec3};
+
+/// Fewer patches than this are refused.
+const FEWEST: usize = 24;
+/// Focal lengths that are tried, in widths of the display window: 137 degrees of view to 2.
+const FOCAL_SHARES: (f64, f64) = (0.2, 30.0);
+/// Pixels per unit that are tried, as multiples of what makes the median slope one of 45 degrees.
+const UNIT_FACTORS: (f64, f64) = (0.03, 30.0);
+/// Steps of the scan over either.
+const STEPS: usize = 16;
+/// A focal length less certain than this share is called uncertain.
+const UNCERTAIN_FOCAL: f64 = 0.1;
+/// Typical angle between normals and slopes, in degrees, from which a fit is none.
+const WORST_RESIDUAL_DEG: f64 = 15.0;
+/// From this angle on, in degrees, a mirrored fit is looked for; it counts where it leaves less than this
+/// share of the angle.
+const MIRRORED_RESIDUAL_DEG: f64 = 6.0;
+const MIRRORED_SHARE: f64 = 0.4;
+/// Rotation less certain than this, in degrees, is no answer.
+const WORST_ROTATION_DEG: f64 = 3.0;
+/// Mean square sine of the normals about their main direction below which they count as parallel.
+const LEAST_SPREAD: f64 = 1e-6;
+
+/// Which distance a depth layer turned out to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DepthKind {
+    /// Distance along the view axis.
+    Planar,
+    /// Distance along the sight line, from the eye.
+    Ray,
+}
+
+/// What depth and normals tell of a camera, with the evidence for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthCamera {
+    /// The camera. Its translation is zero, for normals say nothing of places.
+    pub camera: Camera,
+    /// What depth holds. Under a parallel camera the two are the same, and it is `Planar`.
+    pub depth_kind: DepthKind,
+    /// Median angle between the turned normals and the slopes of depth, in degrees.
+    pub residual_deg_median: f64,
+    /// One standard error of the rotation about its least certain axis, in degrees.
+    pub rotation_uncertainty_deg: f64,
+    /// One standard error of the focal length (or of pixels per unit), as a share of it.
+    pub focal_uncertainty: f64,
+    /// Whether the focal length is less certain than a tenth of it.
+    pub focal_uncertain: bool,
+    /// How many patches of surface were used.
+    pub samples: usize,
+}
+
+/// Recovers the rotation and focal length of the camera from depth and normals.
+///
+/// `normal` holds signed components in world space, shorter than 1 where a filter mixed them; `depth`
+/// holds distances in scene units; both and `mask` fill `data_window`. The camera is centred on
+/// `display_window`. The same input always gives the same bits.
+///
+/// # Errors
+/// If too little smooth surface is seen, if its normals all point the same way, or if no rotation
+/// carries them onto the slopes of depth: a panorama, a mirrored normal map, depth that was scaled.
+///
+/// # Panics
+/// If `normal`, `depth` or `mask` do not have the size of `data_window`.
+pub fn recover_camera_from_depth(
+    normal: &Vector3Planes,
+    depth: &Plane,
+    mask: &Mask,
+    data_window: Window,
+    display_window: Window,
+    pixel_aspect: f32,
+) -> Result<DepthCamera, RecoveryFailure> {
+    for plane in [&normal.x, &normal.y, &normal.z, depth] {
+        let size = (plane.width(), plane.height());
+        let wanted = (data_window.width(), data_window.height());
+        assert_eq!(size, wanted, "a plane does not fill the data window");
+    }
+    let usable = pixel_aspect.is_finite() && pixel_aspect > 0.0;
+    let surface = Surface {
+        normal,
+        depth,
+        mask,
+        data_window,
+        display_window,
+        pixel_aspect: if usable { f64::from(pixel_aspect) } else { 1.0 },
+    };
+    let patches = surface.patches();
+    if patches.len() < FEWEST {
+        return Err(RecoveryFailure::TooFewPatches {
+            found: patches.len(),
+            needed: FEWEST,
+        });
+    }
+    let width = display_window.width() as f64;
+    let answer = Answer::of(&patches, width)?;
+    Ok(answer.report(&surface))
+}
+
+/// A fit that passed, with how certain it is.
+struct Answer {
+    fit: Fit,
+    certainty: Certainty,
+    samples: usize,
+}
+
+impl Answer {
+    fn of(patches: &[Patch], width: f64) -> Result<Self, RecoveryFailure> {
+        let (fit, patches) = chosen(patches, width)
+            .ok_or(RecoveryFailure::NormalsDisagree { residual_deg: 90.0 })?;
+        check_residual(&fit, &patches)?;
+        if fit.spread(&patches) < LEAST_SPREAD {
+            return Err(RecoveryFailure::ParallelNormals);
+        }
+        let certainty = fit
+            .certainty(&patches)
+            .ok_or(RecoveryFailure::Undetermined { rotation_deg: 90.0 })?;
+        let answer = Self {
+            fit,
+            certainty,
+            samples: patches.len(),
+        };
+        let rotation_deg = answer.certainty.turn.to_degrees();
+        if rotation_deg > WORST_ROTATION_DEG {
+            return Err(RecoveryFailure::Undetermined { rotation_deg });
+        }
+        Ok(answer)
+    }
+
+    fn report(&self, surface: &Surface) -> DepthCamera {
+        let Lens { kind, number } = self.fit.lens;
+        let display = surface.display_window;
+        let cx = 0.5 * (f64::from(display.x0) + f64::from(display.x1));
+        let cy = 0.5 * (f64::from(display.y0) + f64::from(display.y1));
+        let (x, y) = (number, number * surface.pixel_aspect);
+        let projection = match kind {
+            Kind::Parallel => Projection::Orthographic {
+                sx: x,
+                sy: y,
+                cx,
+                cy,
+            },
+            Kind::Planar | Kind::Ray => Projection::Perspective {
+                fx: x,
+                fy: y,
+                cx,
+                cy,
+            },
+        };
+        let turn = dmat3(self.fit.turn.matrix());
+        DepthCamera {
+            camera: Camera {
+                view_from_world: DAffine3::from_mat3_translation(turn, DVec3::ZERO),
+                projection,
+            },
+            depth_kind: if kind == Kind::Ray {
+                DepthKind::Ray
+            } else {
+                DepthKind::Planar
+            },
+            residual_deg_median: angle_deg(self.fit.residual),
+            rotation_uncertainty_deg: self.certainty.turn.to_degrees(),
+            focal_uncertainty: self.certainty.lens,
+            focal_uncertain: self.certainty.lens > UNCERTAIN_FOCAL,
+            samples: self.samples,
+        }
+    }
+}
+
+/// The angle between unit vectors a distance apart.
+fn angle_deg(distance: f64) -> f64 {
+    (2.0 * (0.5 * distance).min(1.0).asin()).to_degrees()
+}
+
+/// The fit of the kind of lens and depth that fits best, and the patches that it rests on.
+fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
+    let scanned: Vec<Fit> = [Kind::Planar, Kind::Ray, Kind::Parallel]
+        .into_iter()
+        .filter_map(|kind| Fit::scanned(kind, range(kind, patches, width)?, STEPS, patches))
+        .collect();
+    let facing = Fit::best(&scanned)?.facing(patches);
+    let patches = if facing.len() >= FEWEST {
+        facing
+    } else {
+        patches.to_vec()
+    };
+    Some((Fit::chosen(&scanned, &patches)?, patches))
+}
+
+/// The numbers to try for a kind of lens; `None` where depth is the same everywhere.
+fn range(kind: Kind, patches: &[Patch], width: f64) -> Option<(f64, f64)> {
+    let ((low, high), unit) = match kind {
+        Kind::Planar | Kind::Ray => (FOCAL_SHARES, width),
+        Kind::Parallel => {
+            let mut steps: Vec<f64> = patches.iter().map(|p| p.depth * p.slope.norm()).collect();
+            (UNIT_FACTORS, 1.0 / quantile(&mut steps, 0.5))
+        }
+    };
+    (unit.is_finite() && unit > 0.0).then_some((low * unit, high * unit))
+}
+
+fn check_residual(fit: &Fit, patches: &[Patch]) -> Result<(), RecoveryFailure> {
+    let (proper, mirrored) = fit.telling_residuals(patches);
+    let residual_deg = angle_deg(proper);
+    let mirrored_deg = angle_deg(mirrored);
+    if residual_deg > MIRRORED_RESIDUAL_DEG && mirrored_deg < MIRRORED_SHARE * residual_deg {
+        return Err(RecoveryFailure::Mirrored);
+    }
+    if residual_deg > WORST_RESIDUAL_DEG {
+        return Err(RecoveryFailure::NormalsDisagree { residual_deg });
+    }
+    Ok(())
+}
