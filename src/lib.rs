@@ -1,4 +1,50 @@
-//! relievo brings out the shape of surfaces in pictures.
+//! relievo brings out the shape of surfaces in pictures, from images alone.
+//!
+//! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, where there are
+//! any, depth, a mask, a camera, and the picture made of it. [`io::load`] makes one of a renderer's
+//! layers or of a photo with its normal map. A [`plan::Plan`] names the stages that a goal needs and no
+//! others; [`backend::cpu::run`] runs it.
+//!
+//! ```
+//! use relievo::backend::cpu;
+//! use relievo::io::{self, inputs::Inputs};
+//! use relievo::params::{ScalingParams, ShapeParams};
+//! use relievo::plan::{Available, Goal, Plan};
+//!
+//! # fn main() -> relievo::Result<()> {
+//! let inputs = Inputs { picture: "fixtures/bust.exr".into(), ..Inputs::default() };
+//! let frame = io::load(&inputs, true)?.frame;
+//! let plan = Plan::new(
+//!     Goal::Enhance,
+//!     Available::in_frame(&frame),
+//!     ShapeParams::default(),
+//!     ScalingParams::default(),
+//! )?;
+//! let enhanced = cpu::run(&plan, &frame).color.expect("enhancing gives a picture");
+//! assert_eq!(enhanced.r.width(), 480);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Conventions
+//!
+//! View space has x right, y **up** and z toward the viewer; rows of a picture run down. Curvature is
+//! per pixel. In the Hessian and its eigenvalues convex is **negative** ([LW]); the mapped curvature
+//! kappa in -1..1 is **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is
+//! the only place where the sign turns. Directions are modulo pi.
+//!
+//! Data flow one way, `io -> frame -> shape -> light -> io`; `plan` decides, `backend` runs. The
+//! kernels in [`shape`] and [`light`] are plain functions of samples and rows, to be called from any
+//! renderer.
+//!
+//! # References
+//!
+//! - **\[LW\]** R. Vergne, R. Pacanowski, P. Barla, X. Granier, C. Schlick: *Light Warping for Enhanced
+//!   Surface Depiction*. ACM Transactions on Graphics 28(3), SIGGRAPH 2009.
+//!   <https://doi.org/10.1145/1531326.1531331>
+//! - **\[RS\]** R. Vergne, R. Pacanowski, P. Barla, X. Granier, C. Schlick: *Improving Shape Depiction
+//!   under Arbitrary Rendering*. IEEE Transactions on Visualization and Computer Graphics 17(8), 2011.
+//!   <https://doi.org/10.1109/TVCG.2010.252>
 
 pub mod backend;
 pub mod cli;

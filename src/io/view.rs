@@ -1,6 +1,6 @@
 //! The turn to view space: which camera, which space the normals were in, and why.
 
-use super::camera::{read_camera, recover_camera};
+use super::camera::{DepthKind, read_camera, recover_camera, recover_camera_from_depth};
 use super::inputs::Inputs;
 use super::load::Finding;
 use super::normal_space::{NormalSpaceConclusion, judge_normal_space};
@@ -31,7 +31,7 @@ pub(super) fn turn_to_view(
     normal: &mut Vector3Planes,
 ) -> Result<View> {
     let mut findings = Vec::new();
-    let camera = find_camera(inputs, surface, &mut findings)?;
+    let camera = find_camera(inputs, surface, normal, &mut findings)?;
     let space = match inputs.normal_space {
         Some(space) => Reading {
             space,
@@ -138,6 +138,7 @@ const CAMERA: &str = "camera";
 fn find_camera(
     inputs: &Inputs,
     surface: &Surface,
+    normal: &Vector3Planes,
     findings: &mut Vec<Finding>,
 ) -> Result<Option<Camera>> {
     let (camera, evidence) = if let Some(path) = &inputs.camera {
@@ -145,6 +146,8 @@ fn find_camera(
         (Some(camera), format!("from {}", path.display()))
     } else if let Some(position) = surface.position {
         from_positions(surface, position)
+    } else if let Some(depth) = surface.depth {
+        from_depth(surface, normal, depth)
     } else {
         return Ok(None);
     };
@@ -177,18 +180,61 @@ fn from_positions(surface: &Surface, position: &Vector3Planes) -> (Option<Camera
     }
 }
 
+fn from_depth(
+    surface: &Surface,
+    normal: &Vector3Planes,
+    depth: &Plane,
+) -> (Option<Camera>, String) {
+    let Surface {
+        mask,
+        data_window,
+        display_window,
+        pixel_aspect,
+        ..
+    } = *surface;
+    let found = recover_camera_from_depth(
+        normal,
+        depth,
+        mask,
+        data_window,
+        display_window,
+        pixel_aspect,
+    );
+    match found {
+        Ok(found) => {
+            let kind = match found.depth_kind {
+                DepthKind::Planar => "depth along the view axis",
+                DepthKind::Ray => "depth along the sight line",
+            };
+            let evidence = format!(
+                "recovered from normals and {kind}, rotation within {:.2} degrees, focal within \
+                 {:.1} %",
+                found.rotation_uncertainty_deg,
+                100.0 * found.focal_uncertainty
+            );
+            (Some(found.camera), evidence)
+        }
+        Err(failure) => (None, failure.to_string()),
+    }
+}
+
+/// The camera in words; its place only where something told it.
 fn described(camera: &Camera) -> String {
     let eye = camera.view_from_world.inverse().translation;
     let axis = camera.view_from_world.matrix3.transpose() * DVec3::NEG_Z;
+    let place = if eye == DVec3::ZERO {
+        String::new()
+    } else {
+        format!(" from ({:.3}, {:.3}, {:.3})", eye.x, eye.y, eye.z)
+    };
     let looks = format!(
-        "looking along ({:.3}, {:.3}, {:.3})",
+        "looking along ({:.3}, {:.3}, {:.3}){place}",
         axis.x, axis.y, axis.z
     );
     match camera.projection {
-        Projection::Perspective { fx, .. } => format!(
-            "perspective, focal {fx:.1} px, at ({:.3}, {:.3}, {:.3}), {looks}",
-            eye.x, eye.y, eye.z
-        ),
+        Projection::Perspective { fx, .. } => {
+            format!("perspective, focal {fx:.1} px, {looks}")
+        }
         Projection::Orthographic { sx, .. } => {
             format!("orthographic, {sx:.2} px per unit, {looks}")
         }
