@@ -36,8 +36,16 @@ impl<'a, T: Copy> Rows<'a, T> {
     /// The 3x3 samples around column `x`, rows top to bottom; columns beyond the border repeat it.
     #[inline(always)]
     pub fn neighbourhood(&self, x: usize) -> [[T; 3]; 3] {
-        let (left, right) = (x.saturating_sub(1), (x + 1).min(self.at.len() - 1));
-        [self.above, self.at, self.below].map(|row| [row[left], row[x], row[right]])
+        let around = |row: &[T]| match row.get(x.wrapping_sub(1)..x + 2) {
+            Some(&[left, centre, right]) => [left, centre, right],
+            _ => [
+                row[x.saturating_sub(1)],
+                row[x],
+                row[(x + 1).min(row.len() - 1)],
+            ],
+        };
+        // Written out: `map` over an array is not always inlined, and this is the innermost loop.
+        [around(self.above), around(self.at), around(self.below)]
     }
 }
 

@@ -25,7 +25,7 @@ pub fn silhouette_weight(
         return 1.0;
     }
     let [dx, dy] = sobel(map.neighbourhood(x));
-    threshold.weight(2.0 * dx.hypot(dy))
+    threshold.weight(2.0 * (dx * dx + dy * dy).sqrt())
 }
 
 /// Whether the pixel at column `x` has an uncovered pixel among its eight neighbours.

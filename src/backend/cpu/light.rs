@@ -77,17 +77,18 @@ pub(super) fn curvature_display(
     mask: &Mask,
     gain: f32,
 ) -> ColorPlanes {
-    let [r, g, b] = map_covered(mask, |x, y| {
-        let kappa = mapped_curvature(trace.at(x, y), gain);
-        let toward = if kappa >= 0.0 {
-            palette::CONVEX
-        } else {
-            palette::CONCAVE
-        };
-        let ink = conductance.at(x, y);
-        std::array::from_fn(|i| {
-            ink * (palette::NEUTRAL[i] + kappa.abs() * (toward[i] - palette::NEUTRAL[i]))
-        })
+    let [r, g, b] = map_covered(mask, |y| {
+        let (trace, open) = (trace.row(y), conductance.row(y));
+        move |x| {
+            let kappa = mapped_curvature(trace[x], gain);
+            let toward = if kappa >= 0.0 {
+                palette::CONVEX
+            } else {
+                palette::CONCAVE
+            };
+            let blend = |neutral: f32, toward: f32| neutral + kappa.abs() * (toward - neutral);
+            std::array::from_fn(|i| open[x] * blend(palette::NEUTRAL[i], toward[i]))
+        }
     });
     let mut display = ColorPlanes { r, g, b };
     let channels = [&mut display.r, &mut display.g, &mut display.b];

@@ -17,14 +17,19 @@ use rayon::prelude::*;
 pub(super) fn gradient(frame: &Frame, params: &ShapeParams) -> Vector2Planes {
     let normal = &frame.normal;
     let projection = frame.camera.map(|camera| camera.projection);
-    let [x, y] = map_covered(&frame.mask, |x, y| {
-        let n = Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
-        let to_eye = projection.map_or(Vec2::ZERO, |projection| {
-            let column = f64::from(frame.data_window.x0) + x as f64 + 0.5;
-            let row = f64::from(frame.data_window.y0) + y as f64 + 0.5;
-            projection.to_eye(column, row).as_vec2()
-        });
-        depth_gradient(n, to_eye, params).to_array()
+    let (left, top) = (
+        f64::from(frame.data_window.x0),
+        f64::from(frame.data_window.y0),
+    );
+    let [x, y] = map_covered(&frame.mask, |y| {
+        let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
+        let row = top + y as f64 + 0.5;
+        move |x| {
+            let to_eye = projection.map_or(Vec2::ZERO, |projection| {
+                projection.to_eye(left + x as f64 + 0.5, row).as_vec2()
+            });
+            depth_gradient(Vec3::new(nx[x], ny[x], nz[x]), to_eye, params).to_array()
+        }
     });
     Vector2Planes { x, y }
 }
@@ -98,9 +103,9 @@ impl FacePlanes {
 
 /// Trace of the Hessian.
 pub(super) fn trace(gradient: &Vector2Planes, conductance: &Plane, mask: &Mask) -> Plane {
-    let [trace] = map_covered(mask, |x, y| {
+    let [trace] = map_covered(mask, |y| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
-        [hessian_kernel::trace(&gx, &gy, &c, x)]
+        move |x| [hessian_kernel::trace(&gx, &gy, &c, x)]
     });
     trace
 }
@@ -111,42 +116,54 @@ pub(super) fn hessian(
     conductance: &Plane,
     mask: &Mask,
 ) -> SymmetricPlanes {
-    let [xx, xy, yy] = map_covered(mask, |x, y| {
+    let [xx, xy, yy] = map_covered(mask, |y| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
-        hessian_kernel::hessian(&gx, &gy, &c, x)
+        move |x| hessian_kernel::hessian(&gx, &gy, &c, x)
     });
     SymmetricPlanes { xx, xy, yy }
 }
 
 /// Principal and mean curvatures.
-pub(super) fn curvatures(h: &SymmetricPlanes, mask: &Mask) -> CurvaturePlanes {
-    let [u, v, mean] = map_covered(mask, |x, y| {
-        let [u, v] = principal_curvatures(entries(h, x, y));
-        [u, v, 0.5 * (h.xx.at(x, y) + h.yy.at(x, y))]
+pub(super) fn curvatures(hessian: &SymmetricPlanes, mask: &Mask) -> CurvaturePlanes {
+    let [u, v, mean] = map_covered(mask, |y| {
+        let entries = entries(hessian, y);
+        move |x| {
+            let h = entries(x);
+            let [u, v] = principal_curvatures(h);
+            [u, v, 0.5 * (h[0] + h[2])]
+        }
     });
     CurvaturePlanes { u, v, mean }
 }
 
 /// Directions of the curvature larger in size.
-pub(super) fn directions(h: &SymmetricPlanes, mask: &Mask) -> Vector2Planes {
-    let [x, y] = map_covered(mask, |x, y| principal_direction(entries(h, x, y)));
+pub(super) fn directions(hessian: &SymmetricPlanes, mask: &Mask) -> Vector2Planes {
+    let [x, y] = map_covered(mask, |y| {
+        let entries = entries(hessian, y);
+        move |x| principal_direction(entries(x))
+    });
     Vector2Planes { x, y }
 }
 
 /// Mapped curvature.
 pub(super) fn mapped_curvature(trace: &Plane, gain: f32, mask: &Mask) -> Plane {
-    let [mapped] = map_covered(mask, |x, y| [kappa(trace.at(x, y), gain)]);
+    let [mapped] = map_covered(mask, |y| {
+        let trace = trace.row(y);
+        move |x| [kappa(trace[x], gain)]
+    });
     mapped
 }
 
-fn entries(h: &SymmetricPlanes, x: usize, y: usize) -> [f32; 3] {
-    [h.xx.at(x, y), h.xy.at(x, y), h.yy.at(x, y)]
+/// The entries [xx, xy, yy] of row `y` by column.
+fn entries(hessian: &SymmetricPlanes, y: usize) -> impl Fn(usize) -> [f32; 3] {
+    let rows = [&hessian.xx, &hessian.xy, &hessian.yy].map(|plane| plane.row(y));
+    move |x| rows.map(|row| row[x])
 }
 
-/// Planes of `sample(x, y)` where covered, 0 elsewhere.
-pub(super) fn map_covered<const N: usize>(
+/// Planes of `row(y)(x)` where covered, 0 elsewhere.
+pub(super) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
     mask: &Mask,
-    sample: impl Fn(usize, usize) -> [f32; N] + Sync,
+    row: impl Fn(usize) -> Sample + Sync,
 ) -> [Plane; N] {
     let (width, height) = (mask.width(), mask.height());
     let mut planes = [(); N].map(|()| Plane::filled(width, height, 0.0));
@@ -155,9 +172,9 @@ pub(super) fn map_covered<const N: usize>(
         .enumerate()
         .with_min_len(ROWS_PER_TASK)
         .for_each(|(y, mut rows)| {
-            let covered = mask.row(y);
+            let (covered, sample) = (mask.row(y), row(y));
             for x in mask.span(y).filter(|&x| covered[x]) {
-                for (row, value) in rows.iter_mut().zip(sample(x, y)) {
+                for (row, value) in rows.iter_mut().zip(sample(x)) {
                     row[x] = value;
                 }
             }
