@@ -35,7 +35,10 @@ pub(super) fn misuse(error: &clap::Error) -> i32 {
             .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
             .filter(|line| !line.is_empty())
             .collect();
-        eprintln!("{}; see --help", message.join(" "));
+        eprintln!(
+            "{}; see --help",
+            message.join(" ").replace(" tip:", "; tip:")
+        );
     }
     error.exit_code()
 }
