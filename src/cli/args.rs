@@ -187,7 +187,7 @@ pub(super) struct ShapeFlags {
     #[arg(long, value_name = "N", default_value_t = SHAPE.iterations)]
     iterations: u32,
     /// Foreshortening of the gradient: 0 as an object, 1 as the viewer's height field.
-    #[arg(long, value_name = "F", default_value_t = SHAPE.foreshortening)]
+    #[arg(long, value_name = "F", default_value_t = SHAPE.foreshortening, allow_negative_numbers = true)]
     foreshortening: f32,
     /// Jump of depth, as a share of the distance, that makes a silhouette.
     #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.silhouette)]
@@ -214,7 +214,7 @@ impl ShapeFlags {
 #[command(next_help_heading = "Shape")]
 pub(super) struct GainFlag {
     /// Curvature gain in pixels, or auto to fit the frame.
-    #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain)]
+    #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain, allow_negative_numbers = true)]
     pub(super) curvature_gain: CurvatureGain,
 }
 
@@ -223,13 +223,13 @@ pub(super) struct GainFlag {
 #[command(next_help_heading = "Radiance scaling")]
 pub(super) struct ScalingFlags {
     /// Scaling magnitude: 0 changes nothing.
-    #[arg(long, value_name = "G", default_value_t = SCALING.scaling)]
+    #[arg(long, value_name = "G", default_value_t = SCALING.scaling, allow_negative_numbers = true)]
     scaling: f32,
     /// Intensity, 0..1, that stays as it is; brighter ones brighten on convexities.
-    #[arg(long, value_name = "A", default_value_t = SCALING.invariant_point)]
+    #[arg(long, value_name = "A", default_value_t = SCALING.invariant_point, allow_negative_numbers = true)]
     invariant_point: f32,
     /// Luminance that counts as intensity 1, or auto to fit the picture.
-    #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level)]
+    #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level, allow_negative_numbers = true)]
     white_level: WhiteLevel,
 }
 

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::io::Finding;
+use clap::error::ErrorKind;
 use std::io::Write;
 
 /// Prints an error as one line.
@@ -16,6 +17,30 @@ pub(super) fn exit_code(error: &Error) -> i32 {
         Error::BadParameter { .. } => 2,
         _ => 1,
     }
+}
+
+/// Says what is wrong with the command line, as one line, or prints the help that was asked for.
+/// Returns the exit code.
+pub(super) fn misuse(error: &clap::Error) -> i32 {
+    let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if is_help || !error.use_stderr() {
+        // A reader that has gone away is no error.
+        let _ = error.print();
+    } else {
+        // Usage and the pointer to the help follow the message as paragraphs of their own.
+        let text = error.to_string();
+        let message: Vec<_> = text
+            .lines()
+            .map(str::trim)
+            .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
+            .filter(|line| !line.is_empty())
+            .collect();
+        eprintln!(
+            "{}; see --help",
+            message.join(" ").replace(" tip:", "; tip:")
+        );
+    }
+    error.exit_code()
 }
 
 /// Prints a warning, unless told to be quiet.

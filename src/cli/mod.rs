@@ -12,7 +12,10 @@ use clap::Parser;
 
 /// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused.
 pub fn run() -> i32 {
-    let command = Cli::parse().command;
+    let command = match Cli::try_parse() {
+        Ok(cli) => cli.command,
+        Err(error) => return message::misuse(&error),
+    };
     let result = match &command {
         Command::Inspect(args) => inspect::run(args),
         Command::Shape(args) => shape::run(args),

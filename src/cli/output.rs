@@ -60,7 +60,17 @@ impl<'a> Job<'a> {
         let kind = Kind::of(&output.output)?;
         let inputs = roles.files(input);
         let inputs = inputs.iter().map(PathBuf::as_path);
-        refuse_overwriting_input(&output.output, inputs)?;
+        refuse_overwriting_input("-o", &output.output, inputs.clone())?;
+        if let Some(timings) = &run.timings {
+            refuse_overwriting_input("--timings", timings, inputs)?;
+            if *timings == output.output {
+                return Err(Error::BadParameter {
+                    name: "--timings",
+                    found: format!("{} is the output too", timings.display()),
+                    remedy: "write to another file".into(),
+                });
+            }
+        }
         if output.no_clobber && output.output.exists() {
             return Err(Error::BadParameter {
                 name: "-o",

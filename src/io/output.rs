@@ -27,15 +27,17 @@ pub fn write_atomically(
     persist(temporary, &target, clobber).map_err(failed)
 }
 
-/// Refuses an `output` that is one of the `inputs`, by whatever name or link.
+/// Refuses an `output`, given as the flag `name`, that is one of the `inputs`, by whatever name or
+/// link.
 pub fn refuse_overwriting_input<'a>(
+    name: &'static str,
     output: &Path,
     inputs: impl IntoIterator<Item = &'a Path>,
 ) -> Result<()> {
     match inputs.into_iter().find(|input| same_file(output, input)) {
         None => Ok(()),
         Some(input) => Err(Error::BadParameter {
-            name: "-o",
+            name,
             found: format!("{} is the input {}", output.display(), input.display()),
             remedy: "write to another file".into(),
         }),
@@ -198,10 +200,10 @@ mod tests {
         std::os::unix::fs::symlink(&file, &link).unwrap();
         let hard = directory.path().join("c");
         fs::hard_link(&file, &hard).unwrap();
-        assert!(refuse_overwriting_input(&link, [file.as_path()]).is_err());
-        assert!(refuse_overwriting_input(&hard, [file.as_path()]).is_err());
+        assert!(refuse_overwriting_input("-o", &link, [file.as_path()]).is_err());
+        assert!(refuse_overwriting_input("-o", &hard, [file.as_path()]).is_err());
         let other = directory.path().join("d");
-        assert!(refuse_overwriting_input(&other, [file.as_path()]).is_ok());
+        assert!(refuse_overwriting_input("-o", &other, [file.as_path()]).is_ok());
         write_text(&link, true, "new").unwrap();
         assert_eq!(fs::read_to_string(&file).unwrap(), "new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());

@@ -161,6 +161,8 @@ pub struct Layer {
     pub name: String,
     /// Component (lower case, `r` for `red`) and channel index within the part.
     pub components: Vec<(String, usize)>,
+    /// Whether the name is that of the part, the channels being called `R` or `Z` alone.
+    pub bare: bool,
 }
 
 /// The channels that play a role, in the order of its components.
@@ -196,6 +198,7 @@ pub fn layers<'a>(parts: impl Iterator<Item = (Option<&'a str>, Vec<&'a str>)>) 
                     part,
                     name: name.to_string(),
                     components: vec![(component, index)],
+                    bare: prefix.is_empty(),
                 }),
             }
         }
@@ -260,17 +263,36 @@ impl Layer {
 /// The layer that plays `role`, by the table's order of preference, then the file's.
 pub fn find(layers: &[Layer], role: Role) -> Option<Match> {
     let (_, _, names) = RULES.iter().find(|(r, ..)| *r == role)?;
-    names.iter().find_map(|name| {
-        layers
-            .iter()
-            .filter(|layer| layer.key() == *name)
-            .find_map(|layer| {
-                // A nameless layer is depth only by its component Z, never for being alone.
-                let bare_depth = role == Role::Depth && name.is_empty();
-                let has_z = layer.components.iter().any(|(c, _)| c == "z");
-                layer.matched(role).filter(|_| !bare_depth || has_z)
-            })
-    })
+    names
+        .iter()
+        .find_map(|name| {
+            layers
+                .iter()
+                .filter(|layer| layer.key() == *name)
+                .find_map(|layer| {
+                    // A nameless layer is depth only by its component Z, never for being alone.
+                    let bare_depth = role == Role::Depth && name.is_empty();
+                    let has_z = layer.components.iter().any(|(c, _)| c == "z");
+                    layer.matched(role).filter(|_| !bare_depth || has_z)
+                })
+        })
+        .or_else(|| in_first_part(layers, role))
+}
+
+/// Colour or depth of a first part called anything ("main", "subimage00"), whose channels have no
+/// names of their own: what nameless channels are, unless the part's name means something else.
+fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
+    let mut rules = RULES.iter();
+    let layer = layers.iter().find(|layer| layer.part == 0 && layer.bare)?;
+    let key = layer.key();
+    let has = |name: &str| layer.components.iter().any(|(c, _)| c == name);
+    let plays = match role {
+        Role::Color => ["r", "g", "b"].into_iter().all(has),
+        Role::Depth => has("z") && !has("x"),
+        _ => false,
+    };
+    let means_something = rules.any(|(_, _, names)| names.contains(&key.as_str()));
+    layer.matched(role).filter(|_| plays && !means_something)
 }
 
 /// The layer that a user called `name`: its full name, else its last word, in any case.
@@ -322,6 +344,30 @@ mod tests {
 
     fn role_names(layers: &[Layer], role: Role) -> Option<String> {
         find(layers, role).map(|m| m.layer)
+    }
+
+    #[test]
+    fn bare_channels_of_a_first_part_are_picture_and_depth() {
+        let parts = |name| {
+            let first = (
+                Some(name),
+                vec!["A", "B", "G", "N.x", "N.y", "N.z", "R", "Z"],
+            );
+            layers([first, (Some("specular"), vec!["B", "G", "R"])].into_iter())
+        };
+        for name in ["main", "subimage00", "relievo"] {
+            let color = find(&parts(name), Role::Color).unwrap();
+            assert_eq!((color.channels, color.alpha), (vec![6, 2, 1], Some(0)));
+            assert_eq!(find(&parts(name), Role::Depth).unwrap().channels, [7]);
+            assert_eq!(
+                find(&parts(name), Role::Normal).unwrap().channels,
+                [3, 4, 5]
+            );
+        }
+        // A name that means something else is believed, and a later part's is no picture.
+        assert_eq!(find(&parts("albedo"), Role::Color), None);
+        let vector = layers([(Some("offset"), vec!["X", "Y", "Z"])].into_iter());
+        assert_eq!(find(&vector, Role::Depth), None);
     }
 
     #[test]

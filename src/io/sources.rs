@@ -267,13 +267,20 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
     Ok(planes.into_iter().flatten().collect())
 }
 
-/// A photo is colour only where colour is wanted; as data its values are taken as they are.
+/// A photo is colour only where colour is wanted: then it is linear and multiplied by its alpha, as a
+/// frame's picture is. As data its values are taken as they are.
 fn photo_planes(photo: &Photo, role: Role) -> RolePlanes {
-    let planes = if role == Role::Color {
+    let mut planes = if role == Role::Color {
         photo.to_linear()
     } else {
         photo.channels.clone()
     };
+    if let (Role::Color, Some(alpha)) = (role, &photo.alpha) {
+        for plane in &mut planes {
+            let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
+            samples.for_each(|(sample, alpha)| *sample *= alpha);
+        }
+    }
     RolePlanes {
         planes,
         alpha: photo.alpha.clone(),
