@@ -8,7 +8,7 @@ use common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_
 use glam::DVec3;
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{Frame, Plane, Window};
-use relievo::params::{CurvatureGain, ScalingParams, ShapeParams, WhiteLevel};
+use relievo::params::{Adaptive, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
@@ -21,8 +21,8 @@ fn run(goal: Goal, frame: &Frame) -> Outcome {
     };
     // Fixed, so that a crop is not judged by another gain.
     let scaling = ScalingParams {
-        curvature_gain: CurvatureGain::Fixed(20.0),
-        white_level: WhiteLevel::Fixed(0.6),
+        curvature_gain: Adaptive::Fixed(20.0),
+        white_level: Adaptive::Fixed(0.6),
         ..ScalingParams::default()
     };
     let plan = Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap();

@@ -10,7 +10,7 @@ use relievo::frame::{ColorPlanes, Frame, Mask, NormalSpace, Plane, Vector3Planes
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Loaded};
-use relievo::params::{CurvatureGain, ScalingParams, ShapeParams, SoftThreshold, WhiteLevel};
+use relievo::params::{Adaptive, ScalingParams, ShapeParams, SoftThreshold};
 use relievo::plan::{Available, Goal, Plan};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
@@ -33,11 +33,11 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
         ..scaling
     };
     let gain = |gain| ScalingParams {
-        curvature_gain: CurvatureGain::Fixed(gain),
+        curvature_gain: Adaptive::Fixed(gain),
         ..magnitude(1e3, 0.5)
     };
     let white = |level| ScalingParams {
-        white_level: WhiteLevel::Fixed(level),
+        white_level: Adaptive::Fixed(level),
         ..scaling
     };
     let everything_an_edge = ShapeParams {

@@ -3,7 +3,7 @@
 use crate::frame::NormalSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding};
 use crate::io::photo::ViewTransform;
-use crate::params::{CurvatureGain, ScalingParams, ShapeParams, SoftThreshold, WhiteLevel};
+use crate::params::{Adaptive, ScalingParams, ShapeParams, SoftThreshold};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -26,7 +26,7 @@ pub(super) enum Command {
     Inspect(InspectArgs),
     /// Write the shape descriptor: layers to an EXR, or the coloured curvature display to a picture.
     #[command(after_help = SHAPE_EXAMPLES)]
-    Shape(ShapeArgs),
+    Shape(WorkArgs),
     /// Bring out the shape in the shading that a picture already has.
     #[command(after_help = ENHANCE_EXAMPLES)]
     Enhance(EnhanceArgs),
@@ -62,8 +62,9 @@ pub(super) struct InspectArgs {
     pub(super) json: bool,
 }
 
+/// What `shape` and `enhance` share.
 #[derive(Debug, Args)]
-pub(super) struct ShapeArgs {
+pub(super) struct WorkArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
@@ -71,8 +72,6 @@ pub(super) struct ShapeArgs {
     pub(super) roles: RoleArgs,
     #[command(flatten)]
     pub(super) shape: ShapeFlags,
-    #[command(flatten)]
-    pub(super) gain: GainFlag,
     #[command(flatten)]
     pub(super) output: OutputArgs,
     #[command(flatten)]
@@ -81,21 +80,10 @@ pub(super) struct ShapeArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct EnhanceArgs {
-    /// The render or photo.
-    #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
     #[command(flatten)]
-    pub(super) roles: RoleArgs,
-    #[command(flatten)]
-    pub(super) shape: ShapeFlags,
-    #[command(flatten)]
-    pub(super) gain: GainFlag,
+    pub(super) work: WorkArgs,
     #[command(flatten)]
     pub(super) scaling: ScalingFlags,
-    #[command(flatten)]
-    pub(super) output: OutputArgs,
-    #[command(flatten)]
-    pub(super) run: RunArgs,
 }
 
 /// Which layers and files play which role.
@@ -195,6 +183,9 @@ pub(super) struct ShapeFlags {
     /// Angle between neighbouring normals, in degrees, that makes a crease.
     #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.crease)]
     crease: SoftThreshold,
+    /// Curvature gain in pixels, or auto to fit the frame.
+    #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain, allow_negative_numbers = true)]
+    pub(super) curvature_gain: Adaptive,
 }
 
 impl ShapeFlags {
@@ -209,15 +200,6 @@ impl ShapeFlags {
     }
 }
 
-/// How curvature is mapped to -1..1.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Shape")]
-pub(super) struct GainFlag {
-    /// Curvature gain in pixels, or auto to fit the frame.
-    #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain, allow_negative_numbers = true)]
-    pub(super) curvature_gain: CurvatureGain,
-}
-
 /// How the picture is scaled.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Radiance scaling")]
@@ -230,15 +212,15 @@ pub(super) struct ScalingFlags {
     invariant_point: f32,
     /// Luminance that counts as intensity 1, or auto to fit the picture.
     #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level, allow_negative_numbers = true)]
-    white_level: WhiteLevel,
+    white_level: Adaptive,
 }
 
 impl ScalingFlags {
-    pub(super) fn params(&self, gain: &GainFlag) -> ScalingParams {
+    pub(super) fn params(&self, curvature_gain: Adaptive) -> ScalingParams {
         ScalingParams {
             scaling: self.scaling,
             invariant_point: self.invariant_point,
-            curvature_gain: gain.curvature_gain,
+            curvature_gain,
             white_level: self.white_level,
         }
     }

@@ -1,7 +1,7 @@
 //! `relievo inspect`.
 
 use super::args::InspectArgs;
-use super::message::{self, finding_line};
+use super::message;
 use crate::error::{Error, Result};
 use crate::io::{self, Finding, PartSurvey, Survey};
 use serde::Serialize;
@@ -98,7 +98,12 @@ fn text(inspection: &Inspection) -> String {
     }
     let _ = writeln!(out, "  conclusions");
     for finding in findings {
-        let _ = writeln!(out, "    {}", finding_line(finding));
+        let _ = writeln!(out, "    {:<20} {}", finding.subject, finding.conclusion);
+        let _ = writeln!(
+            out,
+            "      {}; force with {}",
+            finding.evidence, finding.flag
+        );
     }
     for warning in warnings {
         let _ = writeln!(out, "    warning: {warning}");

@@ -3,6 +3,7 @@
 mod args;
 mod enhance;
 mod inspect;
+mod job;
 mod message;
 mod output;
 mod shape;

@@ -1,45 +1,41 @@
 //! `relievo shape`.
 
-use super::args::ShapeArgs;
-use super::output::{DISPLAY_REFERRED, Job, Kind};
-use crate::backend::cpu::{self, Outcome};
+use super::args::WorkArgs;
+use super::job::Job;
+use super::output::Kind;
+use crate::backend::cpu::Outcome;
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
-use crate::io;
 use crate::io::exr::{OutputChannel, OutputType};
-use crate::io::photo::Picture;
+use crate::io::photo::{Picture, ViewTransform};
 use crate::params::ScalingParams;
-use crate::plan::{Available, Goal, Plan};
-use std::time::Instant;
+use crate::plan::Goal;
 
-pub(super) fn run(args: &ShapeArgs) -> Result<()> {
-    let job = Job::new(&args.input, &args.roles, &args.output, &args.run)?;
-    let shape = args.shape.params();
-    shape.validate()?;
+pub(super) fn run(args: &WorkArgs) -> Result<()> {
+    let job = Job::new(args)?;
     let goal = match job.kind {
         Kind::Exr => Goal::Layers,
         Kind::Picture(_) => Goal::Display,
     };
-
-    let start = Instant::now();
-    let loaded = io::load(&args.roles.inputs(&args.input), false)?;
-    let read = start.elapsed();
-    job.tell_findings(&loaded);
-
-    let frame = &loaded.frame;
-    let scaling = ScalingParams {
-        curvature_gain: args.gain.curvature_gain,
-        ..ScalingParams::default()
-    };
-    let plan = Plan::new(goal, Available::in_frame(frame), shape, scaling)?;
-    job.tell_plan(&plan);
-    let outcome = cpu::run(&plan, frame);
-
-    let write = match job.kind {
+    let curvature_gain = args.shape.curvature_gain;
+    let done = job.run(
+        goal,
+        ScalingParams {
+            curvature_gain,
+            ..ScalingParams::default()
+        },
+    )?;
+    match job.kind {
         Kind::Picture(format) => {
-            let color = outcome.color.as_ref().expect("the plan made a display");
-            let transform = DISPLAY_REFERRED;
+            let color = done
+                .outcome
+                .color
+                .as_ref()
+                .expect("the plan made a display");
+            // The display's colours are meant for the screen as they are.
+            let transform = ViewTransform::None;
             job.write_picture(
+                &done,
                 format,
                 &Picture {
                     color,
@@ -47,17 +43,17 @@ pub(super) fn run(args: &ShapeArgs) -> Result<()> {
                     bits: 8,
                     transform,
                 },
-            )?
+            )
         }
         Kind::Exr => {
             let stored = args
                 .output
                 .depth_of_output
                 .map_or(OutputType::Float, Into::into);
-            job.write_exr(&loaded, descriptor_channels(frame, &outcome, stored))?
+            let channels = descriptor_channels(&done.loaded.frame, &done.outcome, stored);
+            job.write_exr(&done, channels)
         }
-    };
-    job.finish(frame, &outcome, read, write)
+    }
 }
 
 /// The layers of the contract, under its names.

@@ -3,74 +3,41 @@
 use crate::error::{Error, Result};
 use serde::Serialize;
 
-/// How curvature per pixel is mapped to -1..1.
+/// A number above 0 that is given, or chosen from the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum CurvatureGain {
-    /// Chosen from the frame, so that an ordinary bump on it is clearly seen.
+pub enum Adaptive {
+    /// Chosen from the frame.
     Auto,
-    /// Given, in pixels: a bump of this radius maps to tanh(2).
+    /// Given.
     Fixed(f32),
 }
 
-impl std::fmt::Display for CurvatureGain {
+impl std::fmt::Display for Adaptive {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Auto => write!(f, "auto"),
-            Self::Fixed(gain) => write!(f, "{gain}"),
+            Self::Fixed(value) => write!(f, "{value}"),
         }
     }
 }
 
-impl std::str::FromStr for CurvatureGain {
+impl std::str::FromStr for Adaptive {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let fixed = || {
+            text.parse()
+                .ok()
+                .filter(|v: &f32| v.is_finite() && *v > 0.0)
+        };
         match text {
             "auto" => Ok(Self::Auto),
-            _ => positive(text)
+            _ => fixed()
                 .map(Self::Fixed)
                 .ok_or("expected auto or a number above 0".into()),
         }
     }
-}
-
-/// The luminance that counts as full intensity when a finished picture is scaled.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum WhiteLevel {
-    /// A high percentile of the surface's own luminance.
-    Auto,
-    /// Given, scene-linear.
-    Fixed(f32),
-}
-
-impl std::fmt::Display for WhiteLevel {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Auto => write!(f, "auto"),
-            Self::Fixed(level) => write!(f, "{level}"),
-        }
-    }
-}
-
-impl std::str::FromStr for WhiteLevel {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "auto" => Ok(Self::Auto),
-            _ => positive(text)
-                .map(Self::Fixed)
-                .ok_or("expected auto or a number above 0".into()),
-        }
-    }
-}
-
-fn positive(text: &str) -> Option<f32> {
-    text.parse()
-        .ok()
-        .filter(|v: &f32| v.is_finite() && *v > 0.0)
 }
 
 /// How radiance scaling alters a shading ([RS] section 4.2).
@@ -82,10 +49,13 @@ pub struct ScalingParams {
     /// Scaling-invariant point alpha, in (0, 1): intensities above it brighten on convexities and
     /// below it darken; concavities the other way round. Toward 0 convexities only brighten.
     pub invariant_point: f32,
-    /// How curvature is mapped to -1..1.
-    pub curvature_gain: CurvatureGain,
-    /// The luminance that counts as intensity 1.
-    pub white_level: WhiteLevel,
+    /// Gain of the curvature mapped to -1..1, in pixels: a ball of this radius maps to tanh(2). `Auto`
+    /// takes one that shows an ordinary bump of the frame clearly. Low gains show sharp features only;
+    /// high ones saturate, and draw noise.
+    pub curvature_gain: Adaptive,
+    /// The scene-linear luminance that counts as intensity 1. `Auto` takes a high percentile of the
+    /// surface's own. Above it every intensity scales alike.
+    pub white_level: Adaptive,
 }
 
 impl Default for ScalingParams {
@@ -93,8 +63,8 @@ impl Default for ScalingParams {
         Self {
             scaling: 1.0,
             invariant_point: 0.25,
-            curvature_gain: CurvatureGain::Auto,
-            white_level: WhiteLevel::Auto,
+            curvature_gain: Adaptive::Auto,
+            white_level: Adaptive::Auto,
         }
     }
 }

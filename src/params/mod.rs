@@ -3,5 +3,5 @@
 mod light;
 mod shape;
 
-pub use light::{CurvatureGain, ScalingParams, WhiteLevel};
+pub use light::{Adaptive, ScalingParams};
 pub use shape::{ShapeParams, SoftThreshold};

@@ -7,7 +7,7 @@ pub use explain::Decision;
 
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::params::{CurvatureGain, ScalingParams, ShapeParams, WhiteLevel};
+use crate::params::{Adaptive, ScalingParams, ShapeParams};
 use serde::Serialize;
 
 /// What a run is asked for.
@@ -142,9 +142,9 @@ pub(crate) fn scales(scaling: &ScalingParams) -> bool {
 }
 
 pub(crate) fn chooses_gain(scaling: &ScalingParams) -> bool {
-    scaling.curvature_gain == CurvatureGain::Auto
+    scaling.curvature_gain == Adaptive::Auto
 }
 
 pub(crate) fn chooses_white(scaling: &ScalingParams) -> bool {
-    scaling.white_level == WhiteLevel::Auto
+    scaling.white_level == Adaptive::Auto
 }

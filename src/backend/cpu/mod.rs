@@ -6,7 +6,7 @@ mod passes;
 mod statistics;
 
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
-use crate::params::{CurvatureGain, WhiteLevel};
+use crate::params::Adaptive;
 use crate::plan::{Plan, Stage};
 use std::time::{Duration, Instant};
 
@@ -145,8 +145,8 @@ impl Run<'_> {
 
     fn choose_gain(&mut self, trace: &Plane, conductance: &Plane) -> f32 {
         let gain = match self.plan.scaling.curvature_gain {
-            CurvatureGain::Fixed(gain) => gain,
-            CurvatureGain::Auto => self.timed("auto-gain", || {
+            Adaptive::Fixed(gain) => gain,
+            Adaptive::Auto => self.timed("auto-gain", || {
                 statistics::curvature_gain(trace, conductance)
             }),
         };
@@ -179,8 +179,8 @@ impl Run<'_> {
             .expect("radiance scaling needs a picture");
         let weights = light::luminance_weights(frame);
         let white = match plan.scaling.white_level {
-            WhiteLevel::Fixed(level) => level,
-            WhiteLevel::Auto => self.timed("auto-white", || {
+            Adaptive::Fixed(level) => level,
+            Adaptive::Auto => self.timed("auto-white", || {
                 statistics::white_level(color, weights, &frame.mask)
             }),
         };
