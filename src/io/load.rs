@@ -8,7 +8,7 @@ use super::roles::Role;
 use super::sources::{Opened, RolePlanes, RoleSource, read_all};
 use super::view::{Surface, View, turn_to_view};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, Plane, Source, Vector3Planes, Window};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, Source, Vector3Planes, Window};
 use serde::Serialize;
 use std::rc::Rc;
 
@@ -60,79 +60,73 @@ impl Loaded {
 pub fn load(inputs: &Inputs, with_color: bool) -> Result<Loaded> {
     let main = Opened::open(&inputs.picture)?;
     let sources = Sources::resolve(inputs, &main, with_color)?;
-    let window = sources.common_window()?;
+    let data_window = sources.common_window()?;
+    let (display_window, pixel_aspect) = shown(&main, data_window);
     let mut planes = sources.read()?;
     let mut notes = Notes::about(&sources);
 
-    let stored = planes
+    let mut normal = planes
         .vector(Role::Normal)
         .expect("normals are always resolved");
-    let encoding = notes.encoding(inputs, &sources, &stored);
-    let mut normal = stored;
+    let encoding = notes.encoding(inputs, &sources, &normal);
     normals::decode(&mut normal, encoding, inputs.normal_flip);
-    let mut depth = planes.scalar(Role::Depth);
     let (color, alpha) = planes.color(&mut notes);
-    let user_mask = planes.scalar(Role::Mask);
+    let mut depth = planes.scalar(Role::Depth);
     let mask = coverage::coverage(&Evidence {
         normal: &normal,
         depth: depth.as_ref(),
         alpha: alpha.as_ref(),
-        mask: user_mask.as_ref(),
+        mask: planes.scalar(Role::Mask).as_ref(),
     });
-    let lengths = normals::normalise(&mut normal, mask.plane());
+    notes.on_coverage(&mask);
     if let Some(depth) = &mut depth {
         coverage::blank_outside(depth, &mask);
     }
+    let lengths = normals::normalise(&mut normal, mask.plane());
 
-    let (display_window, pixel_aspect) = shown(&main, window);
     let position = planes.vector(Role::Position);
     let surface = Surface {
         mask: &mask,
         position: position.as_ref(),
         depth: depth.as_ref(),
-        data_window: window,
+        data_window,
         display_window,
         pixel_aspect,
     };
     let View { camera, findings } = turn_to_view(inputs, &surface, &mut normal)?;
     notes.findings.extend(findings);
-    if mask.count() == 0 {
-        notes
-            .warnings
-            .push("no pixel shows a surface: nothing to do".into());
-    }
 
-    let occlusion = planes
-        .scalar(Role::Occlusion)
-        .or_else(|| varying(alpha.as_ref()));
     let frame = Frame {
-        data_window: window,
+        data_window,
         display_window,
         pixel_aspect,
         mask,
         normal,
         normal_length: (encoding == NormalEncoding::Signed).then_some(lengths),
         depth,
-        occlusion,
+        occlusion: planes
+            .scalar(Role::Occlusion)
+            .or_else(|| varying(alpha.as_ref())),
         color,
         alpha,
         camera,
         source: origin(&main),
     };
-    let Notes { findings, warnings } = notes;
-    let photo_bits = match main.as_ref() {
-        Opened::Photo { photo, .. } => Some(photo.bits),
-        Opened::Exr { .. } => None,
-    };
-    let color_is_half = sources.get(Role::Color).is_some_and(RoleSource::is_half);
     Ok(Loaded {
         frame,
-        findings,
-        warnings,
-        photo_bits,
-        color_is_half,
+        findings: notes.findings,
+        warnings: notes.warnings,
+        photo_bits: photo_bits(&main),
+        color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
         main,
     })
+}
+
+fn photo_bits(main: &Opened) -> Option<u8> {
+    match main {
+        Opened::Photo { photo, .. } => Some(photo.bits),
+        Opened::Exr { .. } => None,
+    }
 }
 
 /// The sources of all roles that this run reads.
@@ -337,6 +331,13 @@ impl Notes {
             })
             .collect();
         Self { findings, warnings }
+    }
+
+    fn on_coverage(&mut self, mask: &Mask) {
+        if mask.count() == 0 {
+            self.warnings
+                .push("no pixel shows a surface: nothing to do".into());
+        }
     }
 
     fn encoding(
