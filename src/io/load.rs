@@ -313,9 +313,9 @@ impl Notes {
             .iter()
             .map(|source| Finding {
                 subject: source.role.name(),
-                conclusion: source.label(),
+                conclusion: source.label().into(),
                 evidence: format!("from {}", source.file.path().display()),
-                flag: format!("--{} \"{}\"", source.role.name(), source.label()),
+                flag: source.flag(),
             })
             .collect();
         let data = [Role::Normal, Role::Depth, Role::Position];

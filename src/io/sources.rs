@@ -157,11 +157,21 @@ impl RoleSource {
     }
 
     /// What messages call this source.
-    pub(super) fn label(&self) -> String {
+    pub(super) fn label(&self) -> &str {
         match &self.layer {
-            Some(layer) if layer.layer.is_empty() => "bare channels".into(),
-            Some(layer) => layer.layer.clone(),
-            None => self.file.path().display().to_string(),
+            Some(layer) if layer.layer.is_empty() => "bare channels",
+            Some(layer) => &layer.layer,
+            None => "the whole picture",
+        }
+    }
+
+    /// The flag that would choose this source; bare channels have no name to be chosen by.
+    pub(super) fn flag(&self) -> String {
+        let role = self.role.name();
+        match &self.layer {
+            Some(layer) if layer.layer.is_empty() => format!("--{role} NAME|FILE"),
+            Some(layer) => format!("--{role} \"{}\"", layer.layer),
+            None => format!("--{role} \"{}\"", self.file.path().display()),
         }
     }
 

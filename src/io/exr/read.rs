@@ -75,7 +75,7 @@ impl ExrFile {
                     needed >> 20,
                     self.limits.max_bytes >> 20
                 ),
-                remedy: "crop it, read fewer layers or raise the limit",
+                remedy: "crop it, or name fewer layers",
             }),
         }
     }
