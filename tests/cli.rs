@@ -610,6 +610,34 @@ fn help_and_version_are_results() {
     assert!(bare.stderr.contains("Usage"));
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_behind_stdout_is_told_and_one_behind_stderr_is_survived() {
+    let full = || fs::OpenOptions::new().write(true).open("/dev/full");
+    let gears = fixture("gears.exr");
+    let inspect = Command::new(env!("CARGO_BIN_EXE_relievo"))
+        .args([OsStr::new("inspect"), gears.as_os_str()])
+        .stdout(full().unwrap())
+        .output()
+        .unwrap();
+    let told = String::from_utf8(inspect.stderr).unwrap();
+    assert_eq!(inspect.status.code(), Some(1), "{told}");
+    assert!(told.starts_with("error: stdout: cannot write"), "{told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
+
+    for (input, code) in [(gears.as_path(), 0), (Path::new("none.exr"), 1)] {
+        let desk = Desk::new();
+        let enhance = Command::new(env!("CARGO_BIN_EXE_relievo"))
+            .args([OsStr::new("enhance"), input.as_os_str(), OsStr::new("-o")])
+            .arg(desk.path("a.png"))
+            .stderr(full().unwrap())
+            .status()
+            .unwrap();
+        assert_eq!(enhance.code(), Some(code));
+        assert_eq!(desk.path("a.png").exists(), code == 0);
+    }
+}
+
 // What is refused.
 
 #[test]

@@ -36,9 +36,9 @@ pub(super) fn run(args: &InspectArgs) -> Result<()> {
     }
     if args.json {
         let json = serde_json::to_string_pretty(&inspections).expect("plain data serialises");
-        message::result(&format!("{json}\n"));
+        message::result(&format!("{json}\n"))?;
     } else {
-        message::result(&inspections.iter().map(text).collect::<String>());
+        message::result(&inspections.iter().map(text).collect::<String>())?;
     }
     failed.map_or(Ok(()), Err)
 }

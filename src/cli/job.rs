@@ -59,7 +59,7 @@ impl<'a> Job<'a> {
         let read = start.elapsed();
         self.tell_findings(&loaded);
         let plan = Plan::new(goal, Available::in_frame(&loaded.frame), shape, scaling)?;
-        self.tell_plan(&plan);
+        self.tell_plan(&plan)?;
         let outcome = cpu::run(&plan, &loaded.frame);
         Ok(Done {
             loaded,
@@ -71,7 +71,7 @@ impl<'a> Job<'a> {
     fn tell_findings(&self, loaded: &Loaded) {
         if self.args.run.verbose {
             for finding in &loaded.findings {
-                eprintln!("{}", message::finding_line(finding));
+                message::say(&message::finding_line(finding));
             }
         }
         for warning in &loaded.warnings {
@@ -80,14 +80,15 @@ impl<'a> Job<'a> {
         }
     }
 
-    fn tell_plan(&self, plan: &Plan) {
+    fn tell_plan(&self, plan: &Plan) -> Result<()> {
         if self.args.run.explain {
             let lines = plan
                 .decisions()
                 .iter()
                 .map(|decision| format!("{decision}\n"));
-            message::result(&lines.collect::<String>());
+            message::result(&lines.collect::<String>())?;
         }
+        Ok(())
     }
 
     /// Writes colours to a display file and ends the run.
@@ -135,7 +136,7 @@ impl<'a> Job<'a> {
                 .map(|white| format!("white level {white:.4}, "));
             let chosen: String = gain.into_iter().chain(white).collect();
             let path = self.args.output.output.display();
-            eprintln!("{path}: {chosen}{:.2} s", total.as_secs_f64());
+            message::say(&format!("{path}: {chosen}{:.2} s", total.as_secs_f64()));
         }
         Ok(())
     }

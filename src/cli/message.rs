@@ -1,14 +1,15 @@
 //! What is said on stderr, and the exit codes.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::io::Finding;
 use clap::error::ErrorKind;
 use std::io::Write;
+use std::path::Path;
 
 /// Prints an error as one line.
 pub(super) fn error(error: &Error) {
     let line = error.to_string().replace('\n', " ");
-    eprintln!("error: {line}");
+    say(&format!("error: {line}"));
 }
 
 /// 2 for what the user can mend on the command line, 1 for everything else.
@@ -35,10 +36,8 @@ pub(super) fn misuse(error: &clap::Error) -> i32 {
             .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
             .filter(|line| !line.is_empty())
             .collect();
-        eprintln!(
-            "{}; see --help",
-            message.join(" ").replace(" tip:", "; tip:")
-        );
+        let message = message.join(" ").replace(" tip:", "; tip:");
+        say(&format!("{message}; see --help"));
     }
     error.exit_code()
 }
@@ -46,7 +45,7 @@ pub(super) fn misuse(error: &clap::Error) -> i32 {
 /// Prints a warning, unless told to be quiet.
 pub(super) fn warning(quiet: bool, text: &str) {
     if !quiet {
-        eprintln!("warning: {text}");
+        say(&format!("warning: {text}"));
     }
 }
 
@@ -61,8 +60,18 @@ pub(super) fn finding_line(finding: &Finding) -> String {
     format!("{subject:<16} {conclusion} ({evidence}; force with {flag})")
 }
 
-/// Writes results to stdout; a reader that has gone away is no error.
-pub(super) fn result(text: &str) {
+/// Writes one line to stderr. Where even that fails there is nobody left to tell.
+pub(super) fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Writes results to stdout; a reader that has gone away is no error, a full disk is.
+pub(super) fn result(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::io(Path::new("stdout"), "write")(error))
+        }
+        _ => Ok(()),
+    }
 }
