@@ -13,7 +13,7 @@ use relievo::plan::{Available, Goal, Plan};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 
-fn run(goal: Goal, frame: &Frame) -> Outcome {
+fn plan(goal: Goal, frame: &Frame) -> Plan {
     let shape = ShapeParams {
         iterations: 12,
         foreshortening: 0.5,
@@ -25,8 +25,11 @@ fn run(goal: Goal, frame: &Frame) -> Outcome {
         white_level: Adaptive::Fixed(0.6),
         ..ScalingParams::default()
     };
-    let plan = Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap();
-    cpu::run(&plan, frame)
+    Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
+}
+
+fn run(goal: Goal, frame: &Frame) -> Outcome {
+    cpu::run(&plan(goal, frame), frame)
 }
 
 /// Balls before each other and a slanted cylinder, in perspective, off centre: silhouettes, a
@@ -163,22 +166,21 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn a_crop_gives_the_same_bits_away_from_its_border() {
-    // 12 diffusion steps, then one pixel for the Hessian and one for the weights.
-    const REACH: i32 = 14;
     let part = Window {
         x0: 13,
         y0: 9,
         x1: 83,
         y1: 74,
     };
-    let inner = Window {
-        x0: part.x0 + REACH,
-        y0: part.y0 + REACH,
-        x1: part.x1 - REACH,
-        y1: part.y1 - REACH,
-    };
     for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
         let (whole, cropped) = (run(goal, frame), run(goal, &frame.crop(part)));
+        let reach = plan(goal, frame).reach() as i32;
+        let inner = Window {
+            x0: part.x0 + reach,
+            y0: part.y0 + reach,
+            x1: part.x1 - reach,
+            y1: part.y1 - reach,
+        };
         for ((name, a), (_, b)) in all_planes(&whole).into_iter().zip(all_planes(&cropped)) {
             let (a, b) = (a.crop(frame.data_window, inner), b.crop(part, inner));
             assert!(a == b, "{name} differs inside the crop");

@@ -7,7 +7,7 @@ use crate::backend::cpu::{self, Outcome};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::exr::OutputChannel;
-use crate::io::output::{refuse_overwriting_input, write_atomically};
+use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
 use crate::io::photo::{Picture, PictureFormat, write_picture};
 use crate::io::{self, Loaded};
 use crate::params::ScalingParams;
@@ -142,7 +142,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// No output may be an input or another output, nor an older file that must stay.
+/// No output may be an input or another output, nor an older file that must stay, nor out of reach.
 fn refuse_collisions(args: &WorkArgs) -> Result<()> {
     let output = &args.output.output;
     let inputs = args.roles.files(&args.input);
@@ -165,7 +165,7 @@ fn refuse_collisions(args: &WorkArgs) -> Result<()> {
             remedy: "choose another name or leave out --no-clobber".into(),
         });
     }
-    Ok(())
+    check_writable(output, true)
 }
 
 fn timings_json(

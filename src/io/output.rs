@@ -27,6 +27,17 @@ pub fn write_atomically(
     persist(temporary, &target, clobber).map_err(failed)
 }
 
+/// Refuses a `path` that [`write_atomically`] could not write to, before any work is done for it.
+///
+/// # Errors
+/// [`Error::Io`] if its directory is missing, if it is a directory or another thing that is not a
+/// file, or if it exists and `clobber` is false.
+pub fn check_writable(path: &Path, clobber: bool) -> Result<()> {
+    check_target(path, clobber)
+        .map(|_| ())
+        .map_err(Error::io(path, "write"))
+}
+
 /// Refuses an `output`, given as the flag `name`, that is one of the `inputs`, by whatever name or
 /// link.
 pub fn refuse_overwriting_input<'a>(

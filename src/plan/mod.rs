@@ -8,6 +8,7 @@ pub use explain::Decision;
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::params::{Adaptive, ScalingParams, ShapeParams};
+use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
 
 /// What a run is asked for.
@@ -128,6 +129,17 @@ impl Plan {
     /// Whether `stage` is part of the plan.
     pub fn has(&self, stage: Stage) -> bool {
         self.stages.contains(&stage)
+    }
+
+    /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
+    /// this distance to its border on, unless a gain or white level is chosen from the frame.
+    pub fn reach(&self) -> usize {
+        let steps = if self.has(Stage::Diffusion) {
+            self.shape.iterations as usize
+        } else {
+            0
+        };
+        EDGE_REACH + steps * diffusion::REACH + hessian::REACH
     }
 
     /// Every stage there is, kept or left out, and why.

@@ -11,6 +11,9 @@ pub mod gradient;
 pub mod hessian;
 pub mod silhouette;
 
+/// Pixels that edge weights read to each side.
+pub const EDGE_REACH: usize = 1;
+
 /// Three neighbouring rows of one plane: above, at and below the row being computed. At the border
 /// of a picture the row beyond it is the border row again.
 #[derive(Debug, Clone, Copy)]

@@ -46,7 +46,7 @@ impl Scaler {
                 for x in mask.span(y).filter(|&x| covered[x] && trace[x] != 0.0) {
                     let sigma = self.sigma([r[x], g[x], b[x]], trace[x]);
                     for channel in [&mut *r, &mut *g, &mut *b] {
-                        channel[x] *= sigma;
+                        channel[x] = (channel[x] * sigma).clamp(-f32::MAX, f32::MAX);
                     }
                 }
             });
