@@ -7,7 +7,7 @@
 
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Source, Vector3Planes, Window};
-use relievo::params::{ScalingParams, ShapeParams};
+use relievo::params::{Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 use std::time::Duration;
 
@@ -36,14 +36,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("|---|---|---|---|---|---|---|");
     for iterations in [0, 10, 50] {
         let shape = ShapeParams {
-            iterations,
+            scale: Scale::Iterations(iterations),
             foreshortening: 1.0,
             ..ShapeParams::default()
         };
         let available = Available::in_frame(&frame);
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
         let runs: Vec<Outcome> = (0..=repeats).map(|_| cpu::run(&plan, &frame)).collect();
-        let (mean, largest) = errors(&runs[0], &shape);
+        let (mean, largest) = errors(&runs[0], &shape, iterations);
         print_stages(iterations, mean, largest, &runs[1..], width * height);
     }
     Ok(())
@@ -85,7 +85,7 @@ fn waves(width: usize, height: usize) -> Frame {
 }
 
 /// Mean and largest error of the trace, relative to its largest value, a wave away from the border.
-fn errors(outcome: &Outcome, shape: &ShapeParams) -> (f64, f64) {
+fn errors(outcome: &Outcome, shape: &ShapeParams, iterations: u32) -> (f64, f64) {
     let trace = outcome
         .shape
         .trace
@@ -94,7 +94,7 @@ fn errors(outcome: &Outcome, shape: &ShapeParams) -> (f64, f64) {
     // Each step multiplies a product of waves by 1 - 4 dt (1 - cos k).
     let step = 1.0 - 4.0 * f64::from(shape.time_step) * (1.0 - K.cos());
     let peak = 2.0 * A * K * K;
-    let decayed = peak * step.powi(shape.iterations as i32);
+    let decayed = peak * step.powi(iterations as i32);
     let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
     for y in 64..trace.height().saturating_sub(64) {
         for x in 64..trace.width().saturating_sub(64) {

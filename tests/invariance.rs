@@ -8,14 +8,20 @@ use common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_
 use glam::DVec3;
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{Frame, Plane, Window};
-use relievo::params::{Adaptive, ScalingParams, ShapeParams};
+use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 
-const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+/// Every goal, with diffusion by steps and by expansion.
+const CASES: [(Goal, Scale); 4] = [
+    (Goal::Layers, Scale::Iterations(8)),
+    (Goal::Layers, Scale::Sigma(2.0)),
+    (Goal::Display, Scale::Sigma(1.5)),
+    (Goal::Enhance, Scale::Iterations(12)),
+];
 
-fn plan(goal: Goal, frame: &Frame) -> Plan {
+fn plan((goal, scale): (Goal, Scale), frame: &Frame) -> Plan {
     let shape = ShapeParams {
-        iterations: 12,
+        scale,
         foreshortening: 0.5,
         ..ShapeParams::default()
     };
@@ -28,8 +34,8 @@ fn plan(goal: Goal, frame: &Frame) -> Plan {
     Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
 }
 
-fn run(goal: Goal, frame: &Frame) -> Outcome {
-    cpu::run(&plan(goal, frame), frame)
+fn run(case: (Goal, Scale), frame: &Frame) -> Outcome {
+    cpu::run(&plan(case, frame), frame)
 }
 
 /// Balls before each other and a slanted cylinder, in perspective, off centre: silhouettes, a
@@ -112,8 +118,8 @@ fn assert_same_bits(one: &Outcome, other: &Outcome) {
 
 #[test]
 fn a_mirrored_picture_gives_the_mirrored_result() {
-    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
-        let (plain, turned) = (run(goal, frame), run(goal, &mirrored(frame)));
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let (plain, turned) = (run(case, frame), run(case, &mirrored(frame)));
         for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
             assert_close(name, found, &mirrored_plane(expected));
         }
@@ -130,8 +136,8 @@ fn a_mirrored_picture_gives_the_mirrored_result() {
 
 #[test]
 fn a_turned_picture_gives_the_turned_result() {
-    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
-        let (plain, turned) = (run(goal, frame), run(goal, &quarter_turned(frame)));
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let (plain, turned) = (run(case, frame), run(case, &quarter_turned(frame)));
         for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
             assert_close(name, found, &quarter_turned_plane(expected));
         }
@@ -149,17 +155,17 @@ fn a_turned_picture_gives_the_turned_result() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let with_threads = |threads, goal, frame: &Frame| {
+    let with_threads = |threads, case, frame: &Frame| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| run(goal, frame))
+        pool.install(|| run(case, frame))
     };
-    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
-        let alone = with_threads(1, goal, frame);
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let alone = with_threads(1, case, frame);
         for threads in [2, 3, 8] {
-            assert_same_bits(&alone, &with_threads(threads, goal, frame));
+            assert_same_bits(&alone, &with_threads(threads, case, frame));
         }
     }
 }
@@ -172,9 +178,9 @@ fn a_crop_gives_the_same_bits_away_from_its_border() {
         x1: 83,
         y1: 74,
     };
-    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
-        let (whole, cropped) = (run(goal, frame), run(goal, &frame.crop(part)));
-        let reach = plan(goal, frame).reach() as i32;
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let (whole, cropped) = (run(case, frame), run(case, &frame.crop(part)));
+        let reach = plan(case, frame).reach() as i32;
         let inner = Window {
             x0: part.x0 + reach,
             y0: part.y0 + reach,
@@ -191,23 +197,23 @@ fn a_crop_gives_the_same_bits_away_from_its_border() {
 #[test]
 fn moving_the_windows_changes_nothing() {
     // A picture without a camera may lie anywhere: overscan, negative origins.
-    for (mut frame, goal) in frames()
+    for (mut frame, case) in frames()
         .into_iter()
-        .flat_map(|f| GOALS.map(|goal| (f.clone(), goal)))
+        .flat_map(|f| CASES.map(|case| (f.clone(), case)))
     {
         frame.camera = None;
-        let here = run(goal, &frame);
+        let here = run(case, &frame);
         frame.data_window = Window::at(-500, 30_000, 96, 80);
-        assert_same_bits(&here, &run(goal, &frame));
+        assert_same_bits(&here, &run(case, &frame));
     }
 }
 
 #[test]
 fn what_lies_outside_the_mask_changes_nothing_inside() {
-    for (frame, goal) in frames().iter().flat_map(|f| GOALS.map(|goal| (f, goal))) {
-        let clean = run(goal, frame);
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let clean = run(case, frame);
         for poison in [f32::NAN, f32::INFINITY, -1e30] {
-            let spoiled = run(goal, &poisoned(frame, poison));
+            let spoiled = run(case, &poisoned(frame, poison));
             for ((name, a), (_, b)) in all_planes(&clean).into_iter().zip(all_planes(&spoiled)) {
                 for y in 0..80 {
                     for x in frame.mask.span(y).filter(|&x| frame.mask.at(x, y)) {

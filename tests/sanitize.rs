@@ -10,7 +10,7 @@ use relievo::frame::{ColorPlanes, Frame, Mask, NormalSpace, Plane, Vector3Planes
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Loaded};
-use relievo::params::{Adaptive, ScalingParams, ShapeParams, SoftThreshold};
+use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
 use relievo::plan::{Available, Goal, Plan};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
@@ -20,7 +20,7 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let step = |at| SoftThreshold { lo: at, hi: at };
     let iterations = |iterations| ShapeParams {
-        iterations,
+        scale: Scale::Iterations(iterations),
         ..shape
     };
     let foreshortening = |foreshortening| ShapeParams {
@@ -300,7 +300,7 @@ fn very_wide_and_very_tall_frames_pass() {
 #[test]
 fn long_diffusion_settles() {
     let many = ShapeParams {
-        iterations: 20_000,
+        scale: Scale::Iterations(20_000),
         ..ShapeParams::default()
     };
     let settings = [("20000 steps", many, ScalingParams::default())];

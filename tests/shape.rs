@@ -6,7 +6,7 @@ use common::scenes::{Scene, Surface, trace_of_gradient_on_ball};
 use glam::{DMat3, DQuat, DVec3};
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{Frame, Plane};
-use relievo::params::{ScalingParams, ShapeParams};
+use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
 
 /// The whole descriptor of `frame`.
@@ -20,7 +20,7 @@ fn described(frame: &Frame, shape: ShapeParams) -> Outcome {
 fn exact_settings(foreshortening: f32) -> ShapeParams {
     ShapeParams {
         foreshortening,
-        iterations: 0,
+        scale: Scale::Iterations(0),
         ..ShapeParams::default()
     }
 }
@@ -317,7 +317,7 @@ fn diffusing(iterations: u32) -> ShapeParams {
     };
     ShapeParams {
         crease: never,
-        iterations,
+        scale: Scale::Iterations(iterations),
         ..exact_settings(1.0)
     }
 }
@@ -394,21 +394,75 @@ fn diffusion_keeps_the_mean() {
     );
 }
 
-#[test]
-fn an_open_wave_decays_at_its_own_rate() {
-    // The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the step with Neumann
-    // borders: each step multiplies it by 1 - 2 dt (1 - cos k).
+/// The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the operator with Neumann
+/// borders, of eigenvalue -2 (1 - cos k). Returns how far a diffused one is from `decay` of itself.
+fn wave_error(settings: ShapeParams, decay: impl Fn(f64) -> f64) -> f64 {
     let k = 2.0 * std::f64::consts::PI / 32.0;
     let wave = |x: usize| 0.5 * (k * (x as f64 + 0.5)).cos();
-    let outcome = described(
-        &sloping(64, |x, _| [wave(x), 0.0], |_, _| 1.0),
-        diffusing(50),
-    );
+    let outcome = described(&sloping(64, |x, _| [wave(x), 0.0], |_, _| 1.0), settings);
     let gradient = outcome.shape.gradient.unwrap();
-    let decay = (1.0 - 0.4 * (1.0 - k.cos())).powi(50);
-    for x in 0..64 {
-        let error = f64::from(gradient.x.at(x, 20)) - decay * wave(x);
-        assert!(error.abs() < 2e-6, "off by {error} at column {x}");
+    let decay = decay(-2.0 * (1.0 - k.cos()));
+    let errors = (0..64).map(|x| (f64::from(gradient.x.at(x, 20)) - decay * wave(x)).abs());
+    errors.fold(0.0, f64::max)
+}
+
+#[test]
+fn an_open_wave_decays_at_its_own_rate() {
+    // Each step multiplies by 1 + dt times the eigenvalue.
+    let stepped = ShapeParams {
+        solver: Solver::Explicit,
+        ..diffusing(50)
+    };
+    assert!(wave_error(stepped, |eigenvalue| (1.0 + 0.2 * eigenvalue).powi(50)) < 2e-6);
+    // A time t = sigma^2 / 2 multiplies by e to the t times the eigenvalue.
+    for sigma in [1.0_f32, 3.16, 10.0, 28.0, 100.0] {
+        let time = 0.5 * f64::from(sigma).powi(2);
+        let settings = ShapeParams {
+            scale: Scale::Sigma(sigma),
+            ..diffusing(0)
+        };
+        let error = wave_error(settings, |eigenvalue| (time * eigenvalue).exp());
+        assert!(error < 1e-4, "sigma {sigma}: {error}");
+    }
+}
+
+#[test]
+fn the_expansion_stays_within_its_tolerance_of_the_steps() {
+    // Slopes up to 20 at the floor of n_z, silhouettes, creases and a border of coverage.
+    let scenes = [
+        Scene::two_balls(55.0, 80.0, 128.3, 127.6).in_perspective(),
+        Scene::box_corner(false, 0.3, 128.3, 127.6),
+    ];
+    for frame in scenes.map(|scene| scene.frame(256, 256)) {
+        for count in [1, 10, 50, 200] {
+            let stepped = ShapeParams {
+                solver: Solver::Explicit,
+                ..wide(count)
+            };
+            let steps = described(&frame, stepped).shape.gradient.unwrap();
+            for tolerance in [1e-2, 1e-4] {
+                let expanded = ShapeParams {
+                    tolerance,
+                    ..wide(count)
+                };
+                let found = described(&frame, expanded).shape.gradient.unwrap();
+                let pairs = found.x.samples().iter().zip(steps.x.samples());
+                let error = pairs.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
+                // Rounding of slopes up to 20 in the recurrence adds to the tolerance.
+                assert!(
+                    error < tolerance + 1e-4,
+                    "{count} steps, {tolerance}: off by {error}"
+                );
+            }
+        }
+    }
+}
+
+/// The viewer's height field after this many steps.
+fn wide(count: u32) -> ShapeParams {
+    ShapeParams {
+        scale: Scale::Iterations(count),
+        ..exact_settings(1.0)
     }
 }
 
@@ -417,6 +471,17 @@ fn unstable_steps_are_refused() {
     for time_step in [0.26, 1.0, 0.0, -0.1, f32::NAN] {
         let shape = ShapeParams {
             time_step,
+            ..ShapeParams::default()
+        };
+        let available = Available {
+            depth: true,
+            occlusion: false,
+        };
+        assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
+    }
+    for scale in [-1.0, f32::NAN, f32::INFINITY, 1e6] {
+        let shape = ShapeParams {
+            scale: Scale::Sigma(scale),
             ..ShapeParams::default()
         };
         let available = Available {

@@ -3,7 +3,7 @@
 use crate::frame::NormalSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding};
 use crate::io::photo::ViewTransform;
-use crate::params::{Adaptive, ScalingParams, ShapeParams, SoftThreshold};
+use crate::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -171,9 +171,23 @@ impl RoleArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Shape")]
 pub(super) struct ShapeFlags {
-    /// Diffusion steps: more show larger features only.
-    #[arg(long, value_name = "N", default_value_t = SHAPE.iterations)]
+    /// Size of the features to find, as diffusion steps: more show larger ones only.
+    #[arg(long, value_name = "N", default_value_t = default_iterations())]
     iterations: u32,
+    /// The same in pixels, as the sigma of a Gaussian, in place of --iterations.
+    #[arg(
+        long,
+        value_name = "PX",
+        conflicts_with = "iterations",
+        allow_negative_numbers = true
+    )]
+    scale: Option<f32>,
+    /// How diffusion is computed.
+    #[arg(long, value_name = "SOLVER", default_value = "chebyshev")]
+    solver: SolverArg,
+    /// Largest error of a slope that the Chebyshev solver may add.
+    #[arg(long, value_name = "E", default_value_t = SHAPE.tolerance, allow_negative_numbers = true)]
+    tolerance: f32,
     /// Foreshortening of the gradient: 0 as an object, 1 as the viewer's height field.
     #[arg(long, value_name = "F", default_value_t = SHAPE.foreshortening, allow_negative_numbers = true)]
     foreshortening: f32,
@@ -188,10 +202,30 @@ pub(super) struct ShapeFlags {
     pub(super) curvature_gain: Adaptive,
 }
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SolverArg {
+    Chebyshev,
+    Explicit,
+}
+
+fn default_iterations() -> u32 {
+    match SHAPE.scale {
+        Scale::Iterations(count) => count,
+        Scale::Sigma(_) => unreachable!("the default scale is told in steps"),
+    }
+}
+
 impl ShapeFlags {
     pub(super) fn params(&self) -> ShapeParams {
         ShapeParams {
-            iterations: self.iterations,
+            scale: self
+                .scale
+                .map_or(Scale::Iterations(self.iterations), Scale::Sigma),
+            solver: match self.solver {
+                SolverArg::Chebyshev => Solver::Chebyshev,
+                SolverArg::Explicit => Solver::Explicit,
+            },
+            tolerance: self.tolerance,
             foreshortening: self.foreshortening,
             silhouette: self.silhouette,
             crease: self.crease,

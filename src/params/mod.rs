@@ -4,4 +4,4 @@ mod light;
 mod shape;
 
 pub use light::{Adaptive, ScalingParams};
-pub use shape::{ShapeParams, SoftThreshold};
+pub use shape::{Scale, ShapeParams, SoftThreshold, Solver};

@@ -1,6 +1,6 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
-use super::{Available, Goal, Stage, chooses_gain, chooses_white, scales};
+use super::{Available, Goal, Stage, Sweeps, chooses_gain, chooses_white, scales};
 use crate::params::{ScalingParams, ShapeParams};
 use serde::Serialize;
 
@@ -51,6 +51,7 @@ pub(super) fn decide(
     goal: Goal,
     available: Available,
     shape: &ShapeParams,
+    sweeps: &Sweeps,
     scaling: &ScalingParams,
 ) -> Vec<Decision> {
     let idle = goal == Goal::Enhance && !scales(scaling);
@@ -69,13 +70,9 @@ pub(super) fn decide(
             ),
             rule(
                 Stage::Diffusion,
-                shape.iterations > 0,
-                format!(
-                    "{} steps, scale {:.2} px",
-                    shape.iterations,
-                    shape.scale_px()
-                ),
-                "--iterations 0",
+                sweeps.count() > 0,
+                format!("scale {:.2} px, {}", shape.scale_px(), sweeps.described()),
+                "a scale of 0",
             ),
             rule(
                 Stage::Trace,
@@ -221,7 +218,7 @@ mod tests {
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {
-            iterations,
+            scale: crate::params::Scale::Iterations(iterations),
             ..ShapeParams::default()
         };
         Plan::new(goal, available, shape, ScalingParams::default()).unwrap()

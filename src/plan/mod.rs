@@ -2,8 +2,10 @@
 //! stages needed and no others. A plan touches no pixel.
 
 mod explain;
+mod sweeps;
 
 pub use explain::Decision;
+pub use sweeps::Sweeps;
 
 use crate::error::Result;
 use crate::frame::Frame;
@@ -89,6 +91,8 @@ pub struct Plan {
     pub shape: ShapeParams,
     /// How light is scaled; used by [`Goal::Enhance`], its gain by all.
     pub scaling: ScalingParams,
+    /// How the gradient is diffused.
+    pub sweeps: Sweeps,
     stages: Vec<Stage>,
     decisions: Vec<Decision>,
 }
@@ -106,7 +110,8 @@ impl Plan {
     ) -> Result<Self> {
         shape.validate()?;
         scaling.validate()?;
-        let decisions = explain::decide(goal, available, &shape, &scaling);
+        let sweeps = Sweeps::new(&shape);
+        let decisions = explain::decide(goal, available, &shape, &sweeps, &scaling);
         let stages = decisions
             .iter()
             .filter(|d| d.kept)
@@ -116,6 +121,7 @@ impl Plan {
             goal,
             shape,
             scaling,
+            sweeps,
             stages,
             decisions,
         })
@@ -134,12 +140,12 @@ impl Plan {
     /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
     /// this distance to its border on, unless a gain or white level is chosen from the frame.
     pub fn reach(&self) -> usize {
-        let steps = if self.has(Stage::Diffusion) {
-            self.shape.iterations as usize
+        let sweeps = if self.has(Stage::Diffusion) {
+            self.sweeps.count()
         } else {
             0
         };
-        EDGE_REACH + steps * diffusion::REACH + hessian::REACH
+        EDGE_REACH + sweeps * diffusion::REACH + hessian::REACH
     }
 
     /// Every stage there is, kept or left out, and why.

@@ -1,8 +1,12 @@
 //! Anisotropic diffusion of the gradient: the scale of the descriptor.
 //!
 //! Theory: dg/ds = div(c grad g) ([LW] section 4.3), Neumann at the border of the picture and of
-//! coverage. Here by explicit steps, stable up to a time step of 1/4. Changes: face conductances
-//! are harmonic means, so the scheme is conservative and a closed silhouette leaks exactly nothing.
+//! coverage. Changes: face conductances are harmonic means, so the operator is conservative and a
+//! closed silhouette leaks exactly nothing. Practice: one sweep of the operator serves both solvers,
+//! the paper's explicit steps, stable up to a time step of 1/4, and [`super::chebyshev`].
+
+use crate::shape::Rows;
+use std::ops::Range;
 
 /// Face conductances around one row of pixels.
 #[derive(Debug, Clone, Copy)]
@@ -18,13 +22,17 @@ pub struct Faces<'a> {
 /// Pixels read to each side by one step.
 pub const REACH: usize = 1;
 
-/// One explicit step for the columns of `span`: `g + dt * sum c_ij (g_j - g_i)` over 4 neighbours.
-pub fn diffuse_row(
+/// One sweep of the diffusion operator over the columns of `span`: `out = combine(out, g, Lg)` with
+/// `Lg = sum c_ij (g_j - g_i)` over the 4 neighbours.
+///
+/// An explicit step combines to `g + dt Lg`; a Chebyshev recurrence to `-Lg/2 - 2g - out`.
+#[inline(always)]
+pub fn sweep_row(
     out: &mut [f32],
-    g: &crate::shape::Rows,
+    g: &Rows,
     faces: &Faces,
-    time_step: f32,
-    span: std::ops::Range<usize>,
+    span: Range<usize>,
+    combine: impl Fn(f32, f32, f32) -> f32,
 ) {
     if span.is_empty() {
         return;
@@ -43,18 +51,19 @@ pub fn diffuse_row(
             faces.above[x],
             faces.below[x],
         ];
-        diffused(g.at[x], sides, joined, time_step)
+        flux(g.at[x], sides, joined)
     };
-    let (first, end) = (span.start.max(1), span.end.min(last));
     if span.start == 0 {
-        out[0] = edge(0);
+        out[0] = combine(out[0], g.at[0], edge(0));
     }
-    if span.end == last + 1 {
-        out[last] = edge(last);
+    if span.end == last + 1 && last > 0 {
+        out[last] = combine(out[last], g.at[last], edge(last));
     }
+    let (first, end) = (span.start.max(1), span.end.min(last));
     if first >= end {
         return;
     }
+    // Slices of one length: the loop below is vectorised.
     let n = end - first;
     let (out, at) = (&mut out[first..end], &g.at[first..end]);
     let (west, east) = (&g.at[first - 1..][..n], &g.at[first + 1..][..n]);
@@ -64,15 +73,15 @@ pub fn diffuse_row(
     for x in 0..n {
         let sides = [west[x], east[x], north[x], south[x]];
         let joined = [to_west[x], to_east[x], to_north[x], to_south[x]];
-        out[x] = diffused(at[x], sides, joined, time_step);
+        out[x] = combine(out[x], at[x], flux(at[x], sides, joined));
     }
 }
 
-/// A sample after one step, from its neighbours west, east, north and south and the conductances
-/// of the faces to them. Opposite neighbours are summed first: a mirrored or turned picture gives
-/// the same bits.
+/// What flows into a sample from its neighbours west, east, north and south through faces of the given
+/// conductances. Opposite neighbours are summed first: a mirrored or turned picture gives the same
+/// bits.
 #[inline(always)]
-fn diffused(g: f32, sides: [f32; 4], joined: [f32; 4], time_step: f32) -> f32 {
-    let flux = |i: usize| joined[i] * (sides[i] - g);
-    g + time_step * ((flux(0) + flux(1)) + (flux(2) + flux(3)))
+fn flux(g: f32, sides: [f32; 4], joined: [f32; 4]) -> f32 {
+    let through = |i: usize| joined[i] * (sides[i] - g);
+    (through(0) + through(1)) + (through(2) + through(3))
 }

@@ -3,6 +3,7 @@
 //! Rows run down while y points up: `d/dy` is (row above - row below) / 2. Every kernel says how
 //! many pixels it reads to each side.
 
+pub mod chebyshev;
 pub mod conductance;
 pub mod crease;
 pub mod curvature;

@@ -1,5 +1,6 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
+mod diffusion;
 mod edges;
 mod light;
 mod passes;
@@ -105,7 +106,7 @@ impl Run<'_> {
         let gradient = if plan.has(Stage::Diffusion) {
             let mask = &frame.mask;
             self.timed("diffusion", || {
-                passes::diffusion(gradient, &edges.conductance, mask, &plan.shape)
+                diffusion::diffusion(gradient, &edges.conductance, mask, &plan.sweeps)
             })
         } else {
             gradient

@@ -3,11 +3,9 @@
 use super::{CurvaturePlanes, ROWS_PER_TASK};
 use crate::frame::{Frame, Mask, Plane, SymmetricPlanes, Vector2Planes};
 use crate::params::ShapeParams;
-use crate::shape::conductance::face_conductance_row;
 use crate::shape::curvature::{
     mapped_curvature as kappa, principal_curvatures, principal_direction,
 };
-use crate::shape::diffusion::{Faces, diffuse_row};
 use crate::shape::gradient::depth_gradient;
 use crate::shape::{Rows, hessian as hessian_kernel};
 use glam::{Vec2, Vec3};
@@ -32,73 +30,6 @@ pub(super) fn gradient(frame: &Frame, params: &ShapeParams) -> Vector2Planes {
         }
     });
     Vector2Planes { x, y }
-}
-
-/// The gradient after all explicit steps.
-pub(super) fn diffusion(
-    gradient: Vector2Planes,
-    conductance: &Plane,
-    mask: &Mask,
-    params: &ShapeParams,
-) -> Vector2Planes {
-    let faces = FacePlanes::between(conductance);
-    let mut now = gradient;
-    let mut next = now.clone();
-    for _ in 0..params.iterations {
-        for (now, next) in [(&now.x, &mut next.x), (&now.y, &mut next.y)] {
-            diffuse_step(now, next, &faces, mask, params.time_step);
-        }
-        std::mem::swap(&mut now, &mut next);
-    }
-    now
-}
-
-fn diffuse_step(now: &Plane, next: &mut Plane, faces: &FacePlanes, mask: &Mask, time_step: f32) {
-    next.samples_mut()
-        .par_chunks_mut(now.width())
-        .enumerate()
-        .with_min_len(ROWS_PER_TASK)
-        .for_each(|(y, out)| {
-            let row = Rows::around(now, y);
-            diffuse_row(out, &row, &faces.around(y), time_step, mask.span(y));
-        });
-}
-
-/// Conductances of all faces between pixels: `left` has a column more than the picture, `above` a
-/// row more; the faces around the picture are closed.
-struct FacePlanes {
-    left: Plane,
-    above: Plane,
-}
-
-impl FacePlanes {
-    fn between(conductance: &Plane) -> Self {
-        let (width, height) = (conductance.width(), conductance.height());
-        let mut left = Plane::filled(width + 1, height, 0.0);
-        let mut above = Plane::filled(width, height + 1, 0.0);
-        left.samples_mut()
-            .par_chunks_mut(width + 1)
-            .enumerate()
-            .for_each(|(y, out)| {
-                let row = conductance.row(y);
-                face_conductance_row(&mut out[1..width], row, &row[1..]);
-            });
-        above.samples_mut()[width..width * height]
-            .par_chunks_mut(width)
-            .enumerate()
-            .for_each(|(y, out)| {
-                face_conductance_row(out, conductance.row(y), conductance.row(y + 1))
-            });
-        Self { left, above }
-    }
-
-    fn around(&self, y: usize) -> Faces<'_> {
-        Faces {
-            left: self.left.row(y),
-            above: self.above.row(y),
-            below: self.above.row(y + 1),
-        }
-    }
 }
 
 /// Trace of the Hessian.

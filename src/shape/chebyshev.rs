@@ -1,0 +1,171 @@
+//! Diffusion without stepping: the same linear operator, exponentiated by a Chebyshev expansion.
+//!
+//! Theory: the conductances do not change while the gradient diffuses ([LW] section 4.3), so a time t
+//! of diffusion is exp(tL) with one symmetric operator L, whose spectrum lies in [-8, 0]. With
+//! X = -L/4 - 1, whose spectrum lies in [-1, 1], exp(tL) = sum a_k(t) T_k(X). Changes: the paper takes
+//! N explicit steps, (1 + dt L)^N; that is a polynomial of L too and is met by other coefficients of the
+//! same recurrence, in fewer applications of L. Practice: the largest error is bounded by the sum of
+//! the |a_k| left out times the largest value, so the degree is chosen from the tolerance before any
+//! pixel is touched.
+
+/// How far the gradient is diffused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Spread {
+    /// Exactly, for this time: a Gaussian of sigma `sqrt(2 t)` pixels in the open.
+    Time(f64),
+    /// As N explicit steps of this length would.
+    Steps {
+        /// Number of steps.
+        count: u32,
+        /// Length of a step, at most 1/4.
+        time_step: f64,
+    },
+}
+
+impl Spread {
+    /// What an eigenvector of L is multiplied by, where `x` in [-1, 1] is its eigenvalue of X.
+    fn factor(self, x: f64) -> f64 {
+        let eigenvalue = -4.0 * (1.0 + x);
+        match self {
+            Self::Time(t) => (t * eigenvalue).exp(),
+            Self::Steps { count, time_step } => {
+                (1.0 + time_step * eigenvalue).powi(count.min(i32::MAX as u32) as i32)
+            }
+        }
+    }
+
+    /// An upper bound of the degree that any tolerance needs: the expansion of N steps ends at N, and
+    /// that of a time t falls below 1e-17 well before this.
+    fn largest_degree(self) -> usize {
+        match self {
+            Self::Time(t) => 32 + (14.0 * t.max(0.0).sqrt()) as usize,
+            Self::Steps { count, time_step } => {
+                let as_time = Self::Time(f64::from(count) * time_step).largest_degree();
+                as_time.min(count as usize)
+            }
+        }
+    }
+}
+
+/// Coefficients a_0..a_n of the expansion, n the least degree for which the result is within
+/// `tolerance` of the exact one, relative to the largest value diffused.
+///
+/// Half of the tolerance bounds what is left out, the sum of all |a_k| beyond n. The other half goes
+/// into making the sum over a constant exactly 1, so that the mean is kept whatever the tolerance.
+pub fn coefficients(spread: Spread, tolerance: f64) -> Vec<f64> {
+    let mut kept = truncated(spread, 0.5 * tolerance);
+    // A constant has the eigenvalue X = -1, where T_k is (-1)^k.
+    let constant: f64 = kept
+        .iter()
+        .enumerate()
+        .map(|(k, a)| if k % 2 == 0 { *a } else { -a })
+        .sum();
+    kept[0] += 1.0 - constant;
+    kept
+}
+
+/// Factors smaller than this add nothing to a coefficient in double precision.
+const NEGLIGIBLE: f64 = 1e-18;
+
+/// The expansion up to the least degree whose remainder is at most `tolerance`.
+///
+/// The coefficients are a cosine transform of the factor, sampled so finely that aliases fall below
+/// 1e-15; for long times nearly all samples are negligible.
+fn truncated(spread: Spread, tolerance: f64) -> Vec<f64> {
+    let largest = spread.largest_degree();
+    let samples = 2 * (largest + 16);
+    let factors: Vec<(f64, f64)> = (0..samples)
+        .map(|j| std::f64::consts::PI * (j as f64 + 0.5) / samples as f64)
+        .map(|angle| (angle, spread.factor(angle.cos())))
+        .filter(|(_, factor)| factor.abs() > NEGLIGIBLE)
+        .collect();
+    let coefficient = |k: usize| {
+        let sum: f64 = factors
+            .iter()
+            .map(|(angle, f)| f * (k as f64 * angle).cos())
+            .sum();
+        sum * if k == 0 { 1.0 } else { 2.0 } / samples as f64
+    };
+    let mut all: Vec<f64> = (0..=largest).map(coefficient).collect();
+    let mut remainder = 0.0;
+    while all.len() > 1 {
+        remainder += all[all.len() - 1].abs();
+        if remainder > tolerance {
+            break;
+        }
+        all.pop();
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn degree(spread: Spread, tolerance: f64) -> usize {
+        truncated(spread, tolerance).len() - 1
+    }
+
+    #[test]
+    fn the_degree_follows_the_square_root_of_time() {
+        // Degrees at 1e-4 and 1e-6 from scaled Bessel functions, summed in double precision.
+        for (t, coarse, fine) in [
+            (5.0, 18, 23),
+            (10.0, 25, 32),
+            (50.0, 55, 69),
+            (400.0, 156, 196),
+        ] {
+            assert_eq!(degree(Spread::Time(t), 1e-4), coarse, "t {t}");
+            assert_eq!(degree(Spread::Time(t), 1e-6), fine, "t {t}");
+        }
+    }
+
+    #[test]
+    fn explicit_steps_take_fewer_applications() {
+        for (count, coarse, fine) in [(10, 10, 10), (50, 24, 30), (200, 49, 61)] {
+            let spread = Spread::Steps {
+                count,
+                time_step: 0.2,
+            };
+            assert_eq!(degree(spread, 1e-4), coarse, "{count} steps");
+            assert_eq!(degree(spread, 1e-6), fine, "{count} steps");
+        }
+    }
+
+    #[test]
+    fn the_expansion_is_the_factor_to_the_tolerance() {
+        for spread in [
+            Spread::Time(0.0),
+            Spread::Time(0.3),
+            Spread::Time(50.0),
+            Spread::Time(1e5),
+            Spread::Steps {
+                count: 1,
+                time_step: 0.2,
+            },
+            Spread::Steps {
+                count: 37,
+                time_step: 0.25,
+            },
+        ] {
+            for tolerance in [1e-2, 1e-5, 1e-9] {
+                let a = coefficients(spread, tolerance);
+                let alternating = a
+                    .iter()
+                    .enumerate()
+                    .map(|(k, a)| a * (-1.0f64).powi(k as i32));
+                assert!((alternating.sum::<f64>() - 1.0).abs() < 1e-13, "{spread:?}");
+                for i in 0..=200 {
+                    let theta = std::f64::consts::PI * f64::from(i) / 200.0;
+                    let sum: f64 = a
+                        .iter()
+                        .enumerate()
+                        .map(|(k, a)| a * (k as f64 * theta).cos())
+                        .sum();
+                    let error = (sum - spread.factor(theta.cos())).abs();
+                    assert!(error <= tolerance + 1e-13, "{spread:?} at {theta}: {error}");
+                }
+            }
+        }
+    }
+}
