@@ -7,7 +7,7 @@
 
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Source, Vector3Planes, Window};
-use relievo::params::{Scale, ScalingParams, ShapeParams};
+use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
 use std::time::Duration;
 
@@ -32,19 +32,31 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "{width}x{height}, {} threads, {repeats} runs\n",
         rayon::current_num_threads()
     );
-    println!("| iterations | mean error | largest error | stage | min ms | median ms | Mpix/s |");
-    println!("|---|---|---|---|---|---|---|");
-    for iterations in [0, 10, 50] {
+    println!(
+        "| steps | solver | mean error | largest error | stage | min ms | median ms | Mpix/s |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    let runs = [
+        (0, Solver::Explicit),
+        (10, Solver::Explicit),
+        (50, Solver::Explicit),
+        (50, Solver::Chebyshev),
+        (200, Solver::Explicit),
+        (200, Solver::Chebyshev),
+    ];
+    for (steps, solver) in runs {
         let shape = ShapeParams {
-            scale: Scale::Iterations(iterations),
+            scale: Scale::Iterations(steps),
+            solver,
             foreshortening: 1.0,
             ..ShapeParams::default()
         };
         let available = Available::in_frame(&frame);
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
         let runs: Vec<Outcome> = (0..=repeats).map(|_| cpu::run(&plan, &frame)).collect();
-        let (mean, largest) = errors(&runs[0], &shape, iterations);
-        print_stages(iterations, mean, largest, &runs[1..], width * height);
+        let (mean, largest) = errors(&runs[0], &shape, steps);
+        let label = format!("{steps} | {solver:?} | {mean:.1e} | {largest:.1e}");
+        print_stages(&label, &runs[1..], width * height);
     }
     Ok(())
 }
@@ -85,7 +97,7 @@ fn waves(width: usize, height: usize) -> Frame {
 }
 
 /// Mean and largest error of the trace, relative to its largest value, a wave away from the border.
-fn errors(outcome: &Outcome, shape: &ShapeParams, iterations: u32) -> (f64, f64) {
+fn errors(outcome: &Outcome, shape: &ShapeParams, steps: u32) -> (f64, f64) {
     let trace = outcome
         .shape
         .trace
@@ -94,7 +106,7 @@ fn errors(outcome: &Outcome, shape: &ShapeParams, iterations: u32) -> (f64, f64)
     // Each step multiplies a product of waves by 1 - 4 dt (1 - cos k).
     let step = 1.0 - 4.0 * f64::from(shape.time_step) * (1.0 - K.cos());
     let peak = 2.0 * A * K * K;
-    let decayed = peak * step.powi(iterations as i32);
+    let decayed = peak * step.powi(steps as i32);
     let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
     for y in 64..trace.height().saturating_sub(64) {
         for x in 64..trace.width().saturating_sub(64) {
@@ -108,12 +120,12 @@ fn errors(outcome: &Outcome, shape: &ShapeParams, iterations: u32) -> (f64, f64)
     (sum / f64::from(count.max(1)), largest)
 }
 
-fn print_stages(iterations: u32, mean: f64, largest: f64, runs: &[Outcome], pixels: usize) {
+fn print_stages(label: &str, runs: &[Outcome], pixels: usize) {
     let row = |stage: &str, mut times: Vec<Duration>| {
         times.sort();
         let (min, median) = (times[0].as_secs_f64(), times[times.len() / 2].as_secs_f64());
         println!(
-            "| {iterations} | {mean:.1e} | {largest:.1e} | {stage} | {:.2} | {:.2} | {:.1} |",
+            "| {label} | {stage} | {:.2} | {:.2} | {:.1} |",
             1e3 * min,
             1e3 * median,
             pixels as f64 / 1e6 / median

@@ -33,7 +33,9 @@ fn stepped(g: Plane, faces: &FacePlanes, mask: &Mask, count: u32, time_step: f32
     let mut now = g;
     let mut next = now.clone();
     for _ in 0..count {
-        sweep(&mut next, &now, faces, mask, |_, g, lg| g + time_step * lg);
+        sweep(&mut next, &now, faces, mask, None, move |_, g, lg| {
+            g + time_step * lg
+        });
         std::mem::swap(&mut now, &mut next);
     }
     now
@@ -42,34 +44,35 @@ fn stepped(g: Plane, faces: &FacePlanes, mask: &Mask, count: u32, time_step: f32
 /// The sum of a_k T_k(X) g with X = -L/4 - 1, by the recurrence T_k+1 = 2 X T_k - T_k-1.
 fn expanded(g: Plane, faces: &FacePlanes, mask: &Mask, coefficients: &[f32]) -> Plane {
     let mut sum = g.map(|v| coefficients[0] * v);
-    let Some(&first) = coefficients.get(1) else {
-        return sum;
-    };
     let mut before = g;
     let mut now = before.clone();
-    sweep(&mut now, &before, faces, mask, |_, g, lg| -0.25 * lg - g);
-    add_scaled(&mut sum, &now, first, mask);
-    for &coefficient in &coefficients[2..] {
-        sweep(&mut before, &now, faces, mask, |before, g, lg| {
-            -0.5 * lg - 2.0 * g - before
-        });
-        std::mem::swap(&mut now, &mut before);
-        add_scaled(&mut sum, &now, coefficient, mask);
+    for (k, &coefficient) in coefficients.iter().enumerate().skip(1) {
+        let sum = Some((&mut sum, coefficient));
+        if k == 1 {
+            sweep(&mut now, &before, faces, mask, sum, |_, g, lg| {
+                -0.25 * lg - g
+            });
+        } else {
+            let next = |before, g, lg| -0.5 * lg - 2.0 * g - before;
+            sweep(&mut before, &now, faces, mask, sum, next);
+            std::mem::swap(&mut now, &mut before);
+        }
     }
     sum
 }
 
-/// One sweep of the operator over the covered columns of every row.
+/// One sweep of the operator over the covered columns of every row; with `sum`, each row is then added
+/// to it, scaled, while it is at hand.
 fn sweep(
     out: &mut Plane,
     g: &Plane,
     faces: &FacePlanes,
     mask: &Mask,
+    sum: Option<(&mut Plane, f32)>,
     combine: impl Fn(f32, f32, f32) -> f32 + Sync,
 ) {
     let width = g.width();
-    let rows = out.samples_mut().par_chunks_mut(width).enumerate();
-    rows.with_min_len(ROWS_PER_TASK).for_each(|(y, out)| {
+    let swept = |y: usize, out: &mut [f32]| {
         sweep_row(
             out,
             &Rows::around(g, y),
@@ -77,18 +80,25 @@ fn sweep(
             mask.span(y),
             &combine,
         );
-    });
-}
-
-fn add_scaled(sum: &mut Plane, plane: &Plane, factor: f32, mask: &Mask) {
-    let width = plane.width();
-    let rows = sum.samples_mut().par_chunks_mut(width).enumerate();
-    rows.with_min_len(ROWS_PER_TASK).for_each(|(y, sum)| {
-        let span = mask.span(y);
-        for (sum, value) in sum[span.clone()].iter_mut().zip(&plane.row(y)[span]) {
-            *sum += factor * value;
-        }
-    });
+    };
+    let rows = out.samples_mut().par_chunks_mut(width);
+    match sum {
+        None => rows
+            .enumerate()
+            .with_min_len(ROWS_PER_TASK)
+            .for_each(|(y, out)| swept(y, out)),
+        Some((sum, factor)) => rows
+            .zip(sum.samples_mut().par_chunks_mut(width))
+            .enumerate()
+            .with_min_len(ROWS_PER_TASK)
+            .for_each(|(y, (out, sum))| {
+                swept(y, out);
+                let span = mask.span(y);
+                for (sum, value) in sum[span.clone()].iter_mut().zip(&out[span]) {
+                    *sum += factor * value;
+                }
+            }),
+    }
 }
 
 /// Conductances of all faces between pixels: `left` has a column more than the picture, `above` a
