@@ -6,7 +6,7 @@ use relievo::backend::cpu;
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::write_atomically;
 use relievo::io::photo::{Picture, PictureFormat, ViewTransform, write_picture};
-use relievo::io::{self, inputs::Inputs};
+use relievo::io::{self, Needs, inputs::Inputs};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
@@ -24,7 +24,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             picture,
             ..Inputs::default()
         },
-        true,
+        Needs {
+            color: true,
+            projection: false,
+        },
     )?
     .frame;
     let made = |goal| -> Result<ColorPlanes, Box<dyn std::error::Error>> {

@@ -7,13 +7,13 @@
 //!
 //! ```
 //! use relievo::backend::cpu;
-//! use relievo::io::{self, inputs::Inputs};
+//! use relievo::io::{self, Needs, inputs::Inputs};
 //! use relievo::params::{ScalingParams, ShapeParams};
 //! use relievo::plan::{Available, Goal, Plan};
 //!
 //! # fn main() -> relievo::Result<()> {
 //! let inputs = Inputs { picture: "fixtures/bust.exr".into(), ..Inputs::default() };
-//! let frame = io::load(&inputs, true)?.frame;
+//! let frame = io::load(&inputs, Needs { color: true, projection: false })?.frame;
 //! let plan = Plan::new(
 //!     Goal::Enhance,
 //!     Available::in_frame(&frame),

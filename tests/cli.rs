@@ -350,7 +350,14 @@ fn mask_of(path: &Path) -> Vec<bool> {
         picture: path.to_path_buf(),
         ..Inputs::default()
     };
-    let loaded = relievo::io::load(&inputs, false).unwrap();
+    let loaded = relievo::io::load(
+        &inputs,
+        relievo::io::Needs {
+            color: false,
+            projection: true,
+        },
+    )
+    .unwrap();
     loaded.frame.mask.plane().samples().to_vec()
 }
 

@@ -472,7 +472,14 @@ impl Render {
             normal_space: Some(NormalSpace::View),
             ..Inputs::default()
         };
-        io::load(&inputs, true).unwrap()
+        io::load(
+            &inputs,
+            io::Needs {
+                color: true,
+                projection: true,
+            },
+        )
+        .unwrap()
     }
 }
 

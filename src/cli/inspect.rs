@@ -3,10 +3,16 @@
 use super::args::InspectArgs;
 use super::message;
 use crate::error::{Error, Result};
-use crate::io::{self, Finding, PartSurvey, Survey};
+use crate::io::{self, Finding, Needs, PartSurvey, Survey};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+
+/// The camera is worth knowing even where the normals need none.
+const EVERYTHING: Needs = Needs {
+    color: false,
+    projection: true,
+};
 
 /// What is known of one file; the JSON form of `inspect`, documented in the README.
 #[derive(Debug, Serialize)]
@@ -45,7 +51,7 @@ pub(super) fn run(args: &InspectArgs) -> Result<()> {
 
 fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
     let survey = io::survey(file)?;
-    let (findings, warnings, problem) = match io::load(&args.roles.inputs(file), false) {
+    let (findings, warnings, problem) = match io::load(&args.roles.inputs(file), EVERYTHING) {
         Ok(loaded) => (loaded.findings, loaded.warnings, None),
         Err(Error::Damaged { path, found }) => return Err(Error::Damaged { path, found }),
         Err(error) => (Vec::new(), Vec::new(), Some(error.to_string())),

@@ -9,7 +9,7 @@ use crate::frame::Frame;
 use crate::io::exr::OutputChannel;
 use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
 use crate::io::photo::{Picture, PictureFormat, write_picture};
-use crate::io::{self, Loaded};
+use crate::io::{self, Loaded, Needs};
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
@@ -55,7 +55,11 @@ impl<'a> Job<'a> {
         scaling.validate()?;
         let start = Instant::now();
         let inputs = self.args.roles.inputs(&self.args.input);
-        let loaded = io::load(&inputs, goal == Goal::Enhance)?;
+        let needs = Needs {
+            color: goal == Goal::Enhance,
+            projection: shape.foreshortening != 0.0,
+        };
+        let loaded = io::load(&inputs, needs)?;
         let read = start.elapsed();
         self.tell_findings(&loaded);
         let plan = Plan::new(goal, Available::in_frame(&loaded.frame), shape, scaling)?;

@@ -25,6 +25,16 @@ pub struct Finding {
     pub flag: String,
 }
 
+/// What a run needs of a frame beyond its shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// The picture.
+    pub color: bool,
+    /// How view space falls onto the picture: only a foreshortened gradient asks. A camera that is
+    /// needed for nothing else is then not looked for.
+    pub projection: bool,
+}
+
 /// A frame with all that was concluded on the way.
 pub struct Loaded {
     /// The frame, in view space.
@@ -50,16 +60,15 @@ impl Loaded {
     }
 }
 
-/// Reads the frame that `inputs` describe: normals, what silhouettes need, and, if `with_color`,
-/// the picture.
+/// Reads the frame that `inputs` describe: normals, what silhouettes need, and what else `needs` say.
 ///
 /// # Errors
 /// Any [`Error`] of reading; [`Error::MissingAov`] without normals or without a picture where one is
 /// wanted; [`Error::SizeMismatch`] for inputs of unlike windows; [`Error::Undetermined`] where
 /// neither names nor data tell the space of the normals.
-pub fn load(inputs: &Inputs, with_color: bool) -> Result<Loaded> {
+pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let main = Opened::open(&inputs.picture)?;
-    let sources = Sources::resolve(inputs, &main, with_color)?;
+    let sources = Sources::resolve(inputs, &main, needs.color)?;
     let data_window = sources.common_window()?;
     let (display_window, pixel_aspect) = shown(&main, data_window);
     let mut planes = sources.read()?;
@@ -93,7 +102,7 @@ pub fn load(inputs: &Inputs, with_color: bool) -> Result<Loaded> {
         display_window,
         pixel_aspect,
     };
-    let View { camera, findings } = turn_to_view(inputs, &surface, &mut normal)?;
+    let View { camera, findings } = turn_to_view(inputs, &surface, needs.projection, &mut normal)?;
     notes.findings.extend(findings);
 
     let frame = Frame {

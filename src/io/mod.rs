@@ -15,5 +15,5 @@ mod sources;
 mod survey;
 mod view;
 
-pub use load::{Finding, Loaded, load};
+pub use load::{Finding, Loaded, Needs, load};
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

@@ -24,27 +24,33 @@ pub(super) struct View {
     pub(super) findings: Vec<Finding>,
 }
 
-/// Turns unit normals to view space, in place.
+/// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn
+/// normals, to know their space, or because the projection is asked for.
 pub(super) fn turn_to_view(
     inputs: &Inputs,
     surface: &Surface,
+    projection: bool,
     normal: &mut Vector3Planes,
 ) -> Result<View> {
     let mut findings = Vec::new();
-    let camera = find_camera(inputs, surface, normal, &mut findings)?;
-    let space = match inputs.normal_space {
-        Some(space) => Reading {
-            space,
-            flip_z: false,
-            reason: "as told".into(),
-        },
-        None => judged(inputs, surface, normal, camera.as_ref(), &findings)?,
+    let spared = !projection && inputs.camera.is_none();
+    let unaided = spared.then(|| Reading::of(inputs, surface, normal, None, &[]).ok());
+    let in_view_already = unaided.flatten().filter(|r| r.space == NormalSpace::View);
+    let (reading, camera) = match in_view_already {
+        Some(reading) => (reading, None),
+        None => {
+            let camera = find_camera(inputs, surface, normal, &mut findings)?;
+            let reading = Reading::of(inputs, surface, normal, camera.as_ref(), &findings)?;
+            (reading, camera)
+        }
     };
-    findings.push(space.finding());
-    match (space.space, &camera) {
+    findings.push(reading.finding());
+    match (reading.space, &camera) {
         (NormalSpace::World, Some(camera)) => rotate(normal, camera),
-        (NormalSpace::World, None) => return Err(no_camera(inputs, &space.reason, &findings)),
-        (NormalSpace::View, _) if space.flip_z => {
+        (NormalSpace::World, None) => {
+            return Err(no_camera(inputs, &reading.reason, &findings));
+        }
+        (NormalSpace::View, _) if reading.flip_z => {
             normal.z.samples_mut().iter_mut().for_each(|z| *z = -*z);
         }
         (NormalSpace::View, _) => {}
@@ -60,6 +66,24 @@ struct Reading {
 }
 
 impl Reading {
+    /// The reading that was asked for, else the one that the data tell.
+    fn of(
+        inputs: &Inputs,
+        surface: &Surface,
+        normal: &Vector3Planes,
+        camera: Option<&Camera>,
+        findings: &[Finding],
+    ) -> Result<Self> {
+        match inputs.normal_space {
+            Some(space) => Ok(Self {
+                space,
+                flip_z: false,
+                reason: "as told".into(),
+            }),
+            None => judged(inputs, surface, normal, camera, findings),
+        }
+    }
+
     fn finding(&self) -> Finding {
         let (name, flag) = match (self.space, self.flip_z) {
             (NormalSpace::World, _) => ("world", "--normal-space world"),
