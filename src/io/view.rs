@@ -1,6 +1,8 @@
 //! The turn to view space: which camera, which space the normals were in, and why.
 
-use super::camera::{DepthKind, read_camera, recover_camera, recover_camera_from_depth};
+use super::camera::{
+    DepthKind, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth,
+};
 use super::inputs::Inputs;
 use super::load::Finding;
 use super::normal_space::{NormalSpaceConclusion, judge_normal_space};
@@ -168,12 +170,16 @@ fn find_camera(
     let (camera, evidence) = if let Some(path) = &inputs.camera {
         let camera = read_camera(path, surface.display_window, surface.pixel_aspect)?;
         (Some(camera), format!("from {}", path.display()))
-    } else if let Some(position) = surface.position {
-        from_positions(surface, position)
-    } else if let Some(depth) = surface.depth {
-        from_depth(surface, normal, depth)
     } else {
-        return Ok(None);
+        let recovered = match (surface.position, surface.depth) {
+            (Some(position), _) => from_positions(surface, position),
+            (None, Some(depth)) => from_depth(surface, normal, depth),
+            (None, None) => return Ok(None),
+        };
+        match recovered {
+            Ok((camera, evidence)) => (Some(camera), evidence),
+            Err(failure) => (None, failure.to_string()),
+        }
     };
     findings.push(Finding {
         subject: CAMERA.into(),
@@ -184,62 +190,43 @@ fn find_camera(
     Ok(camera)
 }
 
-fn from_positions(surface: &Surface, position: &Vector3Planes) -> (Option<Camera>, String) {
-    let Surface {
-        mask,
-        data_window,
-        display_window,
-        pixel_aspect,
-        ..
-    } = *surface;
-    match recover_camera(position, mask, data_window, display_window, pixel_aspect) {
-        Ok(found) => (
-            Some(found.camera),
-            format!(
-                "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
-                found.samples, found.residual_px_median, found.residual_px_p95
-            ),
-        ),
-        Err(failure) => (None, failure.to_string()),
-    }
+/// A recovered camera, and what it was recovered from.
+type Recovered = std::result::Result<(Camera, String), RecoveryFailure>;
+
+fn from_positions(surface: &Surface, position: &Vector3Planes) -> Recovered {
+    let found = recover_camera(
+        position,
+        surface.mask,
+        surface.data_window,
+        surface.display_window,
+        surface.pixel_aspect,
+    )?;
+    let evidence = format!(
+        "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
+        found.samples, found.residual_px_median, found.residual_px_p95
+    );
+    Ok((found.camera, evidence))
 }
 
-fn from_depth(
-    surface: &Surface,
-    normal: &Vector3Planes,
-    depth: &Plane,
-) -> (Option<Camera>, String) {
-    let Surface {
-        mask,
-        data_window,
-        display_window,
-        pixel_aspect,
-        ..
-    } = *surface;
+fn from_depth(surface: &Surface, normal: &Vector3Planes, depth: &Plane) -> Recovered {
     let found = recover_camera_from_depth(
         normal,
         depth,
-        mask,
-        data_window,
-        display_window,
-        pixel_aspect,
+        surface.mask,
+        surface.data_window,
+        surface.display_window,
+        surface.pixel_aspect,
+    )?;
+    let kind = match found.depth_kind {
+        DepthKind::Planar => "depth along the view axis",
+        DepthKind::Ray => "depth along the sight line",
+    };
+    let evidence = format!(
+        "recovered from normals and {kind}, rotation within {:.2} degrees, focal within {:.1} %",
+        found.rotation_uncertainty_deg,
+        100.0 * found.focal_uncertainty
     );
-    match found {
-        Ok(found) => {
-            let kind = match found.depth_kind {
-                DepthKind::Planar => "depth along the view axis",
-                DepthKind::Ray => "depth along the sight line",
-            };
-            let evidence = format!(
-                "recovered from normals and {kind}, rotation within {:.2} degrees, focal within \
-                 {:.1} %",
-                found.rotation_uncertainty_deg,
-                100.0 * found.focal_uncertainty
-            );
-            (Some(found.camera), evidence)
-        }
-        Err(failure) => (None, failure.to_string()),
-    }
+    Ok((found.camera, evidence))
 }
 
 /// The camera in words; its place only where something told it.

@@ -14,8 +14,3 @@ mod samples;
 pub use file::read_camera;
 pub use from_depth::{DepthCamera, DepthKind, recover_camera_from_depth};
 pub use recover::{RecoveredCamera, RecoveryFailure, recover_camera};
-
-#[cfg(test)]
-mod depth_scenes;
-#[cfg(test)]
-mod scenes;

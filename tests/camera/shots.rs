@@ -1,0 +1,209 @@
+//! Pictures of small scenes, by cameras that are known.
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use half::f16;
+use relievo::frame::{Camera, Plane, Projection, Window};
+
+/// What the sight lines meet.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Scene {
+    /// Two balls on a ground at height 0.
+    Balls,
+    /// The ground alone.
+    Ground,
+}
+
+const BALLS: [(DVec3, f64); 2] = [
+    (DVec3::new(0.0, 0.0, 1.0), 1.0),
+    (DVec3::new(1.4, 0.9, 0.5), 0.5),
+];
+
+/// What a sight line first meets.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen {
+    pub(crate) point: DVec3,
+    pub(crate) normal: DVec3,
+    /// How far away it is, in lengths of the sight line's vector.
+    pub(crate) steps: f64,
+    /// How far away it is.
+    pub(crate) distance: f64,
+}
+
+impl Scene {
+    fn seen(self, from: DVec3, along: DVec3) -> Option<Seen> {
+        let down = -from.z / along.z;
+        let near = (from + down * along).length() < 6.0;
+        let mut hits: Vec<(f64, DVec3)> = near.then_some((down, DVec3::Z)).into_iter().collect();
+        for (centre, radius) in BALLS.iter().filter(|_| self == Scene::Balls) {
+            let to = from - *centre;
+            let (a, b) = (along.length_squared(), to.dot(along));
+            let root = b * b - a * (to.length_squared() - radius * radius);
+            if root > 0.0 {
+                let steps = -(b + root.sqrt()) / a;
+                hits.push((steps, (to + steps * along) / *radius));
+            }
+        }
+        hits.retain(|(steps, _)| *steps > 0.0);
+        let first = hits.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        first.map(|(steps, normal)| Seen {
+            point: from + steps * along,
+            normal,
+            steps,
+            distance: steps * along.length(),
+        })
+    }
+}
+
+/// A picture of a scene, with what spoils its layers.
+#[derive(Clone)]
+pub(crate) struct Shot {
+    pub(crate) scene: Scene,
+    pub(crate) camera: Camera,
+    pub(crate) data: Window,
+    pub(crate) display: Window,
+    pub(crate) aspect: f64,
+    /// How far from a pixel's middle its sample may be taken, in pixels.
+    pub(crate) jitter: f64,
+    /// Whether the layers are stored in half floats.
+    pub(crate) half: bool,
+    /// Where the positions have the scene's origin.
+    pub(crate) offset: DVec3,
+    /// Share of the positions that are mixed with others.
+    pub(crate) mixed: f64,
+    /// Whether depth is distance along the sight line.
+    pub(crate) ray: bool,
+    /// Turns the normals into another space than the one the camera looks from.
+    pub(crate) normals: DMat3,
+}
+
+impl Default for Shot {
+    fn default() -> Self {
+        let display = Window::from_size(320, 240);
+        Shot {
+            scene: Scene::Balls,
+            camera: perspective(DVec3::new(1.0, -6.0, 2.5), 380.0, display, 1.0),
+            data: display,
+            display,
+            aspect: 1.0,
+            jitter: 0.0,
+            half: false,
+            offset: DVec3::ZERO,
+            mixed: 0.0,
+            ray: false,
+            normals: DMat3::IDENTITY,
+        }
+    }
+}
+
+/// The rotation and translation of an eye that looks at the balls with z up.
+pub(crate) fn looking(eye: DVec3) -> DAffine3 {
+    let back = (eye - DVec3::new(0.3, 0.2, 0.7)).normalize();
+    let right = DVec3::Z.cross(back).normalize();
+    let rotation = DMat3::from_cols(right, back.cross(right), back).transpose();
+    DAffine3::from_mat3_translation(rotation, -(rotation * eye))
+}
+
+pub(crate) fn perspective(eye: DVec3, focal: f64, display: Window, aspect: f64) -> Camera {
+    let middle = middle(display);
+    Camera {
+        view_from_world: looking(eye),
+        projection: Projection::Perspective {
+            fx: focal,
+            fy: focal * aspect,
+            cx: middle.x,
+            cy: middle.y,
+        },
+    }
+}
+
+fn middle(window: Window) -> DVec2 {
+    let sum = DVec2::new(
+        f64::from(window.x0) + f64::from(window.x1),
+        f64::from(window.y0) + f64::from(window.y1),
+    );
+    0.5 * sum
+}
+
+impl Shot {
+    /// The scene in parallel sight lines, 60 pixel widths per unit.
+    pub(crate) fn parallel(aspect: f64) -> Self {
+        let mut shot = Shot {
+            aspect,
+            ..Shot::default()
+        };
+        let middle = middle(shot.display);
+        shot.camera.projection = Projection::Orthographic {
+            sx: 60.0,
+            sy: 60.0 * aspect,
+            cx: middle.x,
+            cy: middle.y,
+        };
+        shot
+    }
+
+    /// What the pixel at a column and row of the data window sees: in its middle, moved by `off`.
+    fn seen_at(&self, x: usize, y: usize, off: DVec2) -> Option<Seen> {
+        let corner = DVec2::new(self.data.x0.into(), self.data.y0.into());
+        let at = corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5) + off;
+        let (from, along) = match self.camera.projection {
+            Projection::Perspective { fx, fy, cx, cy } => (
+                DVec3::ZERO,
+                DVec3::new((at.x - cx) / fx, (cy - at.y) / fy, -1.0),
+            ),
+            Projection::Orthographic { sx, sy, cx, cy } => (
+                DVec3::new((at.x - cx) / sx, (cy - at.y) / sy, 0.0),
+                DVec3::NEG_Z,
+            ),
+        };
+        let world = self.camera.view_from_world.inverse();
+        let direction = world.transform_vector3(along);
+        self.scene.seen(world.transform_point3(from), direction)
+    }
+
+    /// What the middle of every pixel sees.
+    pub(crate) fn seen(&self) -> Plane<Option<Seen>> {
+        Plane::from_fn(self.data.width(), self.data.height(), |x, y| {
+            self.seen_at(x, y, DVec2::ZERO)
+        })
+    }
+
+    /// What every pixel sees at a random place within the jitter.
+    pub(crate) fn seen_jittered(&self, numbers: &mut Numbers) -> Plane<Option<Seen>> {
+        let mut off = || self.jitter * (2.0 * numbers.next() - 1.0);
+        Plane::from_fn(self.data.width(), self.data.height(), |x, y| {
+            self.seen_at(x, y, DVec2::new(off(), off()))
+        })
+    }
+
+    /// A value as precise as it is stored.
+    pub(crate) fn stored(&self, value: f64) -> f64 {
+        if self.half {
+            f16::from_f64(value).to_f64()
+        } else {
+            value
+        }
+    }
+}
+
+/// All that an eye sees of the balls around it, columns in longitude and rows in latitude.
+pub(crate) fn panorama(width: usize, height: usize) -> Plane<Option<Seen>> {
+    Plane::from_fn(width, height, |x, y| {
+        let lon = (x as f64 + 0.5) / width as f64 * std::f64::consts::TAU;
+        let lat = (0.5 - (y as f64 + 0.5) / height as f64) * std::f64::consts::PI;
+        let along = DVec3::new(lat.cos() * lon.sin(), -lat.cos() * lon.cos(), lat.sin());
+        Scene::Balls.seen(DVec3::new(0.5, -3.0, 1.3), along)
+    })
+}
+
+/// A plain sequence of numbers in 0..1.
+pub(crate) struct Numbers(pub(crate) u64);
+
+impl Numbers {
+    pub(crate) fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 33) as f64 / (1u64 << 31) as f64
+    }
+}
