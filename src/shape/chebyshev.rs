@@ -34,11 +34,11 @@ impl Spread {
         }
     }
 
-    /// An upper bound of the degree that any tolerance needs: the expansion of N steps ends at N, and
-    /// that of a time t falls below 1e-17 well before this.
+    /// An upper bound of the degree that any tolerance needs. The expansion of N steps ends at N; that
+    /// of a time t, or of as many steps, falls as exp(-k^2 / 8t), which is 1e-17 at k = 18 sqrt(t).
     fn largest_degree(self) -> usize {
         match self {
-            Self::Time(t) => 32 + (14.0 * t.max(0.0).sqrt()) as usize,
+            Self::Time(t) => 32 + (18.0 * t.max(0.0).sqrt()) as usize,
             Self::Steps { count, time_step } => {
                 let as_time = Self::Time(f64::from(count) * time_step).largest_degree();
                 as_time.min(count as usize)
@@ -145,6 +145,10 @@ mod tests {
             },
             Spread::Steps {
                 count: 37,
+                time_step: 0.25,
+            },
+            Spread::Steps {
+                count: 1000,
                 time_step: 0.25,
             },
         ] {
