@@ -2,6 +2,9 @@
 //!
 //! The files are no part of this project; where they are not at hand the tests say so and pass.
 
+mod real_files;
+
+use real_files::real;
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::fs;
@@ -13,15 +16,6 @@ use std::time::{Duration, Instant};
 const TIME_LIMIT: Duration = Duration::from_secs(10);
 /// Nor take more memory, in units of 1024 bytes.
 const MEMORY_LIMIT: u32 = 2_000_000;
-
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")).join(name);
-    if !path.exists() {
-        println!("skipped: {} is not here", path.display());
-        return None;
-    }
-    Some(path)
-}
 
 /// All files under `directory`, in order.
 fn files(directory: &Path) -> Vec<PathBuf> {
@@ -114,7 +108,7 @@ fn assert_done_or_told(ran: &Ran, file: &Path, verb: &str) {
 
 #[test]
 fn any_file_is_read_or_refused_with_one_line() {
-    let Some(directory) = shared("conformance") else {
+    let Some(directory) = real("conformance") else {
         return;
     };
     let files = files(&directory);
@@ -185,7 +179,7 @@ fn layer_names(inspection: &Value) -> Vec<&str> {
 
 #[test]
 fn renders_show_their_roles() {
-    let Some(directory) = shared("renders") else {
+    let Some(directory) = real("renders") else {
         return;
     };
     let known = [
@@ -217,7 +211,7 @@ fn renders_show_their_roles() {
 
 #[test]
 fn the_light_passes_of_blender_are_known() {
-    let Some(directory) = shared("renders") else {
+    let Some(directory) = real("renders") else {
         return;
     };
     let common = [
@@ -261,7 +255,7 @@ fn the_light_passes_of_blender_are_known() {
 
 #[test]
 fn photos_are_pictures_and_serve_as_normal_maps() {
-    let Some(directory) = shared("rgbn") else {
+    let Some(directory) = real("rgbn") else {
         return;
     };
     let mut photos = 0;

@@ -1,21 +1,14 @@
 //! Files in and out: round trips, copies with a part added, and files that lie.
 
+mod real_files;
+
+use real_files::real;
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
     ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, append_part, write_results,
 };
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
-
-/// A file or folder of real inputs, which is not part of this project.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data")).join(name);
-    if !path.exists() {
-        println!("skipped: {} is not here", path.display());
-        return None;
-    }
-    Some(path)
-}
+use std::path::Path;
 
 fn open(path: &Path) -> ExrFile {
     ExrFile::open(path, &Limits::default()).unwrap()
@@ -168,7 +161,7 @@ fn a_part_added_leaves_the_rest_as_it_was() {
         "conformance/testimages/BrightRingsNanInf.exr",
         "conformance/displaywindow/t16.exr",
     ] {
-        let Some(path) = shared(name) else { return };
+        let Some(path) = real(name) else { return };
         check_append(&path);
     }
 }
@@ -231,7 +224,7 @@ fn survive(path: &Path) -> Result<(), String> {
 
 #[test]
 fn damaged_files_are_errors() {
-    let Some(folder) = shared("conformance/damaged") else {
+    let Some(folder) = real("conformance/damaged") else {
         return;
     };
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -242,7 +235,7 @@ fn damaged_files_are_errors() {
 
 #[test]
 fn every_conformance_file_is_read_or_refused() {
-    let Some(folder) = shared("conformance") else {
+    let Some(folder) = real("conformance") else {
         return;
     };
     for folder in [
@@ -333,7 +326,7 @@ fn compressions_that_cannot_be_read_name_the_remedy() {
 
 #[test]
 fn dwa_counters_are_not_believed() {
-    let Some(path) = shared("conformance/compression/f16/dwaa.exr") else {
+    let Some(path) = real("conformance/compression/f16/dwaa.exr") else {
         return;
     };
     let bytes = std::fs::read(path).unwrap();
@@ -408,7 +401,7 @@ fn flipped_bytes_never_panic() {
     .into_iter()
     .enumerate()
     {
-        let Some(path) = shared(&format!("conformance/compression/{name}.exr")) else {
+        let Some(path) = real(&format!("conformance/compression/{name}.exr")) else {
             return;
         };
         fuzz(&std::fs::read(path).unwrap(), 300, 77 + i as u64);
@@ -417,7 +410,7 @@ fn flipped_bytes_never_panic() {
         "structure/parts.exr",
         "structure/tiled_with_scanlineimage_type.exr",
     ] {
-        let Some(path) = shared(&format!("conformance/{name}")) else {
+        let Some(path) = real(&format!("conformance/{name}")) else {
             return;
         };
         fuzz(&std::fs::read(path).unwrap(), 500, 99);
@@ -426,7 +419,7 @@ fn flipped_bytes_never_panic() {
 
 #[test]
 fn tiles_larger_than_the_picture_are_harmless() {
-    let Some(path) = shared("conformance/structure/tiled_with_scanlineimage_type.exr") else {
+    let Some(path) = real("conformance/structure/tiled_with_scanlineimage_type.exr") else {
         return;
     };
     let bytes = std::fs::read(path).unwrap();

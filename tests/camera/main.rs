@@ -4,6 +4,8 @@ mod depth;
 mod measure;
 mod planes;
 mod positions;
+#[path = "../real_files/mod.rs"]
+mod real_files;
 mod renders;
 mod shots;
 mod space;

@@ -4,6 +4,7 @@
 
 use crate::measure::{focal, turn_between};
 use crate::planes::{mapped, vector_at};
+use crate::real_files::real;
 use glam::{DAffine3, DVec3};
 use relievo::frame::{Camera, Mask, Plane, Vector3Planes, Window};
 use relievo::io::camera::{
@@ -13,9 +14,6 @@ use relievo::io::camera::{
 use relievo::io::exr::{ExrFile, Limits};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Files that come with the renders, where they are.
-pub(crate) const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
 
 /// A render, with the camera it was made by beside it.
 pub(crate) struct Render {
@@ -29,18 +27,16 @@ pub(crate) fn pictures() -> impl Iterator<Item = Render> {
 }
 
 fn renders(wanted: impl Fn(&Path) -> bool) -> impl Iterator<Item = Render> {
-    let folder = Path::new(SHARED).join("renders");
-    let mut files: Vec<PathBuf> = [folder.clone(), folder.join("seq")]
+    let folders = [real("renders"), real("renders/seq")];
+    let mut files: Vec<PathBuf> = folders
         .iter()
+        .flatten()
         .filter_map(|f| std::fs::read_dir(f).ok())
         .flatten()
         .filter_map(|entry| entry.ok().map(|e| e.path()))
         .filter(|path| path.extension().is_some_and(|e| e == "exr"))
         .collect();
     files.sort();
-    if files.is_empty() {
-        eprintln!("skipped: no renders at {}", folder.display());
-    }
     files.retain(|path| wanted(path));
     files.into_iter().map(|path| Render {
         file: ExrFile::open(&path, &Limits::default()).expect("a readable render"),

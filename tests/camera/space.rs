@@ -1,11 +1,11 @@
 //! Which space normals are in: of a ball whose camera is known, of real renders, of photographs.
 
 use crate::planes::{mapped, vectors};
-use crate::renders::{Render, SHARED, pictures};
+use crate::real_files::real;
+use crate::renders::{Render, pictures};
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use relievo::io::normal_space::{NormalSpaceConclusion, NormalSpaceVerdict, judge_normal_space};
-use std::path::Path;
 
 const SIDE: usize = 96;
 
@@ -275,13 +275,11 @@ fn normals_of_renders_are_judged_right() {
 
 #[test]
 fn photographed_normal_maps_are_view_space() {
-    let folder = Path::new(SHARED).join("rgbn");
-    let names = ["Bricks102_1K-JPG_NormalGL.jpg", "rock058_1k_NormalGL.jpg"];
-    for path in names.map(|n| folder.join(n)) {
-        if !path.exists() {
-            eprintln!("skipped: no {}", path.display());
-            continue;
-        }
+    let names = [
+        "rgbn/Bricks102_1K-JPG_NormalGL.jpg",
+        "rgbn/rock058_1k_NormalGL.jpg",
+    ];
+    for path in names.into_iter().filter_map(real) {
         let picture = image::open(&path).expect("a readable picture").to_rgb8();
         let (w, h) = (picture.width() as usize, picture.height() as usize);
         let normal = vectors(w, h, |x, y| {
