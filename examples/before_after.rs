@@ -5,8 +5,8 @@
 use relievo::backend::cpu;
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::write_atomically;
-use relievo::io::photo::{Picture, PictureFormat, ViewTransform, write_picture};
-use relievo::io::{self, Needs, inputs::Inputs};
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
@@ -82,13 +82,7 @@ fn over_backdrop(color: &ColorPlanes, frame: &Frame) -> ColorPlanes {
 
 /// The display is sRGB-encoded already; the strip is encoded as a whole.
 fn linear(display: &ColorPlanes) -> ColorPlanes {
-    let decoded = |v: f32| {
-        if v <= 0.04045 {
-            v / 12.92
-        } else {
-            ((v + 0.055) / 1.055).powf(2.4)
-        }
-    };
+    let decoded = |v: f32| srgb::decoded(f64::from(v)) as f32;
     each(display, |plane| plane.map(decoded))
 }
 

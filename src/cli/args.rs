@@ -2,7 +2,7 @@
 
 use crate::frame::NormalSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding};
-use crate::io::photo::ViewTransform;
+use crate::io::picture::ViewTransform;
 use crate::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;

@@ -6,7 +6,7 @@ use super::message;
 use super::output::{Kind, color_channels, color_layer};
 use crate::error::Result;
 use crate::io::exr::OutputType;
-use crate::io::photo::Picture;
+use crate::io::picture::Picture;
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
 use crate::plan::Goal;

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::exr::OutputChannel;
 use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
-use crate::io::photo::{Picture, PictureFormat, write_picture};
+use crate::io::picture::{Picture, PictureFormat, write_picture};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, Plan};

@@ -6,7 +6,7 @@ use crate::frame::{ColorPlanes, Plane};
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputPart, OutputType, append_part, write_results};
 use crate::io::output::write_atomically;
-use crate::io::photo::PictureFormat;
+use crate::io::picture::PictureFormat;
 use std::path::Path;
 
 /// Name of the part that holds our results, and of the layer that holds the enhanced picture in it.

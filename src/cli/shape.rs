@@ -7,7 +7,7 @@ use crate::backend::cpu::Outcome;
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
 use crate::io::exr::{OutputChannel, OutputType};
-use crate::io::photo::{Picture, ViewTransform};
+use crate::io::picture::{Picture, ViewTransform};
 use crate::params::ScalingParams;
 use crate::plan::Goal;
 

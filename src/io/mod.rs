@@ -10,8 +10,10 @@ pub mod normal_space;
 mod normals;
 pub mod output;
 pub mod photo;
+pub mod picture;
 pub mod roles;
 mod sources;
+pub mod srgb;
 mod survey;
 mod view;
 

@@ -1,0 +1,331 @@
+//! Writing pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
+
+use super::photo::{max_code, one_line, unsupported};
+use super::srgb;
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, Plane};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use rayon::prelude::*;
+use std::io::{Seek, Write};
+use std::path::Path;
+
+/// Quality of written JPEG files, of 100.
+const JPEG_QUALITY: u8 = 95;
+
+/// The kinds of pictures that are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PictureFormat {
+    /// PNG, 8 or 16 bits, with alpha.
+    Png,
+    /// JPEG, 8 bits, over black.
+    Jpeg,
+    /// TIFF, 8 or 16 bits, with alpha.
+    Tiff,
+    /// Radiance HDR, linear, over black.
+    Hdr,
+}
+
+impl PictureFormat {
+    /// The format that the extension of `path` stands for.
+    pub fn of_path(path: &Path) -> Option<PictureFormat> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "png" => Some(PictureFormat::Png),
+            "jpg" | "jpeg" => Some(PictureFormat::Jpeg),
+            "tif" | "tiff" => Some(PictureFormat::Tiff),
+            "hdr" => Some(PictureFormat::Hdr),
+            _ => None,
+        }
+    }
+
+    fn holds_alpha(self) -> bool {
+        matches!(self, PictureFormat::Png | PictureFormat::Tiff)
+    }
+}
+
+/// How linear values become stored ones in integer formats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ViewTransform {
+    /// The sRGB curve: for pictures to be looked at.
+    Srgb,
+    /// None: for normals, masks and other data.
+    None,
+}
+
+/// A picture to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// Linear colour, multiplied by alpha.
+    pub color: &'a ColorPlanes,
+    /// Coverage, 0..1.
+    pub alpha: Option<&'a Plane>,
+    /// Bits per sample, 8 or 16; JPEG always has 8, HDR its own.
+    pub bits: u8,
+    /// How values are encoded; HDR is always linear.
+    pub transform: ViewTransform,
+}
+
+/// Writes a picture. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
+///
+/// Where alpha is stored, colour is divided by it. A pixel whose alpha would be stored as 0 although
+/// it has colour (a glow over nothing) gets the alpha that just holds that colour. An alpha of 1
+/// everywhere is left out.
+///
+/// # Panics
+/// If planes differ in size, or `bits` is neither 8 nor 16.
+pub fn write_picture(
+    w: &mut (impl Write + Seek),
+    target: &Path,
+    format: PictureFormat,
+    picture: &Picture,
+) -> Result<()> {
+    assert!([8, 16].contains(&picture.bits), "bits must be 8 or 16");
+    let planes = [&picture.color.r, &picture.color.g, &picture.color.b];
+    let size = (picture.color.r.width(), picture.color.r.height());
+    for plane in planes.into_iter().chain(picture.alpha) {
+        assert_eq!(
+            (plane.width(), plane.height()),
+            size,
+            "planes differ in size"
+        );
+    }
+    let failed = |error| match error {
+        ImageError::IoError(source) => Error::io(target, "write")(source),
+        other => unsupported(
+            target,
+            &format!("cannot be written ({})", one_line(&other.to_string())),
+        ),
+    };
+    match format {
+        PictureFormat::Hdr => write_hdr(w, picture.color).map_err(failed),
+        _ => write_codes(w, format, picture).map_err(failed),
+    }
+}
+
+fn write_hdr(w: &mut impl Write, color: &ColorPlanes) -> image::ImageResult<()> {
+    let finite = |v: f32| if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e30) };
+    let samples = color.r.samples().iter().zip(color.g.samples());
+    let pixels: Vec<image::Rgb<f32>> = samples
+        .zip(color.b.samples())
+        .map(|((&r, &g), &b)| image::Rgb([r, g, b].map(finite)))
+        .collect();
+    image::codecs::hdr::HdrEncoder::new(w).encode(&pixels, color.r.width(), color.r.height())
+}
+
+fn write_codes(
+    w: &mut (impl Write + Seek),
+    format: PictureFormat,
+    picture: &Picture,
+) -> image::ImageResult<()> {
+    let bits = if format == PictureFormat::Jpeg {
+        8
+    } else {
+        picture.bits
+    };
+    let alpha = picture
+        .alpha
+        .filter(|a| format.holds_alpha() && a.samples().iter().any(|&a| a < 1.0 || a.is_nan()));
+    let codes = codes(picture, alpha, max_code(bits));
+    let (bytes, kind) = match (bits, alpha.is_some()) {
+        (8, false) => (narrowed(&codes), ExtendedColorType::Rgb8),
+        (8, true) => (narrowed(&codes), ExtendedColorType::Rgba8),
+        (_, false) => (native_bytes(&codes), ExtendedColorType::Rgb16),
+        (_, true) => (native_bytes(&codes), ExtendedColorType::Rgba16),
+    };
+    let (width, height) = (
+        picture.color.r.width() as u32,
+        picture.color.r.height() as u32,
+    );
+    match format {
+        PictureFormat::Jpeg => image::codecs::jpeg::JpegEncoder::new_with_quality(w, JPEG_QUALITY)
+            .write_image(&bytes, width, height, kind),
+        PictureFormat::Tiff => {
+            image::codecs::tiff::TiffEncoder::new(w).write_image(&bytes, width, height, kind)
+        }
+        _ => image::codecs::png::PngEncoder::new(w).write_image(&bytes, width, height, kind),
+    }
+}
+
+/// The stored codes, interleaved: three for each pixel, four with alpha.
+fn codes(picture: &Picture, alpha: Option<&Plane>, max: u32) -> Vec<u16> {
+    let ColorPlanes { r, g, b } = picture.color;
+    let (width, height) = (r.width(), r.height());
+    let channels = if alpha.is_some() { 4 } else { 3 };
+    let mut codes = vec![0; width * height * channels];
+    let rows = codes.par_chunks_mut((width * channels).max(1));
+    rows.enumerate().for_each(|(y, row)| {
+        let color = r.row(y).iter().zip(g.row(y)).zip(b.row(y));
+        for (x, (pixel, ((&r, &g), &b))) in row.chunks_exact_mut(channels).zip(color).enumerate() {
+            let color = [r, g, b].map(f64::from);
+            let alpha = alpha.map(|a| f64::from(a.at(x, y)));
+            let (color, alpha) = straight(color, alpha, max);
+            let codes = color
+                .map(|v| code(v, picture.transform, max))
+                .into_iter()
+                .chain(alpha.map(|a| code(a, ViewTransform::None, max)));
+            for (to, code) in pixel.iter_mut().zip(codes) {
+                *to = code;
+            }
+        }
+    });
+    codes
+}
+
+/// Colour divided by alpha, and the alpha to be stored.
+fn straight(color: [f64; 3], alpha: Option<f64>, max: u32) -> ([f64; 3], Option<f64>) {
+    let Some(alpha) = alpha else {
+        return (color, None);
+    };
+    let alpha = clipped(alpha);
+    let least = 0.5 / f64::from(max);
+    let strongest = color.iter().fold(0.0, |most: f64, &v| most.max(v)).min(1.0);
+    let alpha = if alpha < least { strongest } else { alpha };
+    match alpha < least {
+        true => ([0.0; 3], Some(0.0)),
+        false => (color.map(|v| v / alpha), Some(alpha)),
+    }
+}
+
+fn clipped(v: f64) -> f64 {
+    if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) }
+}
+
+fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
+    let encoded = match transform {
+        ViewTransform::Srgb => srgb::encoded(clipped(v)),
+        ViewTransform::None => clipped(v),
+    };
+    (encoded * f64::from(max)).round() as u16
+}
+
+fn narrowed(codes: &[u16]) -> Vec<u8> {
+    codes.iter().map(|&c| c as u8).collect()
+}
+
+fn native_bytes(codes: &[u16]) -> Vec<u8> {
+    codes.iter().flat_map(|c| c.to_ne_bytes()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::photo::Photo;
+    use std::io::Cursor;
+
+    fn grey(width: usize, height: usize, samples: Vec<f32>) -> ColorPlanes {
+        let plane = Plane::from_samples(width, height, samples);
+        ColorPlanes {
+            r: plane.clone(),
+            g: plane.clone(),
+            b: plane,
+        }
+    }
+
+    fn round_trip(format: PictureFormat, picture: &Picture) -> Photo {
+        let mut file = Cursor::new(Vec::new());
+        let name = Path::new("test");
+        write_picture(&mut file, name, format, picture).unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("picture");
+        std::fs::write(&path, file.into_inner()).unwrap();
+        Photo::read(&path).unwrap()
+    }
+
+    #[test]
+    fn every_code_survives_the_way_to_linear_and_back() {
+        for bits in [8, 16] {
+            let count = 1usize << bits;
+            let codes: Vec<f32> = (0..count)
+                .map(|c| (c as f64 / (count - 1) as f64) as f32)
+                .collect();
+            let photo = Photo {
+                width: 256,
+                height: count / 256,
+                bits,
+                is_float: false,
+                channels: vec![Plane::from_samples(256, count / 256, codes)],
+                alpha: None,
+            };
+            let linear = photo.to_linear().remove(0);
+            let color = grey(256, count / 256, linear.samples().to_vec());
+            let picture = Picture {
+                color: &color,
+                alpha: None,
+                bits,
+                transform: ViewTransform::Srgb,
+            };
+            for format in [PictureFormat::Png, PictureFormat::Tiff] {
+                let again = round_trip(format, &picture);
+                assert_eq!(again.bits, bits);
+                for plane in &again.channels {
+                    assert_eq!(plane, &photo.channels[0], "{format:?} {bits}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn raw_codes_survive_without_a_transform() {
+        let codes: Vec<f32> = (0..65536).map(|c| f32::from(c as u16) / 65535.0).collect();
+        let color = grey(256, 256, codes.clone());
+        let picture = Picture {
+            color: &color,
+            alpha: None,
+            bits: 16,
+            transform: ViewTransform::None,
+        };
+        let again = round_trip(PictureFormat::Png, &picture);
+        assert_eq!(again.channels[0].samples(), codes);
+    }
+
+    #[test]
+    fn alpha_is_stored_straight_and_glow_is_kept() {
+        // Half covered white; nothing; glow over nothing; NaN.
+        let color = grey(4, 1, vec![0.5, 0.0, 0.25, f32::NAN]);
+        let alpha = Plane::from_samples(4, 1, vec![0.5, 0.0, 0.0, 1.0]);
+        let picture = Picture {
+            color: &color,
+            alpha: Some(&alpha),
+            bits: 16,
+            transform: ViewTransform::None,
+        };
+        for format in [PictureFormat::Png, PictureFormat::Tiff] {
+            let photo = round_trip(format, &picture);
+            let stored = photo.alpha.unwrap();
+            assert_eq!(photo.channels[0].samples(), [1.0, 0.0, 1.0, 0.0]);
+            for (stored, expected) in stored.samples().iter().zip([0.5, 0.0, 0.25, 1.0]) {
+                assert!((stored - expected).abs() < 1e-5, "{stored} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn full_alpha_is_left_out() {
+        let color = grey(2, 1, vec![0.0, 1.0]);
+        let alpha = Plane::filled(2, 1, 1.0);
+        let picture = Picture {
+            color: &color,
+            alpha: Some(&alpha),
+            bits: 8,
+            transform: ViewTransform::Srgb,
+        };
+        assert!(round_trip(PictureFormat::Png, &picture).alpha.is_none());
+    }
+
+    #[test]
+    fn jpeg_and_hdr_are_readable() {
+        let color = grey(16, 16, vec![0.25; 256]);
+        let picture = Picture {
+            color: &color,
+            alpha: None,
+            bits: 16,
+            transform: ViewTransform::Srgb,
+        };
+        let jpeg = round_trip(PictureFormat::Jpeg, &picture);
+        assert_eq!((jpeg.bits, jpeg.is_float), (8, false));
+        assert!((jpeg.to_linear()[0].at(3, 3) - 0.25).abs() < 0.01);
+        let hdr = round_trip(PictureFormat::Hdr, &picture);
+        assert!(hdr.is_float);
+        assert!((hdr.to_linear()[0].at(3, 3) - 0.25).abs() < 0.01);
+    }
+}
