@@ -327,7 +327,7 @@ fn nothing_leaks_through_a_closed_silhouette() {
     // A disc of radius 20 stands out in the occlusion map; the slopes inside change, those outside
     // must keep their bits after any number of steps.
     let from_centre = |x: usize, y: usize| (x as f64 - 32.0).hypot(y as f64 - 32.0);
-    let scene = |inside: f64| {
+    let scene = |inside: f64, solver| {
         let wave = |x: usize, y: usize| 0.3 * ((x + 2 * y) as f64 * 0.4).sin();
         let slope = move |x, y| {
             if from_centre(x, y) < 20.0 {
@@ -339,30 +339,35 @@ fn nothing_leaks_through_a_closed_silhouette() {
         let disc = |x, y| if from_centre(x, y) < 20.0 { 0.0 } else { 1.0 };
         described(
             &sloping(64, |x, y| [slope(x, y), -slope(x, y)], disc),
-            diffusing(500),
+            ShapeParams {
+                solver,
+                ..diffusing(500)
+            },
         )
     };
-    let (one, other) = (scene(0.0), scene(0.8));
-    let [one, other] = [one, other].map(|outcome| outcome.shape.gradient.unwrap());
-    let mut outside = 0;
-    for (x, y) in pixels(64).filter(|&(x, y)| from_centre(x, y) >= 20.0) {
-        assert_eq!(
-            one.x.at(x, y).to_bits(),
-            other.x.at(x, y).to_bits(),
-            "x at ({x}, {y})"
+    for solver in [Solver::Explicit, Solver::Chebyshev] {
+        let (one, other) = (scene(0.0, solver), scene(0.8, solver));
+        let [one, other] = [one, other].map(|outcome| outcome.shape.gradient.unwrap());
+        let mut outside = 0;
+        for (x, y) in pixels(64).filter(|&(x, y)| from_centre(x, y) >= 20.0) {
+            assert_eq!(
+                one.x.at(x, y).to_bits(),
+                other.x.at(x, y).to_bits(),
+                "x at ({x}, {y})"
+            );
+            assert_eq!(
+                one.y.at(x, y).to_bits(),
+                other.y.at(x, y).to_bits(),
+                "y at ({x}, {y})"
+            );
+            outside += 1;
+        }
+        assert!(outside > 2000);
+        assert!(
+            one.x.at(32, 32) != other.x.at(32, 32),
+            "the inside did not change"
         );
-        assert_eq!(
-            one.y.at(x, y).to_bits(),
-            other.y.at(x, y).to_bits(),
-            "y at ({x}, {y})"
-        );
-        outside += 1;
     }
-    assert!(outside > 2000);
-    assert!(
-        one.x.at(32, 32) != other.x.at(32, 32),
-        "the inside did not change"
-    );
 }
 
 #[test]
@@ -373,11 +378,12 @@ fn diffusion_keeps_the_mean() {
     };
     let ramp = |x: usize, y: usize| ((x / 7 + y / 5) % 3) as f32 / 2.0;
     let frame = sloping(96, |x, y| [noise(x, y), noise(y, x)], ramp);
-    let mean = |iterations| {
-        let gradient = described(&frame, diffusing(iterations))
-            .shape
-            .gradient
-            .unwrap();
+    let mean = |iterations, solver| {
+        let settings = ShapeParams {
+            solver,
+            ..diffusing(iterations)
+        };
+        let gradient = described(&frame, settings).shape.gradient.unwrap();
         gradient
             .x
             .samples()
@@ -387,11 +393,14 @@ fn diffusion_keeps_the_mean() {
             .sum::<f64>()
             / (96.0 * 96.0)
     };
-    let (before, after) = (mean(0), mean(200));
-    assert!(
-        (after / before - 1.0).abs() < 1e-6,
-        "the mean went from {before} to {after}"
-    );
+    for solver in [Solver::Explicit, Solver::Chebyshev] {
+        let (before, after) = (mean(0, solver), mean(200, solver));
+        let change = (after / before - 1.0).abs();
+        assert!(
+            change < 1e-6,
+            "{solver:?}: the mean went from {before} to {after}"
+        );
+    }
 }
 
 /// The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the operator with Neumann

@@ -183,7 +183,7 @@ pub(super) struct ShapeFlags {
     )]
     scale: Option<f32>,
     /// How diffusion is computed.
-    #[arg(long, value_name = "SOLVER", default_value = "chebyshev")]
+    #[arg(long, value_name = "SOLVER", value_enum, default_value_t = SolverArg::from(SHAPE.solver))]
     solver: SolverArg,
     /// Largest error of a slope that the Chebyshev solver may add.
     #[arg(long, value_name = "E", default_value_t = SHAPE.tolerance, allow_negative_numbers = true)]
@@ -194,7 +194,7 @@ pub(super) struct ShapeFlags {
     /// Jump of depth, as a share of the distance, that makes a silhouette.
     #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.silhouette)]
     silhouette: SoftThreshold,
-    /// Angle between neighbouring normals, in degrees, that makes a crease.
+    /// Angle across a pixel, in degrees, that makes a crease.
     #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.crease)]
     crease: SoftThreshold,
     /// Curvature gain in pixels, or auto to fit the frame.
@@ -206,6 +206,24 @@ pub(super) struct ShapeFlags {
 enum SolverArg {
     Chebyshev,
     Explicit,
+}
+
+impl From<Solver> for SolverArg {
+    fn from(solver: Solver) -> Self {
+        match solver {
+            Solver::Chebyshev => Self::Chebyshev,
+            Solver::Explicit => Self::Explicit,
+        }
+    }
+}
+
+impl From<SolverArg> for Solver {
+    fn from(arg: SolverArg) -> Self {
+        match arg {
+            SolverArg::Chebyshev => Self::Chebyshev,
+            SolverArg::Explicit => Self::Explicit,
+        }
+    }
 }
 
 fn default_iterations() -> u32 {
@@ -221,10 +239,7 @@ impl ShapeFlags {
             scale: self
                 .scale
                 .map_or(Scale::Iterations(self.iterations), Scale::Sigma),
-            solver: match self.solver {
-                SolverArg::Chebyshev => Solver::Chebyshev,
-                SolverArg::Explicit => Solver::Explicit,
-            },
+            solver: self.solver.into(),
             tolerance: self.tolerance,
             foreshortening: self.foreshortening,
             silhouette: self.silhouette,

@@ -1,6 +1,6 @@
 //! Opened inputs, and which of them each role is read from.
 
-use super::exr::{ChannelId, ExrFile, Limits, SampleType};
+use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
 use super::photo::Photo;
 use super::roles::{self, Layer, Match, Role};
 use crate::error::{Error, Result};
@@ -19,9 +19,6 @@ pub(super) enum Opened {
         photo: Photo,
     },
 }
-
-/// The first bytes of every EXR file.
-const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 impl Opened {
     pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
@@ -76,7 +73,7 @@ fn has_exr_magic(path: &Path) -> Result<bool> {
     let mut file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
     let mut first = [0; 4];
     match file.read_exact(&mut first) {
-        Ok(()) => Ok(first == EXR_MAGIC),
+        Ok(()) => Ok(first == exr::MAGIC),
         Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
         Err(e) => Err(Error::io(path, "read")(e)),
     }

@@ -72,7 +72,7 @@ pub struct ShapeParams {
     pub silhouette: SoftThreshold,
     /// The same for an occlusion or alpha map, as an absolute jump, where there is no depth.
     pub occlusion_silhouette: SoftThreshold,
-    /// Angle between neighbouring normals, in degrees, that makes a crease. Lower values turn fine
+    /// Angle by which the normal turns across a pixel, in degrees, that makes a crease. Lower values turn fine
     /// relief into creases, which are left alone; higher ones round off real edges.
     pub crease: SoftThreshold,
     /// Foreshortening exponent f of the gradient `-n_xy / n_z^f`, 0 or more. 0 measures the surface

@@ -1,7 +1,7 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
-use super::{Available, Goal, Stage, Sweeps, chooses_gain, chooses_white, scales};
-use crate::params::{ScalingParams, ShapeParams};
+use super::{Available, Goal, Stage, Sweeps};
+use crate::params::{Adaptive, ScalingParams, ShapeParams};
 use serde::Serialize;
 
 /// Whether a stage runs, and why.
@@ -54,7 +54,7 @@ pub(super) fn decide(
     sweeps: &Sweeps,
     scaling: &ScalingParams,
 ) -> Vec<Decision> {
-    let idle = goal == Goal::Enhance && !scales(scaling);
+    let idle = goal == Goal::Enhance && scaling.scaling == 0.0;
     let all = goal == Goal::Layers;
     let rules = [
         silhouettes(available),
@@ -100,7 +100,7 @@ pub(super) fn decide(
             ),
             rule(
                 Stage::AutoGain,
-                chooses_gain(scaling),
+                scaling.curvature_gain == Adaptive::Auto,
                 "--curvature-gain auto",
                 format!("--curvature-gain {}", scaling.curvature_gain),
             ),
@@ -157,7 +157,7 @@ fn light(goal: Goal, scaling: &ScalingParams) -> Vec<Decision> {
     vec![
         rule(
             Stage::AutoWhite,
-            enhance && chooses_white(scaling),
+            enhance && scaling.white_level == Adaptive::Auto,
             "--white-level auto",
             white,
         ),

@@ -9,7 +9,7 @@ pub use sweeps::Sweeps;
 
 use crate::error::Result;
 use crate::frame::Frame;
-use crate::params::{Adaptive, ScalingParams, ShapeParams};
+use crate::params::{ScalingParams, ShapeParams};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
 
@@ -152,17 +152,4 @@ impl Plan {
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
-}
-
-/// Whether the scaling changes anything at all.
-pub(crate) fn scales(scaling: &ScalingParams) -> bool {
-    scaling.scaling > 0.0
-}
-
-pub(crate) fn chooses_gain(scaling: &ScalingParams) -> bool {
-    scaling.curvature_gain == Adaptive::Auto
-}
-
-pub(crate) fn chooses_white(scaling: &ScalingParams) -> bool {
-    scaling.white_level == Adaptive::Auto
 }

@@ -1,9 +1,10 @@
 //! Creases: where the surface turns sharply.
 //!
 //! Theory: [LW] section 4.4 takes the dihedral angle between neighbouring normals. Changes: the
-//! angle is `atan2(|a x b|, a . b)`, right to 1e-7 where acos loses 4e-4 rad; and a pixel whose
-//! filtered normal came out short holds a crease within itself, for the mean of two unit normals at
-//! an angle t has the length cos(t/2).
+//! angle is `atan2(|a x b|, a . b)`, right to 1e-7 where acos loses 4e-4 rad; it is also taken across
+//! the pixel, from one neighbour to the opposite one, for a filter may spread an edge over a pixel;
+//! and a pixel whose filtered normal came out short holds a crease within itself, for the mean of two
+//! unit normals at an angle t has the length cos(t/2).
 
 use crate::params::SoftThreshold;
 use glam::Vec3;

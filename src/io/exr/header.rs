@@ -10,7 +10,8 @@ use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use std::io::Read;
 
-pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+/// The first bytes of every EXR file.
+pub(in crate::io) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 const VERSION: u32 = 2;
 const TILED: u32 = 1 << 9;
 pub(super) const LONG_NAMES: u32 = 1 << 10;
@@ -122,7 +123,7 @@ fn check_part(part: &mut Attributes, flags: u32, limits: &Limits) -> Parsed<()> 
                 "claims {window}, more pixels than the {} allowed",
                 limits.max_pixels
             ),
-            remedy: "crop it or raise the limit",
+            remedy: "crop it",
         });
     }
     check_pixel_aspect(part)

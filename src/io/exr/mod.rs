@@ -22,6 +22,7 @@ pub use write::{OutputChannel, OutputPart, OutputType, write_results};
 use crate::error::{Error, Result};
 use crate::frame::Window;
 use header::FileHeader;
+pub(super) use header::MAGIC;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
