@@ -6,6 +6,17 @@ pub fn conductance(silhouette: f32, crease: f32) -> f32 {
     1.0 - silhouette.max(crease)
 }
 
+/// [`conductance`] of a row; 0 where uncovered.
+#[inline(always)]
+pub fn conductance_row(out: &mut [f32], silhouette: &[f32], crease: &[f32], covered: &[bool]) {
+    let n = out.len();
+    let (silhouette, crease, covered) = (&silhouette[..n], &crease[..n], &covered[..n]);
+    for x in 0..n {
+        let open = conductance(silhouette[x], crease[x]);
+        out[x] = if covered[x] { open } else { 0.0 };
+    }
+}
+
 /// Conductance of the face between two pixels: their harmonic mean, 0 where either is 0.
 ///
 /// It leaks nothing through a closed ring of zeros and is second order in space. The minimum is
@@ -17,6 +28,7 @@ pub fn face_conductance(a: f32, b: f32) -> f32 {
 }
 
 /// Face conductances between the pixels of two rows or of one row and itself shifted by one.
+#[inline(always)]
 pub fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]) {
     for ((face, &a), &b) in faces.iter_mut().zip(a).zip(b) {
         *face = face_conductance(a, b);

@@ -6,8 +6,11 @@
 //! and a pixel whose filtered normal came out short holds a crease within itself, for the mean of two
 //! unit normals at an angle t has the length cos(t/2).
 
+use crate::frame::Vector3Planes;
 use crate::params::SoftThreshold;
+use crate::shape::{Rows, Shifted, inner_columns, outer_columns};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Turns angles between unit normals into crease weights.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +33,12 @@ impl CreaseDetector {
             flat_cosine: lo.min(std::f32::consts::PI).cos() + margin,
             flat_length: (0.5 * lo).min(std::f32::consts::FRAC_PI_2).cos() + margin,
         }
+    }
+
+    /// Whether a pixel surely is no crease, whose least cosine and filtered normal's length are given.
+    #[inline(always)]
+    pub fn is_flat(&self, least_cosine: f32, length: f32) -> bool {
+        least_cosine >= self.flat_cosine && length >= self.flat_length
     }
 
     /// Crease weight, 0..1, of a pixel with unit normal `n`, whose filtered normal had the length
@@ -63,6 +72,107 @@ impl CreaseDetector {
         }
         self.threshold_rad.weight(angle)
     }
+}
+
+/// The normals of a row and of the rows above and below it.
+#[derive(Debug, Clone, Copy)]
+pub struct NormalRows<'a> {
+    /// First components.
+    pub x: Rows<'a>,
+    /// Second components.
+    pub y: Rows<'a>,
+    /// Third components.
+    pub z: Rows<'a>,
+}
+
+impl<'a> NormalRows<'a> {
+    /// The normals around row `y`.
+    pub fn around(normal: &'a Vector3Planes, y: usize) -> Self {
+        Self {
+            x: Rows::around(&normal.x, y),
+            y: Rows::around(&normal.y, y),
+            z: Rows::around(&normal.z, y),
+        }
+    }
+
+    /// The normal at column `x`.
+    #[inline(always)]
+    pub fn at(&self, x: usize) -> Vec3 {
+        Vec3::new(self.x.at[x], self.y.at[x], self.z.at[x])
+    }
+
+    /// The normals left, right, above and below column `x`, where covered.
+    #[inline(always)]
+    pub fn beside(&self, x: usize, covered: &Rows<bool>) -> [Option<Vec3>; 4] {
+        let (left, right) = (x.saturating_sub(1), (x + 1).min(covered.at.len() - 1));
+        let above = Vec3::new(self.x.above[x], self.y.above[x], self.z.above[x]);
+        let below = Vec3::new(self.x.below[x], self.y.below[x], self.z.below[x]);
+        [
+            covered.at[left].then_some(self.at(left)),
+            covered.at[right].then_some(self.at(right)),
+            covered.above[x].then_some(above),
+            covered.below[x].then_some(below),
+        ]
+    }
+}
+
+/// The least cosine, of the angles that [`CreaseDetector::weight`] looks at, of the pixels of a row in
+/// `columns`; where they are uncovered no matter what. It tells, for whole vectors of pixels at a
+/// time, where there is no crease.
+#[inline(always)]
+pub fn least_cosine_row(
+    out: &mut [f32],
+    normals: &NormalRows,
+    covered: &Rows<bool>,
+    columns: Range<usize>,
+) {
+    let inner = inner_columns(&columns, out.len());
+    for x in outer_columns(&columns, &inner) {
+        // Too few to be worth a shortcut: below every threshold, they are looked at one by one.
+        out[x] = -1.0;
+    }
+    let components = [normals.x, normals.y, normals.z];
+    let at = components.map(|rows| Shifted::new(rows.at, &inner));
+    let seen = Shifted::new(covered.at, &inner);
+    let out = &mut out[inner.clone()];
+    let n = out.len();
+    let above = components.map(|rows| &rows.above[inner.clone()][..n]);
+    let below = components.map(|rows| &rows.below[inner.clone()][..n]);
+    let seen_above = &covered.above[inner.clone()][..n];
+    let seen_below = &covered.below[inner.clone()][..n];
+    for i in 0..n {
+        // Written out: `map` over an array is not always inlined, and this is the innermost loop.
+        let [x, y, z] = &at;
+        let centre = [x.at[i], y.at[i], z.at[i]];
+        let (left, right) = (
+            [x.left[i], y.left[i], z.left[i]],
+            [x.right[i], y.right[i], z.right[i]],
+        );
+        let up = [above[0][i], above[1][i], above[2][i]];
+        let down = [below[0][i], below[1][i], below[2][i]];
+        let pairs = [
+            (seen.left[i], dot(centre, left)),
+            (seen.right[i], dot(centre, right)),
+            (seen_above[i], dot(centre, up)),
+            (seen_below[i], dot(centre, down)),
+            (seen.left[i] & seen.right[i], dot(left, right)),
+            (seen_above[i] & seen_below[i], dot(up, down)),
+        ];
+        let mut least = 1.0;
+        for (both_seen, cosine) in pairs {
+            least = if both_seen & (cosine < least) {
+                cosine
+            } else {
+                least
+            };
+        }
+        out[i] = least;
+    }
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Angle between two unit vectors, in radians.

@@ -2,78 +2,175 @@
 //!
 //! Theory: dg/ds = div(c grad g) ([LW] section 4.3), Neumann at the border of the picture and of
 //! coverage. Changes: face conductances are harmonic means, so the operator is conservative and a
-//! closed silhouette leaks exactly nothing. Practice: one sweep of the operator serves both solvers,
+//! closed silhouette leaks exactly nothing. Practice: one row of the operator serves both solvers,
 //! the paper's explicit steps, stable up to a time step of 1/4, and [`super::chebyshev`].
-
-use crate::shape::Rows;
-use std::ops::Range;
 
 /// Face conductances around one row of pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct Faces<'a> {
-    /// `left[x]` joins column `x - 1` and `x`; one longer than the row, both ends 0.
+    /// `left[x]` joins column `x - 1` and `x`; one longer than the row.
     pub left: &'a [f32],
-    /// `above[x]` joins this row and the row above; 0 in the first row.
+    /// `above[x]` joins this row and the row above.
     pub above: &'a [f32],
-    /// `below[x]` joins this row and the row below; 0 in the last row.
+    /// `below[x]` joins this row and the row below.
     pub below: &'a [f32],
 }
 
 /// Pixels read to each side by one step.
 pub const REACH: usize = 1;
 
-/// One sweep of the diffusion operator over the columns of `span`: `out = combine(out, g, Lg)` with
-/// `Lg = sum c_ij (g_j - g_i)` over the 4 neighbours.
+/// What a sweep makes of a sample g, the flux Lg into it and an earlier value of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Update {
+    /// An explicit step of the given length: g + dt Lg.
+    Step(f32),
+    /// The first step of the Chebyshev recurrence: T_1 = X g with X = -L/4 - 1.
+    First,
+    /// Every further one: T_k+1 = 2 X T_k - T_k-1.
+    Next,
+}
+
+/// The rows of a field that a sweep reads.
+#[derive(Debug, Clone, Copy)]
+pub struct Stencil<'a> {
+    /// The row above.
+    pub above: &'a [f32],
+    /// The row itself, and one column more at both of its ends.
+    pub at: &'a [f32],
+    /// The row below.
+    pub below: &'a [f32],
+}
+
+/// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over
+/// the 4 neighbours. `out` holds the earlier value, and then what `update` makes of it.
 ///
-/// An explicit step combines to `g + dt Lg`; a Chebyshev recurrence to `-Lg/2 - 2g - out`.
+/// All slices have the length of `out`, but for the columns beyond it that their types tell of.
 #[inline(always)]
-pub fn sweep_row(
-    out: &mut [f32],
-    g: &Rows,
-    faces: &Faces,
-    span: Range<usize>,
-    combine: impl Fn(f32, f32, f32) -> f32,
+pub fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
+    match update {
+        Update::Step(dt) => sweep(out, g, faces, |g, lg, _| g + dt * lg),
+        Update::First => sweep(out, g, faces, first_term),
+        Update::Next => sweep(out, g, faces, next_term),
+    }
+}
+
+/// [`sweep_row`] that adds three terms of the recurrence to `sum`, with their weights: the earlier
+/// value, the sample and the new one.
+#[inline(always)]
+pub fn sweep_and_add_row(
+    out: [&mut [f32]; 2],
+    sum: [&mut [f32]; 2],
+    weights: [f32; 3],
+    g: [Stencil; 2],
+    faces: Faces,
+    update: Update,
 ) {
-    if span.is_empty() {
-        return;
+    match update {
+        Update::Step(dt) => sweep_and_add(out, sum, weights, g, faces, |g, lg, _| g + dt * lg),
+        Update::First => sweep_and_add(out, sum, weights, g, faces, first_term),
+        Update::Next => sweep_and_add(out, sum, weights, g, faces, next_term),
     }
-    let last = g.at.len() - 1;
-    let edge = |x: usize| {
-        let sides = [
-            g.at[x.saturating_sub(1)],
-            g.at[(x + 1).min(last)],
-            g.above[x],
-            g.below[x],
-        ];
-        let joined = [
-            faces.left[x],
-            faces.left[x + 1],
-            faces.above[x],
-            faces.below[x],
-        ];
-        flux(g.at[x], sides, joined)
-    };
-    if span.start == 0 {
-        out[0] = combine(out[0], g.at[0], edge(0));
-    }
-    if span.end == last + 1 && last > 0 {
-        out[last] = combine(out[last], g.at[last], edge(last));
-    }
-    let (first, end) = (span.start.max(1), span.end.min(last));
-    if first >= end {
-        return;
-    }
-    // Slices of one length: the loop below is vectorised.
-    let n = end - first;
-    let (out, at) = (&mut out[first..end], &g.at[first..end]);
-    let (west, east) = (&g.at[first - 1..][..n], &g.at[first + 1..][..n]);
-    let (north, south) = (&g.above[first..end], &g.below[first..end]);
-    let (to_west, to_east) = (&faces.left[first..end], &faces.left[first + 1..][..n]);
-    let (to_north, to_south) = (&faces.above[first..end], &faces.below[first..end]);
+}
+
+#[inline(always)]
+fn first_term(g: f32, lg: f32, _: f32) -> f32 {
+    -0.25 * lg - g
+}
+
+#[inline(always)]
+fn next_term(g: f32, lg: f32, earlier: f32) -> f32 {
+    -0.5 * lg - (2.0 * g + earlier)
+}
+
+#[inline(always)]
+fn sweep(
+    out: [&mut [f32]; 2],
+    g: [Stencil; 2],
+    faces: Faces,
+    updated: impl Fn(f32, f32, f32) -> f32,
+) {
+    let [out_x, out_y] = out;
+    let n = out_x.len();
+    let out_y = &mut out_y[..n];
+    let (gx, gy) = (Around::new(g[0], n), Around::new(g[1], n));
+    let faces = faces.of(n);
     for x in 0..n {
-        let sides = [west[x], east[x], north[x], south[x]];
-        let joined = [to_west[x], to_east[x], to_north[x], to_south[x]];
-        out[x] = combine(out[x], at[x], flux(at[x], sides, joined));
+        let joined = faces.around(x);
+        out_x[x] = updated(gx.at[x], gx.flux(x, joined), out_x[x]);
+        out_y[x] = updated(gy.at[x], gy.flux(x, joined), out_y[x]);
+    }
+}
+
+#[inline(always)]
+fn sweep_and_add(
+    out: [&mut [f32]; 2],
+    sum: [&mut [f32]; 2],
+    weights: [f32; 3],
+    g: [Stencil; 2],
+    faces: Faces,
+    updated: impl Fn(f32, f32, f32) -> f32,
+) {
+    let ([out_x, out_y], [sum_x, sum_y]) = (out, sum);
+    let n = out_x.len();
+    let (out_y, sum_x, sum_y) = (&mut out_y[..n], &mut sum_x[..n], &mut sum_y[..n]);
+    let (gx, gy) = (Around::new(g[0], n), Around::new(g[1], n));
+    let faces = faces.of(n);
+    let weighted = |earlier, g, new| weights[0] * earlier + weights[1] * g + weights[2] * new;
+    for x in 0..n {
+        let joined = faces.around(x);
+        let new = updated(gx.at[x], gx.flux(x, joined), out_x[x]);
+        sum_x[x] += weighted(out_x[x], gx.at[x], new);
+        out_x[x] = new;
+        let new = updated(gy.at[x], gy.flux(x, joined), out_y[x]);
+        sum_y[x] += weighted(out_y[x], gy.at[x], new);
+        out_y[x] = new;
+    }
+}
+
+impl<'a> Faces<'a> {
+    /// The faces of `n` pixels, in slices whose lengths are known.
+    #[inline(always)]
+    fn of(self, n: usize) -> Self {
+        Self {
+            left: &self.left[..n + 1],
+            above: &self.above[..n],
+            below: &self.below[..n],
+        }
+    }
+
+    /// West, east, north and south of a pixel.
+    #[inline(always)]
+    fn around(&self, x: usize) -> [f32; 4] {
+        [self.left[x], self.left[x + 1], self.above[x], self.below[x]]
+    }
+}
+
+/// The neighbours of a row's samples, in slices of one length.
+struct Around<'a> {
+    at: &'a [f32],
+    west: &'a [f32],
+    east: &'a [f32],
+    north: &'a [f32],
+    south: &'a [f32],
+}
+
+impl<'a> Around<'a> {
+    #[inline(always)]
+    fn new(g: Stencil<'a>, n: usize) -> Self {
+        Self {
+            at: &g.at[1..][..n],
+            west: &g.at[..n],
+            east: &g.at[2..][..n],
+            north: &g.above[..n],
+            south: &g.below[..n],
+        }
+    }
+
+    /// The flux into a sample.
+    #[inline(always)]
+    fn flux(&self, x: usize, joined: [f32; 4]) -> f32 {
+        let sides = [self.west[x], self.east[x], self.north[x], self.south[x]];
+        flux(self.at[x], sides, joined)
     }
 }
 

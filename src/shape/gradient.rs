@@ -1,5 +1,6 @@
 //! The depth gradient: slope of the surface toward the viewer, read off its normal.
 
+use crate::fast_math::{exp, ln};
 use crate::params::ShapeParams;
 use glam::{Vec2, Vec3};
 
@@ -19,9 +20,32 @@ pub fn depth_gradient(n: Vec3, to_eye: Vec2, params: &ShapeParams) -> Vec2 {
     } else if f == 1.0 {
         facing.recip()
     } else {
-        facing.powf(-f)
+        exp(-f * ln(facing))
     };
     -n.truncate() * steepness
+}
+
+/// [`depth_gradient`] of the pixels of a row, 0 where uncovered. The direction to the eye is given by
+/// its x in every column and its y in the row.
+#[inline(always)]
+pub fn depth_gradient_row(
+    out: [&mut [f32]; 2],
+    normal: [&[f32]; 3],
+    covered: &[bool],
+    to_eye: (&[f32], f32),
+    params: &ShapeParams,
+) {
+    let [out_x, out_y] = out;
+    let n = out_x.len();
+    let (out_y, covered) = (&mut out_y[..n], &covered[..n]);
+    let [nx, ny, nz] = normal.map(|row| &row[..n]);
+    let (to_eye_x, to_eye_y) = (&to_eye.0[..n], to_eye.1);
+    for x in 0..n {
+        let n = Vec3::new(nx[x], ny[x], nz[x]);
+        let g = depth_gradient(n, Vec2::new(to_eye_x[x], to_eye_y), params);
+        out_x[x] = if covered[x] { g.x } else { 0.0 };
+        out_y[x] = if covered[x] { g.y } else { 0.0 };
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@
 //! surfaces; in the open the fit is Sobel's derivative itself. Practice: scaled by the pixel's own
 //! conductance, edges count as flat.
 
-use crate::shape::{Rows, sobel};
+use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
+use std::ops::Range;
 
 /// Pixels read to each side.
 pub const REACH: usize = 1;
@@ -17,32 +18,112 @@ pub const REACH: usize = 1;
 /// the two mixed derivatives is taken.
 #[inline(always)]
 pub fn hessian(gx: &Rows, gy: &Rows, conductance: &Rows, x: usize) -> [f32; 3] {
-    let c = conductance.at[x];
-    if c == 0.0 {
-        return [0.0; 3];
-    }
-    let [[xx, xy], [yx, yy]] = derivatives(gx, gy, conductance, x);
-    [c * xx, c * 0.5 * (xy + yx), c * yy]
+    fitted(
+        gx.neighbourhood(x),
+        gy.neighbourhood(x),
+        conductance.neighbourhood(x),
+    )
 }
 
-/// Trace of [`hessian`] alone: all that isotropic scaling needs.
+/// [`hessian`] of the pixels of a row in `columns`.
 #[inline(always)]
-pub fn trace(gx: &Rows, gy: &Rows, conductance: &Rows, x: usize) -> f32 {
-    let [xx, _, yy] = hessian(gx, gy, conductance, x);
-    xx + yy
+pub fn hessian_row(
+    out: [&mut [f32]; 3],
+    gx: &Rows,
+    gy: &Rows,
+    conductance: &Rows,
+    columns: Range<usize>,
+) {
+    let [xx, xy, yy] = out;
+    for_columns(gx, gy, conductance, columns, |x, h| {
+        [xx[x], xy[x], yy[x]] = h
+    });
 }
 
-/// Derivatives [d/dx, d/dy] of both components around column `x`.
+/// Trace of [`hessian`] alone, of the pixels of a row in `columns`: all that isotropic scaling needs.
 #[inline(always)]
-fn derivatives(gx: &Rows, gy: &Rows, conductance: &Rows, x: usize) -> [[f32; 2]; 2] {
-    let open = conductance.neighbourhood(x);
-    let (gx, gy) = (gx.neighbourhood(x), gy.neighbourhood(x));
-    if open.iter().flatten().all(|&c| c == 1.0) {
-        [sobel(gx), sobel(gy)]
-    } else {
-        let stencil = Stencil::new(open);
-        [stencil.slope(gx), stencil.slope(gy)]
+pub fn trace_row(
+    trace: &mut [f32],
+    gx: &Rows,
+    gy: &Rows,
+    conductance: &Rows,
+    columns: Range<usize>,
+) {
+    for_columns(gx, gy, conductance, columns, |x, [xx, _, yy]| {
+        trace[x] = xx + yy
+    });
+}
+
+/// Columns that are looked at together: open ones need no fit.
+const BLOCK: usize = 64;
+
+/// Calls `visit(column, hessian)` for the columns of a row.
+#[inline(always)]
+fn for_columns(
+    gx: &Rows,
+    gy: &Rows,
+    conductance: &Rows,
+    columns: Range<usize>,
+    mut visit: impl FnMut(usize, [f32; 3]),
+) {
+    let inner = inner_columns(&columns, gx.at.len());
+    for x in outer_columns(&columns, &inner) {
+        visit(x, hessian(gx, gy, conductance, x));
     }
+    for start in inner.clone().step_by(BLOCK) {
+        let block = start..(start + BLOCK).min(inner.end);
+        let [gx, gy, open] = [gx, gy, conductance]
+            .map(|rows| [rows.above, rows.at, rows.below].map(|row| Shifted::new(row, &block)));
+        let n = block.len();
+        if open.iter().all(|row| all_open(row.reach)) {
+            for i in 0..n {
+                visit(start + i, in_the_open(around(&gx, i), around(&gy, i)));
+            }
+        } else {
+            for i in 0..n {
+                visit(
+                    start + i,
+                    fitted(around(&gx, i), around(&gy, i), around(&open, i)),
+                );
+            }
+        }
+    }
+}
+
+/// The samples around the `i`-th column.
+#[inline(always)]
+fn around(rows: &[Shifted; 3], i: usize) -> [[f32; 3]; 3] {
+    [rows[0].around(i), rows[1].around(i), rows[2].around(i)]
+}
+
+/// The Hessian from 3x3 gradients that all are open.
+#[inline(always)]
+fn in_the_open(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3]) -> [f32; 3] {
+    let ([xx, xy], [yx, yy]) = (sobel(gx), sobel(gy));
+    [xx, 0.5 * (xy + yx), yy]
+}
+
+/// The Hessian from 3x3 samples of both components of the gradient and of the conductance.
+#[inline(always)]
+fn fitted(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) -> [f32; 3] {
+    let plain = in_the_open(gx, gy);
+    let stencil = Stencil::new(open);
+    let ([xx, xy], [yx, yy]) = (stencil.slope(gx), stencil.slope(gy));
+    let c = open[1][1];
+    let fit = [c * xx, c * 0.5 * (xy + yx), c * yy];
+    let is_open = open.iter().fold(true, |all, row| all & all_open(row));
+    // Both are computed and one is taken: there is no branch in the way of whole vectors.
+    let chosen = |i: usize| {
+        let value = if is_open { plain[i] } else { fit[i] };
+        if c == 0.0 { 0.0 } else { value }
+    };
+    [chosen(0), chosen(1), chosen(2)]
+}
+
+/// Whether all conductances are 1.
+#[inline(always)]
+fn all_open(conductance: &[f32]) -> bool {
+    conductance.iter().fold(true, |all, &c| all & (c == 1.0))
 }
 
 /// Sobel's weights of the nine samples in a fit of a plane.
@@ -52,7 +133,7 @@ const WEIGHTS: [[f32; 3]; 3] = [[1.0, 2.0, 1.0], [2.0, 0.0, 2.0], [1.0, 2.0, 1.0
 /// line is taken as 0. Small against the least weight of a fit with an open neighbour, 1.
 const RIDGE: f32 = 1e-4;
 
-/// A weighted least-squares fit of a plane through the centre of 3x3 samples.
+/// A weighted least-squares fit of a plane through the centre of 3x3 samples, y up.
 struct Stencil {
     weights: [[f32; 3]; 3],
     /// Sums of weight times dx^2, dx dy, dy^2.
@@ -60,29 +141,28 @@ struct Stencil {
 }
 
 impl Stencil {
-    #[inline(never)]
+    #[inline(always)]
     fn new(open: [[f32; 3]; 3]) -> Self {
-        let weights: [[f32; 3]; 3] =
-            std::array::from_fn(|i| std::array::from_fn(|j| WEIGHTS[i][j] * open[i][j]));
-        let mut moments = [RIDGE, 0.0, RIDGE];
-        for_offsets(|i, j, dx, dy| {
-            let w = weights[i][j];
-            moments[0] += w * dx * dx;
-            moments[1] += w * dx * dy;
-            moments[2] += w * dy * dy;
-        });
-        Self { weights, moments }
+        let w = each(|i, j| WEIGHTS[i][j] * open[i][j]);
+        let (west, east) = (column(w, 0), column(w, 2));
+        let (north, south) = (row(w, 0), row(w, 2));
+        let moments = [
+            (west + east) + RIDGE,
+            (w[0][2] + w[2][0]) - (w[0][0] + w[2][2]),
+            (north + south) + RIDGE,
+        ];
+        Self {
+            weights: w,
+            moments,
+        }
     }
 
-    /// Derivatives [d/dx, d/dy], y up, of the fitted plane.
-    #[inline(never)]
+    /// Derivatives [d/dx, d/dy] of the fitted plane.
+    #[inline(always)]
     fn slope(&self, samples: [[f32; 3]; 3]) -> [f32; 2] {
-        let (mut along_x, mut along_y) = (0.0, 0.0);
-        for_offsets(|i, j, dx, dy| {
-            let rise = self.weights[i][j] * (samples[i][j] - samples[1][1]);
-            along_x += dx * rise;
-            along_y += dy * rise;
-        });
+        let rise = each(|i, j| self.weights[i][j] * (samples[i][j] - samples[1][1]));
+        let along_x = column(rise, 2) - column(rise, 0);
+        let along_y = row(rise, 0) - row(rise, 2);
         let [xx, xy, yy] = self.moments;
         let determinant = xx * yy - xy * xy;
         [
@@ -92,14 +172,23 @@ impl Stencil {
     }
 }
 
-/// Calls `visit(row, column, dx, dy)` for the nine samples, y up.
+/// 3x3 values. Written out: `map` over an array is not always inlined, and this is the innermost loop.
 #[inline(always)]
-fn for_offsets(mut visit: impl FnMut(usize, usize, f32, f32)) {
-    for (i, dy) in [1.0, 0.0, -1.0].into_iter().enumerate() {
-        for (j, dx) in [-1.0, 0.0, 1.0].into_iter().enumerate() {
-            visit(i, j, dx, dy);
-        }
-    }
+fn each(value: impl Fn(usize, usize) -> f32) -> [[f32; 3]; 3] {
+    let row = |i: usize| [value(i, 0), value(i, 1), value(i, 2)];
+    [row(0), row(1), row(2)]
+}
+
+/// Sum of a column of 3x3 values.
+#[inline(always)]
+fn column(values: [[f32; 3]; 3], j: usize) -> f32 {
+    (values[0][j] + values[2][j]) + values[1][j]
+}
+
+/// Sum of a row of 3x3 values.
+#[inline(always)]
+fn row(values: [[f32; 3]; 3], i: usize) -> f32 {
+    (values[i][0] + values[i][2]) + values[i][1]
 }
 
 #[cfg(test)]

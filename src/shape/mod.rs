@@ -3,6 +3,8 @@
 //! Rows run down while y points up: `d/dy` is (row above - row below) / 2. Every kernel says how
 //! many pixels it reads to each side.
 
+use std::ops::Range;
+
 pub mod chebyshev;
 pub mod conductance;
 pub mod crease;
@@ -51,6 +53,56 @@ impl<'a, T: Copy> Rows<'a, T> {
         // Written out: `map` over an array is not always inlined, and this is the innermost loop.
         [around(self.above), around(self.at), around(self.below)]
     }
+}
+
+/// The samples of a row in a range of columns, with those to their left and right, in slices of one
+/// length: a loop over them is vectorised.
+#[derive(Debug, Clone, Copy)]
+pub struct Shifted<'a, T = f32> {
+    /// The samples of `left` and `right` together.
+    reach: &'a [T],
+    left: &'a [T],
+    at: &'a [T],
+    right: &'a [T],
+}
+
+impl<'a, T: Copy> Shifted<'a, T> {
+    /// The columns `columns` of `row`, which has at least one more at both sides.
+    #[inline(always)]
+    fn new(row: &'a [T], columns: &Range<usize>) -> Self {
+        let n = columns.len();
+        let reach = match n {
+            0 => [].as_slice(),
+            _ => &row[columns.start - 1..columns.end + 1],
+        };
+        let from = |shift: usize| if n == 0 { reach } else { &reach[shift..][..n] };
+        Self {
+            reach,
+            left: from(0),
+            at: from(1),
+            right: from(2),
+        }
+    }
+
+    /// The samples left of, at and right of the `i`-th column.
+    #[inline(always)]
+    fn around(&self, i: usize) -> [T; 3] {
+        [self.left[i], self.at[i], self.right[i]]
+    }
+}
+
+/// Those of `columns` that have a neighbour at both sides in a row of `width` samples.
+#[inline(always)]
+fn inner_columns(columns: &Range<usize>, width: usize) -> Range<usize> {
+    let start = columns.start.max(1);
+    start..columns.end.min(width.saturating_sub(1)).max(start)
+}
+
+/// Those of `columns` that are not in `inner`: the first and the last one of a row.
+#[inline(always)]
+fn outer_columns(columns: &Range<usize>, inner: &Range<usize>) -> impl Iterator<Item = usize> {
+    let before = columns.start..columns.end.min(inner.start);
+    before.chain(columns.start.max(inner.end)..columns.end)
 }
 
 /// Derivatives (d/dx, d/dy) per pixel of a 3x3 neighbourhood, y up: Sobel's kernel, whose sum of 8

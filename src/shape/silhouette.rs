@@ -5,8 +5,10 @@
 //! and 1/z alike; the border of coverage is always a silhouette. Practice: give depth where there
 //! is any, else an occlusion map or alpha.
 
+use crate::fast_math::ln;
 use crate::params::SoftThreshold;
-use crate::shape::{Rows, sobel};
+use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
+use std::ops::Range;
 
 /// Silhouette weight, 0..1, of the pixel at column `x` from `map`: the logarithm of depth, or an
 /// occlusion map.
@@ -26,6 +28,54 @@ pub fn silhouette_weight(
     }
     let [dx, dy] = sobel(map.neighbourhood(x));
     threshold.weight(2.0 * (dx * dx + dy * dy).sqrt())
+}
+
+/// The logarithm of depth where covered, 0 elsewhere: the map that silhouettes are sought in.
+#[inline(always)]
+pub fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]) {
+    let n = out.len();
+    let (depth, covered) = (&depth[..n], &covered[..n]);
+    for x in 0..n {
+        let log = ln(depth[x]);
+        out[x] = if covered[x] { log } else { 0.0 };
+    }
+}
+
+/// [`silhouette_weight`] of the pixels of a row in `columns`; where they are uncovered no matter what.
+#[inline(always)]
+pub fn silhouette_row(
+    weight: &mut [f32],
+    map: &Rows,
+    covered: &Rows<bool>,
+    columns: Range<usize>,
+    threshold: SoftThreshold,
+) {
+    let inner = inner_columns(&columns, weight.len());
+    let out = &mut weight[inner.clone()];
+    let [above, at, below] = [map.above, map.at, map.below].map(|row| Shifted::new(row, &inner));
+    let seen = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
+    for (i, out) in out.iter_mut().enumerate() {
+        let samples = [above.around(i), at.around(i), below.around(i)];
+        let [dx, dy] = sobel(samples);
+        let jump = threshold.weight(2.0 * (dx * dx + dy * dy).sqrt());
+        let seen = |r: usize| seen[r].left[i] & seen[r].at[i] & seen[r].right[i];
+        *out = if seen(0) & seen(1) & seen(2) {
+            jump
+        } else {
+            1.0
+        };
+    }
+    for x in outer_columns(&columns, &inner) {
+        weight[x] = silhouette_weight(map, covered, x, threshold);
+    }
+}
+
+/// 1 for the pixels of a row in `columns` that are [`on_border`], 0 for the others.
+#[inline(always)]
+pub fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>) {
+    for x in columns {
+        weight[x] = f32::from(on_border(covered, x));
+    }
 }
 
 /// Whether the pixel at column `x` has an uncovered pixel among its eight neighbours.

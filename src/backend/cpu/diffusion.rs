@@ -1,139 +1,112 @@
-//! Diffusion of the gradient, by steps or by expansion.
+//! Diffusion of the gradient, by steps or by expansion, tile by tile.
 
-use super::ROWS_PER_TASK;
+use super::simd::Simd;
+use super::tiles::Tiling;
+use super::wave::{Pass, Results, VectorRows, Wave};
 use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::params::RunOptions;
 use crate::plan::Sweeps;
-use crate::shape::Rows;
-use crate::shape::conductance::face_conductance_row;
-use crate::shape::diffusion::{Faces, sweep_row};
+use crate::shape::diffusion::Update;
 use rayon::prelude::*;
 
 /// The gradient after all sweeps.
+///
+/// The sweeps are done in passes of several at once; what a pass leaves to the next are the last two
+/// terms of the recurrence and, of an expansion, the sum so far.
 pub(super) fn diffusion(
     gradient: Vector2Planes,
     conductance: &Plane,
     mask: &Mask,
     sweeps: &Sweeps,
+    options: &RunOptions,
 ) -> Vector2Planes {
-    let faces = FacePlanes::between(conductance);
-    let diffused = |component| match sweeps {
+    let tiling = Tiling::new(mask, options.tile);
+    let (updates, weights) = recurrence(sweeps);
+    if updates.is_empty() {
+        return gradient;
+    }
+    let passes = updates.len().div_ceil(options.sweeps_per_pass.get()).max(1);
+    let per_pass = updates.len().div_ceil(passes).max(1);
+
+    let blank = || {
+        let plane = || Plane::filled(mask.width(), mask.height(), 0.0);
+        Vector2Planes {
+            x: plane(),
+            y: plane(),
+        }
+    };
+    let expands = !weights.is_empty();
+    let mut sum = expands.then(blank);
+    let (mut last, mut earlier) = (gradient, None);
+    let mut spare = (None, None);
+    for (i, updates) in updates.chunks(per_pass).enumerate() {
+        let first = i * per_pass;
+        let pass = Pass {
+            updates,
+            weights: weights.get(first..).unwrap_or(&[]),
+            last: &last,
+            earlier: earlier.as_ref(),
+            conductance,
+            simd: Simd::widest(),
+        };
+        // An expansion needs no term past its end, a step no term but the last.
+        let goes_on = i + 1 < passes;
+        let mut next_last = (goes_on || !expands).then(|| spare.0.take().unwrap_or_else(blank));
+        let mut next_earlier = (goes_on && expands).then(|| spare.1.take().unwrap_or_else(blank));
+        let results = results_by_tile(&tiling, [&mut sum, &mut next_last, &mut next_earlier]);
+        tiling
+            .tiles()
+            .par_iter()
+            .zip(results)
+            .for_each_init(Wave::default, |wave, (tile, mut results)| {
+                wave.run(&pass, tile, &mut results)
+            });
+        if let Some(next) = next_last {
+            spare = (Some(std::mem::replace(&mut last, next)), earlier.take());
+            earlier = next_earlier;
+        }
+    }
+    sum.unwrap_or(last)
+}
+
+/// The update of every sweep, and what their terms are added up with, if they are.
+fn recurrence(sweeps: &Sweeps) -> (Vec<Update>, &[f32]) {
+    match sweeps {
         Sweeps::Explicit { count, time_step } => {
-            stepped(component, &faces, mask, *count, *time_step)
+            (vec![Update::Step(*time_step); *count as usize], &[])
         }
-        Sweeps::Chebyshev(coefficients) => expanded(component, &faces, mask, coefficients),
-    };
-    Vector2Planes {
-        x: diffused(gradient.x),
-        y: diffused(gradient.y),
-    }
-}
-
-/// Explicit steps: `g + dt Lg`, over and over.
-fn stepped(g: Plane, faces: &FacePlanes, mask: &Mask, count: u32, time_step: f32) -> Plane {
-    let mut now = g;
-    let mut next = now.clone();
-    for _ in 0..count {
-        sweep(&mut next, &now, faces, mask, None, move |_, g, lg| {
-            g + time_step * lg
-        });
-        std::mem::swap(&mut now, &mut next);
-    }
-    now
-}
-
-/// The sum of a_k T_k(X) g with X = -L/4 - 1, by the recurrence T_k+1 = 2 X T_k - T_k-1.
-fn expanded(g: Plane, faces: &FacePlanes, mask: &Mask, coefficients: &[f32]) -> Plane {
-    let mut sum = g.map(|v| coefficients[0] * v);
-    let mut before = g;
-    let mut now = before.clone();
-    for (k, &coefficient) in coefficients.iter().enumerate().skip(1) {
-        let sum = Some((&mut sum, coefficient));
-        if k == 1 {
-            sweep(&mut now, &before, faces, mask, sum, |_, g, lg| {
-                -0.25 * lg - g
-            });
-        } else {
-            let next = |before, g, lg| -0.5 * lg - 2.0 * g - before;
-            sweep(&mut before, &now, faces, mask, sum, next);
-            std::mem::swap(&mut now, &mut before);
+        Sweeps::Chebyshev(coefficients) => {
+            let mut updates = vec![Update::Next; coefficients.len() - 1];
+            if let Some(first) = updates.first_mut() {
+                *first = Update::First;
+            }
+            (updates, coefficients)
         }
     }
-    sum
 }
 
-/// One sweep of the operator over the covered columns of every row; with `sum`, each row is then added
-/// to it, scaled, while it is at hand.
-fn sweep(
-    out: &mut Plane,
-    g: &Plane,
-    faces: &FacePlanes,
-    mask: &Mask,
-    sum: Option<(&mut Plane, f32)>,
-    combine: impl Fn(f32, f32, f32) -> f32 + Sync,
-) {
-    let width = g.width();
-    let swept = |y: usize, out: &mut [f32]| {
-        sweep_row(
-            out,
-            &Rows::around(g, y),
-            &faces.around(y),
-            mask.span(y),
-            &combine,
-        );
-    };
-    let rows = out.samples_mut().par_chunks_mut(width);
-    match sum {
-        None => rows
-            .enumerate()
-            .with_min_len(ROWS_PER_TASK)
-            .for_each(|(y, out)| swept(y, out)),
-        Some((sum, factor)) => rows
-            .zip(sum.samples_mut().par_chunks_mut(width))
-            .enumerate()
-            .with_min_len(ROWS_PER_TASK)
-            .for_each(|(y, (out, sum))| {
-                swept(y, out);
-                let span = mask.span(y);
-                for (sum, value) in sum[span.clone()].iter_mut().zip(&out[span]) {
-                    *sum += factor * value;
-                }
-            }),
-    }
-}
-
-/// Conductances of all faces between pixels: `left` has a column more than the picture, `above` a
-/// row more; the faces around the picture are closed.
-struct FacePlanes {
-    left: Plane,
-    above: Plane,
-}
-
-impl FacePlanes {
-    fn between(conductance: &Plane) -> Self {
-        let (width, height) = (conductance.width(), conductance.height());
-        let mut left = Plane::filled(width + 1, height, 0.0);
-        let mut above = Plane::filled(width, height + 1, 0.0);
-        left.samples_mut()
-            .par_chunks_mut(width + 1)
-            .enumerate()
-            .for_each(|(y, out)| {
-                let row = conductance.row(y);
-                face_conductance_row(&mut out[1..width], row, &row[1..]);
-            });
-        above.samples_mut()[width..width * height]
-            .par_chunks_mut(width)
-            .enumerate()
-            .for_each(|(y, out)| {
-                face_conductance_row(out, conductance.row(y), conductance.row(y + 1))
-            });
-        Self { left, above }
-    }
-
-    fn around(&self, y: usize) -> Faces<'_> {
-        Faces {
-            left: self.left.row(y),
-            above: self.above.row(y),
-            below: self.above.row(y + 1),
+/// Where each tile writes, given the planes for the sum, the last term and the one before.
+fn results_by_tile<'a>(
+    tiling: &Tiling,
+    planes: [&'a mut Option<Vector2Planes>; 3],
+) -> Vec<Results<'a>> {
+    let [sum, last, earlier] = planes.map(|planes| match planes {
+        None => None,
+        Some(Vector2Planes { x, y }) => {
+            let rows = tiling.cut(x).into_iter().zip(tiling.cut(y));
+            Some(rows.map(|(x, y)| [x, y]))
         }
-    }
+    });
+    let (mut sum, mut last, mut earlier) = (sum, last, earlier);
+    let next =
+        |rows: &mut Option<_>| -> Option<VectorRows<'a>> { rows.as_mut().and_then(Iterator::next) };
+    tiling
+        .tiles()
+        .iter()
+        .map(|_| Results {
+            sum: next(&mut sum),
+            last: next(&mut last),
+            earlier: next(&mut earlier),
+        })
+        .collect()
 }

@@ -1,185 +1,266 @@
-//! Silhouettes, creases and conductance in one sweep over rows.
+//! Silhouettes, creases, conductance and the depth gradient in one sweep over rows.
 
-use super::ROWS_PER_TASK;
-use crate::frame::{Frame, Plane, Vector3Planes};
-use crate::params::SoftThreshold;
+use super::simd::Simd;
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::params::{ShapeParams, SoftThreshold};
 use crate::plan::{Plan, Stage};
 use crate::shape::Rows;
-use crate::shape::conductance::conductance;
-use crate::shape::crease::CreaseDetector;
-use crate::shape::silhouette::{on_border, silhouette_weight};
-use glam::Vec3;
+use crate::shape::crease::{CreaseDetector, NormalRows};
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Edge weights; the two separate ones only where they are asked for.
+/// Rows that one task takes: enough for the two rows around them, of which it makes the logarithm
+/// too, not to count.
+const ROWS: usize = 32;
+
+/// Edge weights, the two separate ones only where they are asked for, and the gradient.
 pub(super) struct Edges {
     pub(super) silhouette: Option<Plane>,
     pub(super) crease: Option<Plane>,
     pub(super) conductance: Plane,
+    pub(super) gradient: Vector2Planes,
 }
 
-pub(super) fn edges(plan: &Plan, frame: &Frame) -> Edges {
+pub(super) fn edges_and_gradient(plan: &Plan, frame: &Frame) -> Edges {
     let (width, height) = (frame.mask.width(), frame.mask.height());
-    let sources = Sources {
-        frame,
-        jumps: jump_map(plan, frame),
-        creases: CreaseDetector::new(plan.shape.crease),
-    };
     let blank = || Plane::filled(width, height, 0.0);
-    let mut conductances = blank();
-    let (mut silhouettes, mut creases) = match plan.has(Stage::Hessian) {
-        true => (Some(blank()), Some(blank())),
-        false => (None, None),
+    let weights_wanted = plan.has(Stage::Hessian);
+    let mut edges = Edges {
+        silhouette: weights_wanted.then(blank),
+        crease: weights_wanted.then(blank),
+        conductance: blank(),
+        gradient: Vector2Planes {
+            x: blank(),
+            y: blank(),
+        },
     };
-    conductances
-        .samples_mut()
-        .par_chunks_mut(width)
-        .zip(optional_rows(&mut silhouettes, height))
-        .zip(optional_rows(&mut creases, height))
-        .enumerate()
-        .with_min_len(ROWS_PER_TASK)
-        .for_each(|(y, ((out, mut silhouette_row), mut crease_row))| {
-            sources.for_covered(y, |x, silhouette, crease| {
-                out[x] = conductance(silhouette, crease);
-                if let Some(row) = &mut silhouette_row {
-                    row[x] = silhouette;
-                }
-                if let Some(row) = &mut crease_row {
-                    row[x] = crease;
-                }
-            });
-        });
-    Edges {
-        silhouette: silhouettes,
-        crease: creases,
-        conductance: conductances,
+    let sources = Sources::new(plan, frame);
+    let bands = bands(&mut edges.silhouette, height)
+        .into_par_iter()
+        .zip(bands(&mut edges.crease, height))
+        .zip(edges.conductance.samples_mut().par_chunks_mut(ROWS * width))
+        .zip(edges.gradient.x.samples_mut().par_chunks_mut(ROWS * width))
+        .zip(edges.gradient.y.samples_mut().par_chunks_mut(ROWS * width));
+    bands.enumerate().for_each_init(
+        || Scratch::new(width),
+        |scratch, (i, ((((silhouette, crease), conductance), x), y))| {
+            let mut band = Band {
+                top: ROWS * i,
+                silhouette,
+                crease,
+                conductance,
+                gradient: [x, y],
+            };
+            sources.fill(&mut band, scratch);
+        },
+    );
+    edges
+}
+
+/// Bands of a plane that may not be wanted: as many `None` as there would be bands.
+fn bands(plane: &mut Option<Plane>, height: usize) -> Vec<Option<&mut [f32]>> {
+    match plane {
+        Some(plane) => {
+            let samples = ROWS * plane.width();
+            plane.samples_mut().chunks_mut(samples).map(Some).collect()
+        }
+        None => (0..height.div_ceil(ROWS)).map(|_| None).collect(),
     }
 }
 
-/// The rows of a plane that may not be wanted: as many `None` as there would be rows.
-fn optional_rows(plane: &mut Option<Plane>, height: usize) -> Vec<Option<&mut [f32]>> {
-    match plane {
-        Some(plane) => {
-            let width = plane.width();
-            plane.samples_mut().chunks_mut(width).map(Some).collect()
+/// Rows to be filled, from row `top` on.
+struct Band<'a> {
+    top: usize,
+    silhouette: Option<&'a mut [f32]>,
+    crease: Option<&'a mut [f32]>,
+    conductance: &'a mut [f32],
+    gradient: [&'a mut [f32]; 2],
+}
+
+/// Rows that a thread works in.
+struct Scratch {
+    /// The logarithm of depth in three rows, row y in that of y modulo 3.
+    log_depth: [Vec<f32>; 3],
+    silhouette: Vec<f32>,
+    crease: Vec<f32>,
+    least_cosine: Vec<f32>,
+}
+
+impl Scratch {
+    fn new(width: usize) -> Self {
+        let row = || vec![0.0; width];
+        Self {
+            log_depth: [row(), row(), row()],
+            silhouette: row(),
+            crease: row(),
+            least_cosine: row(),
         }
-        None => (0..height).map(|_| None).collect(),
     }
 }
 
 /// What silhouettes are sought in, with the threshold of its jumps.
-struct JumpMap<'a> {
-    map: std::borrow::Cow<'a, Plane>,
-    threshold: SoftThreshold,
-}
-
-fn jump_map<'a>(plan: &Plan, frame: &'a Frame) -> Option<JumpMap<'a>> {
-    if plan.has(Stage::DepthSilhouettes) {
-        let depth = frame
-            .depth
-            .as_ref()
-            .expect("the plan found depth in the frame");
-        let map = std::borrow::Cow::Owned(log_depth(depth, frame));
-        Some(JumpMap {
-            map,
-            threshold: plan.shape.silhouette,
-        })
-    } else if plan.has(Stage::OcclusionSilhouettes) {
-        let map = frame
-            .occlusion
-            .as_ref()
-            .expect("the plan found occlusion in the frame");
-        let map = std::borrow::Cow::Borrowed(map);
-        Some(JumpMap {
-            map,
-            threshold: plan.shape.occlusion_silhouette,
-        })
-    } else {
-        None
-    }
-}
-
-/// The logarithm of depth where covered, 0 elsewhere.
-fn log_depth(depth: &Plane, frame: &Frame) -> Plane {
-    let mut log = Plane::filled(depth.width(), depth.height(), 0.0);
-    log.samples_mut()
-        .par_chunks_mut(depth.width())
-        .enumerate()
-        .with_min_len(ROWS_PER_TASK)
-        .for_each(|(y, out)| {
-            let (depth, covered) = (depth.row(y), frame.mask.row(y));
-            for x in frame.mask.span(y) {
-                out[x] = if covered[x] { depth[x].ln() } else { 0.0 };
-            }
-        });
-    log
+enum Silhouettes<'a> {
+    Depth(&'a Plane, SoftThreshold),
+    Occlusion(&'a Plane, SoftThreshold),
+    Border,
 }
 
 struct Sources<'a> {
     frame: &'a Frame,
-    jumps: Option<JumpMap<'a>>,
+    params: &'a ShapeParams,
+    silhouettes: Silhouettes<'a>,
     creases: CreaseDetector,
+    to_eye: ToEye,
+    simd: Simd,
 }
 
-impl Sources<'_> {
-    /// Calls `visit(x, silhouette, crease)` for every covered pixel of row `y`.
-    #[inline(always)]
-    fn for_covered(&self, y: usize, mut visit: impl FnMut(usize, f32, f32)) {
-        let mask = &self.frame.mask;
-        let covered = Rows::around(mask.plane(), y);
-        let jumps = self
-            .jumps
-            .as_ref()
-            .map(|j| (Rows::around(&j.map, y), j.threshold));
-        let lengths = self.frame.normal_length.as_ref().map(|plane| plane.row(y));
-        let normals = NormalRows::around(&self.frame.normal, y);
-        for x in mask.span(y).filter(|&x| covered.at[x]) {
-            let silhouette = match &jumps {
-                Some((map, threshold)) => silhouette_weight(map, &covered, x, *threshold),
-                None => f32::from(on_border(&covered, x)),
-            };
-            let length = lengths.map_or(1.0, |row| row[x]);
-            let crease = self
-                .creases
-                .weight(normals.at(x), length, normals.beside(x, &covered));
-            visit(x, silhouette, crease);
-        }
-    }
-}
-
-/// The normals of three rows.
-struct NormalRows<'a> {
-    x: Rows<'a>,
-    y: Rows<'a>,
-    z: Rows<'a>,
-}
-
-impl<'a> NormalRows<'a> {
-    fn around(normal: &'a Vector3Planes, y: usize) -> Self {
-        let rows = |plane| Rows::around(plane, y);
+impl<'a> Sources<'a> {
+    fn new(plan: &'a Plan, frame: &'a Frame) -> Self {
+        let map =
+            |plane: &'a Option<Plane>| plane.as_ref().expect("the plan found it in the frame");
+        let silhouettes = if plan.has(Stage::DepthSilhouettes) {
+            Silhouettes::Depth(map(&frame.depth), plan.shape.silhouette)
+        } else if plan.has(Stage::OcclusionSilhouettes) {
+            Silhouettes::Occlusion(map(&frame.occlusion), plan.shape.occlusion_silhouette)
+        } else {
+            Silhouettes::Border
+        };
         Self {
-            x: rows(&normal.x),
-            y: rows(&normal.y),
-            z: rows(&normal.z),
+            frame,
+            params: &plan.shape,
+            silhouettes,
+            creases: CreaseDetector::new(plan.shape.crease),
+            to_eye: ToEye::new(frame),
+            simd: Simd::widest(),
         }
     }
 
-    #[inline(always)]
-    fn at(&self, x: usize) -> Vec3 {
-        Vec3::new(self.x.at[x], self.y.at[x], self.z.at[x])
+    fn fill(&self, band: &mut Band, scratch: &mut Scratch) {
+        let width = self.frame.mask.width();
+        let rows = band.conductance.len() / width;
+        for row in 0..rows {
+            let y = band.top + row;
+            let columns = self.frame.mask.span(y);
+            let of_row = row * width..(row + 1) * width;
+            self.add_log_depth(y, row == 0, scratch);
+            if columns.is_empty() {
+                continue;
+            }
+            self.silhouette_row(y, &columns, scratch);
+            self.crease_row(y, &columns, scratch);
+            let part = row * width + columns.start..row * width + columns.end;
+            self.simd.conductance_row(
+                &mut band.conductance[part.clone()],
+                &scratch.silhouette[columns.clone()],
+                &scratch.crease[columns.clone()],
+                &self.frame.mask.row(y)[columns.clone()],
+            );
+            let [x, y_part] = &mut band.gradient;
+            self.gradient_row(y, columns, [&mut x[part.clone()], &mut y_part[part]]);
+            for (plane, weights) in [
+                (&mut band.silhouette, &scratch.silhouette),
+                (&mut band.crease, &scratch.crease),
+            ] {
+                if let Some(plane) = plane {
+                    self.keep_covered(&mut plane[of_row.clone()], weights, y);
+                }
+            }
+        }
     }
 
-    /// The normals left, right, above and below column `x`, where covered.
-    #[inline(always)]
-    fn beside(&self, x: usize, covered: &Rows<bool>) -> [Option<Vec3>; 4] {
-        let (left, right) = (x.saturating_sub(1), (x + 1).min(covered.at.len() - 1));
-        let above = Vec3::new(self.x.above[x], self.y.above[x], self.z.above[x]);
-        let below = Vec3::new(self.x.below[x], self.y.below[x], self.z.below[x]);
-        [
-            covered.at[left].then_some(self.at(left)),
-            covered.at[right].then_some(self.at(right)),
-            covered.above[x].then_some(above),
-            covered.below[x].then_some(below),
-        ]
+    /// Makes sure that the logarithm of depth around row `y` is in the scratch rows.
+    fn add_log_depth(&self, y: usize, is_first: bool, scratch: &mut Scratch) {
+        let Silhouettes::Depth(depth, _) = &self.silhouettes else {
+            return;
+        };
+        let from = if is_first { y.saturating_sub(1) } else { y + 1 };
+        for y in from..(y + 2).min(depth.height()) {
+            let out = &mut scratch.log_depth[y % 3];
+            self.simd
+                .log_depth_row(out, depth.row(y), self.frame.mask.row(y));
+        }
+    }
+
+    fn silhouette_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
+        let covered = Rows::around(self.frame.mask.plane(), y);
+        let out = &mut scratch.silhouette;
+        let columns = columns.clone();
+        match &self.silhouettes {
+            Silhouettes::Depth(depth, threshold) => {
+                let row = |y: usize| scratch.log_depth[y % 3].as_slice();
+                let map = Rows {
+                    above: row(y.saturating_sub(1)),
+                    at: row(y),
+                    below: row((y + 1).min(depth.height() - 1)),
+                };
+                self.simd
+                    .silhouette_row(out, &map, &covered, columns, *threshold);
+            }
+            Silhouettes::Occlusion(map, threshold) => {
+                let map = Rows::around(map, y);
+                self.simd
+                    .silhouette_row(out, &map, &covered, columns, *threshold);
+            }
+            Silhouettes::Border => self.simd.border_row(out, &covered, columns),
+        }
+    }
+
+    fn crease_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
+        let covered = Rows::around(self.frame.mask.plane(), y);
+        let normals = NormalRows::around(&self.frame.normal, y);
+        let lengths = self.frame.normal_length.as_ref().map(|plane| plane.row(y));
+        let least = &mut scratch.least_cosine;
+        self.simd
+            .least_cosine_row(least, &normals, &covered, columns.clone());
+        for x in columns.clone() {
+            let length = lengths.map_or(1.0, |row| row[x]);
+            scratch.crease[x] = if !covered.at[x] || self.creases.is_flat(least[x], length) {
+                0.0
+            } else {
+                let beside = normals.beside(x, &covered);
+                self.creases.weight(normals.at(x), length, beside)
+            };
+        }
+    }
+
+    fn gradient_row(&self, y: usize, columns: Range<usize>, out: [&mut [f32]; 2]) {
+        let normal = &self.frame.normal;
+        let normal = [&normal.x, &normal.y, &normal.z].map(|plane| &plane.row(y)[columns.clone()]);
+        let covered = &self.frame.mask.row(y)[columns.clone()];
+        let to_eye = (&self.to_eye.x[columns], self.to_eye.y[y]);
+        self.simd
+            .depth_gradient_row(out, normal, covered, to_eye, self.params);
+    }
+
+    fn keep_covered(&self, out: &mut [f32], weights: &[f32], y: usize) {
+        let covered = self.frame.mask.row(y);
+        for x in self.frame.mask.span(y) {
+            out[x] = if covered[x] { weights[x] } else { 0.0 };
+        }
+    }
+}
+
+/// The direction to the eye, scaled to z = 1: its x depends on the column alone, its y on the row.
+struct ToEye {
+    x: Vec<f32>,
+    y: Vec<f32>,
+}
+
+impl ToEye {
+    fn new(frame: &Frame) -> Self {
+        let window = frame.data_window;
+        let at = |x: usize, y: usize| {
+            let (column, row) = (
+                f64::from(window.x0) + x as f64,
+                f64::from(window.y0) + y as f64,
+            );
+            frame.camera.map_or(glam::Vec2::ZERO, |camera| {
+                camera.projection.to_eye(column + 0.5, row + 0.5).as_vec2()
+            })
+        };
+        Self {
+            x: (0..frame.mask.width()).map(|x| at(x, 0).x).collect(),
+            y: (0..frame.mask.height()).map(|y| at(0, y).y).collect(),
+        }
     }
 }

@@ -4,10 +4,13 @@ mod diffusion;
 mod edges;
 mod light;
 mod passes;
+mod simd;
 mod statistics;
+mod tiles;
+mod wave;
 
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
-use crate::params::Adaptive;
+use crate::params::{Adaptive, RunOptions};
 use crate::plan::{Plan, Stage};
 use std::time::{Duration, Instant};
 
@@ -71,9 +74,18 @@ pub struct Outcome {
 ///
 /// [`Goal::Enhance`]: crate::plan::Goal::Enhance
 pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
+    run_with(plan, frame, &RunOptions::default())
+}
+
+/// [`run`] in another way: the outcome is the same, bit for bit.
+///
+/// # Panics
+/// As [`run`] does.
+pub fn run_with(plan: &Plan, frame: &Frame, options: &RunOptions) -> Outcome {
     let mut run = Run {
         plan,
         frame,
+        options,
         outcome: Outcome::default(),
     };
     if plan.has(Stage::Conductance) {
@@ -88,6 +100,7 @@ pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
 struct Run<'a> {
     plan: &'a Plan,
     frame: &'a Frame,
+    options: &'a RunOptions,
     outcome: Outcome,
 }
 
@@ -101,15 +114,23 @@ impl Run<'_> {
 
     fn find_shape(&mut self) {
         let (plan, frame) = (self.plan, self.frame);
-        let edges = self.timed("edges", || edges::edges(plan, frame));
-        let gradient = self.timed("gradient", || passes::gradient(frame, &plan.shape));
+        let edges = self.timed("edges-and-gradient", || {
+            edges::edges_and_gradient(plan, frame)
+        });
+        let options = self.options;
         let gradient = if plan.has(Stage::Diffusion) {
             let mask = &frame.mask;
             self.timed("diffusion", || {
-                diffusion::diffusion(gradient, &edges.conductance, mask, &plan.sweeps)
+                diffusion::diffusion(
+                    edges.gradient,
+                    &edges.conductance,
+                    mask,
+                    &plan.sweeps,
+                    options,
+                )
             })
         } else {
-            gradient
+            edges.gradient
         };
         if plan.has(Stage::Hessian) {
             self.describe(&gradient, &edges.conductance);

@@ -1,42 +1,20 @@
 //! One function per pass over the frame: rows in parallel, columns that hold no surface skipped.
 
+use super::simd::Simd;
 use super::{CurvaturePlanes, ROWS_PER_TASK};
-use crate::frame::{Frame, Mask, Plane, SymmetricPlanes, Vector2Planes};
-use crate::params::ShapeParams;
+use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
+use crate::shape::Rows;
 use crate::shape::curvature::{
     mapped_curvature as kappa, principal_curvatures, principal_direction,
 };
-use crate::shape::gradient::depth_gradient;
-use crate::shape::{Rows, hessian as hessian_kernel};
-use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-
-/// Depth gradient where covered, 0 elsewhere.
-pub(super) fn gradient(frame: &Frame, params: &ShapeParams) -> Vector2Planes {
-    let normal = &frame.normal;
-    let projection = frame.camera.map(|camera| camera.projection);
-    let (left, top) = (
-        f64::from(frame.data_window.x0),
-        f64::from(frame.data_window.y0),
-    );
-    let [x, y] = map_covered(&frame.mask, |y| {
-        let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
-        let row = top + y as f64 + 0.5;
-        move |x| {
-            let to_eye = projection.map_or(Vec2::ZERO, |projection| {
-                projection.to_eye(left + x as f64 + 0.5, row).as_vec2()
-            });
-            depth_gradient(Vec3::new(nx[x], ny[x], nz[x]), to_eye, params).to_array()
-        }
-    });
-    Vector2Planes { x, y }
-}
 
 /// Trace of the Hessian.
 pub(super) fn trace(gradient: &Vector2Planes, conductance: &Plane, mask: &Mask) -> Plane {
-    let [trace] = map_covered(mask, |y| {
+    let simd = Simd::widest();
+    let [trace] = map_rows(mask, |y, [out]| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
-        move |x| [hessian_kernel::trace(&gx, &gy, &c, x)]
+        simd.trace_row(out, &gx, &gy, &c, mask.span(y));
     });
     trace
 }
@@ -47,9 +25,10 @@ pub(super) fn hessian(
     conductance: &Plane,
     mask: &Mask,
 ) -> SymmetricPlanes {
-    let [xx, xy, yy] = map_covered(mask, |y| {
+    let simd = Simd::widest();
+    let [xx, xy, yy] = map_rows(mask, |y, out| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
-        move |x| hessian_kernel::hessian(&gx, &gy, &c, x)
+        simd.hessian_row(out, &gx, &gy, &c, mask.span(y));
     });
     SymmetricPlanes { xx, xy, yy }
 }
@@ -96,20 +75,30 @@ pub(super) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
     mask: &Mask,
     row: impl Fn(usize) -> Sample + Sync,
 ) -> [Plane; N] {
+    map_rows(mask, |y, mut rows| {
+        let (covered, sample) = (mask.row(y), row(y));
+        for x in mask.span(y).filter(|&x| covered[x]) {
+            for (row, value) in rows.iter_mut().zip(sample(x)) {
+                row[x] = value;
+            }
+        }
+    })
+}
+
+/// Planes whose rows are filled by `fill(y, rows)`, where any of the row is covered; 0 where it leaves
+/// them.
+fn map_rows<const N: usize>(
+    mask: &Mask,
+    fill: impl Fn(usize, [&mut [f32]; N]) + Sync,
+) -> [Plane; N] {
     let (width, height) = (mask.width(), mask.height());
     let mut planes = [(); N].map(|()| Plane::filled(width, height, 0.0));
     rows_of(&mut planes)
         .into_par_iter()
         .enumerate()
         .with_min_len(ROWS_PER_TASK)
-        .for_each(|(y, mut rows)| {
-            let (covered, sample) = (mask.row(y), row(y));
-            for x in mask.span(y).filter(|&x| covered[x]) {
-                for (row, value) in rows.iter_mut().zip(sample(x)) {
-                    row[x] = value;
-                }
-            }
-        });
+        .filter(|(y, _)| !mask.span(*y).is_empty())
+        .for_each(|(y, rows)| fill(y, rows));
     planes
 }
 

@@ -1,0 +1,273 @@
+//! Many sweeps of the diffusion operator over one tile, in a single run down its rows.
+//!
+//! A sweep of row y needs rows y - 1 to y + 1 of the sweep before. So while rows enter at the top, every
+//! sweep follows the one before it one row behind: of each sweep only three rows are kept, all of
+//! them in the core's own cache. At its rim a tile loses a pixel per sweep; it starts with as many more.
+
+use super::simd::Simd;
+use super::tiles::Tile;
+use crate::frame::{Plane, Vector2Planes};
+use crate::shape::diffusion::{Faces, Stencil, Update};
+use std::ops::Range;
+
+/// Columns that rows are padded to, so that sweeps start and end on whole vectors.
+const LANES: usize = 8;
+
+/// Rows that a sweep does at once, while its neighbours are in the core's first cache.
+const TOGETHER: usize = 4;
+
+/// A run of sweeps, and what it starts from.
+#[derive(Debug)]
+pub(super) struct Pass<'a> {
+    /// One update per sweep.
+    pub(super) updates: &'a [Update],
+    /// What the terms are added to the sum with, that of the starting term first; empty if no sum is made.
+    pub(super) weights: &'a [f32],
+    /// The starting term.
+    pub(super) last: &'a Vector2Planes,
+    /// The term before it, if the recurrence has begun.
+    pub(super) earlier: Option<&'a Vector2Planes>,
+    /// Conductance of the pixels.
+    pub(super) conductance: &'a Plane,
+    /// Vectors to compute with.
+    pub(super) simd: Simd,
+}
+
+impl Pass<'_> {
+    /// The weights with which sweep `k` adds the last three terms to the sum: every third sweep does,
+    /// and the last one.
+    fn added_at(&self, k: usize) -> Option<[f32; 3]> {
+        // A pass that goes on finds its starting term in the sum.
+        let first = usize::from(self.earlier.is_some());
+        let pending = (k + 1 - first) % 3;
+        let is_due = pending == 0 || k == self.updates.len();
+        (is_due && !self.weights.is_empty()).then(|| {
+            let weight = |term: usize, since: usize| {
+                if pending == 0 || pending >= since {
+                    self.weights[term]
+                } else {
+                    0.0
+                }
+            };
+            // Terms k - 2, k - 1 and k; sweep 1 has no term -1.
+            [weight(k.max(2) - 2, 3), weight(k - 1, 2), weight(k, 1)]
+        })
+    }
+}
+
+/// Rows of a tile in both planes of a vector field.
+pub(super) type VectorRows<'a> = [Vec<&'a mut [f32]>; 2];
+
+/// Where a tile's results go.
+#[derive(Debug, Default)]
+pub(super) struct Results<'a> {
+    /// The sum, which is added to.
+    pub(super) sum: Option<VectorRows<'a>>,
+    /// The last term.
+    pub(super) last: Option<VectorRows<'a>>,
+    /// The term before it.
+    pub(super) earlier: Option<VectorRows<'a>>,
+}
+
+/// The rows in flight, kept in rings.
+#[derive(Debug, Default)]
+pub(super) struct Wave {
+    /// Columns left of the tile, and of a whole row.
+    pad: usize,
+    stride: usize,
+    /// Rows of a ring.
+    in_flight: usize,
+    /// Terms: of every row the last even and the last odd one, a ring per component. A term takes the
+    /// place of the one before its predecessor.
+    terms: [[Vec<f32>; 2]; 2],
+    /// Conductances of the faces left of and above every pixel.
+    left: Vec<f32>,
+    above: Vec<f32>,
+    /// Conductances of two rows.
+    open: Vec<f32>,
+    /// The sum, a ring per component.
+    sums: [Vec<f32>; 2],
+}
+
+impl Wave {
+    /// Runs `pass` over `tile`.
+    pub(super) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
+        let sweeps = pass.updates.len();
+        let height = pass.conductance.height();
+        self.make_room(sweeps, tile.columns.len());
+        // Rows that sweep `k` has to give, for those after it to give the tile.
+        let rows = |k: usize| {
+            let rim = sweeps - k;
+            tile.rows.start.saturating_sub(rim)..(tile.rows.end + rim).min(height)
+        };
+        // The rows in which sweep `k` is at work while those from `front` on enter.
+        let at_work = |front: usize, k: usize| {
+            let all = rows(k);
+            let start = (front + TOGETHER)
+                .saturating_sub(k + TOGETHER)
+                .max(all.start);
+            start..(front + TOGETHER).saturating_sub(k).min(all.end)
+        };
+        for front in (rows(0).start..tile.rows.end + sweeps).step_by(TOGETHER) {
+            for y in at_work(front, 0) {
+                self.enter(pass, tile, y, y == rows(0).start, results);
+            }
+            if (front..front + TOGETHER).contains(&height) {
+                // Nothing flows through the lower border of the picture.
+                let above = self.row(height);
+                self.above[above].fill(0.0);
+            }
+            for k in 1..=sweeps {
+                for y in at_work(front, k) {
+                    self.sweep(pass, k, y, tile);
+                }
+            }
+            for y in at_work(front, sweeps) {
+                self.leave(sweeps, y, tile, results);
+            }
+        }
+    }
+
+    fn make_room(&mut self, sweeps: usize, columns: usize) {
+        self.pad = (sweeps + LANES).next_multiple_of(LANES);
+        self.stride = (self.pad + columns + sweeps + LANES).next_multiple_of(LANES) + LANES;
+        self.in_flight = sweeps + TOGETHER + 1;
+        let ring = self.in_flight * self.stride;
+        let refill = |buffer: &mut Vec<f32>, samples: usize| {
+            buffer.clear();
+            buffer.resize(samples, 0.0);
+        };
+        self.terms
+            .iter_mut()
+            .flatten()
+            .for_each(|terms| refill(terms, ring));
+        self.sums.iter_mut().for_each(|sums| refill(sums, ring));
+        refill(&mut self.left, ring);
+        refill(&mut self.above, ring);
+        refill(&mut self.open, 2 * self.stride);
+    }
+
+    /// Where row `y` is kept in a ring.
+    fn row(&self, y: usize) -> Range<usize> {
+        let start = y % self.in_flight * self.stride;
+        start..start + self.stride
+    }
+
+    /// Takes in row `y`: terms, conductances of its faces, and the sum so far.
+    fn enter(&mut self, pass: &Pass, tile: &Tile, y: usize, is_first: bool, results: &mut Results) {
+        let stride = self.stride;
+        // Columns of the picture that the sweeps look at, and where they lie in the row.
+        let reach = pass.updates.len();
+        let picture = tile.columns.start.saturating_sub(reach)
+            ..(tile.columns.end + reach).min(pass.conductance.width());
+        let at = picture.start + self.pad - tile.columns.start;
+        let count = picture.len();
+
+        let row = self.row(y);
+        for (k, term) in [(0, pass.earlier), (1, Some(pass.last))] {
+            for (c, plane) in term.into_iter().flat_map(|t| [&t.x, &t.y]).enumerate() {
+                let terms = &mut self.terms[k][c][row.clone()];
+                terms[at..at + count].copy_from_slice(&plane.row(y)[picture.clone()]);
+            }
+        }
+
+        let (even, odd) = self.open.split_at_mut(stride);
+        let (open, open_above) = if y.is_multiple_of(2) {
+            (even, odd)
+        } else {
+            (odd, even)
+        };
+        open[at..at + count].copy_from_slice(&pass.conductance.row(y)[picture]);
+        let left = &mut self.left[row.clone()];
+        let above = &mut self.above[row.clone()];
+        pass.simd
+            .face_conductance_row(&mut left[1..], open, &open[1..]);
+        if is_first {
+            // The upper border of the picture, or a face that no sweep looks through.
+            above.fill(0.0);
+        } else {
+            pass.simd.face_conductance_row(above, open, open_above);
+        }
+
+        if let Some(sum) = &results.sum
+            && tile.rows.contains(&y)
+        {
+            for (sums, tile_rows) in self.sums.iter_mut().zip(sum) {
+                sums[row.clone()][self.pad..][..tile.columns.len()]
+                    .copy_from_slice(tile_rows[y - tile.rows.start]);
+            }
+        }
+    }
+
+    /// Row `y` of sweep `k`, which makes term `k + 1` of those before it.
+    fn sweep(&mut self, pass: &Pass, k: usize, y: usize, tile: &Tile) {
+        let rim = pass.updates.len() - k;
+        let start = (self.pad - rim) / LANES * LANES;
+        let end = (self.pad + tile.columns.len() + rim).next_multiple_of(LANES);
+        let columns = start..end;
+
+        let (row, below) = (self.row(y), self.row(y + 1));
+        // At the borders of the picture any row will do as its neighbour: the face is closed.
+        let above = self.row(y + self.in_flight - 1);
+        let faces = Faces {
+            left: &self.left[row.clone()][start..end + 1],
+            above: &self.above[row.clone()][columns.clone()],
+            below: &self.above[below.clone()][columns.clone()],
+        };
+        let [even, odd] = &mut self.terms;
+        let (made, [out_x, out_y]) = if k.is_multiple_of(2) {
+            (even, odd)
+        } else {
+            (odd, even)
+        };
+        let stencil = |c: usize| Stencil {
+            above: &made[c][above.clone()][columns.clone()],
+            at: &made[c][row.clone()][start - 1..end + 1],
+            below: &made[c][below.clone()][columns.clone()],
+        };
+        let g = [stencil(0), stencil(1)];
+        let out = [
+            &mut out_x[row.clone()][columns.clone()],
+            &mut out_y[row.clone()][columns.clone()],
+        ];
+        let update = pass.updates[k - 1];
+        match pass.added_at(k) {
+            Some(weights) if tile.rows.contains(&y) => {
+                let [sum_x, sum_y] = &mut self.sums;
+                let sum = [
+                    &mut sum_x[row.clone()][columns.clone()],
+                    &mut sum_y[row][columns],
+                ];
+                pass.simd
+                    .sweep_and_add_row(out, sum, weights, g, faces, update);
+            }
+            _ => pass.simd.sweep_row(out, g, faces, update),
+        }
+    }
+
+    /// Gives out row `y`, which has seen all sweeps.
+    fn leave(&self, sweeps: usize, y: usize, tile: &Tile, results: &mut Results) {
+        let tile_row = y - tile.rows.start;
+        let columns =
+            self.row(y).start + self.pad..self.row(y).start + self.pad + tile.columns.len();
+        // Sweep k has made a term of the parity of k + 1.
+        let [earlier, last] = [&self.terms[sweeps % 2], &self.terms[(sweeps + 1) % 2]];
+        for (rows, ring) in [
+            (&mut results.sum, &self.sums),
+            (&mut results.last, last),
+            (&mut results.earlier, earlier),
+        ] {
+            for (rows, ring) in rows.iter_mut().flatten().zip(ring) {
+                write_row(rows[tile_row], &ring[columns.clone()]);
+            }
+        }
+    }
+}
+
+/// Copies a row. Zeros lose their sign, which may come from beyond a closed face and so from the
+/// place of the tile.
+fn write_row(out: &mut [f32], row: &[f32]) {
+    for (out, value) in out.iter_mut().zip(row) {
+        *out = value + 0.0;
+    }
+}
