@@ -49,6 +49,7 @@
 pub mod backend;
 pub mod cli;
 pub mod error;
+pub mod fast_math;
 pub mod frame;
 pub mod io;
 pub mod light;
