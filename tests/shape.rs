@@ -485,6 +485,7 @@ fn unstable_steps_are_refused() {
         let available = Available {
             depth: true,
             occlusion: false,
+            image_height: 1080,
         };
         assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
     }
@@ -496,6 +497,7 @@ fn unstable_steps_are_refused() {
         let available = Available {
             depth: true,
             occlusion: false,
+            image_height: 1080,
         };
         assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
     }

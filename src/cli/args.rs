@@ -182,6 +182,10 @@ pub(super) struct ShapeFlags {
         allow_negative_numbers = true
     )]
     scale: Option<f32>,
+    /// Height in pixels of the whole picture that the scale and the curvature gain are meant for: a look
+    /// survives another resolution. none counts in the picture's own pixels.
+    #[arg(long, value_name = "PX|none", default_value_t = HeightArg(SHAPE.reference_height), allow_negative_numbers = true)]
+    reference_height: HeightArg,
     /// How diffusion is computed.
     #[arg(long, value_name = "SOLVER", value_enum, default_value_t = SolverArg::from(SHAPE.solver))]
     solver: SolverArg,
@@ -200,6 +204,33 @@ pub(super) struct ShapeFlags {
     /// Curvature gain in pixels, or auto to fit the frame.
     #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain, allow_negative_numbers = true)]
     pub(super) curvature_gain: Adaptive,
+}
+
+/// A height in pixels, or none.
+#[derive(Debug, Clone, Copy)]
+struct HeightArg(Option<u32>);
+
+impl std::fmt::Display for HeightArg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            None => write!(f, "none"),
+            Some(height) => write!(f, "{height}"),
+        }
+    }
+}
+
+impl std::str::FromStr for HeightArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "none" => Ok(Self(None)),
+            _ => text
+                .parse()
+                .map(|height| Self(Some(height)))
+                .map_err(|_| "expected none or a whole number of pixels".into()),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -244,6 +275,7 @@ impl ShapeFlags {
             foreshortening: self.foreshortening,
             silhouette: self.silhouette,
             crease: self.crease,
+            reference_height: self.reference_height.0,
             ..*SHAPE
         }
     }

@@ -63,21 +63,24 @@ pub enum Stage {
     CurvatureDisplay,
 }
 
-/// Which inputs there are to plan with.
+/// What there is to plan with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Available {
     /// Depth.
     pub depth: bool,
     /// An occlusion map or alpha.
     pub occlusion: bool,
+    /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
+    pub image_height: usize,
 }
 
 impl Available {
-    /// The inputs that `frame` holds.
+    /// What `frame` holds.
     pub fn in_frame(frame: &Frame) -> Self {
         Self {
             depth: frame.depth.is_some(),
             occlusion: frame.occlusion.is_some(),
+            image_height: frame.display_window.height(),
         }
     }
 }
@@ -93,6 +96,9 @@ pub struct Plan {
     pub scaling: ScalingParams,
     /// How the gradient is diffused.
     pub sweeps: Sweeps,
+    /// How many pixels of the frame stand for one of the reference, in which curvature is told; 1 without
+    /// a [reference height](ShapeParams::reference_height).
+    pub resolution_factor: f64,
     stages: Vec<Stage>,
     decisions: Vec<Decision>,
 }
@@ -109,8 +115,10 @@ impl Plan {
         scaling: ScalingParams,
     ) -> Result<Self> {
         shape.validate()?;
+        shape.validate_for(available.image_height)?;
         scaling.validate()?;
-        let sweeps = Sweeps::new(&shape);
+        let resolution_factor = shape.resolution_factor(available.image_height);
+        let sweeps = Sweeps::new(&shape, resolution_factor);
         let decisions = explain::decide(goal, available, &shape, &sweeps, &scaling);
         let stages = decisions
             .iter()
@@ -122,6 +130,7 @@ impl Plan {
             shape,
             scaling,
             sweeps,
+            resolution_factor,
             stages,
             decisions,
         })

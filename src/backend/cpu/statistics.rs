@@ -8,19 +8,23 @@ const CURVATURE_PERCENTILE: f64 = 0.80;
 /// Mapped curvature that the percentile is brought to: clearly seen, far from saturated.
 const TYPICAL_KAPPA: f32 = 0.35;
 
-/// Gains past this would draw the rounding of half-float normals (5e-4 per pixel) as relief.
+/// Gains past this would draw the rounding of half-float normals (5e-4 per pixel) as relief. It holds at
+/// every factor of resolution: diffusion that counts f times as many pixels lowers noise by f^2, more
+/// than the factor raises it.
 const MAX_GAIN: f32 = 200.0;
 
 /// Share of the surface that the white level leaves below it.
 const WHITE_PERCENTILE: f64 = 0.98;
 
 /// Surfaces that turn by less than this many radians over the whole picture are flat to the eye and
-/// have no say: a room is mostly walls.
+/// have no say: a room is mostly walls. An angle, it is the same at every resolution.
 const FLAT_TURN: f32 = 0.25;
 
 /// The gain that maps the 80th percentile of |trace| to 0.35, over what is curved, edges left out.
-pub(super) fn curvature_gain(trace: &Plane, conductance: &Plane) -> f32 {
-    let flat = FLAT_TURN / (trace.width() as f32).hypot(trace.height() as f32);
+///
+/// The trace is `factor` times what it is per pixel of the plane.
+pub(super) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32) -> f32 {
+    let flat = factor * FLAT_TURN / (trace.width() as f32).hypot(trace.height() as f32);
     let curved = trace
         .samples()
         .iter()
@@ -81,12 +85,16 @@ mod tests {
             1..10 => -0.05,
             _ => 1e-5,
         });
-        let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0));
+        let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0), 1.0);
         assert!(((gain * 0.05).tanh() - TYPICAL_KAPPA).abs() < 1e-6);
         // A plane: rounding noise is not blown up without end.
         assert_eq!(
-            curvature_gain(&Plane::filled(4, 4, 1e-9), &Plane::filled(4, 4, 1.0)),
+            curvature_gain(&Plane::filled(4, 4, 1e-9), &Plane::filled(4, 4, 1.0), 1.0),
             MAX_GAIN
         );
+        // Told per pixel of a reference a fifth as high, the bumps have a fifth of the gain; what was too
+        // flat to count still is.
+        let fifth = curvature_gain(&trace.map(|t| 5.0 * t), &Plane::filled(100, 1, 1.0), 5.0);
+        assert!((5.0 * fifth / gain - 1.0).abs() < 1e-6);
     }
 }
