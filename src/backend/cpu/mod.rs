@@ -4,6 +4,7 @@ mod diffusion;
 mod edges;
 mod light;
 mod passes;
+mod percentile;
 mod statistics;
 
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
