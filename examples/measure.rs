@@ -85,6 +85,7 @@ fn waves(width: usize, height: usize) -> Frame {
         normal_length: None,
         depth: Some(Plane::filled(width, height, 10.0)),
         occlusion: None,
+        importance: None,
         color: Some(ColorPlanes {
             r: grey.clone(),
             g: grey.clone(),

@@ -29,7 +29,7 @@
 //! # Conventions
 //!
 //! View space has x right, y **up** and z toward the viewer; rows of a picture run down. Curvature is
-//! per pixel. In the Hessian and its eigenvalues convex is **negative** ([LW]); the mapped curvature
+//! per pixel, or per pixel of a [reference height](params::ShapeParams::reference_height). In the Hessian and its eigenvalues convex is **negative** ([LW]); the mapped curvature
 //! kappa in -1..1 is **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is
 //! the only place where the sign turns. Directions are modulo pi.
 //!

@@ -540,6 +540,11 @@ fn explain_tells_why_each_stage_runs_or_not() {
     let layers = explained("shape", &gears, "c.exr", &[]);
     assert_eq!(verdict(&layers, "directions"), "run");
     assert_eq!(verdict(&layers, "radiance-scaling"), "skip");
+    let referred = explained("shape", &gears, "f.png", &["--reference-height", "120"]);
+    // 240 lines: ten steps of 0.2 have a sigma of 2, and 4 where two pixels count as one.
+    for told in ["scale 4.00 px (2.00 px at a height of 120)", "times 2"] {
+        assert!(referred.contains(told), "no {told} in {referred}");
+    }
     let idle = explained("enhance", &gears, "d.png", &["--scaling", "0"]);
     assert!(idle.lines().all(|line| line.starts_with("skip")));
     let normal = fixture("tablet.normal.png");

@@ -27,6 +27,10 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
         foreshortening,
         ..shape
     };
+    let referring = |reference_height| ShapeParams {
+        reference_height: Some(reference_height),
+        ..shape
+    };
     let magnitude = |magnitude, invariant_point| ScalingParams {
         scaling: magnitude,
         invariant_point,
@@ -74,6 +78,8 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
         ("gain 1e-30", foreshortening(0.4), gain(1e-30)),
         ("white level 1e-30", iterations(0), white(1e-30)),
         ("white level 1e30", iterations(1), white(1e30)),
+        ("the least reference", referring(1), scaling),
+        ("the greatest reference", referring(u32::MAX), scaling),
         ("everything an edge", everything_an_edge, scaling),
         ("nothing an edge", nothing_an_edge, scaling),
     ]
@@ -254,6 +260,7 @@ fn hostile_frames() -> Vec<(&'static str, Frame)> {
             "rough, neither depth nor occlusion",
             Frame {
                 occlusion: None,
+                importance: None,
                 normal_length: None,
                 ..without_depth(rough(w, h))
             },

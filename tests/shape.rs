@@ -485,6 +485,8 @@ fn unstable_steps_are_refused() {
         let available = Available {
             depth: true,
             occlusion: false,
+            importance: false,
+            image_height: 1080,
         };
         assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
     }
@@ -496,6 +498,8 @@ fn unstable_steps_are_refused() {
         let available = Available {
             depth: true,
             occlusion: false,
+            importance: false,
+            image_height: 1080,
         };
         assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
     }

@@ -105,6 +105,9 @@ pub(super) struct RoleArgs {
     /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     occlusion: Option<String>,
+    /// How far each pixel is diffused, from 0, all detail, to 1, as far as asked for: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    importance: Option<String>,
     /// Coverage, a surface where above one half: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     mask: Option<String>,
@@ -150,6 +153,7 @@ impl RoleArgs {
             depth: self.depth.clone(),
             position: self.position.clone(),
             occlusion: self.occlusion.clone(),
+            importance: self.importance.clone(),
             mask: self.mask.clone(),
             camera: self.camera.clone(),
             normal_space: match self.normal_space {
@@ -182,6 +186,10 @@ pub(super) struct ShapeFlags {
         allow_negative_numbers = true
     )]
     scale: Option<f32>,
+    /// Height in pixels of the whole picture that the scale and the curvature gain are meant for: a look
+    /// survives another resolution. none counts in the picture's own pixels.
+    #[arg(long, value_name = "PX|none", default_value_t = HeightArg(SHAPE.reference_height), allow_negative_numbers = true)]
+    reference_height: HeightArg,
     /// How diffusion is computed.
     #[arg(long, value_name = "SOLVER", value_enum, default_value_t = SolverArg::from(SHAPE.solver))]
     solver: SolverArg,
@@ -200,6 +208,33 @@ pub(super) struct ShapeFlags {
     /// Curvature gain in pixels, or auto to fit the frame.
     #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain, allow_negative_numbers = true)]
     pub(super) curvature_gain: Adaptive,
+}
+
+/// A height in pixels, or none.
+#[derive(Debug, Clone, Copy)]
+struct HeightArg(Option<u32>);
+
+impl std::fmt::Display for HeightArg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            None => write!(f, "none"),
+            Some(height) => write!(f, "{height}"),
+        }
+    }
+}
+
+impl std::str::FromStr for HeightArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "none" => Ok(Self(None)),
+            _ => text
+                .parse()
+                .map(|height| Self(Some(height)))
+                .map_err(|_| "expected none or a whole number of pixels".into()),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -244,6 +279,7 @@ impl ShapeFlags {
             foreshortening: self.foreshortening,
             silhouette: self.silhouette,
             crease: self.crease,
+            reference_height: self.reference_height.0,
             ..*SHAPE
         }
     }
@@ -353,6 +389,7 @@ impl RoleArgs {
             &self.position,
             &self.color,
             &self.occlusion,
+            &self.importance,
             &self.mask,
         ];
         let named = named

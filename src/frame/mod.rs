@@ -35,6 +35,8 @@ pub struct Frame {
     pub depth: Option<Plane>,
     /// Alpha or ambient occlusion, 0..1, that stands in for depth when silhouettes are sought.
     pub occlusion: Option<Plane>,
+    /// How far each pixel is diffused, as a share, 0..1, of what is asked for.
+    pub importance: Option<Plane>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
     /// Coverage of the picture, 0..1; colour is premultiplied by it.
@@ -75,6 +77,7 @@ impl Frame {
             normal_length: self.normal_length.as_ref().map(plane),
             depth: self.depth.as_ref().map(plane),
             occlusion: self.occlusion.as_ref().map(plane),
+            importance: self.importance.as_ref().map(plane),
             color: self.color.as_ref().map(|c| ColorPlanes {
                 r: plane(&c.r),
                 g: plane(&c.g),

@@ -116,6 +116,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         occlusion: planes
             .scalar(Role::Occlusion)
             .or_else(|| varying(alpha.as_ref())),
+        importance: planes.scalar(Role::Importance),
         color,
         alpha,
         camera,
@@ -172,6 +173,9 @@ impl Sources {
             roles.extend(color);
         }
         roles.extend(find(Role::Mask, &inputs.mask)?);
+        if inputs.importance.is_some() {
+            roles.extend(find(Role::Importance, &inputs.importance)?);
+        }
         Ok(Self { roles })
     }
 

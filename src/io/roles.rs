@@ -20,6 +20,7 @@ pub enum Role {
     Position,
     Occlusion,
     Mask,
+    Importance,
     DiffuseDirect,
     DiffuseIndirect,
     DiffuseColor,
@@ -68,6 +69,7 @@ const RULES: &[Rule] = &[
         Arity::Color,
         &["ambientocclusion", "ao", "occlusion"],
     ),
+    (Role::Importance, Arity::Color, &["importance"]),
     (
         Role::DiffuseDirect,
         Arity::Color,

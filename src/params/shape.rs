@@ -92,6 +92,13 @@ pub struct ShapeParams {
     /// Length of one explicit step, in (0, 1/4]. Above 1/4 the scheme is unstable; at exactly 1/4
     /// a checkerboard never decays.
     pub time_step: f32,
+    /// Height in pixels of the whole picture (its display window) for which the scale, and the gain of
+    /// the curvature, are meant: 1 or more. In a picture f times as high the scale counts f times as many
+    /// pixels, and curvature is told per pixel of the reference, f times what it is per pixel, so that a
+    /// proxy and the final picture look alike. `None` counts everything in the picture's own pixels: a
+    /// look then grows finer with resolution. The thresholds of silhouettes and creases are jumps across
+    /// one pixel of the picture either way.
+    pub reference_height: Option<u32>,
 }
 
 impl Default for ShapeParams {
@@ -106,6 +113,7 @@ impl Default for ShapeParams {
             solver: Solver::Chebyshev,
             tolerance: 1e-4,
             time_step: 0.2,
+            reference_height: None,
         }
     }
 }
@@ -151,6 +159,9 @@ impl ShapeParams {
                 "give more than 0",
             );
         }
+        if self.reference_height == Some(0) {
+            return bad("--reference-height", "is 0".into(), "give 1 or more");
+        }
         match self.scale {
             Scale::Sigma(sigma) if !(0.0..=MAX_SIGMA_PX).contains(&sigma) => {
                 bad("--scale", format!("is {sigma} px"), "give 0 to 4096 pixels")
@@ -159,12 +170,40 @@ impl ShapeParams {
         }
     }
 
-    /// The time of the diffusion equation that [`ShapeParams::scale`] stands for.
+    /// How many pixels of a picture of this height stand for one of the reference; 1 without a reference.
+    pub fn resolution_factor(&self, image_height: usize) -> f64 {
+        let factor = |reference| image_height.max(1) as f64 / f64::from(reference);
+        self.reference_height.map_or(1.0, factor)
+    }
+
+    /// Refuses a scale that grows past all pictures in one of `image_height` pixels.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] naming the reference height.
+    pub fn validate_for(&self, image_height: usize) -> Result<()> {
+        let sigma = self.scale_px() * self.resolution_factor(image_height);
+        if self.reference_height.is_none() || sigma <= f64::from(MAX_SIGMA_PX) {
+            return Ok(());
+        }
+        Err(Error::BadParameter {
+            name: "--reference-height",
+            found: format!("makes the scale {sigma:.0} px in a picture of {image_height} lines"),
+            remedy: "give a height nearer to the picture's, or a smaller scale".into(),
+        })
+    }
+
+    /// The time of the diffusion equation that [`ShapeParams::scale`] stands for, where a pixel is one of
+    /// the reference.
     pub fn diffusion_time(&self) -> f64 {
         match self.scale {
             Scale::Iterations(count) => f64::from(count) * f64::from(self.time_step),
-            Scale::Sigma(sigma) => 0.5 * f64::from(sigma).powi(2),
+            Scale::Sigma(sigma) => Self::time_of(sigma),
         }
+    }
+
+    /// The time of the diffusion equation after which a point is a Gaussian of this sigma in pixels.
+    pub fn time_of(sigma: f32) -> f64 {
+        0.5 * f64::from(sigma).powi(2)
     }
 
     /// The steepest slope that the gradient can have: n_xy is at most 1, n_z at least its floor.
@@ -172,7 +211,8 @@ impl ShapeParams {
         f64::from(self.min_nz).powf(-f64::from(self.foreshortening))
     }
 
-    /// Standard deviation, in pixels, of the Gaussian that the diffusion equals away from edges.
+    /// Standard deviation, in pixels of the reference, of the Gaussian that the diffusion equals away
+    /// from edges.
     pub fn scale_px(&self) -> f64 {
         (2.0 * self.diffusion_time()).sqrt()
     }
@@ -180,3 +220,35 @@ impl ShapeParams {
 
 /// Past this a Gaussian is flat over any picture.
 const MAX_SIGMA_PX: f32 = 4096.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn referring_to(reference_height: u32, scale: Scale) -> ShapeParams {
+        ShapeParams {
+            reference_height: Some(reference_height),
+            scale,
+            ..ShapeParams::default()
+        }
+    }
+
+    #[test]
+    fn the_factor_is_the_ratio_of_heights() {
+        assert_eq!(ShapeParams::default().resolution_factor(1080), 1.0);
+        let half = referring_to(540, Scale::Sigma(1.0));
+        assert_eq!(half.resolution_factor(1080), 2.0);
+        assert_eq!(half.resolution_factor(135), 0.25);
+    }
+
+    #[test]
+    fn references_out_of_range_are_refused() {
+        assert!(referring_to(0, Scale::Sigma(1.0)).validate().is_err());
+        // A sigma of 100 at one line is 108,000 at 1080.
+        let one = referring_to(1, Scale::Sigma(100.0));
+        assert!(one.validate().is_ok() && one.validate_for(1080).is_err());
+        assert!(one.validate_for(40).is_ok());
+        let steps = referring_to(1, Scale::Iterations(10));
+        assert!(steps.validate_for(4320).is_err());
+    }
+}

@@ -54,6 +54,7 @@ pub(super) fn decide(
     sweeps: &Sweeps,
     scaling: &ScalingParams,
 ) -> Vec<Decision> {
+    let factor = shape.resolution_factor(available.image_height);
     let idle = goal == Goal::Enhance && scaling.scaling == 0.0;
     let all = goal == Goal::Layers;
     let rules = [
@@ -71,19 +72,22 @@ pub(super) fn decide(
             rule(
                 Stage::Diffusion,
                 sweeps.count() > 0,
-                format!("scale {:.2} px, {}", shape.scale_px(), sweeps.described()),
+                format!("{}, {}", scale(shape, factor), sweeps.described()),
                 "a scale of 0",
             ),
             rule(
                 Stage::Trace,
                 !all,
-                "only the sum of curvatures is needed",
+                format!(
+                    "only the sum of curvatures is needed{}",
+                    unit(shape, factor)
+                ),
                 "part of the hessian",
             ),
             rule(
                 Stage::Hessian,
                 all,
-                "asked for as layers",
+                format!("asked for as layers{}", unit(shape, factor)),
                 "its trace is enough",
             ),
             rule(
@@ -116,9 +120,29 @@ pub(super) fn decide(
     decisions
 }
 
+/// The scale in pixels of the picture, and what it was in those of the reference.
+fn scale(shape: &ShapeParams, factor: f64) -> String {
+    let sigma = shape.scale_px();
+    let here = format!("scale {:.2} px", sigma * factor);
+    match shape.reference_height {
+        None => here,
+        Some(height) => format!("{here} ({sigma:.2} px at a height of {height})"),
+    }
+}
+
+/// In which unit curvature is told, where it is not the picture's own.
+fn unit(shape: &ShapeParams, factor: f64) -> String {
+    match shape.reference_height {
+        None => String::new(),
+        Some(height) => format!(", times {factor:.4}: per pixel at a height of {height}"),
+    }
+}
+
 /// One source of silhouettes: depth before occlusion before the mere border.
 fn silhouettes(available: Available) -> Vec<Decision> {
-    let Available { depth, occlusion } = available;
+    let Available {
+        depth, occlusion, ..
+    } = available;
     let no_occlusion = if depth {
         "depth serves"
     } else {
@@ -227,10 +251,14 @@ mod tests {
     const DEPTH: Available = Available {
         depth: true,
         occlusion: true,
+        importance: false,
+        image_height: 1080,
     };
     const NOTHING: Available = Available {
         depth: false,
         occlusion: false,
+        importance: false,
+        image_height: 1080,
     };
 
     #[test]

@@ -5,11 +5,11 @@ mod explain;
 mod sweeps;
 
 pub use explain::Decision;
-pub use sweeps::Sweeps;
+pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::params::{ScalingParams, ShapeParams};
+use crate::params::{Scale, ScalingParams, ShapeParams, Solver};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
 
@@ -63,21 +63,27 @@ pub enum Stage {
     CurvatureDisplay,
 }
 
-/// Which inputs there are to plan with.
+/// What there is to plan with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Available {
     /// Depth.
     pub depth: bool,
     /// An occlusion map or alpha.
     pub occlusion: bool,
+    /// A map of importance, by which every pixel has a scale of its own.
+    pub importance: bool,
+    /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
+    pub image_height: usize,
 }
 
 impl Available {
-    /// The inputs that `frame` holds.
+    /// What `frame` holds.
     pub fn in_frame(frame: &Frame) -> Self {
         Self {
             depth: frame.depth.is_some(),
             occlusion: frame.occlusion.is_some(),
+            importance: frame.importance.is_some(),
+            image_height: frame.display_window.height(),
         }
     }
 }
@@ -93,6 +99,11 @@ pub struct Plan {
     pub scaling: ScalingParams,
     /// How the gradient is diffused.
     pub sweeps: Sweeps,
+    /// Sigmas of further scales, in pixels of the reference.
+    pub more_px: Vec<f32>,
+    /// How many pixels of the frame stand for one of the reference, in which curvature is told; 1 without
+    /// a [reference height](ShapeParams::reference_height).
+    pub resolution_factor: f64,
     stages: Vec<Stage>,
     decisions: Vec<Decision>,
 }
@@ -108,9 +119,36 @@ impl Plan {
         shape: ShapeParams,
         scaling: ScalingParams,
     ) -> Result<Self> {
+        Self::at_scales(goal, available, shape, scaling, &[])
+    }
+
+    /// [`Plan::new`] whose gradient is also made at further scales, sigmas in pixels, by the same sweeps.
+    ///
+    /// # Errors
+    /// As [`Plan::new`]; also for further scales of explicit steps, whose sweeps are theirs alone, or
+    /// where pixels have a scale of their own by importance.
+    pub fn at_scales(
+        goal: Goal,
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        more_px: &[f32],
+    ) -> Result<Self> {
         shape.validate()?;
+        if !more_px.is_empty() {
+            refuse_several_scales(&shape, available)?;
+        }
+        shape.validate_for(available.image_height)?;
         scaling.validate()?;
-        let sweeps = Sweeps::new(&shape);
+        let resolution_factor = shape.resolution_factor(available.image_height);
+        for &sigma in more_px {
+            let scale = Scale::Sigma(sigma);
+            let at_scale = ShapeParams { scale, ..shape };
+            at_scale.validate()?;
+            at_scale.validate_for(available.image_height)?;
+        }
+        let by_importance = available.importance;
+        let sweeps = Sweeps::new(&shape, resolution_factor, more_px, by_importance);
         let decisions = explain::decide(goal, available, &shape, &sweeps, &scaling);
         let stages = decisions
             .iter()
@@ -122,6 +160,8 @@ impl Plan {
             shape,
             scaling,
             sweeps,
+            more_px: more_px.to_vec(),
+            resolution_factor,
             stages,
             decisions,
         })
@@ -152,4 +192,27 @@ impl Plan {
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
+}
+
+fn refuse_several_scales(shape: &ShapeParams, available: Available) -> Result<()> {
+    let bad = |found: &str, remedy: &str| {
+        Err(Error::BadParameter {
+            name: "--scale",
+            found: found.into(),
+            remedy: remedy.into(),
+        })
+    };
+    if shape.solver == Solver::Explicit {
+        return bad(
+            "names several scales, which explicit steps cannot share",
+            "leave out --solver explicit, or run once per scale",
+        );
+    }
+    if available.importance {
+        return bad(
+            "names several scales, but --importance gives every pixel its own",
+            "give one scale, or leave out --importance",
+        );
+    }
+    Ok(())
 }

@@ -23,6 +23,17 @@ pub enum Spread {
 }
 
 impl Spread {
+    /// A share of it, 0..1, in time; whole steps stay whole.
+    pub fn share(self, importance: f64) -> Self {
+        match self {
+            Self::Time(t) => Self::Time(importance * t),
+            Self::Steps { count, time_step } => Self::Steps {
+                count: (importance * f64::from(count)).round() as u32,
+                time_step,
+            },
+        }
+    }
+
     /// What an eigenvector of L is multiplied by, where `x` in [-1, 1] is its eigenvalue of X.
     fn factor(self, x: f64) -> f64 {
         let eigenvalue = -4.0 * (1.0 + x);
@@ -53,49 +64,82 @@ impl Spread {
 /// Half of the tolerance bounds what is left out, the sum of all |a_k| beyond n. The other half goes
 /// into making the sum over a constant exactly 1, so that the mean is kept whatever the tolerance.
 pub fn coefficients(spread: Spread, tolerance: f64) -> Vec<f64> {
-    let mut kept = truncated(spread, 0.5 * tolerance);
-    // A constant has the eigenvalue X = -1, where T_k is (-1)^k.
-    let constant: f64 = kept
-        .iter()
-        .enumerate()
-        .map(|(k, a)| if k % 2 == 0 { *a } else { -a })
-        .sum();
-    kept[0] += 1.0 - constant;
-    kept
+    Expansion::up_to(spread).coefficients(spread, tolerance)
 }
 
 /// Factors smaller than this add nothing to a coefficient in double precision.
 const NEGLIGIBLE: f64 = 1e-18;
 
-/// The expansion up to the least degree whose remainder is at most `tolerance`.
+/// Makes the coefficients of many spreads, none farther than the one it was made for.
 ///
-/// The coefficients are a cosine transform of the factor, sampled so finely that aliases fall below
-/// 1e-15; for long times nearly all samples are negligible.
-fn truncated(spread: Spread, tolerance: f64) -> Vec<f64> {
-    let largest = spread.largest_degree();
-    let samples = 2 * (largest + 16);
-    let factors: Vec<(f64, f64)> = (0..samples)
-        .map(|j| std::f64::consts::PI * (j as f64 + 0.5) / samples as f64)
-        .map(|angle| (angle, spread.factor(angle.cos())))
-        .filter(|(_, factor)| factor.abs() > NEGLIGIBLE)
-        .collect();
-    let coefficient = |k: usize| {
-        let sum: f64 = factors
-            .iter()
-            .map(|(angle, f)| f * (k as f64 * angle).cos())
-            .sum();
-        sum * if k == 0 { 1.0 } else { 2.0 } / samples as f64
-    };
-    let mut all: Vec<f64> = (0..=largest).map(coefficient).collect();
-    let mut remainder = 0.0;
-    while all.len() > 1 {
-        remainder += all[all.len() - 1].abs();
-        if remainder > tolerance {
-            break;
+/// They are a cosine transform of the factor, sampled so finely that aliases fall below 1e-15; for long
+/// times nearly all samples are negligible.
+#[derive(Debug)]
+pub struct Expansion {
+    degree: usize,
+    /// Angles of the samples.
+    angles: Vec<f64>,
+}
+
+impl Expansion {
+    /// For spreads up to `farthest`.
+    pub fn up_to(farthest: Spread) -> Self {
+        let degree = farthest.largest_degree();
+        let samples = 2 * (degree + 16);
+        let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / samples as f64;
+        Self {
+            degree,
+            angles: (0..samples).map(angle).collect(),
         }
-        all.pop();
     }
-    all
+
+    /// [`coefficients`] of a spread.
+    pub fn coefficients(&self, spread: Spread, tolerance: f64) -> Vec<f64> {
+        let mut kept = self.truncated(spread, 0.5 * tolerance);
+        // A constant has the eigenvalue X = -1, where T_k is (-1)^k.
+        let signs = [1.0, -1.0].into_iter().cycle();
+        let constant: f64 = kept.iter().zip(signs).map(|(a, sign)| sign * a).sum();
+        kept[0] += 1.0 - constant;
+        kept
+    }
+
+    /// The expansion up to the least degree whose remainder is at most `tolerance`.
+    fn truncated(&self, spread: Spread, tolerance: f64) -> Vec<f64> {
+        let mut all = self.all(spread);
+        let mut remainder = 0.0;
+        while all.len() > 1 {
+            remainder += all[all.len() - 1].abs();
+            if remainder > tolerance {
+                break;
+            }
+            all.pop();
+        }
+        all
+    }
+
+    fn all(&self, spread: Spread) -> Vec<f64> {
+        let degree = self.degree.min(spread.largest_degree());
+        let mut sums = vec![0.0; degree + 1];
+        for &angle in &self.angles {
+            let cosine = angle.cos();
+            let factor = spread.factor(cosine);
+            if factor.abs() <= NEGLIGIBLE {
+                continue;
+            }
+            // cos(k angle), turning by the angle each time.
+            let sine = angle.sin();
+            let (mut x, mut y) = (1.0, 0.0);
+            for sum in &mut sums {
+                *sum += factor * x;
+                (x, y) = (cosine * x - sine * y, sine * x + cosine * y);
+            }
+        }
+        let scale = |k: usize| if k == 0 { 1.0 } else { 2.0 } / self.angles.len() as f64;
+        sums.iter()
+            .enumerate()
+            .map(|(k, sum)| sum * scale(k))
+            .collect()
+    }
 }
 
 #[cfg(test)]
@@ -103,7 +147,7 @@ mod tests {
     use super::*;
 
     fn degree(spread: Spread, tolerance: f64) -> usize {
-        truncated(spread, tolerance).len() - 1
+        Expansion::up_to(spread).truncated(spread, tolerance).len() - 1
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Curvatures and their directions from the Hessian, with no eigen-solver, and the one map from
 //! curvature to -1..1.
 
+use crate::fast_math::tanh;
+
 /// Principal curvatures `k_u >= k_v` per pixel of a symmetric Hessian [xx, xy, yy]. Concave is
 /// positive, convex negative: [LW]'s sign.
 #[inline(always)]
@@ -36,7 +38,7 @@ const UMBILIC: f32 = 1e-6;
 /// the Hessian. This is the only place where the sign turns.
 #[inline(always)]
 pub fn mapped_curvature(trace: f32, gain: f32) -> f32 {
-    (-gain * trace).tanh()
+    tanh(-gain * trace)
 }
 
 #[cfg(test)]

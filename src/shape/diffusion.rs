@@ -54,24 +54,6 @@ pub fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Up
     }
 }
 
-/// [`sweep_row`] that adds three terms of the recurrence to `sum`, with their weights: the earlier
-/// value, the sample and the new one.
-#[inline(always)]
-pub fn sweep_and_add_row(
-    out: [&mut [f32]; 2],
-    sum: [&mut [f32]; 2],
-    weights: [f32; 3],
-    g: [Stencil; 2],
-    faces: Faces,
-    update: Update,
-) {
-    match update {
-        Update::Step(dt) => sweep_and_add(out, sum, weights, g, faces, |g, lg, _| g + dt * lg),
-        Update::First => sweep_and_add(out, sum, weights, g, faces, first_term),
-        Update::Next => sweep_and_add(out, sum, weights, g, faces, next_term),
-    }
-}
-
 #[inline(always)]
 fn first_term(g: f32, lg: f32, _: f32) -> f32 {
     -0.25 * lg - g
@@ -98,32 +80,6 @@ fn sweep(
         let joined = faces.around(x);
         out_x[x] = updated(gx.at[x], gx.flux(x, joined), out_x[x]);
         out_y[x] = updated(gy.at[x], gy.flux(x, joined), out_y[x]);
-    }
-}
-
-#[inline(always)]
-fn sweep_and_add(
-    out: [&mut [f32]; 2],
-    sum: [&mut [f32]; 2],
-    weights: [f32; 3],
-    g: [Stencil; 2],
-    faces: Faces,
-    updated: impl Fn(f32, f32, f32) -> f32,
-) {
-    let ([out_x, out_y], [sum_x, sum_y]) = (out, sum);
-    let n = out_x.len();
-    let (out_y, sum_x, sum_y) = (&mut out_y[..n], &mut sum_x[..n], &mut sum_y[..n]);
-    let (gx, gy) = (Around::new(g[0], n), Around::new(g[1], n));
-    let faces = faces.of(n);
-    let weighted = |earlier, g, new| weights[0] * earlier + weights[1] * g + weights[2] * new;
-    for x in 0..n {
-        let joined = faces.around(x);
-        let new = updated(gx.at[x], gx.flux(x, joined), out_x[x]);
-        sum_x[x] += weighted(out_x[x], gx.at[x], new);
-        out_x[x] = new;
-        let new = updated(gy.at[x], gy.flux(x, joined), out_y[x]);
-        sum_y[x] += weighted(out_y[x], gy.at[x], new);
-        out_y[x] = new;
     }
 }
 
@@ -181,4 +137,39 @@ impl<'a> Around<'a> {
 fn flux(g: f32, sides: [f32; 4], joined: [f32; 4]) -> f32 {
     let through = |i: usize| joined[i] * (sides[i] - g);
     (through(0) + through(1)) + (through(2) + through(3))
+}
+
+/// Adds two terms of a recurrence to a row of a sum, with their weights.
+#[inline(always)]
+pub fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]) {
+    let n = sum.len();
+    let (first, second) = (&terms[0][..n], &terms[1][..n]);
+    for x in 0..n {
+        sum[x] += weights[0] * first[x] + weights[1] * second[x];
+    }
+}
+
+/// Levels of importance that are told apart.
+pub const LEVELS: usize = 1024;
+
+/// [`add_terms_row`] of both components, where the weights depend on the importance of the pixel.
+#[inline(always)]
+pub fn add_terms_by_level_row(
+    sum: [&mut [f32]; 2],
+    terms: [[&[f32]; 2]; 2],
+    levels: &[u16],
+    weights: [&[f32; LEVELS]; 2],
+) {
+    let [sum_x, sum_y] = sum;
+    let n = sum_x.len();
+    let (sum_y, levels) = (&mut sum_y[..n], &levels[..n]);
+    let [[first_x, second_x], [first_y, second_y]] = terms;
+    let (first_x, second_x) = (&first_x[..n], &second_x[..n]);
+    let (first_y, second_y) = (&first_y[..n], &second_y[..n]);
+    for x in 0..n {
+        let level = usize::from(levels[x]) % LEVELS;
+        let (first, second) = (weights[0][level], weights[1][level]);
+        sum_x[x] += first * first_x[x] + second * second_x[x];
+        sum_y[x] += first * first_y[x] + second * second_y[x];
+    }
 }

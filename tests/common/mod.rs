@@ -186,6 +186,7 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
             normal_length: frame.normal_length.as_ref().map(plane),
             depth: frame.depth.as_ref().map(plane),
             occlusion: frame.occlusion.as_ref().map(plane),
+            importance: frame.importance.as_ref().map(plane),
             color: frame.color.as_ref().map(|c| ColorPlanes {
                 r: plane(&c.r),
                 g: plane(&c.g),

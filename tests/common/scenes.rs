@@ -676,6 +676,7 @@ impl Scene {
             normal_length: None,
             depth: Some(plane(|e| e.depth)),
             occlusion: None,
+            importance: None,
             color: Some(ColorPlanes {
                 r: gray.clone(),
                 g: gray.clone(),

@@ -2,111 +2,167 @@
 
 use super::simd::Simd;
 use super::tiles::Tiling;
-use super::wave::{Pass, Results, VectorRows, Wave};
-use crate::frame::{Mask, Plane, Vector2Planes};
+use super::wave::{Pass, Results, VectorRows, Wave, Weights};
+use crate::frame::{Frame, Mask, Plane, Vector2Planes};
 use crate::params::RunOptions;
-use crate::plan::Sweeps;
-use crate::shape::diffusion::Update;
+use crate::plan::{Readout, Recurrence, Sweeps};
+use crate::shape::diffusion::{LEVELS, Update};
 use rayon::prelude::*;
 
-/// The gradient after all sweeps.
+/// The gradient after all sweeps: at every scale that is read out.
 ///
 /// The sweeps are done in passes of several at once; what a pass leaves to the next are the last two
-/// terms of the recurrence and, of an expansion, the sum so far.
+/// terms of the recurrence and the sums so far.
 pub(super) fn diffusion(
     gradient: Vector2Planes,
     conductance: &Plane,
-    mask: &Mask,
+    frame: &Frame,
     sweeps: &Sweeps,
     options: &RunOptions,
-) -> Vector2Planes {
+) -> Vec<Vector2Planes> {
+    let mask = &frame.mask;
     let tiling = Tiling::new(mask, options.tile);
-    let (updates, weights) = recurrence(sweeps);
-    if updates.is_empty() {
-        return gradient;
-    }
-    let passes = updates.len().div_ceil(options.sweeps_per_pass.get()).max(1);
-    let per_pass = updates.len().div_ceil(passes).max(1);
-
-    let blank = || {
-        let plane = || Plane::filled(mask.width(), mask.height(), 0.0);
-        Vector2Planes {
-            x: plane(),
-            y: plane(),
-        }
+    let updates = updates(sweeps);
+    let importance = Levels::of(frame, sweeps);
+    let weights = match (&sweeps.readout, &importance) {
+        (Readout::Sums(sums), _) => Weights::Sums(sums),
+        (_, Some(levels)) => Weights::ByLevel(&levels.plane, &levels.weights),
+        _ => Weights::None,
     };
-    let expands = !weights.is_empty();
-    let mut sum = expands.then(blank);
-    let (mut last, mut earlier) = (gradient, None);
-    let mut spare = (None, None);
+    let passes = updates.len().div_ceil(options.sweeps_per_pass.get());
+    let per_pass = updates.len().div_ceil(passes.max(1)).max(1);
+    let is_expansion = sweeps.recurrence == Recurrence::Chebyshev;
+
+    let mut sums: Vec<_> = (0..weights.sums()).map(|_| blank(mask)).collect();
+    let mut terms = Terms {
+        last: gradient,
+        earlier: None,
+    };
+    let mut spare = None;
     for (i, updates) in updates.chunks(per_pass).enumerate() {
-        let first = i * per_pass;
         let pass = Pass {
             updates,
-            weights: weights.get(first..).unwrap_or(&[]),
-            last: &last,
-            earlier: earlier.as_ref(),
+            weights,
+            first_term: i * per_pass,
+            last: &terms.last,
+            earlier: terms.earlier.as_ref(),
             conductance,
             simd: Simd::widest(),
         };
-        // An expansion needs no term past its end, a step no term but the last.
         let goes_on = i + 1 < passes;
-        let mut next_last = (goes_on || !expands).then(|| spare.0.take().unwrap_or_else(blank));
-        let mut next_earlier = (goes_on && expands).then(|| spare.1.take().unwrap_or_else(blank));
-        let results = results_by_tile(&tiling, [&mut sum, &mut next_last, &mut next_earlier]);
-        tiling
-            .tiles()
-            .par_iter()
-            .zip(results)
-            .for_each_init(Wave::default, |wave, (tile, mut results)| {
-                wave.run(&pass, tile, &mut results)
+        if goes_on || sums.is_empty() {
+            let mut next = spare.take().unwrap_or_else(|| Terms {
+                last: blank(mask),
+                earlier: (is_expansion && goes_on).then(|| blank(mask)),
             });
-        if let Some(next) = next_last {
-            spare = (Some(std::mem::replace(&mut last, next)), earlier.take());
-            earlier = next_earlier;
+            run_pass(&pass, &tiling, &mut sums, Some(&mut next));
+            spare = Some(std::mem::replace(&mut terms, next));
+        } else {
+            run_pass(&pass, &tiling, &mut sums, None);
         }
     }
-    sum.unwrap_or(last)
+    match sums.is_empty() {
+        true => vec![terms.last],
+        false => sums,
+    }
 }
 
-/// The update of every sweep, and what their terms are added up with, if they are.
-fn recurrence(sweeps: &Sweeps) -> (Vec<Update>, &[f32]) {
-    match sweeps {
-        Sweeps::Explicit { count, time_step } => {
-            (vec![Update::Step(*time_step); *count as usize], &[])
-        }
-        Sweeps::Chebyshev(coefficients) => {
-            let mut updates = vec![Update::Next; coefficients.len() - 1];
+/// The last term of a recurrence and, where the next one needs it, the term before.
+struct Terms {
+    last: Vector2Planes,
+    earlier: Option<Vector2Planes>,
+}
+
+fn blank(mask: &Mask) -> Vector2Planes {
+    let plane = || Plane::filled(mask.width(), mask.height(), 0.0);
+    Vector2Planes {
+        x: plane(),
+        y: plane(),
+    }
+}
+
+/// How every sweep makes its term.
+fn updates(sweeps: &Sweeps) -> Vec<Update> {
+    match sweeps.recurrence {
+        Recurrence::Explicit(time_step) => vec![Update::Step(time_step); sweeps.count()],
+        Recurrence::Chebyshev => {
+            let mut updates = vec![Update::Next; sweeps.count()];
             if let Some(first) = updates.first_mut() {
                 *first = Update::First;
             }
-            (updates, coefficients)
+            updates
         }
     }
 }
 
-/// Where each tile writes, given the planes for the sum, the last term and the one before.
-fn results_by_tile<'a>(
-    tiling: &Tiling,
-    planes: [&'a mut Option<Vector2Planes>; 3],
-) -> Vec<Results<'a>> {
-    let [sum, last, earlier] = planes.map(|planes| match planes {
-        None => None,
-        Some(Vector2Planes { x, y }) => {
-            let rows = tiling.cut(x).into_iter().zip(tiling.cut(y));
-            Some(rows.map(|(x, y)| [x, y]))
+/// Importance in whole levels, and the weights of every level that occurs.
+struct Levels {
+    plane: Plane<u16>,
+    /// For every term, the weight of every level.
+    weights: Vec<[f32; LEVELS]>,
+}
+
+impl Levels {
+    /// The levels of a frame, if the sweeps are read out by importance.
+    fn of(frame: &Frame, sweeps: &Sweeps) -> Option<Self> {
+        let Readout::ByImportance(_) = sweeps.readout else {
+            return None;
+        };
+        let importance = frame
+            .importance
+            .as_ref()
+            .expect("the plan found it in the frame");
+        let top = (LEVELS - 1) as f32;
+        let plane = importance.map(|share| (share.clamp(0.0, 1.0) * top).round() as u16);
+        let mut occurs = [false; LEVELS];
+        for &level in plane.samples() {
+            occurs[usize::from(level)] = true;
         }
-    });
-    let (mut sum, mut last, mut earlier) = (sum, last, earlier);
-    let next =
-        |rows: &mut Option<_>| -> Option<VectorRows<'a>> { rows.as_mut().and_then(Iterator::next) };
+        let levels: Vec<usize> = (0..LEVELS).filter(|&level| occurs[level]).collect();
+        let shares: Vec<f64> = levels.iter().map(|&l| l as f64 / f64::from(top)).collect();
+        let mut weights = vec![[0.0; LEVELS]; sweeps.count() + 1];
+        for (&level, of_level) in levels.iter().zip(sweeps.weights_by_importance(&shares)) {
+            for (of_term, weight) in weights.iter_mut().zip(of_level) {
+                of_term[level] = weight;
+            }
+        }
+        Some(Self { plane, weights })
+    }
+}
+
+/// Runs a pass over all tiles.
+fn run_pass(pass: &Pass, tiling: &Tiling, sums: &mut [Vector2Planes], next: Option<&mut Terms>) {
+    let mut results: Vec<Results> = tiling.tiles().iter().map(|_| Results::default()).collect();
+    for sum in sums {
+        for (results, rows) in results.iter_mut().zip(rows_by_tile(tiling, sum)) {
+            results.sums.push(rows);
+        }
+    }
+    if let Some(next) = next {
+        for (results, rows) in results.iter_mut().zip(rows_by_tile(tiling, &mut next.last)) {
+            results.last = Some(rows);
+        }
+        if let Some(earlier) = &mut next.earlier {
+            for (results, rows) in results.iter_mut().zip(rows_by_tile(tiling, earlier)) {
+                results.earlier = Some(rows);
+            }
+        }
+    }
     tiling
         .tiles()
-        .iter()
-        .map(|_| Results {
-            sum: next(&mut sum),
-            last: next(&mut last),
-            earlier: next(&mut earlier),
-        })
-        .collect()
+        .par_iter()
+        .zip(results)
+        .for_each_init(Wave::default, |wave, (tile, mut results)| {
+            wave.run(pass, tile, &mut results)
+        });
+}
+
+/// The rows of every tile in both components.
+fn rows_by_tile<'a>(
+    tiling: &Tiling,
+    planes: &'a mut Vector2Planes,
+) -> impl Iterator<Item = VectorRows<'a>> {
+    let x = tiling.cut(&mut planes.x);
+    let y = tiling.cut(&mut planes.y);
+    x.into_iter().zip(y).map(|(x, y)| [x, y])
 }

@@ -2,6 +2,7 @@
 
 use super::ROWS_PER_TASK;
 use super::passes::map_covered;
+use super::simd::Simd;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::light::radiance_scaling::scaling;
 use crate::params::ScalingParams;
@@ -31,26 +32,32 @@ pub(super) struct Scaler {
 impl Scaler {
     /// The scaled picture. Uncovered pixels, and those where curvature is 0, keep their bits.
     pub(super) fn scale(&self, color: &ColorPlanes, trace: &Plane, mask: &Mask) -> ColorPlanes {
-        let width = mask.width();
-        let mut scaled = color.clone();
-        scaled
-            .r
-            .samples_mut()
-            .par_chunks_mut(width)
-            .zip(scaled.g.samples_mut().par_chunks_mut(width))
-            .zip(scaled.b.samples_mut().par_chunks_mut(width))
+        let (width, height) = (mask.width(), mask.height());
+        let simd = Simd::widest();
+        let mut scaled = [(); 3].map(|()| Plane::filled(width, height, 0.0));
+        let [r, g, b] = scaled
+            .each_mut()
+            .map(|plane| plane.samples_mut().par_chunks_mut(width));
+        r.zip(g)
+            .zip(b)
             .enumerate()
             .with_min_len(ROWS_PER_TASK)
             .for_each(|(y, ((r, g), b))| {
-                let (covered, trace) = (mask.row(y), trace.row(y));
-                for x in mask.span(y).filter(|&x| covered[x] && trace[x] != 0.0) {
-                    let sigma = self.sigma([r[x], g[x], b[x]], trace[x]);
-                    for channel in [&mut *r, &mut *g, &mut *b] {
-                        channel[x] = (channel[x] * sigma).clamp(-f32::MAX, f32::MAX);
-                    }
+                let from = [&color.r, &color.g, &color.b].map(|plane| plane.row(y));
+                let span = mask.span(y);
+                let (before, after) = (..span.start, span.end..);
+                let mut to = [r, g, b];
+                for (to, from) in to.iter_mut().zip(from) {
+                    to[before].copy_from_slice(&from[before]);
+                    to[after.clone()].copy_from_slice(&from[after.clone()]);
                 }
+                let (trace, covered) = (&trace.row(y)[span.clone()], &mask.row(y)[span.clone()]);
+                let to = to.map(|to| &mut to[span.clone()]);
+                let from = from.map(|from| &from[span.clone()]);
+                simd.scale_row(self, to, from, trace, covered);
             });
-        scaled
+        let [r, g, b] = scaled;
+        ColorPlanes { r, g, b }
     }
 
     #[inline(always)]
@@ -58,6 +65,35 @@ impl Scaler {
         let exponent = self.params.scaling * mapped_curvature(trace, self.gain);
         let intensity = luminance(rgb, self.weights) / self.white;
         scaling(intensity, exponent, self.params.invariant_point)
+    }
+}
+
+/// A row of the scaled picture, all slices of one length. Without a branch, so that it vectorises.
+#[inline(always)]
+pub(super) fn scale_row(
+    scaler: &Scaler,
+    out: [&mut [f32]; 3],
+    from: [&[f32]; 3],
+    trace: &[f32],
+    covered: &[bool],
+) {
+    let width = trace.len();
+    let [r, g, b] = out;
+    let (r, g, b) = (&mut r[..width], &mut g[..width], &mut b[..width]);
+    let [from_r, from_g, from_b] = from;
+    let (from_r, from_g, from_b) = (&from_r[..width], &from_g[..width], &from_b[..width]);
+    let covered = &covered[..width];
+    for x in 0..width {
+        let rgb = [from_r[x], from_g[x], from_b[x]];
+        let sigma = scaler.sigma(rgb, trace[x]);
+        let changes = covered[x] & (trace[x] != 0.0);
+        let scaled = |c: f32| {
+            let scaled = (c * sigma).clamp(-f32::MAX, f32::MAX);
+            if changes { scaled } else { c }
+        };
+        r[x] = scaled(rgb[0]);
+        g[x] = scaled(rgb[1]);
+        b[x] = scaled(rgb[2]);
     }
 }
 

@@ -4,6 +4,7 @@ mod diffusion;
 mod edges;
 mod light;
 mod passes;
+mod percentile;
 mod simd;
 mod statistics;
 mod tiles;
@@ -12,12 +13,16 @@ mod wave;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::{Plan, Stage};
+use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 /// Rows that one task takes at the least: enough work to be worth handing out.
 const ROWS_PER_TASK: usize = 8;
 
 /// The planes of the shape descriptor that a plan asked for, and those it needed on the way.
+///
+/// Curvature is per pixel; where a [reference height](crate::params::ShapeParams::reference_height) is
+/// given it is per pixel of the reference.
 #[derive(Debug, Clone, Default)]
 pub struct Shape {
     /// Silhouette weight, 0..1.
@@ -97,6 +102,18 @@ pub fn run_with(plan: &Plan, frame: &Frame, options: &RunOptions) -> Outcome {
     run.outcome
 }
 
+/// Derivatives per pixel of the reference: the one place where curvature meets the factor of resolution.
+fn per_reference_pixel(mut per_pixel: Plane, factor: f64) -> Plane {
+    if factor != 1.0 {
+        let factor = factor as f32;
+        let width = per_pixel.width();
+        let rows = per_pixel.samples_mut().par_chunks_mut(width);
+        rows.with_min_len(ROWS_PER_TASK)
+            .for_each(|row| row.iter_mut().for_each(|v| *v *= factor));
+    }
+    per_pixel
+}
+
 struct Run<'a> {
     plan: &'a Plan,
     frame: &'a Frame,
@@ -118,25 +135,26 @@ impl Run<'_> {
             edges::edges_and_gradient(plan, frame)
         });
         let options = self.options;
-        let gradient = if plan.has(Stage::Diffusion) {
-            let mask = &frame.mask;
+        let mut gradients = if plan.has(Stage::Diffusion) {
             self.timed("diffusion", || {
                 diffusion::diffusion(
                     edges.gradient,
                     &edges.conductance,
-                    mask,
+                    frame,
                     &plan.sweeps,
                     options,
                 )
             })
         } else {
-            edges.gradient
+            vec![edges.gradient]
         };
+        let gradient = gradients.remove(0);
         if plan.has(Stage::Hessian) {
             self.describe(&gradient, &edges.conductance);
         } else {
             let trace = self.timed("trace", || {
-                passes::trace(&gradient, &edges.conductance, &frame.mask)
+                let trace = passes::trace(&gradient, &edges.conductance, &frame.mask);
+                per_reference_pixel(trace, plan.resolution_factor)
             });
             self.choose_gain(&trace, &edges.conductance);
             self.outcome.shape.trace = Some(trace);
@@ -154,7 +172,12 @@ impl Run<'_> {
     /// Everything that the layers of the descriptor hold beyond gradient and weights.
     fn describe(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let mask = &self.frame.mask;
-        let hessian = self.timed("hessian", || passes::hessian(gradient, conductance, mask));
+        let factor = self.plan.resolution_factor;
+        let hessian = self.timed("hessian", || {
+            let SymmetricPlanes { xx, xy, yy } = passes::hessian(gradient, conductance, mask);
+            let [xx, xy, yy] = [xx, xy, yy].map(|plane| per_reference_pixel(plane, factor));
+            SymmetricPlanes { xx, xy, yy }
+        });
         let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask));
         let direction = self.timed("directions", || passes::directions(&hessian, mask));
         let trace = curvatures.mean.map(|mean| 2.0 * mean);
@@ -166,10 +189,11 @@ impl Run<'_> {
     }
 
     fn choose_gain(&mut self, trace: &Plane, conductance: &Plane) -> f32 {
+        let factor = self.plan.resolution_factor as f32;
         let gain = match self.plan.scaling.curvature_gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => self.timed("auto-gain", || {
-                statistics::curvature_gain(trace, conductance)
+                statistics::curvature_gain(trace, conductance, factor)
             }),
         };
         self.outcome.gain = Some(gain);

@@ -7,11 +7,14 @@
     reason = "calling a function compiled for features that were just detected"
 )]
 
+use super::light::{Scaler, scale_row};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
 use crate::shape::conductance::{conductance_row, face_conductance_row};
 use crate::shape::crease::{NormalRows, least_cosine_row};
-use crate::shape::diffusion::{Faces, Stencil, Update, sweep_and_add_row, sweep_row};
+use crate::shape::diffusion::{
+    Faces, LEVELS, Stencil, Update, add_terms_by_level_row, add_terms_row, sweep_row,
+};
 use crate::shape::gradient::depth_gradient_row;
 use crate::shape::hessian::{hessian_row, trace_row};
 use crate::shape::silhouette::{border_row, log_depth_row, silhouette_row};
@@ -93,13 +96,12 @@ macro_rules! widened {
 
 widened! {
     fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update);
-    fn sweep_and_add_row(
-        out: [&mut [f32]; 2],
+    fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]);
+    fn add_terms_by_level_row(
         sum: [&mut [f32]; 2],
-        weights: [f32; 3],
-        g: [Stencil; 2],
-        faces: Faces,
-        update: Update,
+        terms: [[&[f32]; 2]; 2],
+        levels: &[u16],
+        weights: [&[f32; LEVELS]; 2],
     );
     fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]);
     fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]);
@@ -138,5 +140,12 @@ widened! {
         gy: &Rows,
         conductance: &Rows,
         columns: Range<usize>,
+    );
+    fn scale_row(
+        scaler: &Scaler,
+        out: [&mut [f32]; 3],
+        from: [&[f32]; 3],
+        trace: &[f32],
+        covered: &[bool],
     );
 }

@@ -7,7 +7,7 @@
 use super::simd::Simd;
 use super::tiles::Tile;
 use crate::frame::{Plane, Vector2Planes};
-use crate::shape::diffusion::{Faces, Stencil, Update};
+use crate::shape::diffusion::{Faces, LEVELS, Stencil, Update};
 use std::ops::Range;
 
 /// Columns that rows are padded to, so that sweeps start and end on whole vectors.
@@ -21,11 +21,13 @@ const TOGETHER: usize = 4;
 pub(super) struct Pass<'a> {
     /// One update per sweep.
     pub(super) updates: &'a [Update],
-    /// What the terms are added to the sum with, that of the starting term first; empty if no sum is made.
-    pub(super) weights: &'a [f32],
+    /// What terms are added up with.
+    pub(super) weights: Weights<'a>,
+    /// Number of the starting term; 0 at the beginning of the recurrence.
+    pub(super) first_term: usize,
     /// The starting term.
     pub(super) last: &'a Vector2Planes,
-    /// The term before it, if the recurrence has begun.
+    /// The term before it, if there is one and it is needed.
     pub(super) earlier: Option<&'a Vector2Planes>,
     /// Conductance of the pixels.
     pub(super) conductance: &'a Plane,
@@ -33,25 +35,68 @@ pub(super) struct Pass<'a> {
     pub(super) simd: Simd,
 }
 
+/// The weights of all terms of a recurrence, that of term 0 first.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Weights<'a> {
+    /// No sum is made.
+    None,
+    /// One list of weights per sum; terms past its end have none.
+    Sums(&'a [Vec<f32>]),
+    /// One sum whose weights depend on the level of the pixel.
+    ByLevel(&'a Plane<u16>, &'a [[f32; LEVELS]]),
+}
+
+impl Weights<'_> {
+    /// How many sums are made.
+    pub(super) fn sums(&self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Sums(sums) => sums.len(),
+            Self::ByLevel(..) => 1,
+        }
+    }
+}
+
 impl Pass<'_> {
-    /// The weights with which sweep `k` adds the last three terms to the sum: every third sweep does,
-    /// and the last one.
-    fn added_at(&self, k: usize) -> Option<[f32; 3]> {
-        // A pass that goes on finds its starting term in the sum.
-        let first = usize::from(self.earlier.is_some());
-        let pending = (k + 1 - first) % 3;
-        let is_due = pending == 0 || k == self.updates.len();
-        (is_due && !self.weights.is_empty()).then(|| {
-            let weight = |term: usize, since: usize| {
-                if pending == 0 || pending >= since {
-                    self.weights[term]
-                } else {
-                    0.0
-                }
-            };
-            // Terms k - 2, k - 1 and k; sweep 1 has no term -1.
-            [weight(k.max(2) - 2, 3), weight(k - 1, 2), weight(k, 1)]
-        })
+    /// Which terms sweep `k` adds to the sums: every second sweep adds its own and the one before.
+    fn added_at(&self, k: usize) -> Option<Added> {
+        // A pass that goes on finds its starting term in the sums.
+        let pending = k + usize::from(self.first_term == 0);
+        let own = self.first_term + k;
+        if pending.is_multiple_of(2) {
+            Some(Added::Both(own))
+        } else if k == self.updates.len() {
+            Some(Added::Own(own))
+        } else {
+            None
+        }
+    }
+}
+
+/// Terms to be added by their numbers.
+#[derive(Debug, Clone, Copy)]
+enum Added {
+    /// The sweep's own term.
+    Own(usize),
+    /// The sweep's own term and the one before.
+    Both(usize),
+}
+
+impl Added {
+    /// The weights of the one before and its own, out of those of all terms.
+    fn weights(self, of_term: impl Fn(usize) -> f32) -> [f32; 2] {
+        match self {
+            Self::Own(term) => [0.0, of_term(term)],
+            Self::Both(term) => [of_term(term - 1), of_term(term)],
+        }
+    }
+
+    /// The same where weights depend on the level.
+    fn of_levels(self, of_term: &[[f32; LEVELS]]) -> [&[f32; LEVELS]; 2] {
+        match self {
+            Self::Own(term) => [&[0.0; LEVELS], &of_term[term]],
+            Self::Both(term) => [&of_term[term - 1], &of_term[term]],
+        }
     }
 }
 
@@ -61,8 +106,8 @@ pub(super) type VectorRows<'a> = [Vec<&'a mut [f32]>; 2];
 /// Where a tile's results go.
 #[derive(Debug, Default)]
 pub(super) struct Results<'a> {
-    /// The sum, which is added to.
-    pub(super) sum: Option<VectorRows<'a>>,
+    /// The sums, which are added to.
+    pub(super) sums: Vec<VectorRows<'a>>,
     /// The last term.
     pub(super) last: Option<VectorRows<'a>>,
     /// The term before it.
@@ -85,8 +130,8 @@ pub(super) struct Wave {
     above: Vec<f32>,
     /// Conductances of two rows.
     open: Vec<f32>,
-    /// The sum, a ring per component.
-    sums: [Vec<f32>; 2],
+    /// The sums, a ring per component of each.
+    sums: Vec<[Vec<f32>; 2]>,
 }
 
 impl Wave {
@@ -94,7 +139,7 @@ impl Wave {
     pub(super) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
         let sweeps = pass.updates.len();
         let height = pass.conductance.height();
-        self.make_room(sweeps, tile.columns.len());
+        self.make_room(sweeps, tile.columns.len(), results.sums.len());
         // Rows that sweep `k` has to give, for those after it to give the tile.
         let rows = |k: usize| {
             let rim = sweeps - k;
@@ -103,10 +148,8 @@ impl Wave {
         // The rows in which sweep `k` is at work while those from `front` on enter.
         let at_work = |front: usize, k: usize| {
             let all = rows(k);
-            let start = (front + TOGETHER)
-                .saturating_sub(k + TOGETHER)
-                .max(all.start);
-            start..(front + TOGETHER).saturating_sub(k).min(all.end)
+            front.saturating_sub(k).max(all.start)
+                ..(front + TOGETHER).saturating_sub(k).min(all.end)
         };
         for front in (rows(0).start..tile.rows.end + sweeps).step_by(TOGETHER) {
             for y in at_work(front, 0) {
@@ -128,7 +171,7 @@ impl Wave {
         }
     }
 
-    fn make_room(&mut self, sweeps: usize, columns: usize) {
+    fn make_room(&mut self, sweeps: usize, columns: usize, sums: usize) {
         self.pad = (sweeps + LANES).next_multiple_of(LANES);
         self.stride = (self.pad + columns + sweeps + LANES).next_multiple_of(LANES) + LANES;
         self.in_flight = sweeps + TOGETHER + 1;
@@ -141,7 +184,11 @@ impl Wave {
             .iter_mut()
             .flatten()
             .for_each(|terms| refill(terms, ring));
-        self.sums.iter_mut().for_each(|sums| refill(sums, ring));
+        self.sums.resize_with(sums, Default::default);
+        self.sums
+            .iter_mut()
+            .flatten()
+            .for_each(|sum| refill(sum, ring));
         refill(&mut self.left, ring);
         refill(&mut self.above, ring);
         refill(&mut self.open, 2 * self.stride);
@@ -189,12 +236,15 @@ impl Wave {
             pass.simd.face_conductance_row(above, open, open_above);
         }
 
-        if let Some(sum) = &results.sum
-            && tile.rows.contains(&y)
-        {
-            for (sums, tile_rows) in self.sums.iter_mut().zip(sum) {
-                sums[row.clone()][self.pad..][..tile.columns.len()]
-                    .copy_from_slice(tile_rows[y - tile.rows.start]);
+        if tile.rows.contains(&y) {
+            let columns = self.tile_columns(y, tile);
+            for (ring, rows) in self.sums.iter_mut().zip(&results.sums) {
+                for (ring, rows) in ring.iter_mut().zip(rows) {
+                    match pass.first_term {
+                        0 => ring[columns.clone()].fill(0.0),
+                        _ => ring[columns.clone()].copy_from_slice(rows[y - tile.rows.start]),
+                    }
+                }
             }
         }
     }
@@ -230,34 +280,68 @@ impl Wave {
             &mut out_x[row.clone()][columns.clone()],
             &mut out_y[row.clone()][columns.clone()],
         ];
-        let update = pass.updates[k - 1];
-        match pass.added_at(k) {
-            Some(weights) if tile.rows.contains(&y) => {
-                let [sum_x, sum_y] = &mut self.sums;
-                let sum = [
-                    &mut sum_x[row.clone()][columns.clone()],
-                    &mut sum_y[row][columns],
-                ];
-                pass.simd
-                    .sweep_and_add_row(out, sum, weights, g, faces, update);
-            }
-            _ => pass.simd.sweep_row(out, g, faces, update),
+        pass.simd.sweep_row(out, g, faces, pass.updates[k - 1]);
+        if let Some(added) = pass.added_at(k)
+            && tile.rows.contains(&y)
+        {
+            self.add(pass, added, k, y, tile);
         }
+    }
+
+    /// Adds terms to the sums in row `y`, of which sweep `k` has just made one.
+    fn add(&mut self, pass: &Pass, added: Added, k: usize, y: usize, tile: &Tile) {
+        let columns = self.tile_columns(y, tile);
+        let [even, odd] = &self.terms;
+        let (before, own) = if k.is_multiple_of(2) {
+            (even, odd)
+        } else {
+            (odd, even)
+        };
+        let terms = |c: usize| [&before[c][columns.clone()], &own[c][columns.clone()]];
+        match pass.weights {
+            Weights::None => {}
+            Weights::Sums(all) => {
+                for (sum, of_sum) in self.sums.iter_mut().zip(all) {
+                    let weights = added.weights(|term| of_sum.get(term).copied().unwrap_or(0.0));
+                    if weights == [0.0; 2] {
+                        continue;
+                    }
+                    for (c, sum) in sum.iter_mut().enumerate() {
+                        pass.simd
+                            .add_terms_row(&mut sum[columns.clone()], terms(c), weights);
+                    }
+                }
+            }
+            Weights::ByLevel(levels, all) => {
+                let [sum_x, sum_y] = &mut self.sums[0];
+                let sum = [&mut sum_x[columns.clone()], &mut sum_y[columns.clone()]];
+                let terms = [terms(0), terms(1)];
+                let levels = &levels.row(y)[tile.columns.clone()];
+                let weights = added.of_levels(all);
+                pass.simd
+                    .add_terms_by_level_row(sum, terms, levels, weights);
+            }
+        }
+    }
+
+    /// Where row `y` of the tile is kept in a ring.
+    fn tile_columns(&self, y: usize, tile: &Tile) -> Range<usize> {
+        let start = self.row(y).start + self.pad;
+        start..start + tile.columns.len()
     }
 
     /// Gives out row `y`, which has seen all sweeps.
     fn leave(&self, sweeps: usize, y: usize, tile: &Tile, results: &mut Results) {
         let tile_row = y - tile.rows.start;
-        let columns =
-            self.row(y).start + self.pad..self.row(y).start + self.pad + tile.columns.len();
+        let columns = self.tile_columns(y, tile);
         // Sweep k has made a term of the parity of k + 1.
         let [earlier, last] = [&self.terms[sweeps % 2], &self.terms[(sweeps + 1) % 2]];
-        for (rows, ring) in [
-            (&mut results.sum, &self.sums),
-            (&mut results.last, last),
-            (&mut results.earlier, earlier),
-        ] {
-            for (rows, ring) in rows.iter_mut().flatten().zip(ring) {
+        let terms = [(&mut results.last, last), (&mut results.earlier, earlier)];
+        let terms = terms
+            .into_iter()
+            .filter_map(|(rows, ring)| Some((rows.as_mut()?, ring)));
+        for (rows, ring) in results.sums.iter_mut().zip(&self.sums).chain(terms) {
+            for (rows, ring) in rows.iter_mut().zip(ring) {
                 write_row(rows[tile_row], &ring[columns.clone()]);
             }
         }

@@ -1,0 +1,140 @@
+//! The value below which a given share of many others lies, without sorting or copying them.
+//!
+//! Floats are ordered as their bits are, once those of negative ones are turned about. So a histogram of
+//! the upper half of the bits tells in which bin the value lies, and one of the lower half, over that
+//! bin, which value it is: exactly the one that sorting would find. Counts are whole numbers, the same
+//! for any number of threads.
+
+use rayon::prelude::*;
+
+/// Bins of a histogram over half of the bits.
+const BINS: usize = 1 << 16;
+
+/// The value below which the share `share` of the finite ones lies; `None` if there are none. `row(y)`
+/// are the values of row `y`, asked for twice.
+pub(super) fn percentile<Values: Iterator<Item = f32>>(
+    height: usize,
+    share: f64,
+    row: impl Fn(usize) -> Values + Sync,
+) -> Option<f32> {
+    let keys = |y| row(y).map(key);
+    let mut upper = histogram(height, |y| keys(y).map(|key| key >> 16));
+    // Forgetting the bins of infinities and NaN is cheaper than looking for these among the values.
+    upper[..=key(f32::NEG_INFINITY) as usize >> 16].fill(0);
+    upper[key(f32::INFINITY) as usize >> 16..].fill(0);
+    let count: usize = upper.iter().map(|&n| n as usize).sum();
+    let last = count.checked_sub(1)?;
+    let rank = (share * last as f64).round() as usize;
+    let (upper, rank) = bin_at(&upper, rank);
+    let within = |y| keys(y).filter(move |key| key >> 16 == upper);
+    let lower = histogram(height, |y| within(y).map(|key| key & 0xffff));
+    let (lower, _) = bin_at(&lower, rank);
+    Some(value(upper << 16 | lower))
+}
+
+/// How often each of the bins is named over all rows.
+fn histogram<Bins: Iterator<Item = u32>>(
+    height: usize,
+    bins: impl Fn(usize) -> Bins + Sync,
+) -> Vec<u32> {
+    // A histogram for each task: few tasks, yet enough to even out threads that were kept waiting.
+    let rows_per_task = height.div_ceil(2 * rayon::current_num_threads());
+    (0..height)
+        .into_par_iter()
+        .with_min_len(rows_per_task)
+        .fold(
+            || vec![0; BINS],
+            |mut counts, y| {
+                bins(y).for_each(|bin| counts[bin as usize % BINS] += 1);
+                counts
+            },
+        )
+        .reduce_with(|mut sum, counts| {
+            sum.iter_mut().zip(&counts).for_each(|(s, n)| *s += n);
+            sum
+        })
+        .unwrap_or_else(|| vec![0; BINS])
+}
+
+/// The bin of the value that comes `rank`-th, from 0, and its rank within the bin.
+fn bin_at(counts: &[u32], mut rank: usize) -> (u32, usize) {
+    for (bin, &count) in counts.iter().enumerate() {
+        match rank.checked_sub(count as usize) {
+            Some(rest) => rank = rest,
+            None => return (bin as u32, rank),
+        }
+    }
+    unreachable!("a rank is less than the sum of the counts")
+}
+
+/// Bits that are ordered as `f32::total_cmp` orders the values.
+#[inline(always)]
+fn key(value: f32) -> u32 {
+    let bits = value.to_bits();
+    let negative = ((bits as i32) >> 31) as u32;
+    bits ^ (negative | SIGN)
+}
+
+/// The value with this key.
+fn value(key: u32) -> f32 {
+    f32::from_bits(if key & SIGN == 0 { !key } else { key ^ SIGN })
+}
+
+const SIGN: u32 = 1 << 31;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of_rows(rows: &[Vec<f32>], share: f64) -> Option<f32> {
+        percentile(rows.len(), share, |y| rows[y].iter().copied())
+    }
+
+    #[test]
+    fn percentiles_of_hostile_values() {
+        assert_eq!(of_rows(&[], 0.5), None);
+        assert_eq!(of_rows(&[vec![], vec![]], 0.5), None);
+        assert_eq!(of_rows(&[vec![f32::NAN, f32::INFINITY]], 0.5), None);
+        let some = vec![vec![3.0, f32::NAN], vec![1.0, 2.0, f32::NEG_INFINITY]];
+        assert_eq!(of_rows(&some, 0.5), Some(2.0));
+        assert_eq!(of_rows(&[vec![7.5; 1000]], 0.98), Some(7.5));
+    }
+
+    #[test]
+    fn it_is_what_sorting_finds() {
+        // Many sizes and both signs, some of them often, in rows of unequal length.
+        let mut seed = 1_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            seed >> 8
+        };
+        let rows: Vec<Vec<f32>> = (0..97)
+            .map(|y| {
+                let values = (0..y * 7 % 41).map(|_| match random() % 4 {
+                    0 => f32::from_bits(random() << 7),
+                    1 => -f32::from_bits(random() << 7),
+                    2 => 0.25,
+                    _ => random() as f32 * 1e-7,
+                });
+                values.collect()
+            })
+            .collect();
+        let mut sorted: Vec<f32> = rows.iter().flatten().copied().collect();
+        sorted.retain(|v| v.is_finite());
+        sorted.sort_by(f32::total_cmp);
+        for share in [0.0, 0.1, 0.5, 0.8, 0.98, 1.0] {
+            let index = (share * (sorted.len() - 1) as f64).round() as usize;
+            let found = of_rows(&rows, share).unwrap();
+            assert_eq!(found.to_bits(), sorted[index].to_bits(), "share {share}");
+        }
+    }
+
+    #[test]
+    fn keys_give_their_values_back_in_order() {
+        let values = [-f32::MAX, -1.0, -1e-45, -0.0, 0.0, 1e-45, 1.0, f32::MAX];
+        assert!(values.windows(2).all(|pair| key(pair[0]) < key(pair[1])));
+        for v in values {
+            assert_eq!(value(key(v)).to_bits(), v.to_bits());
+        }
+    }
+}
