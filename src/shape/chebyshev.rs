@@ -7,6 +7,12 @@
 //! same recurrence, in fewer applications of L. Practice: the largest error is bounded by the sum of
 //! the |a_k| left out times the largest value, so the degree is chosen from the tolerance before any
 //! pixel is touched.
+//!
+//! Long times (t = 5000 and 20,000, 550 and 1100 applications at 1e-4) were tried otherwise, on 512x512
+//! among thin closed lines, gaps and mixed conductances. A grid of half the size, its pixels the connected
+//! parts of 2x2, is off by 1e-3 to 4e-3 beside thin lines however long the fine grid smooths first (in the
+//! open by 1e-5, at a quarter of the work); poles in place of powers, solved by algebraic multigrid, cost
+//! 360 to 960 applications at 2e-4, their setup left out; Lanczos saves 0 to 14 % and keeps every vector.
 
 /// How far the gradient is diffused.
 #[derive(Debug, Clone, Copy, PartialEq)]
