@@ -76,12 +76,15 @@ fn scalars(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
 /// All planes, vectors included.
 fn all_planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
     let shape = &outcome.shape;
-    let (gradient, direction) = (shape.gradient.as_ref(), shape.direction.as_ref());
+    let (direction, direction_view) = (shape.direction.as_ref(), shape.direction_view.as_ref());
+    let gradient = shape.gradient.as_ref();
     let vectors = [
         ("gradient.x", gradient.map(|g| &g.x)),
         ("gradient.y", gradient.map(|g| &g.y)),
         ("direction.x", direction.map(|d| &d.x)),
         ("direction.y", direction.map(|d| &d.y)),
+        ("direction_view.x", direction_view.map(|d| &d.x)),
+        ("direction_view.y", direction_view.map(|d| &d.y)),
         ("hessian.xy", shape.hessian.as_ref().map(|h| &h.xy)),
     ];
     let vectors = vectors

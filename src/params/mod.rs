@@ -4,4 +4,4 @@ mod light;
 mod shape;
 
 pub use light::{Adaptive, ScalingParams};
-pub use shape::{Scale, ShapeParams, SoftThreshold, Solver};
+pub use shape::{MAX_DIRECTION_STEP_PX, Scale, ShapeParams, SoftThreshold, Solver};

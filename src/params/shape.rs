@@ -1,6 +1,7 @@
 //! What shape analysis can be told.
 
 use crate::error::{Error, Result};
+use crate::params::Adaptive;
 use serde::Serialize;
 
 /// A soft step: 0 up to `lo`, 1 from `hi`, linear between.
@@ -92,7 +93,14 @@ pub struct ShapeParams {
     /// Length of one explicit step, in (0, 1/4]. Above 1/4 the scheme is unstable; at exactly 1/4
     /// a checkerboard never decays.
     pub time_step: f32,
+    /// How many pixels away normals are compared to find the directions of curvature: a whole number,
+    /// 1 to [`MAX_DIRECTION_STEP_PX`]. `Auto` takes more the coarser normals were stored. Short steps
+    /// see fine shapes, and noise; long ones round them off. Before an edge the step shrinks.
+    pub direction_step: Adaptive,
 }
+
+/// Past this a step leaves the shapes it is to tell of.
+pub const MAX_DIRECTION_STEP_PX: u32 = 64;
 
 impl Default for ShapeParams {
     fn default() -> Self {
@@ -106,6 +114,7 @@ impl Default for ShapeParams {
             solver: Solver::Chebyshev,
             tolerance: 1e-4,
             time_step: 0.2,
+            direction_step: Adaptive::Auto,
         }
     }
 }
@@ -151,6 +160,15 @@ impl ShapeParams {
                 "give more than 0",
             );
         }
+        if let Adaptive::Fixed(step) = self.direction_step
+            && !(step.fract() == 0.0 && (1.0..=MAX_DIRECTION_STEP_PX as f32).contains(&step))
+        {
+            return bad(
+                "--direction-step",
+                format!("is {step} px"),
+                "give a whole number from 1 to 64, or auto",
+            );
+        }
         match self.scale {
             Scale::Sigma(sigma) if !(0.0..=MAX_SIGMA_PX).contains(&sigma) => {
                 bad("--scale", format!("is {sigma} px"), "give 0 to 4096 pixels")
@@ -167,6 +185,17 @@ impl ShapeParams {
         }
     }
 
+    /// [`ShapeParams::direction_step`] in pixels for normals rounded by up to `normal_rounding`.
+    ///
+    /// Noise turns directions by rounding / step, and the surface's own change by step^2.
+    pub fn direction_step_px(&self, normal_rounding: f32) -> usize {
+        match self.direction_step {
+            Adaptive::Fixed(step) => step as usize,
+            Adaptive::Auto if normal_rounding > COARSE_ROUNDING => COARSE_STEP_PX,
+            Adaptive::Auto => 1,
+        }
+    }
+
     /// The steepest slope that the gradient can have: n_xy is at most 1, n_z at least its floor.
     pub fn largest_slope(&self) -> f64 {
         f64::from(self.min_nz).powf(-f64::from(self.foreshortening))
@@ -180,3 +209,9 @@ impl ShapeParams {
 
 /// Past this a Gaussian is flat over any picture.
 const MAX_SIGMA_PX: f32 = 4096.0;
+
+/// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
+const COARSE_ROUNDING: f32 = 1e-3;
+
+/// The step over coarse normals.
+const COARSE_STEP_PX: usize = 4;

@@ -1,6 +1,6 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
-use super::{Available, Goal, Stage, Sweeps};
+use super::{Available, Goal, Points, Stage, Sweeps};
 use crate::params::{Adaptive, ScalingParams, ShapeParams};
 use serde::Serialize;
 
@@ -30,6 +30,7 @@ impl Stage {
             Self::Hessian => "hessian",
             Self::Curvatures => "curvatures",
             Self::Directions => "directions",
+            Self::NormalRays => "normal-rays",
             Self::AutoGain => "auto-gain",
             Self::AutoWhite => "auto-white",
             Self::MappedCurvature => "mapped-curvature",
@@ -52,6 +53,7 @@ pub(super) fn decide(
     available: Available,
     shape: &ShapeParams,
     sweeps: &Sweeps,
+    rays: (Points, usize),
     scaling: &ScalingParams,
 ) -> Vec<Decision> {
     let idle = goal == Goal::Enhance && scaling.scaling == 0.0;
@@ -99,6 +101,12 @@ pub(super) fn decide(
                 "nothing here follows a direction",
             ),
             rule(
+                Stage::NormalRays,
+                all,
+                normal_rays(rays),
+                "nothing here follows a direction",
+            ),
+            rule(
                 Stage::AutoGain,
                 scaling.curvature_gain == Adaptive::Auto,
                 "--curvature-gain auto",
@@ -116,9 +124,19 @@ pub(super) fn decide(
     decisions
 }
 
+fn normal_rays((points, step_px): (Points, usize)) -> String {
+    let points = match points {
+        Points::Depth => "points from depth and camera",
+        Points::Normals => "no depth with a camera to trust: points from normals alone",
+    };
+    format!("{points}, {step_px} px away")
+}
+
 /// One source of silhouettes: depth before occlusion before the mere border.
 fn silhouettes(available: Available) -> Vec<Decision> {
-    let Available { depth, occlusion } = available;
+    let Available {
+        depth, occlusion, ..
+    } = available;
     let no_occlusion = if depth {
         "depth serves"
     } else {
@@ -227,10 +245,14 @@ mod tests {
     const DEPTH: Available = Available {
         depth: true,
         occlusion: true,
+        positions: true,
+        normal_rounding: 0.0,
     };
     const NOTHING: Available = Available {
         depth: false,
         occlusion: false,
+        positions: false,
+        normal_rounding: 0.0,
     };
 
     #[test]

@@ -8,7 +8,7 @@ pub use explain::Decision;
 pub use sweeps::Sweeps;
 
 use crate::error::Result;
-use crate::frame::Frame;
+use crate::frame::{DepthKind, Frame};
 use crate::params::{ScalingParams, ShapeParams};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
@@ -49,8 +49,10 @@ pub enum Stage {
     Hessian,
     /// Principal and mean curvatures.
     Curvatures,
-    /// Directions of the larger curvature.
+    /// Directions of the larger view-centred curvature, from the Hessian.
     Directions,
+    /// Directions of the larger curvature of the surface itself, from its normal rays.
+    NormalRays,
     /// Gain of the curvature mapping, chosen from the frame.
     AutoGain,
     /// White level, chosen from the picture.
@@ -64,12 +66,26 @@ pub enum Stage {
 }
 
 /// Which inputs there are to plan with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Available {
     /// Depth.
     pub depth: bool,
     /// An occlusion map or alpha.
     pub occlusion: bool,
+    /// Depth and a camera that together tell where the surface is.
+    pub positions: bool,
+    /// Largest rounding error of a component of the normals.
+    pub normal_rounding: f32,
+}
+
+/// What tells where the surface seen at a pixel lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Points {
+    /// Depth along sight lines that the camera gives.
+    Depth,
+    /// The normals: the surface is followed from pixel to pixel.
+    Normals,
 }
 
 impl Available {
@@ -78,6 +94,10 @@ impl Available {
         Self {
             depth: frame.depth.is_some(),
             occlusion: frame.occlusion.is_some(),
+            positions: frame.depth.is_some()
+                && frame.camera.is_some()
+                && frame.source.depth_kind != DepthKind::Relative,
+            normal_rounding: frame.source.normal_rounding,
         }
     }
 }
@@ -93,6 +113,10 @@ pub struct Plan {
     pub scaling: ScalingParams,
     /// How the gradient is diffused.
     pub sweeps: Sweeps,
+    /// How the points of neighbouring pixels are found for [`Stage::NormalRays`].
+    pub points: Points,
+    /// How many pixels away they are.
+    pub direction_step_px: usize,
     stages: Vec<Stage>,
     decisions: Vec<Decision>,
 }
@@ -111,7 +135,13 @@ impl Plan {
         shape.validate()?;
         scaling.validate()?;
         let sweeps = Sweeps::new(&shape);
-        let decisions = explain::decide(goal, available, &shape, &sweeps, &scaling);
+        let points = match available.positions {
+            true => Points::Depth,
+            false => Points::Normals,
+        };
+        let direction_step_px = shape.direction_step_px(available.normal_rounding);
+        let rays = (points, direction_step_px);
+        let decisions = explain::decide(goal, available, &shape, &sweeps, rays, &scaling);
         let stages = decisions
             .iter()
             .filter(|d| d.kept)
@@ -122,6 +152,8 @@ impl Plan {
             shape,
             scaling,
             sweeps,
+            points,
+            direction_step_px,
             stages,
             decisions,
         })
@@ -138,14 +170,21 @@ impl Plan {
     }
 
     /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
-    /// this distance to its border on, unless a gain or white level is chosen from the frame.
+    /// this distance to its border on, unless a gain or white level is chosen from the frame, or a
+    /// direction is taken from neighbours because a pixel has none of its own.
     pub fn reach(&self) -> usize {
         let sweeps = if self.has(Stage::Diffusion) {
             self.sweeps.count()
         } else {
             0
         };
-        EDGE_REACH + sweeps * diffusion::REACH + hessian::REACH
+        let curvature = sweeps * diffusion::REACH + hessian::REACH;
+        let rays = if self.has(Stage::NormalRays) {
+            self.direction_step_px
+        } else {
+            0
+        };
+        EDGE_REACH + curvature.max(rays)
     }
 
     /// Every stage there is, kept or left out, and why.

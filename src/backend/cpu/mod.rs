@@ -1,8 +1,10 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
 mod diffusion;
+mod direction_fill;
 mod edges;
 mod light;
+mod normal_rays;
 mod passes;
 mod statistics;
 
@@ -33,9 +35,13 @@ pub struct Shape {
     pub curvatures: Option<CurvaturePlanes>,
     /// Mapped curvature, -1..1; **convex is positive**.
     pub kappa: Option<Plane>,
-    /// Direction of the curvature larger in size, x right, y up, equal to its opposite; 0 where
-    /// there is none.
+    /// Direction, in the picture, of the curvature of the surface itself that is larger in size: unit,
+    /// x right, y up, equal to its opposite; 0 outside the mask. Where the surface has none it is that of
+    /// its neighbours.
     pub direction: Option<Vector2Planes>,
+    /// Direction of the view-centred curvature (of the Hessian) larger in size, likewise; 0 where there
+    /// is none.
+    pub direction_view: Option<Vector2Planes>,
 }
 
 /// Principal curvatures `u >= v` and their mean, per pixel; convex is negative.
@@ -135,13 +141,17 @@ impl Run<'_> {
         let mask = &self.frame.mask;
         let hessian = self.timed("hessian", || passes::hessian(gradient, conductance, mask));
         let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask));
-        let direction = self.timed("directions", || passes::directions(&hessian, mask));
+        let direction_view = self.timed("directions", || passes::directions(&hessian, mask));
+        let direction = self.timed("normal-rays", || {
+            normal_rays::directions(self.plan, self.frame, conductance)
+        });
         let trace = curvatures.mean.map(|mean| 2.0 * mean);
         let gain = self.choose_gain(&trace, conductance);
         self.outcome.shape.kappa = Some(passes::mapped_curvature(&trace, gain, mask));
         self.outcome.shape.hessian = Some(hessian);
         self.outcome.shape.curvatures = Some(curvatures);
         self.outcome.shape.direction = Some(direction);
+        self.outcome.shape.direction_view = Some(direction_view);
     }
 
     fn choose_gain(&mut self, trace: &Plane, conductance: &Plane) -> f32 {

@@ -1,0 +1,122 @@
+//! Directions for pixels that have none of their own: their neighbours', in waves.
+
+use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::line::direction::mean_direction;
+use crate::shape::conductance::face_conductance;
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Gives every covered pixel whose direction is 0 one: the mean of its neighbours', as far as they
+/// have one, wave after wave, so that the time is linear in the pixels filled.
+///
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. Where no pixel
+/// of a connected surface has a direction, all take `fixed`. Then the pixels on edges, conductance 0,
+/// from whatever neighbours they have.
+pub(super) fn fill(
+    directions: &mut Vector2Planes,
+    conductance: &Plane,
+    mask: &Mask,
+    fixed: impl Fn(usize, usize) -> Vec2 + Sync,
+) {
+    let width = mask.width();
+    let open = |i: usize| conductance.samples()[i] > 0.0;
+    let mut field = Field { directions, width };
+    field.spread(open, |from, to| {
+        let c = conductance.samples();
+        face_conductance(c[from], c[to])
+    });
+    field.fix(open, &fixed);
+    let closed = |i: usize| mask.plane().samples()[i] && !open(i);
+    field.spread(closed, |_, _| 1.0);
+    field.fix(closed, &fixed);
+}
+
+struct Field<'a> {
+    directions: &'a mut Vector2Planes,
+    width: usize,
+}
+
+impl Field<'_> {
+    fn at(&self, i: usize) -> Vec2 {
+        let Vector2Planes { x, y } = &self.directions;
+        Vec2::new(x.samples()[i], y.samples()[i])
+    }
+
+    fn set(&mut self, i: usize, direction: Vec2) {
+        self.directions.x.samples_mut()[i] = direction.x;
+        self.directions.y.samples_mut()[i] = direction.y;
+    }
+
+    fn lacks(&self, i: usize) -> bool {
+        self.at(i) == Vec2::ZERO
+    }
+
+    /// The pixels left, right, above and below.
+    fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, count) = (self.width, self.directions.x.samples().len());
+        let x = i % width;
+        let sides = [
+            (x > 0).then(|| i - 1),
+            (x + 1 < width).then(|| i + 1),
+            i.checked_sub(width),
+            (i + width < count).then(|| i + width),
+        ];
+        sides.into_iter().flatten()
+    }
+
+    /// The mean direction of the neighbours that have one, weighted by the way to them.
+    fn from_neighbours(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
+        let weighted = self.neighbours(i).map(|j| (weight(j, i), self.at(j)));
+        mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
+    }
+
+    /// Fills pixels of `part` from their neighbours. Each wave sees only the waves before it, so the
+    /// order within a wave changes nothing.
+    fn spread(
+        &mut self,
+        part: impl Fn(usize) -> bool + Sync,
+        weight: impl Fn(usize, usize) -> f32 + Sync,
+    ) {
+        let all = self.directions.x.samples().len();
+        let mut waiting: Vec<bool> = (0..all)
+            .into_par_iter()
+            .map(|i| self.lacks(i) && part(i))
+            .collect();
+        let mut wave: Vec<usize> = (0..all).into_par_iter().filter(|&i| waiting[i]).collect();
+        while !wave.is_empty() {
+            let found: Vec<(usize, Vec2)> = wave
+                .par_iter()
+                .with_min_len(PIXELS_PER_TASK)
+                .filter_map(|&i| Some((i, self.from_neighbours(i, &weight)?)))
+                .collect();
+            for &(i, direction) in &found {
+                self.set(i, direction);
+                waiting[i] = false;
+            }
+            wave = self.beyond(&found, &waiting);
+        }
+    }
+
+    /// The waiting pixels beside those just filled, each once.
+    fn beyond(&self, filled: &[(usize, Vec2)], waiting: &[bool]) -> Vec<usize> {
+        let mut next: Vec<usize> = filled
+            .iter()
+            .flat_map(|&(i, _)| self.neighbours(i))
+            .filter(|&i| waiting[i])
+            .collect();
+        next.sort_unstable();
+        next.dedup();
+        next
+    }
+
+    fn fix(&mut self, part: impl Fn(usize) -> bool, fixed: impl Fn(usize, usize) -> Vec2) {
+        for i in 0..self.directions.x.samples().len() {
+            if part(i) && self.lacks(i) {
+                self.set(i, fixed(i % self.width, i / self.width));
+            }
+        }
+    }
+}
+
+/// Pixels that one task takes at the least.
+const PIXELS_PER_TASK: usize = 1024;
