@@ -84,13 +84,12 @@ impl SightLines {
         let (_, line) = self.line(x, y);
         // Moving along the sight line changes nothing: what is left of z is 0.
         let across = (tangent + tangent.z * line).truncate();
-        if !(across.length_squared() > MIN_SEEN * MIN_SEEN * line.length_squared()) {
-            return None;
-        }
+        let least = MIN_SEEN * MIN_SEEN * line.length_squared();
+        let is_seen = across.length_squared() > least;
         let (sx, sy) = match self.projection {
             Projection::Perspective { fx, fy, .. } => (fx, fy),
             Projection::Orthographic { sx, sy, .. } => (sx, sy),
         };
-        (across * DVec2::new(1.0, sy / sx)).try_normalize()
+        is_seen.then(|| (across * DVec2::new(1.0, sy / sx)).try_normalize())?
     }
 }

@@ -12,7 +12,7 @@ const SAMPLES: usize = 8192;
 const FEWEST_SAMPLES: usize = 16;
 
 /// Median sine of the angle by which points lie off the tangent planes of their neighbours, from which
-/// on depth is no distance, or too coarse a one: half floats come to 0.1 on an ordinary frame.
+/// on depth is no distance, or has another surface than the normals.
 const WORST_SINE: f64 = 0.05;
 
 /// Distance along the view axis, of positions in world space; 0 where there is none.
@@ -30,11 +30,15 @@ pub(super) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> P
 
 /// Which kind of distance puts the points of `frame` on each other's tangent planes; with the finding.
 ///
-/// Without depth or a camera there is nothing to judge, and depth is taken as it usually comes.
-pub(super) fn judge_depth(frame: &Frame) -> (DepthKind, Option<Finding>) {
+/// Without depth or a camera there is nothing to judge, and depth is taken as it usually comes. Half floats
+/// are too coarse for places: a step of theirs is some tenths of a pixel's size on an ordinary frame.
+pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (DepthKind, Option<Finding>) {
     let (Some(depth), Some(camera)) = (&frame.depth, &frame.camera) else {
         return (DepthKind::default(), None);
     };
+    if is_half {
+        return concluded(DepthKind::Relative, "stored as half floats".into());
+    }
     let sight = SightLines::new(camera.projection);
     let pixels = sample_pixels(frame);
     let sine = |kind| median(sines(frame, depth, &sight, kind, &pixels));
@@ -43,7 +47,7 @@ pub(super) fn judge_depth(frame: &Frame) -> (DepthKind, Option<Finding>) {
         .into_iter()
         .filter_map(|(kind, sine)| Some((kind, sine?)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
-    let (kind, evidence) = match best {
+    match best {
         Some((kind, sine)) => {
             let off = sine.asin().to_degrees();
             let evidence = format!("its points lie {off:.2} degrees off the normals' planes");
@@ -52,10 +56,13 @@ pub(super) fn judge_depth(frame: &Frame) -> (DepthKind, Option<Finding>) {
             } else {
                 DepthKind::Relative
             };
-            (kind, evidence)
+            concluded(kind, evidence)
         }
-        None => (DepthKind::Relative, "too few pixels to tell".into()),
-    };
+        None => concluded(DepthKind::Relative, "too few pixels to tell".into()),
+    }
+}
+
+fn concluded(kind: DepthKind, evidence: String) -> (DepthKind, Option<Finding>) {
     let finding = Finding {
         subject: "depth kind".into(),
         conclusion: kind.to_string(),

@@ -110,6 +110,11 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let projection = needs.projection || from_positions.is_some();
     let View { camera, findings } = turn_to_view(inputs, &surface, projection, &mut normal)?;
     notes.findings.extend(findings);
+    let depth_role = match &depth {
+        Some(_) => Role::Depth,
+        None => Role::Position,
+    };
+    let depth_is_half = sources.get(depth_role).is_some_and(RoleSource::is_half);
     let mut mask = mask;
     if let (Some(position), Some(camera)) = (from_positions, &camera) {
         let mut made = depth_of_positions(position, camera);
@@ -137,7 +142,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
             ..origin(&main)
         },
     };
-    let (depth_kind, finding) = judge_depth(&frame);
+    let (depth_kind, finding) = judge_depth(&frame, depth_is_half);
     frame.source.depth_kind = depth_kind;
     notes.findings.extend(finding);
     Ok(Loaded {

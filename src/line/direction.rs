@@ -14,15 +14,13 @@ pub fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Opti
         weights += weight;
     }
     let length = doubled.length();
-    if !(length > CANCELLED * weights) {
-        return None;
-    }
     let axis = if doubled.x >= 0.0 {
         Vec2::new(doubled.x + length, doubled.y)
     } else {
         Vec2::new(doubled.y, length - doubled.x)
     };
-    axis.try_normalize()
+    let is_clear = length > CANCELLED * weights;
+    is_clear.then(|| axis.try_normalize())?
 }
 
 /// What is left of a sum, as a share of its weights, below which nothing but rounding is.

@@ -44,9 +44,9 @@ pub struct Noise {
 /// What kind of point the surface has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// The normal does not turn: no direction.
+    /// The normal does not turn, as far as can be told: no direction.
     Planar,
-    /// It turns alike every way, as far as can be told: no direction.
+    /// It turns alike every way, likewise: no direction.
     Umbilic,
     /// It turns one way only, as on a cylinder.
     Parabolic,
@@ -87,9 +87,9 @@ pub const UMBILIC: f64 = 1e-2;
 /// The lesser curvature over the greater below which it is 0.
 pub const PARABOLIC: f64 = 1e-3;
 
-/// Standard deviations by which the curvatures must differ. The rounding of a ball's normals to 8 bits
-/// is taken for a direction below 3; above, coarse normals leave few directions to go by.
-const CERTAINTY: f64 = 3.0;
+/// Standard deviations by which the curvatures must differ. Below 4 the rounding of a ball's normals to 8
+/// bits is taken for a direction here and there; higher values leave fewer directions to go by.
+const CERTAINTY: f64 = 5.0;
 
 /// Cosine of the angle between two normals below which their rays are not compared: slopes run away.
 const MIN_COSINE: f64 = 0.1;
@@ -113,7 +113,8 @@ pub fn principal_curvatures(
     let (u, v) = (x.foot, y.foot);
     let area = u.perp_dot(v);
     let spread = u.length_squared() + v.length_squared();
-    if !(area.abs() > MIN_SINE * spread) {
+    let is_square_on = area.abs() > MIN_SINE * spread;
+    if !is_square_on {
         return None;
     }
     // M U = S: the columns of U are feet, those of S slopes. The height over the tangent plane falls
@@ -136,7 +137,7 @@ pub fn principal_curvatures(
     let sample_error = noise.normal + curvatures[0].abs() * noise.offset;
     let error = CERTAINTY * (2.0 * spread).sqrt() / area.abs() * sample_error;
     let [larger, lesser] = curvatures;
-    let form = if turn < PLANAR_TURN {
+    let form = if turn < PLANAR_TURN || larger.abs() <= error {
         Form::Planar
     } else if half_spread <= (UMBILIC * mean.abs()).max(error) {
         Form::Umbilic
@@ -181,12 +182,10 @@ impl Local {
         let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
         let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));
         let lean = along(ray.normal);
-        if !(up > MIN_COSINE * (lean.length_squared() + up * up).sqrt()) {
-            return None;
-        }
+        let leans_little = up > MIN_COSINE * (lean.length_squared() + up * up).sqrt();
         let slope = lean / up;
         let foot = along(ray.offset) - rise * slope;
-        (foot.is_finite() && slope.is_finite()).then_some((foot, slope))
+        (leans_little && foot.is_finite() && slope.is_finite()).then_some((foot, slope))
     }
 
     /// The ray after less the ray before; the point's own ray, all zero, stands in for one of them.

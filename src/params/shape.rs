@@ -185,14 +185,16 @@ impl ShapeParams {
         }
     }
 
-    /// [`ShapeParams::direction_step`] in pixels for normals rounded by up to `normal_rounding`.
+    /// The least and the greatest [`ShapeParams::direction_step`], in pixels, for normals rounded by up to
+    /// `normal_rounding`. A pixel takes the least, and up to the greatest where that tells no direction.
     ///
     /// Noise turns directions by rounding / step, and the surface's own change by step^2.
-    pub fn direction_step_px(&self, normal_rounding: f32) -> usize {
+    pub fn direction_steps_px(&self, normal_rounding: f32) -> [usize; 2] {
         match self.direction_step {
-            Adaptive::Fixed(step) => step as usize,
-            Adaptive::Auto if normal_rounding > COARSE_ROUNDING => COARSE_STEP_PX,
-            Adaptive::Auto => 1,
+            Adaptive::Fixed(step) => [step as usize; 2],
+            Adaptive::Auto if normal_rounding > COARSE_ROUNDING => [COARSE_STEP_PX, WIDEST_STEP_PX],
+            Adaptive::Auto if normal_rounding > 0.0 => [1, WIDEST_STEP_PX],
+            Adaptive::Auto => [1; 2],
         }
     }
 
@@ -213,5 +215,8 @@ const MAX_SIGMA_PX: f32 = 4096.0;
 /// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
 const COARSE_ROUNDING: f32 = 1e-3;
 
-/// The step over coarse normals.
+/// The first step over coarse normals, and the last over any that are not exact. On 8-bit ellipsoids of
+/// 32, 64, 128 and 256 px the 95th percentile of the directions' error is 7, 5, 8, 27 degrees at 4 px alone,
+/// 13, 17, 7, 5 at 16 px alone, and 7, 7, 6, 6 with 16 px where 4 px tell nothing.
 const COARSE_STEP_PX: usize = 4;
+const WIDEST_STEP_PX: usize = 16;

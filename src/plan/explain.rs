@@ -53,7 +53,7 @@ pub(super) fn decide(
     available: Available,
     shape: &ShapeParams,
     sweeps: &Sweeps,
-    rays: (Points, usize),
+    rays: (Points, [usize; 2]),
     scaling: &ScalingParams,
 ) -> Vec<Decision> {
     let idle = goal == Goal::Enhance && scaling.scaling == 0.0;
@@ -124,12 +124,16 @@ pub(super) fn decide(
     decisions
 }
 
-fn normal_rays((points, step_px): (Points, usize)) -> String {
+fn normal_rays((points, [least, most]): (Points, [usize; 2])) -> String {
     let points = match points {
         Points::Depth => "points from depth and camera",
         Points::Normals => "no depth with a camera to trust: points from normals alone",
     };
-    format!("{points}, {step_px} px away")
+    let step = match least == most {
+        true => format!("{least}"),
+        false => format!("{least} to {most}"),
+    };
+    format!("{points}, {step} px away")
 }
 
 /// One source of silhouettes: depth before occlusion before the mere border.

@@ -115,8 +115,8 @@ pub struct Plan {
     pub sweeps: Sweeps,
     /// How the points of neighbouring pixels are found for [`Stage::NormalRays`].
     pub points: Points,
-    /// How many pixels away they are.
-    pub direction_step_px: usize,
+    /// How many pixels away they are, at the least and at the most.
+    pub direction_steps_px: [usize; 2],
     stages: Vec<Stage>,
     decisions: Vec<Decision>,
 }
@@ -139,8 +139,8 @@ impl Plan {
             true => Points::Depth,
             false => Points::Normals,
         };
-        let direction_step_px = shape.direction_step_px(available.normal_rounding);
-        let rays = (points, direction_step_px);
+        let direction_steps_px = shape.direction_steps_px(available.normal_rounding);
+        let rays = (points, direction_steps_px);
         let decisions = explain::decide(goal, available, &shape, &sweeps, rays, &scaling);
         let stages = decisions
             .iter()
@@ -153,7 +153,7 @@ impl Plan {
             scaling,
             sweeps,
             points,
-            direction_step_px,
+            direction_steps_px,
             stages,
             decisions,
         })
@@ -180,7 +180,7 @@ impl Plan {
         };
         let curvature = sweeps * diffusion::REACH + hessian::REACH;
         let rays = if self.has(Stage::NormalRays) {
-            self.direction_step_px
+            self.direction_steps_px[1]
         } else {
             0
         };

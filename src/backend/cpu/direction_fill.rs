@@ -9,26 +9,55 @@ use rayon::prelude::*;
 /// Gives every covered pixel whose direction is 0 one: the mean of its neighbours', as far as they
 /// have one, wave after wave, so that the time is linear in the pixels filled.
 ///
-/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. Where no pixel
-/// of a connected surface has a direction, all take `fixed`. Then the pixels on edges, conductance 0,
-/// from whatever neighbours they have.
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane the
+/// mean turns to the fixed direction within [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of what
+/// its rims do, and a flat spot follows its surroundings. Where no pixel of a connected surface has a
+/// direction, all take the fixed one. Then the pixels on edges, conductance 0, from whatever neighbours
+/// they have.
 pub(super) fn fill(
     directions: &mut Vector2Planes,
-    conductance: &Plane,
-    mask: &Mask,
+    parts: &Parts,
     fixed: impl Fn(usize, usize) -> Vec2 + Sync,
 ) {
+    let Parts {
+        conductance,
+        mask,
+        flat,
+    } = *parts;
     let width = mask.width();
+    let fixed = |i: usize| fixed(i % width, i / width);
+    let on_plane = |i: usize, mean: Vec2, wave: usize| {
+        if flat.samples()[i] == 0.0 {
+            return mean;
+        }
+        let share = (wave as f32 / PLANE_MARGIN_PX as f32).min(1.0);
+        let fixed = fixed(i);
+        mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
+    };
     let open = |i: usize| conductance.samples()[i] > 0.0;
     let mut field = Field { directions, width };
-    field.spread(open, |from, to| {
-        let c = conductance.samples();
-        face_conductance(c[from], c[to])
-    });
+    field.spread(
+        open,
+        |from, to| {
+            let c = conductance.samples();
+            face_conductance(c[from], c[to])
+        },
+        on_plane,
+    );
     field.fix(open, &fixed);
     let closed = |i: usize| mask.plane().samples()[i] && !open(i);
-    field.spread(closed, |_, _| 1.0);
+    field.spread(closed, |_, _| 1.0, |_, mean, _| mean);
     field.fix(closed, &fixed);
+}
+
+/// Pixels over which a plane's direction turns from its neighbours' to the fixed one.
+const PLANE_MARGIN_PX: usize = 16;
+
+/// What pixels are: covered or not, open or on an edge, and on a plane where `flat` is not 0.
+pub(super) struct Parts<'a> {
+    pub(super) conductance: &'a Plane,
+    pub(super) mask: &'a Mask,
+    pub(super) flat: &'a Plane,
 }
 
 struct Field<'a> {
@@ -65,17 +94,19 @@ impl Field<'_> {
     }
 
     /// The mean direction of the neighbours that have one, weighted by the way to them.
-    fn from_neighbours(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
+    fn mean_around(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
         let weighted = self.neighbours(i).map(|j| (weight(j, i), self.at(j)));
         mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
     }
 
-    /// Fills pixels of `part` from their neighbours. Each wave sees only the waves before it, so the
+    /// Fills pixels of `part` from their neighbours, as `settle` makes of the mean and the number of the
+    /// wave. Each wave sees only the waves before it, so the
     /// order within a wave changes nothing.
     fn spread(
         &mut self,
         part: impl Fn(usize) -> bool + Sync,
         weight: impl Fn(usize, usize) -> f32 + Sync,
+        settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
     ) {
         let all = self.directions.x.samples().len();
         let mut waiting: Vec<bool> = (0..all)
@@ -83,11 +114,14 @@ impl Field<'_> {
             .map(|i| self.lacks(i) && part(i))
             .collect();
         let mut wave: Vec<usize> = (0..all).into_par_iter().filter(|&i| waiting[i]).collect();
-        while !wave.is_empty() {
+        for number in 1.. {
+            if wave.is_empty() {
+                break;
+            }
             let found: Vec<(usize, Vec2)> = wave
                 .par_iter()
                 .with_min_len(PIXELS_PER_TASK)
-                .filter_map(|&i| Some((i, self.from_neighbours(i, &weight)?)))
+                .filter_map(|&i| Some((i, settle(i, self.mean_around(i, &weight)?, number))))
                 .collect();
             for &(i, direction) in &found {
                 self.set(i, direction);
@@ -109,10 +143,10 @@ impl Field<'_> {
         next
     }
 
-    fn fix(&mut self, part: impl Fn(usize) -> bool, fixed: impl Fn(usize, usize) -> Vec2) {
+    fn fix(&mut self, part: impl Fn(usize) -> bool, fixed: impl Fn(usize) -> Vec2) {
         for i in 0..self.directions.x.samples().len() {
             if part(i) && self.lacks(i) {
-                self.set(i, fixed(i % self.width, i / self.width));
+                self.set(i, fixed(i));
             }
         }
     }

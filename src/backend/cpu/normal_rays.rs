@@ -1,25 +1,44 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
-use super::direction_fill::fill;
+use super::direction_fill::{Parts, fill};
 use super::passes::map_covered;
 use crate::frame::SightLines;
 use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::line::normal_rays::{Noise, NormalRay, Sides, principal_curvatures};
+use crate::line::normal_rays::{
+    Form, Noise, NormalRay, PrincipalCurvatures, Sides, principal_curvatures,
+};
 use crate::plan::{Plan, Points};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Unit directions in the picture where covered, 0 elsewhere.
 pub(super) fn directions(plan: &Plan, frame: &Frame, conductance: &Plane) -> Vector2Planes {
     let surface = Surface::new(plan, frame, conductance);
-    let [x, y] = map_covered(&frame.mask, |y| {
+    let [x, y, flat] = map_covered(&frame.mask, |y| {
         let surface = &surface;
-        move |x| surface.direction(x, y).unwrap_or(Vec2::ZERO).to_array()
+        move |x| match surface.direction(x, y) {
+            Found::Direction(t) => [t.x, t.y, 0.0],
+            Found::Plane => [0.0, 0.0, 1.0],
+            Found::Nothing => [0.0; 3],
+        }
     });
     let mut found = Vector2Planes { x, y };
-    fill(&mut found, conductance, &frame.mask, |x, y| {
-        surface.fixed_direction(x, y)
-    });
+    let parts = Parts {
+        conductance,
+        mask: &frame.mask,
+        flat: &flat,
+    };
+    fill(&mut found, &parts, |x, y| surface.fixed_direction(x, y));
     found
+}
+
+/// What a pixel tells of its direction.
+enum Found {
+    /// Unit, in the picture.
+    Direction(Vec2),
+    /// The surface is a plane here.
+    Plane,
+    /// Nothing: an edge, an umbilic, or a direction that points at the eye.
+    Nothing,
 }
 
 /// The surface that a frame shows, to be walked over.
@@ -30,8 +49,11 @@ struct Surface<'a> {
     /// Depth, where points are taken from it.
     depth: Option<&'a Plane>,
     normal_noise: f64,
-    step_px: usize,
+    steps_px: [usize; 2],
 }
+
+/// How much wider the next step is where one told nothing.
+const STEP_GROWTH: usize = 4;
 
 /// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
 const DEVIATION: f64 = 0.577_350_269;
@@ -56,15 +78,28 @@ impl<'a> Surface<'a> {
             sight,
             depth,
             normal_noise: DEVIATION * rounding.max(F32_ROUNDING),
-            step_px: plan.direction_step_px,
+            steps_px: plan.direction_steps_px,
         }
     }
 
-    fn direction(&self, x: usize, y: usize) -> Option<Vec2> {
+    fn direction(&self, x: usize, y: usize) -> Found {
         if self.conductance.at(x, y) == 0.0 {
-            return None;
+            return Found::Nothing;
         }
-        let sides = [self.along_x(x, y), self.along_y(x, y)];
+        let Some(curvatures) = self.curvatures(x, y) else {
+            return Found::Nothing;
+        };
+        let at = self.position(x, y);
+        let seen = |tangent| self.sight.picture_direction(at.x, at.y, tangent);
+        match (curvatures.form, curvatures.direction().and_then(seen)) {
+            (Form::Planar, _) => Found::Plane,
+            (_, Some(direction)) => Found::Direction(direction.as_vec2()),
+            (_, None) => Found::Nothing,
+        }
+    }
+
+    /// The curvatures at the shortest step that tells a direction, else at the longest.
+    fn curvatures(&self, x: usize, y: usize) -> Option<PrincipalCurvatures> {
         // A point is off by its depth's rounding.
         let offset = self.depth.map_or(0.0, |depth| {
             DEVIATION * F32_ROUNDING * f64::from(depth.at(x, y))
@@ -73,12 +108,16 @@ impl<'a> Surface<'a> {
             normal: self.normal_noise,
             offset,
         };
-        let curvatures = principal_curvatures(self.normal(x, y), sides, noise)?;
-        let at = self.position(x, y);
-        let seen = self
-            .sight
-            .picture_direction(at.x, at.y, curvatures.direction()?)?;
-        Some(seen.as_vec2())
+        let normal = self.normal(x, y);
+        let [mut step, most] = self.steps_px;
+        loop {
+            let sides = [self.along_x(x, y, step), self.along_y(x, y, step)];
+            let found = principal_curvatures(normal, sides, noise)?;
+            if found.direction().is_some() || step >= most {
+                return Some(found);
+            }
+            step = (STEP_GROWTH * step).min(most);
+        }
     }
 
     fn fixed_direction(&self, x: usize, y: usize) -> Vec2 {
@@ -86,14 +125,11 @@ impl<'a> Surface<'a> {
         crate::line::direction::fixed_direction(self.normal(x, y), &self.sight, at.x, at.y)
     }
 
-    /// The rays left and right of a pixel.
-    fn along_x(&self, x: usize, y: usize) -> Sides {
+    /// The rays left and right of a pixel, at most `step_px` away.
+    fn along_x(&self, x: usize, y: usize, step_px: usize) -> Sides {
         let row = self.conductance.row(y);
         let open = |columns: &mut dyn Iterator<Item = usize>| {
-            columns
-                .take(self.step_px)
-                .take_while(|&x| row[x] > 0.0)
-                .count()
+            columns.take(step_px).take_while(|&x| row[x] > 0.0).count()
         };
         let left = open(&mut (0..x).rev());
         let right = open(&mut (x + 1..row.len()));
@@ -102,10 +138,10 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// The rays below and above a pixel: y points up.
-    fn along_y(&self, x: usize, y: usize) -> Sides {
+    /// The rays below and above a pixel (y points up), at most `step_px` away.
+    fn along_y(&self, x: usize, y: usize, step_px: usize) -> Sides {
         let open = |rows: &mut dyn Iterator<Item = usize>| {
-            rows.take(self.step_px)
+            rows.take(step_px)
                 .take_while(|&y| self.conductance.at(x, y) > 0.0)
                 .count()
         };
