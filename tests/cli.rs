@@ -658,7 +658,7 @@ fn a_full_disk_behind_stdout_is_told_and_one_behind_stderr_is_survived() {
 fn misuse_is_one_line_and_exit_code_2() {
     let desk = Desk::new();
     let gears = fixture("gears.exr");
-    let cases: [(&str, &[&str], &str); 16] = [
+    let cases: [(&str, &[&str], &str); 18] = [
         ("a.bmp", &[], ".png"),
         ("a", &[], ".png"),
         ("a.png", &["--scaling", "lots"], "--scaling"),
@@ -667,6 +667,8 @@ fn misuse_is_one_line_and_exit_code_2() {
         ("a.png", &["--scaling", "inf"], "--scaling"),
         ("a.png", &["--invariant-point", "1.5"], "--invariant-point"),
         ("a.png", &["--foreshortening", "5"], "--foreshortening"),
+        ("a.png", &["--direction-step", "1.5"], "--direction-step"),
+        ("a.png", &["--direction-step", "65"], "--direction-step"),
         ("a.png", &["--iterations", "2.5"], "--iterations"),
         ("a.png", &["--silhouette", "0.4,0.3"], "--silhouette"),
         ("a.png", &["--crease", "60"], "--crease"),

@@ -44,7 +44,16 @@ fn expected(exact: &Exact, projection: Projection) -> Option<DVec2> {
     Some(DVec2::new(seen.x, -seen.y).normalize())
 }
 
-/// Sorted angles in degrees between found and expected directions, over open pixels whose normal faces
+/// Whether a pixel and a neighbour along either axis are open: at a corner of edges the direction is its
+/// neighbours'.
+fn has_rays(conductance: &Plane, x: usize, y: usize) -> bool {
+    let (width, height) = (conductance.width(), conductance.height());
+    let open = |x: usize, y: usize| x < width && y < height && conductance.at(x, y) > 0.0;
+    let (left, above) = (x.wrapping_sub(1), y.wrapping_sub(1));
+    open(x, y) && (open(left, y) || open(x + 1, y)) && (open(x, above) || open(x, y + 1))
+}
+
+/// Sorted angles in degrees between found and expected directions, over pixels with rays whose normal faces
 /// the viewer with more than 0.35, as measured against the sight line.
 fn errors_deg(scene: &Scene, frame: &Frame, step: Adaptive) -> Vec<f64> {
     let (found, conductance) = directions(frame, step);
@@ -55,7 +64,7 @@ fn errors_deg(scene: &Scene, frame: &Frame, step: Adaptive) -> Vec<f64> {
             assert!(t.is_finite(), "({x}, {y}): {t}");
             let unit = (t.length() - 1.0).abs() < 1e-6;
             assert!(unit == frame.mask.at(x, y), "({x}, {y}): {t}");
-            let Some(exact) = scene.exact(x, y).filter(|_| conductance.at(x, y) > 0.0) else {
+            let Some(exact) = scene.exact(x, y).filter(|_| has_rays(&conductance, x, y)) else {
                 continue;
             };
             let line = scene.projection.to_eye(x as f64 + 0.5, y as f64 + 0.5);

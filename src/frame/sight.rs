@@ -93,3 +93,75 @@ impl SightLines {
         is_seen.then(|| (across * DVec2::new(1.0, sy / sx)).try_normalize())?
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LENS: Projection = Projection::Perspective {
+        fx: 800.0,
+        fy: 600.0,
+        cx: 320.0,
+        cy: 240.0,
+    };
+
+    #[test]
+    fn points_lie_on_their_pixels() {
+        let parallel = Projection::Orthographic {
+            sx: 20.0,
+            sy: 30.0,
+            cx: 320.0,
+            cy: 240.0,
+        };
+        for projection in [LENS, parallel] {
+            let sight = SightLines::new(projection);
+            let planar = sight.point(17.5, 400.5, 7.0, DepthKind::Planar);
+            assert!((planar.z + 7.0).abs() < 1e-12);
+            let seen = projection.pixel_of(planar).unwrap();
+            assert!(seen.distance(DVec2::new(17.5, 400.5)) < 1e-9);
+        }
+        let along = SightLines::new(LENS).point(17.5, 400.5, 7.0, DepthKind::Ray);
+        assert!((along.length() - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_step_over_a_ball_is_exact() {
+        for projection in [
+            LENS,
+            Projection::Orthographic {
+                sx: 90.0,
+                sy: 60.0,
+                cx: 320.0,
+                cy: 240.0,
+            },
+        ] {
+            let sight = SightLines::new(projection);
+            let center = DVec3::new(0.2, -0.1, -9.0);
+            let points = [DVec3::new(0.3, 0.5, 1.0), DVec3::new(-0.4, 0.1, 0.9)];
+            let [here, there] = points.map(|n| n.normalize());
+            let [p, q] = [here, there].map(|n| center + 2.0 * n);
+            let [from, to] = [p, q].map(|p| projection.pixel_of(p).unwrap());
+            let unit = match projection {
+                Projection::Perspective { .. } => -p.z,
+                Projection::Orthographic { .. } => 1.0,
+            };
+            let step = sight.step(from, here, to, there).unwrap();
+            assert!((step * unit).distance(q - p) < 1e-12, "{step}");
+            assert_eq!(sight.step(from, -here, to, -there), None);
+        }
+    }
+
+    #[test]
+    fn a_tangent_is_seen_as_the_projection_moves_it() {
+        let sight = SightLines::new(LENS);
+        let (point, tangent) = (DVec3::new(0.7, -0.4, -3.0), DVec3::new(0.5, 0.2, -0.8));
+        let at = LENS.pixel_of(point).unwrap();
+        let moved = LENS.pixel_of(point + 1e-6 * tangent).unwrap() - at;
+        let expected = DVec2::new(moved.x, -moved.y).normalize();
+        let seen = sight
+            .picture_direction(at.x, at.y, tangent.normalize())
+            .unwrap();
+        assert!(seen.distance(expected) < 1e-6);
+        assert_eq!(sight.picture_direction(at.x, at.y, point.normalize()), None);
+    }
+}

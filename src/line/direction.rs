@@ -37,3 +37,32 @@ pub fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec
         .find_map(|tangent| sight.picture_direction(x, y, tangent))
         .map_or(Vec2::X, |direction| direction.as_vec2())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+
+    #[test]
+    fn opposites_are_the_same_and_squares_cancel() {
+        let t = Vec2::from_angle(0.3);
+        let mean = mean_direction([(1.0, t), (1.0, -t)]).unwrap();
+        assert!(mean.perp_dot(t).abs() < 1e-6);
+        assert_eq!(mean_direction([(1.0, t), (1.0, t.perp())]), None);
+        assert_eq!(mean_direction([]), None);
+        // 170 and 10 degrees: 0, not 90.
+        let [a, b] = [170.0_f32, 10.0].map(|angle| Vec2::from_angle(angle.to_radians()));
+        assert!(mean_direction([(1.0, a), (1.0, b)]).unwrap().y.abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_fixed_direction_is_upright_unless_that_points_at_the_eye() {
+        let sight = SightLines::parallel(1.0);
+        let fixed = |n: DVec3| fixed_direction(n.normalize(), &sight, 0.5, 0.5).as_dvec2();
+        assert!(fixed(DVec3::new(0.3, -0.5, 0.7)).perp_dot(DVec2::Y).abs() < 1e-6);
+        // Seen from the side: x crossed with y is z, so y crossed with it serves, or z.
+        for normal in [DVec3::X, DVec3::Y, DVec3::new(0.6, 0.8, 0.0)] {
+            assert!((fixed(normal).length() - 1.0).abs() < 1e-6, "{normal}");
+        }
+    }
+}

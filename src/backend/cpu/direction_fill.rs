@@ -26,28 +26,29 @@ pub(super) fn fill(
     } = *parts;
     let width = mask.width();
     let fixed = |i: usize| fixed(i % width, i / width);
-    let on_plane = |i: usize, mean: Vec2, wave: usize| {
-        if flat.samples()[i] == 0.0 {
+    let is_flat = |i: usize| flat.samples()[i] != 0.0;
+    let turned = |i: usize, mean: Vec2, wave: usize| {
+        if !is_flat(i) {
             return mean;
         }
-        let share = (wave as f32 / PLANE_MARGIN_PX as f32).min(1.0);
+        let share = wave as f32 / PLANE_MARGIN_PX as f32;
         let fixed = fixed(i);
         mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
     };
     let open = |i: usize| conductance.samples()[i] > 0.0;
     let mut field = Field { directions, width };
-    field.spread(
-        open,
-        |from, to| {
-            let c = conductance.samples();
-            face_conductance(c[from], c[to])
-        },
-        on_plane,
-    );
-    field.fix(open, &fixed);
+    let through_faces = |from: usize, to: usize| {
+        let c = conductance.samples();
+        face_conductance(c[from], c[to])
+    };
+    let unturned = |_, mean, _| mean;
+    field.spread(PLANE_MARGIN_PX, open, through_faces, turned);
+    field.fix(|i| open(i) && is_flat(i), fixed);
+    field.spread(usize::MAX, open, through_faces, unturned);
+    field.fix(open, fixed);
     let closed = |i: usize| mask.plane().samples()[i] && !open(i);
-    field.spread(closed, |_, _| 1.0, |_, mean, _| mean);
-    field.fix(closed, &fixed);
+    field.spread(usize::MAX, closed, |_, _| 1.0, unturned);
+    field.fix(closed, fixed);
 }
 
 /// Pixels over which a plane's direction turns from its neighbours' to the fixed one.
@@ -99,11 +100,12 @@ impl Field<'_> {
         mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
     }
 
-    /// Fills pixels of `part` from their neighbours, as `settle` makes of the mean and the number of the
+    /// Fills pixels of `part` from their neighbours in at most so many `waves`, as `settle` makes of the mean and the number of the
     /// wave. Each wave sees only the waves before it, so the
     /// order within a wave changes nothing.
     fn spread(
         &mut self,
+        waves: usize,
         part: impl Fn(usize) -> bool + Sync,
         weight: impl Fn(usize, usize) -> f32 + Sync,
         settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
@@ -114,7 +116,7 @@ impl Field<'_> {
             .map(|i| self.lacks(i) && part(i))
             .collect();
         let mut wave: Vec<usize> = (0..all).into_par_iter().filter(|&i| waiting[i]).collect();
-        for number in 1.. {
+        for number in 1..=waves {
             if wave.is_empty() {
                 break;
             }
