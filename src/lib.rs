@@ -33,8 +33,8 @@
 //! kappa in -1..1 is **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is
 //! the only place where the sign turns. Directions are modulo pi.
 //!
-//! Data flow one way, `io -> frame -> shape -> light -> io`; `plan` decides, `backend` runs. The
-//! kernels in [`shape`] and [`light`] are plain functions of samples and rows, to be called from any
+//! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `backend` runs. The
+//! kernels in [`shape`], [`light`] and [`line`] are plain functions of samples and rows, to be called from any
 //! renderer.
 //!
 //! # References
@@ -45,6 +45,9 @@
 //! - **\[RS\]** R. Vergne, R. Pacanowski, P. Barla, X. Granier, C. Schlick: *Improving Shape Depiction
 //!   under Arbitrary Rendering*. IEEE Transactions on Visualization and Computer Graphics 17(8), 2011.
 //!   <https://doi.org/10.1109/TVCG.2010.252>
+//! - **\[LA\]** Y. Kim, J. Yu, X. Yu, S. Lee: *Line-Art Illustration of Dynamic and Specular Surfaces*.
+//!   ACM Transactions on Graphics 27(5), SIGGRAPH Asia 2008.
+//!   <https://doi.org/10.1145/1409060.1409109>
 
 pub mod backend;
 pub mod cli;
@@ -53,6 +56,7 @@ pub mod fast_math;
 pub mod frame;
 pub mod io;
 pub mod light;
+pub mod line;
 pub mod params;
 pub mod plan;
 pub mod shape;

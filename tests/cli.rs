@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The layers that `shape` writes.
-const CONTRACT: [&str; 17] = [
+const CONTRACT: [&str; 19] = [
     "normal.x",
     "normal.y",
     "normal.z",
@@ -34,6 +34,8 @@ const CONTRACT: [&str; 17] = [
     "curvature.kappa",
     "direction.x",
     "direction.y",
+    "direction_view.x",
+    "direction_view.y",
 ];
 
 fn fixture(name: &str) -> PathBuf {
@@ -325,7 +327,7 @@ fn the_layers_keep_to_their_ranges() {
     }
     let kappa = layer("curvature.kappa");
     assert!(kappa.samples().iter().all(|v| (-1.0..=1.0).contains(v)));
-    for (name, dimension) in [("normal", 3), ("direction", 2)] {
+    for (name, dimension) in [("normal", 3), ("direction", 2), ("direction_view", 2)] {
         let components: Vec<Plane> = ["x", "y", "z"][..dimension]
             .iter()
             .map(|c| layer(&format!("{name}.{c}")))
@@ -337,7 +339,10 @@ fn the_layers_keep_to_their_ranges() {
             units += usize::from(is_unit);
             assert!(is_unit || square == 0.0, "{name} at {i}: {square}");
             assert!(covered || square == 0.0, "{name} outside the mask at {i}");
-            assert!(dimension == 2 || is_unit == covered, "{name} at {i}");
+            assert!(
+                name == "direction_view" || is_unit == covered,
+                "{name} at {i}"
+            );
         }
         assert!(2 * units > count, "{name}: {units} of {count}");
     }
@@ -535,10 +540,12 @@ fn explain_tells_why_each_stage_runs_or_not() {
     assert_eq!(verdict(&usual, "diffusion"), "run");
     assert_eq!(verdict(&usual, "depth-silhouettes"), "run");
     assert_eq!(verdict(&usual, "directions"), "skip");
+    assert_eq!(verdict(&usual, "normal-rays"), "skip");
     let fine = explained("enhance", &gears, "b.png", &["--iterations", "0"]);
     assert_eq!(verdict(&fine, "diffusion"), "skip");
     let layers = explained("shape", &gears, "c.exr", &[]);
     assert_eq!(verdict(&layers, "directions"), "run");
+    assert_eq!(verdict(&layers, "normal-rays"), "run");
     assert_eq!(verdict(&layers, "radiance-scaling"), "skip");
     let referred = explained("shape", &gears, "f.png", &["--reference-height", "120"]);
     // 240 lines: ten steps of 0.2 have a sigma of 2, and 4 where two pixels count as one.
@@ -656,7 +663,7 @@ fn a_full_disk_behind_stdout_is_told_and_one_behind_stderr_is_survived() {
 fn misuse_is_one_line_and_exit_code_2() {
     let desk = Desk::new();
     let gears = fixture("gears.exr");
-    let cases: [(&str, &[&str], &str); 16] = [
+    let cases: [(&str, &[&str], &str); 18] = [
         ("a.bmp", &[], ".png"),
         ("a", &[], ".png"),
         ("a.png", &["--scaling", "lots"], "--scaling"),
@@ -665,6 +672,8 @@ fn misuse_is_one_line_and_exit_code_2() {
         ("a.png", &["--scaling", "inf"], "--scaling"),
         ("a.png", &["--invariant-point", "1.5"], "--invariant-point"),
         ("a.png", &["--foreshortening", "5"], "--foreshortening"),
+        ("a.png", &["--direction-step", "1.5"], "--direction-step"),
+        ("a.png", &["--direction-step", "65"], "--direction-step"),
         ("a.png", &["--iterations", "2.5"], "--iterations"),
         ("a.png", &["--silhouette", "0.4,0.3"], "--silhouette"),
         ("a.png", &["--crease", "60"], "--crease"),

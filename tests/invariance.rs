@@ -1,4 +1,4 @@
-//! What must change nothing: mirrors, turns, crops, windows, threads and whatever lies outside the
+//! What must change nothing: mirrors, turns, crops, windows, threads, tiles and whatever lies outside the
 //! mask.
 
 mod common;
@@ -6,10 +6,11 @@ mod common;
 use common::scenes::{Scene, Surface};
 use common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use glam::DVec3;
-use relievo::backend::cpu::{self, Outcome};
+use relievo::backend::cpu::{self, Outcome, Runner};
 use relievo::frame::{Frame, Plane, Window};
-use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use relievo::params::{Adaptive, RunOptions, Scale, ScalingParams, ShapeParams, TileSize};
 use relievo::plan::{Available, Goal, Plan};
+use std::num::NonZeroUsize;
 
 /// Every goal, with diffusion by steps and by expansion.
 const CASES: [(Goal, Scale); 4] = [
@@ -76,12 +77,15 @@ fn scalars(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
 /// All planes, vectors included.
 fn all_planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
     let shape = &outcome.shape;
-    let (gradient, direction) = (shape.gradient.as_ref(), shape.direction.as_ref());
+    let (direction, direction_view) = (shape.direction.as_ref(), shape.direction_view.as_ref());
+    let gradient = shape.gradient.as_ref();
     let vectors = [
         ("gradient.x", gradient.map(|g| &g.x)),
         ("gradient.y", gradient.map(|g| &g.y)),
         ("direction.x", direction.map(|d| &d.x)),
         ("direction.y", direction.map(|d| &d.y)),
+        ("direction_view.x", direction_view.map(|d| &d.x)),
+        ("direction_view.y", direction_view.map(|d| &d.y)),
         ("hessian.xy", shape.hessian.as_ref().map(|h| &h.xy)),
     ];
     let vectors = vectors
@@ -167,6 +171,40 @@ fn any_number_of_threads_gives_the_same_bits() {
         for threads in [2, 3, 8] {
             assert_same_bits(&alone, &with_threads(threads, case, frame));
         }
+    }
+}
+
+fn options(width: usize, height: usize, sweeps: usize) -> RunOptions {
+    let size = |n| NonZeroUsize::new(n).unwrap();
+    RunOptions {
+        tile: TileSize {
+            width: size(width),
+            height: size(height),
+        },
+        sweeps_per_pass: size(sweeps),
+    }
+}
+
+#[test]
+fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let whole = run(case, frame);
+        for (width, height, sweeps) in
+            [(7, 5, 1), (33, 80, 3), (96, 16, 5), (1, 1, 2), (16, 24, 64)]
+        {
+            let runner = Runner::new(options(width, height, sweeps));
+            assert_same_bits(&whole, &runner.run(&plan(case, frame), frame));
+        }
+    }
+}
+
+#[test]
+fn memory_used_again_leaves_no_trace() {
+    let runner = Runner::default();
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let again = runner.run(&plan(case, frame), frame);
+        assert_same_bits(&run(case, frame), &again);
+        runner.take_back(again);
     }
 }
 

@@ -93,7 +93,8 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 fn planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
     let shape = &outcome.shape;
     let (gradient, hessian) = (shape.gradient.as_ref(), shape.hessian.as_ref());
-    let (curvatures, direction) = (shape.curvatures.as_ref(), shape.direction.as_ref());
+    let (direction, direction_view) = (shape.direction.as_ref(), shape.direction_view.as_ref());
+    let curvatures = shape.curvatures.as_ref();
     let color = outcome.color.as_ref();
     let all = [
         ("silhouette", shape.silhouette.as_ref()),
@@ -111,6 +112,8 @@ fn planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
         ("kappa", shape.kappa.as_ref()),
         ("direction x", direction.map(|d| &d.x)),
         ("direction y", direction.map(|d| &d.y)),
+        ("direction_view x", direction_view.map(|d| &d.x)),
+        ("direction_view y", direction_view.map(|d| &d.y)),
         ("red", color.map(|c| &c.r)),
         ("green", color.map(|c| &c.g)),
         ("blue", color.map(|c| &c.b)),
@@ -123,7 +126,7 @@ fn planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
 /// How many planes a goal must have given: an outcome without planes has no NaN either.
 fn least_planes(goal: Goal, scaling: &ScalingParams) -> usize {
     match goal {
-        Goal::Layers => 14,
+        Goal::Layers => 16,
         Goal::Display => 3,
         Goal::Enhance if scaling.scaling == 0.0 => 0,
         Goal::Enhance => 3,

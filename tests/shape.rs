@@ -156,7 +156,7 @@ fn every_scene_has_its_exact_hessian_curvatures_and_directions() {
         let shape = &outcome.shape;
         let (hessian, curvatures) = (shape.hessian.as_ref(), shape.curvatures.as_ref());
         let (hessian, curvatures) = (hessian.unwrap(), curvatures.unwrap());
-        let direction = shape.direction.as_ref().unwrap();
+        let direction = shape.direction_view.as_ref().unwrap();
         let conductance = shape.conductance.as_ref().unwrap();
         let (mut tested, mut turned) = (0, 0);
         for (x, y) in pixels(256).filter(|&(x, y)| in_the_open(conductance, x, y)) {
@@ -484,9 +484,8 @@ fn unstable_steps_are_refused() {
         };
         let available = Available {
             depth: true,
-            occlusion: false,
-            importance: false,
             image_height: 1080,
+            ..Available::default()
         };
         assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
     }
@@ -497,9 +496,8 @@ fn unstable_steps_are_refused() {
         };
         let available = Available {
             depth: true,
-            occlusion: false,
-            importance: false,
             image_height: 1080,
+            ..Available::default()
         };
         assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
     }

@@ -208,6 +208,9 @@ pub(super) struct ShapeFlags {
     /// Curvature gain in pixels, or auto to fit the frame.
     #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain, allow_negative_numbers = true)]
     pub(super) curvature_gain: Adaptive,
+    /// Pixels between the normals compared for directions, or auto: more for coarse normals.
+    #[arg(long, value_name = "PX|auto", default_value_t = SHAPE.direction_step, allow_negative_numbers = true)]
+    direction_step: Adaptive,
 }
 
 /// A height in pixels, or none.
@@ -280,6 +283,7 @@ impl ShapeFlags {
             silhouette: self.silhouette,
             crease: self.crease,
             reference_height: self.reference_height.0,
+            direction_step: self.direction_step,
             ..*SHAPE
         }
     }

@@ -57,7 +57,7 @@ impl<'a> Job<'a> {
         let inputs = self.args.roles.inputs(&self.args.input);
         let needs = Needs {
             color: goal == Goal::Enhance,
-            projection: shape.foreshortening != 0.0,
+            projection: shape.foreshortening != 0.0 || goal == Goal::Layers,
         };
         let loaded = io::load(&inputs, needs)?;
         let read = start.elapsed();

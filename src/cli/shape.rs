@@ -64,8 +64,9 @@ fn descriptor_channels<'a>(
 ) -> Vec<OutputChannel<'a>> {
     let shape = &outcome.shape;
     let (gradient, hessian) = (shape.gradient.as_ref(), shape.hessian.as_ref());
-    let (curvatures, direction) = (shape.curvatures.as_ref(), shape.direction.as_ref());
-    let layers: [(&str, Option<&Plane>); 17] = [
+    let curvatures = shape.curvatures.as_ref();
+    let (direction, direction_view) = (shape.direction.as_ref(), shape.direction_view.as_ref());
+    let layers: [(&str, Option<&Plane>); 19] = [
         ("normal.x", Some(&frame.normal.x)),
         ("normal.y", Some(&frame.normal.y)),
         ("normal.z", Some(&frame.normal.z)),
@@ -83,6 +84,8 @@ fn descriptor_channels<'a>(
         ("curvature.kappa", shape.kappa.as_ref()),
         ("direction.x", direction.map(|d| &d.x)),
         ("direction.y", direction.map(|d| &d.y)),
+        ("direction_view.x", direction_view.map(|d| &d.x)),
+        ("direction_view.y", direction_view.map(|d| &d.y)),
     ];
     layers
         .into_iter()

@@ -2,12 +2,14 @@
 
 mod mask;
 mod plane;
+mod sight;
 mod space;
 mod window;
 
 pub use mask::Mask;
 pub use plane::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes};
-pub use space::{Camera, NormalSpace, Projection};
+pub use sight::SightLines;
+pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use window::Window;
 
 use std::collections::BTreeMap;
@@ -31,7 +33,7 @@ pub struct Frame {
     /// Length of the normals before they were made unit length: below 1 where a filter mixed unlike
     /// normals. `None` where nothing was filtered.
     pub normal_length: Option<Plane>,
-    /// Distance from the viewer, positive, in scene units.
+    /// Distance from the viewer, positive, in scene units; [`Source::depth_kind`] says along what.
     pub depth: Option<Plane>,
     /// Alpha or ambient occlusion, 0..1, that stands in for depth when silhouettes are sought.
     pub occlusion: Option<Plane>,
@@ -47,7 +49,7 @@ pub struct Frame {
     pub source: Source,
 }
 
-/// What a frame was read from: what an output has to give back unharmed.
+/// What a frame was read from: what an output has to give back unharmed, and how far to trust the rest.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Source {
     /// Full names of all layers in the file, those not read included.
@@ -56,6 +58,11 @@ pub struct Source {
     pub attributes: BTreeMap<String, String>,
     /// Weights of linear red, green and blue in luminance, where the file says which primaries it has.
     pub luminance_weights: Option<[f32; 3]>,
+    /// What depth measures.
+    pub depth_kind: DepthKind,
+    /// Largest rounding error of a component of the normals as they were stored: 1/255 for 8 bits, 0
+    /// for 32-bit floats.
+    pub normal_rounding: f32,
 }
 
 impl Frame {

@@ -96,6 +96,11 @@ impl<T: Copy> Plane<T> {
         &mut self.samples
     }
 
+    /// All samples, row after row.
+    pub fn into_samples(self) -> Vec<T> {
+        self.samples
+    }
+
     /// The plane of `f(sample)`.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Plane<U> {
         Plane {

@@ -16,6 +16,30 @@ pub enum NormalSpace {
     World,
 }
 
+/// What the depth of a frame measures.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DepthKind {
+    /// Distance along the view axis.
+    #[default]
+    Planar,
+    /// Distance along the sight line, from the eye.
+    Ray,
+    /// Something that changes with distance, or distance too coarse for more: it shows where depth
+    /// jumps, not where the surface is.
+    Relative,
+}
+
+impl std::fmt::Display for DepthKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Planar => "depth along the view axis",
+            Self::Ray => "depth along the sight line",
+            Self::Relative => "relative depth",
+        })
+    }
+}
+
 /// How view space falls onto the picture, in pixels of the display window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase", tag = "type")]

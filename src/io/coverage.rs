@@ -48,6 +48,13 @@ pub(super) fn coverage(evidence: &Evidence) -> Mask {
     ))
 }
 
+/// The part of the mask where depth is a distance.
+pub(super) fn within(mask: &Mask, depth: &Plane) -> Mask {
+    Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
+        mask.at(x, y) && is_distance(depth.at(x, y))
+    }))
+}
+
 /// Gives every sample outside the mask the value 0, so that no NaN or sentinel travels on.
 pub(super) fn blank_outside(plane: &mut Plane, mask: &Mask) {
     for (sample, &covered) in plane.samples_mut().iter_mut().zip(mask.plane().samples()) {

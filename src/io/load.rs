@@ -1,6 +1,7 @@
 //! From files to a frame: reads what a goal needs, and turns everything to view space once.
 
 use super::coverage::{self, Evidence};
+use super::depth::{depth_of_positions, judge_depth};
 use super::exr::ExrFile;
 use super::inputs::{Inputs, NormalEncoding};
 use super::normals;
@@ -102,10 +103,27 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         display_window,
         pixel_aspect,
     };
-    let View { camera, findings } = turn_to_view(inputs, &surface, needs.projection, &mut normal)?;
+    // Positions stand in for depth where nothing else was asked to; that takes the camera.
+    let from_positions = position
+        .as_ref()
+        .filter(|_| depth.is_none() && !only_occlusion(inputs));
+    let projection = needs.projection || from_positions.is_some();
+    let View { camera, findings } = turn_to_view(inputs, &surface, projection, &mut normal)?;
     notes.findings.extend(findings);
+    let depth_role = match &depth {
+        Some(_) => Role::Depth,
+        None => Role::Position,
+    };
+    let depth_is_half = sources.get(depth_role).is_some_and(RoleSource::is_half);
+    let mut mask = mask;
+    if let (Some(position), Some(camera)) = (from_positions, &camera) {
+        let mut made = depth_of_positions(position, camera);
+        mask = coverage::within(&mask, &made);
+        coverage::blank_outside(&mut made, &mask);
+        depth = Some(made);
+    }
 
-    let frame = Frame {
+    let mut frame = Frame {
         data_window,
         display_window,
         pixel_aspect,
@@ -120,8 +138,14 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         color,
         alpha,
         camera,
-        source: origin(&main),
+        source: Source {
+            normal_rounding: sources.get(Role::Normal).map_or(0.0, RoleSource::rounding),
+            ..origin(&main)
+        },
     };
+    let (depth_kind, finding) = judge_depth(&frame, depth_is_half);
+    frame.source.depth_kind = depth_kind;
+    notes.findings.extend(finding);
     Ok(Loaded {
         frame,
         findings: notes.findings,
@@ -139,6 +163,11 @@ fn photo_bits(main: &Opened) -> Option<u8> {
     }
 }
 
+/// Silhouettes come from one map: an occlusion map that was asked for spares the depth.
+fn only_occlusion(inputs: &Inputs) -> bool {
+    inputs.occlusion.is_some() && inputs.depth.is_none()
+}
+
 /// The sources of all roles that this run reads.
 struct Sources {
     roles: Vec<RoleSource>,
@@ -150,9 +179,7 @@ impl Sources {
         let normal = find(Role::Normal, &inputs.normal)?
             .ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
         let mut roles = vec![normal];
-        // Silhouettes come from one map: an occlusion map that was asked for spares the depth.
-        let only_occlusion = inputs.occlusion.is_some() && inputs.depth.is_none();
-        let depth = if only_occlusion {
+        let depth = if only_occlusion(inputs) {
             None
         } else {
             find(Role::Depth, &inputs.depth)?
@@ -161,7 +188,7 @@ impl Sources {
             roles.extend(find(Role::Occlusion, &inputs.occlusion)?);
         }
         roles.extend(depth);
-        if inputs.camera.is_none() {
+        if inputs.camera.is_none() || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(find(Role::Position, &inputs.position)?);
         }
         let color = find(Role::Color, &inputs.color)?;
@@ -309,6 +336,7 @@ fn origin(main: &Opened) -> Source {
             layers: main.layer_names(),
             attributes: file.attributes.clone(),
             luminance_weights: file.luminance_weights,
+            ..Source::default()
         },
     }
 }

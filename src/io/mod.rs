@@ -2,6 +2,7 @@
 
 pub mod camera;
 mod coverage;
+mod depth;
 pub mod exr;
 mod fence;
 pub mod inputs;

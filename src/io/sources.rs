@@ -1,7 +1,7 @@
 //! Opened inputs, and which of them each role is read from.
 
 use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
-use super::photo::Photo;
+use super::photo::{Photo, max_code};
 use super::roles::{self, Layer, Match, Role};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
@@ -206,6 +206,16 @@ impl RoleSource {
             .channels
             .iter()
             .all(|&channel| channels[channel].sample_type == SampleType::Half)
+    }
+
+    /// Largest rounding error of its samples, of a quantity from -1 to 1: half a step between codes, or
+    /// between half floats just below 1. 0 for floats.
+    pub(super) fn rounding(&self) -> f32 {
+        match self.file.as_ref() {
+            Opened::Photo { photo, .. } if !photo.is_float => 1.0 / max_code(photo.bits) as f32,
+            _ if self.is_half() => f32::from(half::f16::EPSILON) / 4.0,
+            _ => 0.0,
+        }
     }
 
     fn channel_ids(&self) -> Vec<ChannelId> {

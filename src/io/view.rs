@@ -1,8 +1,6 @@
 //! The turn to view space: which camera, which space the normals were in, and why.
 
-use super::camera::{
-    DepthKind, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth,
-};
+use super::camera::{RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use super::inputs::Inputs;
 use super::load::Finding;
 use super::normal_space::{NormalSpaceConclusion, judge_normal_space};
@@ -217,12 +215,9 @@ fn from_depth(surface: &Surface, normal: &Vector3Planes, depth: &Plane) -> Recov
         surface.display_window,
         surface.pixel_aspect,
     )?;
-    let kind = match found.depth_kind {
-        DepthKind::Planar => "depth along the view axis",
-        DepthKind::Ray => "depth along the sight line",
-    };
     let evidence = format!(
-        "recovered from normals and {kind}, rotation within {:.2} degrees, focal within {:.1} %",
+        "recovered from normals and {}, rotation within {:.2} degrees, focal within {:.1} %",
+        found.depth_kind,
         found.rotation_uncertainty_deg,
         100.0 * found.focal_uncertainty
     );

@@ -6,4 +6,4 @@ mod shape;
 
 pub use light::{Adaptive, ScalingParams};
 pub use run::{RunOptions, TileSize};
-pub use shape::{Scale, ShapeParams, SoftThreshold, Solver};
+pub use shape::{MAX_DIRECTION_STEP_PX, Scale, ShapeParams, SoftThreshold, Solver};

@@ -2,7 +2,8 @@
 
 use std::num::NonZeroUsize;
 
-/// Size of the rectangles that threads work on, in pixels.
+/// Largest size of the rectangles that threads work on, in pixels. They are evened out, so that every
+/// thread gets as many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileSize {
     /// Columns. Fewer waste more work on the rim of a tile; more outgrow the cache.
@@ -26,8 +27,8 @@ impl Default for RunOptions {
         let size = |n| NonZeroUsize::new(n).expect("above 0");
         Self {
             tile: TileSize {
-                width: size(256),
-                height: size(512),
+                width: size(2048),
+                height: size(640),
             },
             sweeps_per_pass: size(32),
         }

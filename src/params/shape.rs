@@ -1,6 +1,7 @@
 //! What shape analysis can be told.
 
 use crate::error::{Error, Result};
+use crate::params::Adaptive;
 use serde::Serialize;
 
 /// A soft step: 0 up to `lo`, 1 from `hi`, linear between.
@@ -99,7 +100,14 @@ pub struct ShapeParams {
     /// look then grows finer with resolution. The thresholds of silhouettes and creases are jumps across
     /// one pixel of the picture either way.
     pub reference_height: Option<u32>,
+    /// How many pixels away normals are compared to find the directions of curvature: a whole number,
+    /// 1 to [`MAX_DIRECTION_STEP_PX`]. `Auto` takes more the coarser normals were stored. Short steps
+    /// see fine shapes, and noise; long ones round them off. Before an edge the step shrinks.
+    pub direction_step: Adaptive,
 }
+
+/// Past this a step leaves the shapes it is to tell of.
+pub const MAX_DIRECTION_STEP_PX: u32 = 64;
 
 impl Default for ShapeParams {
     fn default() -> Self {
@@ -114,6 +122,7 @@ impl Default for ShapeParams {
             tolerance: 1e-4,
             time_step: 0.2,
             reference_height: None,
+            direction_step: Adaptive::Auto,
         }
     }
 }
@@ -162,6 +171,15 @@ impl ShapeParams {
         if self.reference_height == Some(0) {
             return bad("--reference-height", "is 0".into(), "give 1 or more");
         }
+        if let Adaptive::Fixed(step) = self.direction_step
+            && !(step.fract() == 0.0 && (1.0..=MAX_DIRECTION_STEP_PX as f32).contains(&step))
+        {
+            return bad(
+                "--direction-step",
+                format!("is {step} px"),
+                "give a whole number from 1 to 64, or auto",
+            );
+        }
         match self.scale {
             Scale::Sigma(sigma) if !(0.0..=MAX_SIGMA_PX).contains(&sigma) => {
                 bad("--scale", format!("is {sigma} px"), "give 0 to 4096 pixels")
@@ -206,6 +224,19 @@ impl ShapeParams {
         0.5 * f64::from(sigma).powi(2)
     }
 
+    /// The least and the greatest [`ShapeParams::direction_step`], in pixels, for normals rounded by up to
+    /// `normal_rounding`. A pixel takes the least, and up to the greatest where that tells no direction.
+    ///
+    /// Noise turns directions by rounding / step, and the surface's own change by step^2.
+    pub fn direction_steps_px(&self, normal_rounding: f32) -> [usize; 2] {
+        match self.direction_step {
+            Adaptive::Fixed(step) => [step as usize; 2],
+            Adaptive::Auto if normal_rounding > COARSE_ROUNDING => [COARSE_STEP_PX, WIDEST_STEP_PX],
+            Adaptive::Auto if normal_rounding > 0.0 => [1, WIDEST_STEP_PX],
+            Adaptive::Auto => [1; 2],
+        }
+    }
+
     /// The steepest slope that the gradient can have: n_xy is at most 1, n_z at least its floor.
     pub fn largest_slope(&self) -> f64 {
         f64::from(self.min_nz).powf(-f64::from(self.foreshortening))
@@ -220,6 +251,15 @@ impl ShapeParams {
 
 /// Past this a Gaussian is flat over any picture.
 const MAX_SIGMA_PX: f32 = 4096.0;
+
+/// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
+const COARSE_ROUNDING: f32 = 1e-3;
+
+/// The first step over coarse normals, and the last over any that are not exact. On 8-bit ellipsoids of
+/// 32, 64, 128 and 256 px the 95th percentile of the directions' error is 7, 5, 8, 27 degrees at 4 px alone,
+/// 13, 17, 7, 5 at 16 px alone, and 7, 7, 6, 6 with 16 px where 4 px tell nothing.
+const COARSE_STEP_PX: usize = 4;
+const WIDEST_STEP_PX: usize = 16;
 
 #[cfg(test)]
 mod tests {

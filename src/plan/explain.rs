@@ -1,6 +1,6 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
-use super::{Available, Goal, Stage, Sweeps};
+use super::{Available, Goal, Points, Stage, Sweeps};
 use crate::params::{Adaptive, ScalingParams, ShapeParams};
 use serde::Serialize;
 
@@ -30,6 +30,7 @@ impl Stage {
             Self::Hessian => "hessian",
             Self::Curvatures => "curvatures",
             Self::Directions => "directions",
+            Self::NormalRays => "normal-rays",
             Self::AutoGain => "auto-gain",
             Self::AutoWhite => "auto-white",
             Self::MappedCurvature => "mapped-curvature",
@@ -52,6 +53,7 @@ pub(super) fn decide(
     available: Available,
     shape: &ShapeParams,
     sweeps: &Sweeps,
+    rays: (Points, [usize; 2]),
     scaling: &ScalingParams,
 ) -> Vec<Decision> {
     let factor = shape.resolution_factor(available.image_height);
@@ -103,6 +105,12 @@ pub(super) fn decide(
                 "nothing here follows a direction",
             ),
             rule(
+                Stage::NormalRays,
+                all,
+                normal_rays(rays),
+                "nothing here follows a direction",
+            ),
+            rule(
                 Stage::AutoGain,
                 scaling.curvature_gain == Adaptive::Auto,
                 "--curvature-gain auto",
@@ -136,6 +144,18 @@ fn unit(shape: &ShapeParams, factor: f64) -> String {
         None => String::new(),
         Some(height) => format!(", times {factor:.4}: per pixel at a height of {height}"),
     }
+}
+
+fn normal_rays((points, [least, most]): (Points, [usize; 2])) -> String {
+    let points = match points {
+        Points::Depth => "points from depth and camera",
+        Points::Normals => "no depth with a camera to trust: points from normals alone",
+    };
+    let step = match least == most {
+        true => format!("{least}"),
+        false => format!("{least} to {most}"),
+    };
+    format!("{points}, {step} px away")
 }
 
 /// One source of silhouettes: depth before occlusion before the mere border.
@@ -253,12 +273,16 @@ mod tests {
         occlusion: true,
         importance: false,
         image_height: 1080,
+        positions: true,
+        normal_rounding: 0.0,
     };
     const NOTHING: Available = Available {
         depth: false,
         occlusion: false,
         importance: false,
         image_height: 1080,
+        positions: false,
+        normal_rounding: 0.0,
     };
 
     #[test]

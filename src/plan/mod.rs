@@ -8,7 +8,7 @@ pub use explain::Decision;
 pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
 use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::frame::{DepthKind, Frame};
 use crate::params::{Scale, ScalingParams, ShapeParams, Solver};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
@@ -49,8 +49,10 @@ pub enum Stage {
     Hessian,
     /// Principal and mean curvatures.
     Curvatures,
-    /// Directions of the larger curvature.
+    /// Directions of the larger view-centred curvature, from the Hessian.
     Directions,
+    /// Directions of the larger curvature of the surface itself, from its normal rays.
+    NormalRays,
     /// Gain of the curvature mapping, chosen from the frame.
     AutoGain,
     /// White level, chosen from the picture.
@@ -64,7 +66,7 @@ pub enum Stage {
 }
 
 /// What there is to plan with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Available {
     /// Depth.
     pub depth: bool,
@@ -74,6 +76,20 @@ pub struct Available {
     pub importance: bool,
     /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
     pub image_height: usize,
+    /// Depth and a camera that together tell where the surface is.
+    pub positions: bool,
+    /// Largest rounding error of a component of the normals.
+    pub normal_rounding: f32,
+}
+
+/// What tells where the surface seen at a pixel lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Points {
+    /// Depth along sight lines that the camera gives.
+    Depth,
+    /// The normals: the surface is followed from pixel to pixel.
+    Normals,
 }
 
 impl Available {
@@ -84,6 +100,10 @@ impl Available {
             occlusion: frame.occlusion.is_some(),
             importance: frame.importance.is_some(),
             image_height: frame.display_window.height(),
+            positions: frame.depth.is_some()
+                && frame.camera.is_some()
+                && frame.source.depth_kind != DepthKind::Relative,
+            normal_rounding: frame.source.normal_rounding,
         }
     }
 }
@@ -104,6 +124,10 @@ pub struct Plan {
     /// How many pixels of the frame stand for one of the reference, in which curvature is told; 1 without
     /// a [reference height](ShapeParams::reference_height).
     pub resolution_factor: f64,
+    /// How the points of neighbouring pixels are found for [`Stage::NormalRays`].
+    pub points: Points,
+    /// How many pixels away they are, at the least and at the most.
+    pub direction_steps_px: [usize; 2],
     stages: Vec<Stage>,
     decisions: Vec<Decision>,
 }
@@ -149,7 +173,13 @@ impl Plan {
         }
         let by_importance = available.importance;
         let sweeps = Sweeps::new(&shape, resolution_factor, more_px, by_importance);
-        let decisions = explain::decide(goal, available, &shape, &sweeps, &scaling);
+        let points = match available.positions {
+            true => Points::Depth,
+            false => Points::Normals,
+        };
+        let direction_steps_px = shape.direction_steps_px(available.normal_rounding);
+        let rays = (points, direction_steps_px);
+        let decisions = explain::decide(goal, available, &shape, &sweeps, rays, &scaling);
         let stages = decisions
             .iter()
             .filter(|d| d.kept)
@@ -162,6 +192,8 @@ impl Plan {
             sweeps,
             more_px: more_px.to_vec(),
             resolution_factor,
+            points,
+            direction_steps_px,
             stages,
             decisions,
         })
@@ -178,14 +210,21 @@ impl Plan {
     }
 
     /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
-    /// this distance to its border on, unless a gain or white level is chosen from the frame.
+    /// this distance to its border on, unless a gain or white level is chosen from the frame, or a
+    /// direction is taken from neighbours because a pixel has none of its own.
     pub fn reach(&self) -> usize {
         let sweeps = if self.has(Stage::Diffusion) {
             self.sweeps.count()
         } else {
             0
         };
-        EDGE_REACH + sweeps * diffusion::REACH + hessian::REACH
+        let curvature = sweeps * diffusion::REACH + hessian::REACH;
+        let rays = if self.has(Stage::NormalRays) {
+            self.direction_steps_px[1]
+        } else {
+            0
+        };
+        EDGE_REACH + curvature.max(rays)
     }
 
     /// Every stage there is, kept or left out, and why.

@@ -35,10 +35,17 @@ impl CreaseDetector {
         }
     }
 
-    /// Whether a pixel surely is no crease, whose least cosine and filtered normal's length are given.
+    /// Whether none of the pixels can be a crease, whose least cosines and, where they were filtered,
+    /// normals' lengths are given.
     #[inline(always)]
-    pub fn is_flat(&self, least_cosine: f32, length: f32) -> bool {
-        least_cosine >= self.flat_cosine && length >= self.flat_length
+    pub fn all_flat(&self, least_cosines: &[f32], lengths: Option<&[f32]>) -> bool {
+        let all_above = |values: &[f32], limit: f32| {
+            values
+                .iter()
+                .fold(true, |all, &value| all & (value >= limit))
+        };
+        all_above(least_cosines, self.flat_cosine)
+            && lengths.is_none_or(|lengths| all_above(lengths, self.flat_length))
     }
 
     /// Crease weight, 0..1, of a pixel with unit normal `n`, whose filtered normal had the length
@@ -130,6 +137,9 @@ pub fn least_cosine_row(
     for x in outer_columns(&columns, &inner) {
         // Too few to be worth a shortcut: below every threshold, they are looked at one by one.
         out[x] = -1.0;
+    }
+    if inner.is_empty() {
+        return;
     }
     let components = [normals.x, normals.y, normals.z];
     let at = components.map(|rows| Shifted::new(rows.at, &inner));

@@ -35,9 +35,26 @@ pub fn hessian_row(
     columns: Range<usize>,
 ) {
     let [xx, xy, yy] = out;
-    for_columns(gx, gy, conductance, columns, |x, h| {
-        [xx[x], xy[x], yy[x]] = h
-    });
+    let inner = inner_columns(&columns, xx.len());
+    for x in outer_columns(&columns, &inner) {
+        [xx[x], xy[x], yy[x]] = hessian(gx, gy, conductance, x);
+    }
+    for start in inner.clone().step_by(BLOCK) {
+        let columns = start..(start + BLOCK).min(inner.end);
+        let block = Block::new(gx, gy, conductance, &columns);
+        let n = columns.len();
+        let (xx, xy) = (&mut xx[columns.clone()][..n], &mut xy[columns.clone()][..n]);
+        let yy = &mut yy[columns][..n];
+        if block.is_open() {
+            for i in 0..n {
+                [xx[i], xy[i], yy[i]] = block.in_the_open(i);
+            }
+        } else {
+            for i in 0..n {
+                [xx[i], xy[i], yy[i]] = block.fitted(i);
+            }
+        }
+    }
 }
 
 /// Trace of [`hessian`] alone, of the pixels of a row in `columns`: all that isotropic scaling needs.
@@ -49,44 +66,74 @@ pub fn trace_row(
     conductance: &Rows,
     columns: Range<usize>,
 ) {
-    for_columns(gx, gy, conductance, columns, |x, [xx, _, yy]| {
-        trace[x] = xx + yy
-    });
-}
-
-/// Columns that are looked at together: open ones need no fit.
-const BLOCK: usize = 64;
-
-/// Calls `visit(column, hessian)` for the columns of a row.
-#[inline(always)]
-fn for_columns(
-    gx: &Rows,
-    gy: &Rows,
-    conductance: &Rows,
-    columns: Range<usize>,
-    mut visit: impl FnMut(usize, [f32; 3]),
-) {
-    let inner = inner_columns(&columns, gx.at.len());
+    let inner = inner_columns(&columns, trace.len());
     for x in outer_columns(&columns, &inner) {
-        visit(x, hessian(gx, gy, conductance, x));
+        let [xx, _, yy] = hessian(gx, gy, conductance, x);
+        trace[x] = xx + yy;
     }
     for start in inner.clone().step_by(BLOCK) {
-        let block = start..(start + BLOCK).min(inner.end);
-        let [gx, gy, open] = [gx, gy, conductance]
-            .map(|rows| [rows.above, rows.at, rows.below].map(|row| Shifted::new(row, &block)));
-        let n = block.len();
-        if open.iter().all(|row| all_open(row.reach)) {
-            for i in 0..n {
-                visit(start + i, in_the_open(around(&gx, i), around(&gy, i)));
+        let columns = start..(start + BLOCK).min(inner.end);
+        let block = Block::new(gx, gy, conductance, &columns);
+        let n = columns.len();
+        let trace = &mut trace[columns][..n];
+        if block.is_open() {
+            for (i, trace) in trace.iter_mut().enumerate() {
+                let [xx, _, yy] = block.in_the_open(i);
+                *trace = xx + yy;
             }
         } else {
-            for i in 0..n {
-                visit(
-                    start + i,
-                    fitted(around(&gx, i), around(&gy, i), around(&open, i)),
-                );
+            for (i, trace) in trace.iter_mut().enumerate() {
+                let [xx, _, yy] = block.fitted(i);
+                *trace = xx + yy;
             }
         }
+    }
+}
+
+/// Columns that are looked at together: where all around them is open they need no fit.
+const BLOCK: usize = 64;
+
+/// Some columns of the rows around a row.
+struct Block<'a> {
+    gx: [Shifted<'a>; 3],
+    gy: [Shifted<'a>; 3],
+    open: [Shifted<'a>; 3],
+}
+
+impl<'a> Block<'a> {
+    #[inline(always)]
+    fn new(gx: &Rows<'a>, gy: &Rows<'a>, open: &Rows<'a>, columns: &Range<usize>) -> Self {
+        let of = |rows: &Rows<'a>| {
+            [
+                Shifted::new(rows.above, columns),
+                Shifted::new(rows.at, columns),
+                Shifted::new(rows.below, columns),
+            ]
+        };
+        Self {
+            gx: of(gx),
+            gy: of(gy),
+            open: of(open),
+        }
+    }
+
+    #[inline(always)]
+    fn is_open(&self) -> bool {
+        self.open.iter().all(|row| all_open(row.reach))
+    }
+
+    #[inline(always)]
+    fn in_the_open(&self, i: usize) -> [f32; 3] {
+        in_the_open(around(&self.gx, i), around(&self.gy, i))
+    }
+
+    #[inline(always)]
+    fn fitted(&self, i: usize) -> [f32; 3] {
+        fitted(
+            around(&self.gx, i),
+            around(&self.gy, i),
+            around(&self.open, i),
+        )
     }
 }
 

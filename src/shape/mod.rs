@@ -68,19 +68,18 @@ pub struct Shifted<'a, T = f32> {
 
 impl<'a, T: Copy> Shifted<'a, T> {
     /// The columns `columns` of `row`, which has at least one more at both sides.
+    ///
+    /// # Panics
+    /// If it has not.
     #[inline(always)]
     fn new(row: &'a [T], columns: &Range<usize>) -> Self {
         let n = columns.len();
-        let reach = match n {
-            0 => [].as_slice(),
-            _ => &row[columns.start - 1..columns.end + 1],
-        };
-        let from = |shift: usize| if n == 0 { reach } else { &reach[shift..][..n] };
+        let reach = &row[columns.start - 1..columns.start + n + 1];
         Self {
             reach,
-            left: from(0),
-            at: from(1),
-            right: from(2),
+            left: &reach[..n],
+            at: &reach[1..][..n],
+            right: &reach[2..][..n],
         }
     }
 

@@ -51,6 +51,12 @@ pub fn silhouette_row(
     threshold: SoftThreshold,
 ) {
     let inner = inner_columns(&columns, weight.len());
+    for x in outer_columns(&columns, &inner) {
+        weight[x] = silhouette_weight(map, covered, x, threshold);
+    }
+    if inner.is_empty() {
+        return;
+    }
     let out = &mut weight[inner.clone()];
     let [above, at, below] = [map.above, map.at, map.below].map(|row| Shifted::new(row, &inner));
     let seen = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
@@ -64,9 +70,6 @@ pub fn silhouette_row(
         } else {
             1.0
         };
-    }
-    for x in outer_columns(&columns, &inner) {
-        weight[x] = silhouette_weight(map, covered, x, threshold);
     }
 }
 

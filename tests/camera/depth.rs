@@ -4,8 +4,8 @@ use crate::measure::{expect_rotation, focal, turn_deg};
 use crate::planes::{strew, vectors};
 use crate::shots::{Numbers, Scene, Seen, Shot, looking, panorama, perspective};
 use glam::{DAffine3, DMat3, DVec3, EulerRot};
-use relievo::frame::{Mask, Plane, Projection, Vector3Planes, Window};
-use relievo::io::camera::{DepthCamera, DepthKind, RecoveryFailure, recover_camera_from_depth};
+use relievo::frame::{DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
+use relievo::io::camera::{DepthCamera, RecoveryFailure, recover_camera_from_depth};
 
 struct Layers {
     normal: Vector3Planes,

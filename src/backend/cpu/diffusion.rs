@@ -1,9 +1,10 @@
 //! Diffusion of the gradient, by steps or by expansion, tile by tile.
 
+use super::memory::Memory;
 use super::simd::Simd;
-use super::tiles::Tiling;
+use super::tiles::{Tiling, even_tiles};
 use super::wave::{Pass, Results, VectorRows, Wave, Weights};
-use crate::frame::{Frame, Mask, Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::RunOptions;
 use crate::plan::{Readout, Recurrence, Sweeps};
 use crate::shape::diffusion::{LEVELS, Update};
@@ -19,9 +20,12 @@ pub(super) fn diffusion(
     frame: &Frame,
     sweeps: &Sweeps,
     options: &RunOptions,
+    memory: &Memory,
 ) -> Vec<Vector2Planes> {
     let mask = &frame.mask;
-    let tiling = Tiling::new(mask, options.tile);
+    let threads = rayon::current_num_threads();
+    let size = even_tiles(options.tile, mask.width(), mask.height(), threads);
+    let tiling = Tiling::new(mask, size);
     let updates = updates(sweeps);
     let importance = Levels::of(frame, sweeps);
     let weights = match (&sweeps.readout, &importance) {
@@ -33,7 +37,8 @@ pub(super) fn diffusion(
     let per_pass = updates.len().div_ceil(passes.max(1)).max(1);
     let is_expansion = sweeps.recurrence == Recurrence::Chebyshev;
 
-    let mut sums: Vec<_> = (0..weights.sums()).map(|_| blank(mask)).collect();
+    let blank = || memory.vectors(mask);
+    let mut sums: Vec<_> = (0..weights.sums()).map(|_| blank()).collect();
     let mut terms = Terms {
         last: gradient,
         earlier: None,
@@ -44,6 +49,7 @@ pub(super) fn diffusion(
             updates,
             weights,
             first_term: i * per_pass,
+            is_final: i + 1 == passes,
             last: &terms.last,
             earlier: terms.earlier.as_ref(),
             conductance,
@@ -51,20 +57,29 @@ pub(super) fn diffusion(
         };
         let goes_on = i + 1 < passes;
         if goes_on || sums.is_empty() {
-            let mut next = spare.take().unwrap_or_else(|| Terms {
-                last: blank(mask),
-                earlier: (is_expansion && goes_on).then(|| blank(mask)),
-            });
+            let (last, earlier) = spare.take().map_or((None, None), Terms::into_parts);
+            let mut next = Terms {
+                last: last.unwrap_or_else(blank),
+                // Explicit steps look back no farther.
+                earlier: is_expansion.then(|| earlier.unwrap_or_else(blank)),
+            };
             run_pass(&pass, &tiling, &mut sums, Some(&mut next));
             spare = Some(std::mem::replace(&mut terms, next));
         } else {
             run_pass(&pass, &tiling, &mut sums, None);
         }
     }
-    match sums.is_empty() {
-        true => vec![terms.last],
-        false => sums,
+    if sums.is_empty() {
+        sums.push(terms.last);
+    } else {
+        memory.take_back([terms.last.x, terms.last.y]);
     }
+    let left = spare
+        .into_iter()
+        .flat_map(|terms| [Some(terms.last), terms.earlier]);
+    let left = left.chain([terms.earlier]).flatten();
+    memory.take_back(left.flat_map(|Vector2Planes { x, y }| [x, y]));
+    sums
 }
 
 /// The last term of a recurrence and, where the next one needs it, the term before.
@@ -73,11 +88,9 @@ struct Terms {
     earlier: Option<Vector2Planes>,
 }
 
-fn blank(mask: &Mask) -> Vector2Planes {
-    let plane = || Plane::filled(mask.width(), mask.height(), 0.0);
-    Vector2Planes {
-        x: plane(),
-        y: plane(),
+impl Terms {
+    fn into_parts(self) -> (Option<Vector2Planes>, Option<Vector2Planes>) {
+        (Some(self.last), self.earlier)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Silhouettes, creases, conductance and the depth gradient in one sweep over rows.
 
+use super::memory::Memory;
 use super::simd::Simd;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::{ShapeParams, SoftThreshold};
@@ -13,6 +14,9 @@ use std::ops::Range;
 /// too, not to count.
 const ROWS: usize = 32;
 
+/// Columns that are looked at together for creases: most hold none.
+const BLOCK: usize = 64;
+
 /// Edge weights, the two separate ones only where they are asked for, and the gradient.
 pub(super) struct Edges {
     pub(super) silhouette: Option<Plane>,
@@ -21,18 +25,15 @@ pub(super) struct Edges {
     pub(super) gradient: Vector2Planes,
 }
 
-pub(super) fn edges_and_gradient(plan: &Plan, frame: &Frame) -> Edges {
+pub(super) fn edges_and_gradient(plan: &Plan, frame: &Frame, memory: &Memory) -> Edges {
     let (width, height) = (frame.mask.width(), frame.mask.height());
-    let blank = || Plane::filled(width, height, 0.0);
+    let blank = || memory.plane(&frame.mask);
     let weights_wanted = plan.has(Stage::Hessian);
     let mut edges = Edges {
         silhouette: weights_wanted.then(blank),
         crease: weights_wanted.then(blank),
         conductance: blank(),
-        gradient: Vector2Planes {
-            x: blank(),
-            y: blank(),
-        },
+        gradient: memory.vectors(&frame.mask),
     };
     let sources = Sources::new(plan, frame);
     let bands = bands(&mut edges.silhouette, height)
@@ -212,14 +213,26 @@ impl<'a> Sources<'a> {
         let least = &mut scratch.least_cosine;
         self.simd
             .least_cosine_row(least, &normals, &covered, columns.clone());
-        for x in columns.clone() {
-            let length = lengths.map_or(1.0, |row| row[x]);
-            scratch.crease[x] = if !covered.at[x] || self.creases.is_flat(least[x], length) {
-                0.0
-            } else {
-                let beside = normals.beside(x, &covered);
-                self.creases.weight(normals.at(x), length, beside)
-            };
+        scratch.crease[columns.clone()].fill(0.0);
+        for start in columns.clone().step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(columns.end);
+            let lengths = lengths.map(|row| &row[block.clone()]);
+            if self
+                .creases
+                .all_flat(&scratch.least_cosine[block.clone()], lengths)
+            {
+                continue;
+            }
+            for x in block.filter(|&x| covered.at[x]) {
+                let length = lengths.map_or(1.0, |row| row[x - start]);
+                if !self
+                    .creases
+                    .all_flat(&scratch.least_cosine[x..=x], Some(&[length]))
+                {
+                    let beside = normals.beside(x, &covered);
+                    scratch.crease[x] = self.creases.weight(normals.at(x), length, beside);
+                }
+            }
         }
     }
 

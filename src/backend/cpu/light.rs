@@ -1,6 +1,7 @@
 //! Passes that make colours.
 
 use super::ROWS_PER_TASK;
+use super::memory::Memory;
 use super::passes::map_covered;
 use super::simd::Simd;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
@@ -31,10 +32,16 @@ pub(super) struct Scaler {
 
 impl Scaler {
     /// The scaled picture. Uncovered pixels, and those where curvature is 0, keep their bits.
-    pub(super) fn scale(&self, color: &ColorPlanes, trace: &Plane, mask: &Mask) -> ColorPlanes {
-        let (width, height) = (mask.width(), mask.height());
+    pub(super) fn scale(
+        &self,
+        color: &ColorPlanes,
+        trace: &Plane,
+        mask: &Mask,
+        memory: &Memory,
+    ) -> ColorPlanes {
+        let width = mask.width();
         let simd = Simd::widest();
-        let mut scaled = [(); 3].map(|()| Plane::filled(width, height, 0.0));
+        let mut scaled = [(); 3].map(|()| memory.plane(mask));
         let [r, g, b] = scaled
             .each_mut()
             .map(|plane| plane.samples_mut().par_chunks_mut(width));

@@ -1,8 +1,11 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
 mod diffusion;
+mod direction_fill;
 mod edges;
 mod light;
+mod memory;
+mod normal_rays;
 mod passes;
 mod percentile;
 mod simd;
@@ -13,6 +16,7 @@ mod wave;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::{Plan, Stage};
+use memory::Memory;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -41,9 +45,26 @@ pub struct Shape {
     pub curvatures: Option<CurvaturePlanes>,
     /// Mapped curvature, -1..1; **convex is positive**.
     pub kappa: Option<Plane>,
-    /// Direction of the curvature larger in size, x right, y up, equal to its opposite; 0 where
-    /// there is none.
+    /// Curvature at further scales.
+    pub more_scales: Vec<ScaleShape>,
+    /// Direction, in the picture, of the curvature of the surface itself that is larger in size: unit,
+    /// x right, y up, equal to its opposite; 0 outside the mask. Where the surface has none it is that of
+    /// its neighbours.
     pub direction: Option<Vector2Planes>,
+    /// Direction of the view-centred curvature (of the Hessian) larger in size, likewise; 0 where there
+    /// is none.
+    pub direction_view: Option<Vector2Planes>,
+}
+
+/// Curvature at one of several scales.
+#[derive(Debug, Clone)]
+pub struct ScaleShape {
+    /// Sigma of the scale in pixels of the reference.
+    pub sigma_px: f32,
+    /// Principal and mean curvatures.
+    pub curvatures: CurvaturePlanes,
+    /// Mapped curvature, by the gain of the first scale.
+    pub kappa: Plane,
 }
 
 /// Principal curvatures `u >= v` and their mean, per pixel; convex is negative.
@@ -79,27 +100,59 @@ pub struct Outcome {
 ///
 /// [`Goal::Enhance`]: crate::plan::Goal::Enhance
 pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
-    run_with(plan, frame, &RunOptions::default())
+    Runner::default().run(plan, frame)
 }
 
-/// [`run`] in another way: the outcome is the same, bit for bit.
-///
-/// # Panics
-/// As [`run`] does.
-pub fn run_with(plan: &Plan, frame: &Frame, options: &RunOptions) -> Outcome {
-    let mut run = Run {
-        plan,
-        frame,
-        options,
-        outcome: Outcome::default(),
-    };
-    if plan.has(Stage::Conductance) {
-        run.find_shape();
+/// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
+/// which is faster; none of its options changes a bit of the outcome.
+#[derive(Debug, Default)]
+pub struct Runner {
+    options: RunOptions,
+    memory: Memory,
+}
+
+impl Runner {
+    /// A runner with these options.
+    pub fn new(options: RunOptions) -> Self {
+        Self {
+            options,
+            memory: Memory::default(),
+        }
     }
-    if plan.has(Stage::RadianceScaling) {
-        run.scale_radiance();
+
+    /// Runs `plan` on `frame`, in the rayon pool of the caller.
+    ///
+    /// # Panics
+    /// As [`run`] does.
+    pub fn run(&self, plan: &Plan, frame: &Frame) -> Outcome {
+        let mut run = Run {
+            plan,
+            frame,
+            runner: self,
+            outcome: Outcome::default(),
+        };
+        if plan.has(Stage::Conductance) {
+            run.find_shape();
+        }
+        if plan.has(Stage::RadianceScaling) {
+            run.scale_radiance();
+        }
+        run.outcome
     }
-    run.outcome
+
+    /// Takes an outcome that is no longer needed.
+    pub fn take_back(&self, outcome: Outcome) {
+        self.memory.take_back(outcome.into_planes());
+    }
+}
+
+/// The Hessian per pixel of the reference.
+fn hessian_at(factor: f64, per_pixel: SymmetricPlanes) -> SymmetricPlanes {
+    SymmetricPlanes {
+        xx: per_reference_pixel(per_pixel.xx, factor),
+        xy: per_reference_pixel(per_pixel.xy, factor),
+        yy: per_reference_pixel(per_pixel.yy, factor),
+    }
 }
 
 /// Derivatives per pixel of the reference: the one place where curvature meets the factor of resolution.
@@ -117,7 +170,7 @@ fn per_reference_pixel(mut per_pixel: Plane, factor: f64) -> Plane {
 struct Run<'a> {
     plan: &'a Plan,
     frame: &'a Frame,
-    options: &'a RunOptions,
+    runner: &'a Runner,
     outcome: Outcome,
 }
 
@@ -130,11 +183,10 @@ impl Run<'_> {
     }
 
     fn find_shape(&mut self) {
-        let (plan, frame) = (self.plan, self.frame);
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let edges = self.timed("edges-and-gradient", || {
-            edges::edges_and_gradient(plan, frame)
+            edges::edges_and_gradient(plan, frame, memory)
         });
-        let options = self.options;
         let mut gradients = if plan.has(Stage::Diffusion) {
             self.timed("diffusion", || {
                 diffusion::diffusion(
@@ -142,18 +194,21 @@ impl Run<'_> {
                     &edges.conductance,
                     frame,
                     &plan.sweeps,
-                    options,
+                    &self.runner.options,
+                    memory,
                 )
             })
         } else {
-            vec![edges.gradient]
+            let more = vec![edges.gradient.clone(); plan.more_px.len()];
+            std::iter::once(edges.gradient).chain(more).collect()
         };
         let gradient = gradients.remove(0);
         if plan.has(Stage::Hessian) {
             self.describe(&gradient, &edges.conductance);
+            self.describe_more(gradients, &edges.conductance);
         } else {
             let trace = self.timed("trace", || {
-                let trace = passes::trace(&gradient, &edges.conductance, &frame.mask);
+                let trace = passes::trace(&gradient, &edges.conductance, &frame.mask, memory);
                 per_reference_pixel(trace, plan.resolution_factor)
             });
             self.choose_gain(&trace, &edges.conductance);
@@ -172,20 +227,48 @@ impl Run<'_> {
     /// Everything that the layers of the descriptor hold beyond gradient and weights.
     fn describe(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let mask = &self.frame.mask;
-        let factor = self.plan.resolution_factor;
+        let (factor, memory) = (self.plan.resolution_factor, &self.runner.memory);
         let hessian = self.timed("hessian", || {
-            let SymmetricPlanes { xx, xy, yy } = passes::hessian(gradient, conductance, mask);
-            let [xx, xy, yy] = [xx, xy, yy].map(|plane| per_reference_pixel(plane, factor));
-            SymmetricPlanes { xx, xy, yy }
+            hessian_at(factor, passes::hessian(gradient, conductance, mask, memory))
         });
         let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask));
-        let direction = self.timed("directions", || passes::directions(&hessian, mask));
+        let direction_view = self.timed("directions", || passes::directions(&hessian, mask));
+        let direction = self.timed("normal-rays", || {
+            normal_rays::directions(self.plan, self.frame, conductance)
+        });
         let trace = curvatures.mean.map(|mean| 2.0 * mean);
         let gain = self.choose_gain(&trace, conductance);
         self.outcome.shape.kappa = Some(passes::mapped_curvature(&trace, gain, mask));
         self.outcome.shape.hessian = Some(hessian);
         self.outcome.shape.curvatures = Some(curvatures);
         self.outcome.shape.direction = Some(direction);
+        self.outcome.shape.direction_view = Some(direction_view);
+    }
+
+    /// Curvature at the scales beyond the first, mapped by the same gain.
+    fn describe_more(&mut self, gradients: Vec<Vector2Planes>, conductance: &Plane) {
+        let mask = &self.frame.mask;
+        let gain = self
+            .outcome
+            .gain
+            .expect("the gain is chosen at the first scale");
+        let (plan, memory) = (self.plan, &self.runner.memory);
+        let scales = self.timed("more-scales", || {
+            let scales = gradients.into_iter().zip(&plan.more_px);
+            let described = scales.map(|(gradient, &sigma_px)| {
+                let hessian = passes::hessian(&gradient, conductance, mask, memory);
+                let hessian = hessian_at(plan.resolution_factor, hessian);
+                let curvatures = passes::curvatures(&hessian, mask);
+                let trace = curvatures.mean.map(|mean| 2.0 * mean);
+                ScaleShape {
+                    sigma_px,
+                    kappa: passes::mapped_curvature(&trace, gain, mask),
+                    curvatures,
+                }
+            });
+            described.collect()
+        });
+        self.outcome.shape.more_scales = scales;
     }
 
     fn choose_gain(&mut self, trace: &Plane, conductance: &Plane) -> f32 {
@@ -218,7 +301,7 @@ impl Run<'_> {
     }
 
     fn scale_radiance(&mut self) {
-        let (plan, frame) = (self.plan, self.frame);
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let color = frame
             .color
             .as_ref()
@@ -247,7 +330,7 @@ impl Run<'_> {
                 white,
                 weights,
             };
-            scaler.scale(color, &trace, &frame.mask)
+            scaler.scale(color, &trace, &frame.mask, memory)
         });
         self.outcome.shape.trace = Some(trace);
         self.outcome.white_level = Some(white);

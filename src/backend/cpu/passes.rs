@@ -1,5 +1,6 @@
 //! One function per pass over the frame: rows in parallel, columns that hold no surface skipped.
 
+use super::memory::Memory;
 use super::simd::Simd;
 use super::{CurvaturePlanes, ROWS_PER_TASK};
 use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
@@ -10,9 +11,14 @@ use crate::shape::curvature::{
 use rayon::prelude::*;
 
 /// Trace of the Hessian.
-pub(super) fn trace(gradient: &Vector2Planes, conductance: &Plane, mask: &Mask) -> Plane {
+pub(super) fn trace(
+    gradient: &Vector2Planes,
+    conductance: &Plane,
+    mask: &Mask,
+    memory: &Memory,
+) -> Plane {
     let simd = Simd::widest();
-    let [trace] = map_rows(mask, |y, [out]| {
+    let [trace] = map_rows(mask, memory, |y, [out]| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
         simd.trace_row(out, &gx, &gy, &c, mask.span(y));
     });
@@ -24,9 +30,10 @@ pub(super) fn hessian(
     gradient: &Vector2Planes,
     conductance: &Plane,
     mask: &Mask,
+    memory: &Memory,
 ) -> SymmetricPlanes {
     let simd = Simd::widest();
-    let [xx, xy, yy] = map_rows(mask, |y, out| {
+    let [xx, xy, yy] = map_rows(mask, memory, |y, out| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
         simd.hessian_row(out, &gx, &gy, &c, mask.span(y));
     });
@@ -75,7 +82,7 @@ pub(super) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
     mask: &Mask,
     row: impl Fn(usize) -> Sample + Sync,
 ) -> [Plane; N] {
-    map_rows(mask, |y, mut rows| {
+    map_rows(mask, &Memory::default(), |y, mut rows| {
         let (covered, sample) = (mask.row(y), row(y));
         for x in mask.span(y).filter(|&x| covered[x]) {
             for (row, value) in rows.iter_mut().zip(sample(x)) {
@@ -85,14 +92,13 @@ pub(super) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
     })
 }
 
-/// Planes whose rows are filled by `fill(y, rows)`, where any of the row is covered; 0 where it leaves
-/// them.
+/// Planes whose rows are filled by `fill(y, rows)`, which has to write all that is covered; 0 elsewhere.
 fn map_rows<const N: usize>(
     mask: &Mask,
+    memory: &Memory,
     fill: impl Fn(usize, [&mut [f32]; N]) + Sync,
 ) -> [Plane; N] {
-    let (width, height) = (mask.width(), mask.height());
-    let mut planes = [(); N].map(|()| Plane::filled(width, height, 0.0));
+    let mut planes = [(); N].map(|()| memory.plane(mask));
     rows_of(&mut planes)
         .into_par_iter()
         .enumerate()

@@ -2,6 +2,7 @@
 
 use crate::frame::{Mask, Plane};
 use crate::params::TileSize;
+use std::num::NonZeroUsize;
 use std::ops::Range;
 
 /// A rectangle of pixels that holds some surface, trimmed to it.
@@ -68,6 +69,26 @@ impl Tiling {
     }
 }
 
+/// Fewest rows of a tile that is made smaller for the sake of more threads.
+const FEWEST_ROWS: usize = 64;
+
+/// The largest tiles within `size` of which there are as many for each of `threads`, for a frame of
+/// `width` by `height` pixels.
+pub(super) fn even_tiles(size: TileSize, width: usize, height: usize, threads: usize) -> TileSize {
+    let across = width.div_ceil(size.width.get()).max(1);
+    let mut down = height.div_ceil(size.height.get()).max(1);
+    while !(across * down).is_multiple_of(threads) && height / (down + 1) >= FEWEST_ROWS {
+        down += 1;
+    }
+    let share = |pixels: usize, of: usize| {
+        NonZeroUsize::new(pixels.div_ceil(of)).unwrap_or(NonZeroUsize::MIN)
+    };
+    TileSize {
+        width: share(width, across),
+        height: share(height, down),
+    }
+}
+
 /// The smallest rectangle that holds all surface of `cell`; `None` if it has none.
 fn trimmed(cell: Tile, mask: &Mask) -> Option<Tile> {
     let (mut columns, mut rows) = (cell.columns.end..cell.columns.start, None);
@@ -88,7 +109,6 @@ fn trimmed(cell: Tile, mask: &Mask) -> Option<Tile> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::num::NonZeroUsize;
 
     fn size(width: usize, height: usize) -> TileSize {
         let size = |n| NonZeroUsize::new(n).expect("above 0");
@@ -116,6 +136,16 @@ mod tests {
             }
         }
         assert!(tiling.tiles().iter().all(|tile| tile.columns.end <= 9));
+    }
+
+    #[test]
+    fn every_thread_gets_as_many_tiles() {
+        let even = |threads| even_tiles(size(2048, 640), 1920, 1080, threads);
+        assert_eq!(even(2), size(1920, 540));
+        assert_eq!(even(3), size(1920, 360));
+        // 1080 rows are not cut below 64: 16 bands, not 60.
+        assert_eq!(even(60), size(1920, 68));
+        assert_eq!(even_tiles(size(2048, 640), 0, 0, 4), size(1, 1));
     }
 
     #[test]

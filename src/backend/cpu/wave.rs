@@ -25,6 +25,8 @@ pub(super) struct Pass<'a> {
     pub(super) weights: Weights<'a>,
     /// Number of the starting term; 0 at the beginning of the recurrence.
     pub(super) first_term: usize,
+    /// Whether no pass follows.
+    pub(super) is_final: bool,
     /// The starting term.
     pub(super) last: &'a Vector2Planes,
     /// The term before it, if there is one and it is needed.
@@ -58,14 +60,13 @@ impl Weights<'_> {
 }
 
 impl Pass<'_> {
-    /// Which terms sweep `k` adds to the sums: every second sweep adds its own and the one before.
+    /// Which terms sweep `k` adds to the sums: that of an odd number adds the one before with it. So sums
+    /// are made in the same order whatever the passes.
     fn added_at(&self, k: usize) -> Option<Added> {
-        // A pass that goes on finds its starting term in the sums.
-        let pending = k + usize::from(self.first_term == 0);
         let own = self.first_term + k;
-        if pending.is_multiple_of(2) {
+        if !own.is_multiple_of(2) {
             Some(Added::Both(own))
-        } else if k == self.updates.len() {
+        } else if self.is_final && k == self.updates.len() {
             Some(Added::Own(own))
         } else {
             None

@@ -20,7 +20,7 @@ use super::depth_samples::{Patch, Surface};
 use super::file::dmat3;
 use super::recover::RecoveryFailure;
 use super::samples::quantile;
-use crate::frame::{Camera, Mask, Plane, Projection, Vector3Planes, Window};
+use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec3};
 
 /// Fewer patches than this are refused.
@@ -43,15 +43,6 @@ const MIRRORED_SHARE: f64 = 0.4;
 const WORST_ROTATION_DEG: f64 = 3.0;
 /// Mean square sine of the normals about their main direction below which they count as parallel.
 const LEAST_SPREAD: f64 = 1e-6;
-
-/// Which distance a depth layer turned out to hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DepthKind {
-    /// Distance along the view axis.
-    Planar,
-    /// Distance along the sight line, from the eye.
-    Ray,
-}
 
 /// What depth and normals tell of a camera, with the evidence for it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,5 +12,5 @@ mod recover;
 mod samples;
 
 pub use file::read_camera;
-pub use from_depth::{DepthCamera, DepthKind, recover_camera_from_depth};
+pub use from_depth::{DepthCamera, recover_camera_from_depth};
 pub use recover::{RecoveredCamera, RecoveryFailure, recover_camera};

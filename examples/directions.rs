@@ -1,0 +1,97 @@
+//! The directions of the surface's curvature, made visible: noise smeared along them.
+//!
+//! `cargo run --release --example directions -- IN.exr OUT.png [NORMALS]`
+
+use relievo::backend::cpu;
+use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
+use relievo::io::output::write_atomically;
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::{self, Needs, inputs::Inputs};
+use relievo::params::{ScalingParams, ShapeParams};
+use relievo::plan::{Available, Goal, Plan};
+use std::path::PathBuf;
+
+/// Pixels that a streak reaches to either side.
+const REACH: usize = 12;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
+    let (Some(picture), Some(output)) = (arguments.next(), arguments.next()) else {
+        return Err("usage: directions IN.exr OUT.png [NORMALS]".into());
+    };
+    let normal = arguments.next().map(|name| name.display().to_string());
+    let inputs = Inputs {
+        picture,
+        normal,
+        ..Inputs::default()
+    };
+    let needs = Needs {
+        color: false,
+        projection: true,
+    };
+    let frame = io::load(&inputs, needs)?.frame;
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let plan = Plan::new(Goal::Layers, Available::in_frame(&frame), shape, scaling)?;
+    let shape = cpu::run(&plan, &frame).shape;
+    let directions = shape.direction.ok_or("no directions were made")?;
+    let open = shape.conductance.ok_or("no conductance was made")?;
+    let streaks = streaks(&frame, &directions, &open);
+    let color = ColorPlanes {
+        r: streaks.clone(),
+        g: streaks.clone(),
+        b: streaks,
+    };
+    let picture = Picture {
+        color: &color,
+        alpha: None,
+        bits: 8,
+        transform: ViewTransform::None,
+    };
+    write_atomically(&output, true, |w| {
+        write_picture(w, &output, PictureFormat::Png, &picture)
+    })?;
+    Ok(())
+}
+
+/// Noise averaged along the directions, darker toward the rim; edges black, background white.
+fn streaks(frame: &Frame, directions: &Vector2Planes, open: &Plane) -> Plane {
+    let (width, height) = (open.width(), open.height());
+    Plane::from_fn(width, height, |x, y| {
+        if !frame.mask.at(x, y) {
+            return 1.0;
+        }
+        let (mut sum, mut count) = (noise(x, y), 1.0);
+        for side in [1.0, -1.0] {
+            let (mut px, mut py) = (x as f32 + 0.5, y as f32 + 0.5);
+            let mut ahead = (side, 0.0);
+            for step in 0..REACH {
+                let (x, y) = (px as usize, py as usize);
+                let (tx, ty) = (directions.x.at(x, y), directions.y.at(x, y));
+                // The same as its opposite: go on the way that was come. Rows run down.
+                let forward = match step {
+                    0 => side,
+                    _ => (tx * ahead.0 + ty * ahead.1).signum(),
+                };
+                ahead = (forward * tx, forward * ty);
+                (px, py) = (px + ahead.0, py - ahead.1);
+                let inside = px >= 0.0 && py >= 0.0 && px < width as f32 && py < height as f32;
+                if !inside || open.at(px as usize, py as usize) == 0.0 {
+                    break;
+                }
+                sum += noise(px as usize, py as usize);
+                count += 1.0;
+            }
+        }
+        let contrast = (0.5 + 2.5 * (sum / count - 0.5)).clamp(0.0, 1.0);
+        let light = 0.35 + 0.65 * frame.normal.z.at(x, y).clamp(0.0, 1.0);
+        contrast * light * open.at(x, y)
+    })
+}
+
+/// A value in 0..1 that only the place decides.
+fn noise(x: usize, y: usize) -> f32 {
+    let mut bits = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca6b);
+    bits = (bits ^ (bits >> 15)).wrapping_mul(0x2c1b_3c6d);
+    bits = (bits ^ (bits >> 12)).wrapping_mul(0x297a_2d39);
+    (bits ^ (bits >> 15)) as f32 / u32::MAX as f32
+}

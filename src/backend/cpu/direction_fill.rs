@@ -1,0 +1,158 @@
+//! Directions for pixels that have none of their own: their neighbours', in waves.
+
+use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::line::direction::mean_direction;
+use crate::shape::conductance::face_conductance;
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Gives every covered pixel whose direction is 0 one: the mean of its neighbours', as far as they
+/// have one, wave after wave, so that the time is linear in the pixels filled.
+///
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane the
+/// mean turns to the fixed direction within [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of what
+/// its rims do, and a flat spot follows its surroundings. Where no pixel of a connected surface has a
+/// direction, all take the fixed one. Then the pixels on edges, conductance 0, from whatever neighbours
+/// they have.
+pub(super) fn fill(
+    directions: &mut Vector2Planes,
+    parts: &Parts,
+    fixed: impl Fn(usize, usize) -> Vec2 + Sync,
+) {
+    let Parts {
+        conductance,
+        mask,
+        flat,
+    } = *parts;
+    let width = mask.width();
+    let fixed = |i: usize| fixed(i % width, i / width);
+    let is_flat = |i: usize| flat.samples()[i] != 0.0;
+    let turned = |i: usize, mean: Vec2, wave: usize| {
+        if !is_flat(i) {
+            return mean;
+        }
+        let share = wave as f32 / PLANE_MARGIN_PX as f32;
+        let fixed = fixed(i);
+        mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
+    };
+    let open = |i: usize| conductance.samples()[i] > 0.0;
+    let mut field = Field { directions, width };
+    let through_faces = |from: usize, to: usize| {
+        let c = conductance.samples();
+        face_conductance(c[from], c[to])
+    };
+    let unturned = |_, mean, _| mean;
+    field.spread(PLANE_MARGIN_PX, open, through_faces, turned);
+    field.fix(|i| open(i) && is_flat(i), fixed);
+    field.spread(usize::MAX, open, through_faces, unturned);
+    field.fix(open, fixed);
+    let closed = |i: usize| mask.plane().samples()[i] && !open(i);
+    field.spread(usize::MAX, closed, |_, _| 1.0, unturned);
+    field.fix(closed, fixed);
+}
+
+/// Pixels over which a plane's direction turns from its neighbours' to the fixed one.
+const PLANE_MARGIN_PX: usize = 16;
+
+/// What pixels are: covered or not, open or on an edge, and on a plane where `flat` is not 0.
+pub(super) struct Parts<'a> {
+    pub(super) conductance: &'a Plane,
+    pub(super) mask: &'a Mask,
+    pub(super) flat: &'a Plane,
+}
+
+struct Field<'a> {
+    directions: &'a mut Vector2Planes,
+    width: usize,
+}
+
+impl Field<'_> {
+    fn at(&self, i: usize) -> Vec2 {
+        let Vector2Planes { x, y } = &self.directions;
+        Vec2::new(x.samples()[i], y.samples()[i])
+    }
+
+    fn set(&mut self, i: usize, direction: Vec2) {
+        self.directions.x.samples_mut()[i] = direction.x;
+        self.directions.y.samples_mut()[i] = direction.y;
+    }
+
+    fn lacks(&self, i: usize) -> bool {
+        self.at(i) == Vec2::ZERO
+    }
+
+    /// The pixels left, right, above and below.
+    fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, count) = (self.width, self.directions.x.samples().len());
+        let x = i % width;
+        let sides = [
+            (x > 0).then(|| i - 1),
+            (x + 1 < width).then(|| i + 1),
+            i.checked_sub(width),
+            (i + width < count).then(|| i + width),
+        ];
+        sides.into_iter().flatten()
+    }
+
+    /// The mean direction of the neighbours that have one, weighted by the way to them.
+    fn mean_around(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
+        let weighted = self.neighbours(i).map(|j| (weight(j, i), self.at(j)));
+        mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
+    }
+
+    /// Fills pixels of `part` from their neighbours in at most so many `waves`, as `settle` makes of the mean and the number of the
+    /// wave. Each wave sees only the waves before it, so the
+    /// order within a wave changes nothing.
+    fn spread(
+        &mut self,
+        waves: usize,
+        part: impl Fn(usize) -> bool + Sync,
+        weight: impl Fn(usize, usize) -> f32 + Sync,
+        settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
+    ) {
+        let all = self.directions.x.samples().len();
+        let mut waiting: Vec<bool> = (0..all)
+            .into_par_iter()
+            .map(|i| self.lacks(i) && part(i))
+            .collect();
+        let mut wave: Vec<usize> = (0..all).into_par_iter().filter(|&i| waiting[i]).collect();
+        for number in 1..=waves {
+            if wave.is_empty() {
+                break;
+            }
+            let found: Vec<(usize, Vec2)> = wave
+                .par_iter()
+                .with_min_len(PIXELS_PER_TASK)
+                .filter_map(|&i| Some((i, settle(i, self.mean_around(i, &weight)?, number))))
+                .collect();
+            for &(i, direction) in &found {
+                self.set(i, direction);
+                waiting[i] = false;
+            }
+            wave = self.beyond(&found, &waiting);
+        }
+    }
+
+    /// The waiting pixels beside those just filled, each once.
+    fn beyond(&self, filled: &[(usize, Vec2)], waiting: &[bool]) -> Vec<usize> {
+        let mut next: Vec<usize> = filled
+            .iter()
+            .flat_map(|&(i, _)| self.neighbours(i))
+            .filter(|&i| waiting[i])
+            .collect();
+        next.sort_unstable();
+        next.dedup();
+        next
+    }
+
+    fn fix(&mut self, part: impl Fn(usize) -> bool, fixed: impl Fn(usize) -> Vec2) {
+        for i in 0..self.directions.x.samples().len() {
+            if part(i) && self.lacks(i) {
+                self.set(i, fixed(i));
+            }
+        }
+    }
+}
+
+/// Pixels that one task takes at the least.
+const PIXELS_PER_TASK: usize = 1024;

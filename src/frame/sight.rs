@@ -1,0 +1,167 @@
+//! Sight lines: from pixels to points of view space, and from tangents back to the picture.
+
+use crate::frame::{DepthKind, Projection};
+use glam::{DVec2, DVec3};
+
+/// The sight lines of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SightLines {
+    projection: Projection,
+}
+
+/// Share of a unit tangent that must be seen across the sight line: less points at the eye.
+const MIN_SEEN: f64 = 1e-4;
+
+impl SightLines {
+    /// Those of a known projection.
+    pub fn new(projection: Projection) -> Self {
+        Self { projection }
+    }
+
+    /// Parallel ones, for a picture without a camera: lengths are in pixel heights, and pixels
+    /// `pixel_aspect` wide.
+    pub fn parallel(pixel_aspect: f32) -> Self {
+        let (sy, cx, cy) = (1.0, 0.0, 0.0);
+        let sx = 1.0 / f64::from(pixel_aspect);
+        Self::new(Projection::Orthographic { sx, sy, cx, cy })
+    }
+
+    /// The sight line through picture position (`x`, `y`): where it starts, and its direction with
+    /// z = -1, along which depth counts.
+    #[inline]
+    fn line(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        match self.projection {
+            Projection::Perspective { fx, fy, cx, cy } => {
+                (DVec3::ZERO, DVec3::new((x - cx) / fx, (cy - y) / fy, -1.0))
+            }
+            Projection::Orthographic { sx, sy, cx, cy } => {
+                (DVec3::new((x - cx) / sx, (cy - y) / sy, 0.0), DVec3::NEG_Z)
+            }
+        }
+    }
+
+    /// The point of view space at picture position (`x`, `y`) and depth `depth`.
+    #[inline]
+    pub fn point(&self, x: f64, y: f64, depth: f64, kind: DepthKind) -> DVec3 {
+        let (start, line) = self.line(x, y);
+        let depth = match kind {
+            DepthKind::Ray => depth / line.length(),
+            DepthKind::Planar | DepthKind::Relative => depth,
+        };
+        start + depth * line
+    }
+
+    /// From the surface seen at `from` with the normal `here` to that seen at `to` with the normal
+    /// `there`, when only normals are known: in perspective in units of the first one's depth.
+    ///
+    /// The step is taken square to the sum of both normals: `(n + n') . (p' - p) = 0`. Where [LA]'s
+    /// tangent step, square to n alone, is of first order, this is of second, and it is exact on balls and
+    /// cylinders. `None` where the surface is seen from behind.
+    #[inline]
+    pub fn step(&self, from: DVec2, here: DVec3, to: DVec2, there: DVec3) -> Option<DVec3> {
+        let normal = here + there;
+        let ((start, line), (start_to, line_to)) =
+            (self.line(from.x, from.y), self.line(to.x, to.y));
+        let (facing, facing_to) = (normal.dot(line), normal.dot(line_to));
+        if !(facing < 0.0 && facing_to < 0.0) {
+            return None;
+        }
+        let offset = match self.projection {
+            // Depths 1 and d: normal . (d line_to - line) = 0.
+            Projection::Perspective { .. } => facing / facing_to * line_to - line,
+            Projection::Orthographic { .. } => {
+                let across = start_to - start;
+                across - normal.dot(across) / facing * line
+            }
+        };
+        offset.is_finite().then_some(offset)
+    }
+
+    /// The unit direction in the picture, per pixel, x right and y up, of a unit tangent at the surface
+    /// seen at (`x`, `y`): the derivative of the projection along it. `None` where it points at the eye.
+    #[inline]
+    pub fn picture_direction(&self, x: f64, y: f64, tangent: DVec3) -> Option<DVec2> {
+        let (_, line) = self.line(x, y);
+        // Moving along the sight line changes nothing: what is left of z is 0.
+        let across = (tangent + tangent.z * line).truncate();
+        let least = MIN_SEEN * MIN_SEEN * line.length_squared();
+        let is_seen = across.length_squared() > least;
+        let (sx, sy) = match self.projection {
+            Projection::Perspective { fx, fy, .. } => (fx, fy),
+            Projection::Orthographic { sx, sy, .. } => (sx, sy),
+        };
+        is_seen.then(|| (across * DVec2::new(1.0, sy / sx)).try_normalize())?
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LENS: Projection = Projection::Perspective {
+        fx: 800.0,
+        fy: 600.0,
+        cx: 320.0,
+        cy: 240.0,
+    };
+
+    #[test]
+    fn points_lie_on_their_pixels() {
+        let parallel = Projection::Orthographic {
+            sx: 20.0,
+            sy: 30.0,
+            cx: 320.0,
+            cy: 240.0,
+        };
+        for projection in [LENS, parallel] {
+            let sight = SightLines::new(projection);
+            let planar = sight.point(17.5, 400.5, 7.0, DepthKind::Planar);
+            assert!((planar.z + 7.0).abs() < 1e-12);
+            let seen = projection.pixel_of(planar).unwrap();
+            assert!(seen.distance(DVec2::new(17.5, 400.5)) < 1e-9);
+        }
+        let along = SightLines::new(LENS).point(17.5, 400.5, 7.0, DepthKind::Ray);
+        assert!((along.length() - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_step_over_a_ball_is_exact() {
+        for projection in [
+            LENS,
+            Projection::Orthographic {
+                sx: 90.0,
+                sy: 60.0,
+                cx: 320.0,
+                cy: 240.0,
+            },
+        ] {
+            let sight = SightLines::new(projection);
+            let center = DVec3::new(0.2, -0.1, -9.0);
+            let points = [DVec3::new(0.3, 0.5, 1.0), DVec3::new(-0.4, 0.1, 0.9)];
+            let [here, there] = points.map(|n| n.normalize());
+            let [p, q] = [here, there].map(|n| center + 2.0 * n);
+            let [from, to] = [p, q].map(|p| projection.pixel_of(p).unwrap());
+            let unit = match projection {
+                Projection::Perspective { .. } => -p.z,
+                Projection::Orthographic { .. } => 1.0,
+            };
+            let step = sight.step(from, here, to, there).unwrap();
+            assert!((step * unit).distance(q - p) < 1e-12, "{step}");
+            assert_eq!(sight.step(from, -here, to, -there), None);
+        }
+    }
+
+    #[test]
+    fn a_tangent_is_seen_as_the_projection_moves_it() {
+        let sight = SightLines::new(LENS);
+        let (point, tangent) = (DVec3::new(0.7, -0.4, -3.0), DVec3::new(0.5, 0.2, -0.8));
+        let at = LENS.pixel_of(point).unwrap();
+        let moved = LENS.pixel_of(point + 1e-6 * tangent).unwrap() - at;
+        let expected = DVec2::new(moved.x, -moved.y).normalize();
+        let seen = sight
+            .picture_direction(at.x, at.y, tangent.normalize())
+            .unwrap();
+        assert!(seen.distance(expected) < 1e-6);
+        assert_eq!(sight.picture_direction(at.x, at.y, point.normalize()), None);
+    }
+}

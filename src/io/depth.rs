@@ -1,0 +1,122 @@
+//! What depth measures, told by the normals; and depth from a layer of positions.
+
+use super::load::Finding;
+use crate::frame::SightLines;
+use crate::frame::{Camera, DepthKind, Frame, Plane, Vector3Planes};
+use glam::DVec3;
+
+/// About how many pixels are looked at.
+const SAMPLES: usize = 8192;
+
+/// Fewer tell nothing.
+const FEWEST_SAMPLES: usize = 16;
+
+/// Median sine of the angle by which points lie off the tangent planes of their neighbours, from which
+/// on depth is no distance, or has another surface than the normals.
+const WORST_SINE: f64 = 0.05;
+
+/// Distance along the view axis, of positions in world space; 0 where there is none.
+pub(super) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> Plane {
+    Plane::from_fn(position.x.width(), position.x.height(), |x, y| {
+        let world = DVec3::new(
+            position.x.at(x, y).into(),
+            position.y.at(x, y).into(),
+            position.z.at(x, y).into(),
+        );
+        let depth = -camera.view_from_world.transform_point3(world).z as f32;
+        if depth.is_finite() { depth } else { 0.0 }
+    })
+}
+
+/// Which kind of distance puts the points of `frame` on each other's tangent planes; with the finding.
+///
+/// Without depth or a camera there is nothing to judge, and depth is taken as it usually comes. Half floats
+/// are too coarse for places: a step of theirs is some tenths of a pixel's size on an ordinary frame.
+pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (DepthKind, Option<Finding>) {
+    let (Some(depth), Some(camera)) = (&frame.depth, &frame.camera) else {
+        return (DepthKind::default(), None);
+    };
+    if is_half {
+        return concluded(DepthKind::Relative, "stored as half floats".into());
+    }
+    let sight = SightLines::new(camera.projection);
+    let pixels = sample_pixels(frame);
+    let sine = |kind| median(sines(frame, depth, &sight, kind, &pixels));
+    let best = [DepthKind::Planar, DepthKind::Ray]
+        .map(|kind| (kind, sine(kind)))
+        .into_iter()
+        .filter_map(|(kind, sine)| Some((kind, sine?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    match best {
+        Some((kind, sine)) => {
+            let off = sine.asin().to_degrees();
+            let evidence = format!("its points lie {off:.2} degrees off the normals' planes");
+            let kind = if sine < WORST_SINE {
+                kind
+            } else {
+                DepthKind::Relative
+            };
+            concluded(kind, evidence)
+        }
+        None => concluded(DepthKind::Relative, "too few pixels to tell".into()),
+    }
+}
+
+fn concluded(kind: DepthKind, evidence: String) -> (DepthKind, Option<Finding>) {
+    let finding = Finding {
+        subject: "depth kind".into(),
+        conclusion: kind.to_string(),
+        evidence,
+        flag: "--depth NAME|FILE".into(),
+    };
+    (kind, Some(finding))
+}
+
+/// Covered pixels with covered neighbours on all four sides, evenly spread.
+fn sample_pixels(frame: &Frame) -> Vec<(usize, usize)> {
+    let mask = &frame.mask;
+    let stride = ((mask.count() / SAMPLES) as f64).sqrt().max(1.0) as usize;
+    let inner = |length: usize| (1..length.saturating_sub(1)).step_by(stride);
+    inner(mask.height())
+        .flat_map(|y| inner(mask.width()).map(move |x| (x, y)))
+        .filter(|&(x, y)| {
+            let cross = [(x, y), (x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+            cross.iter().all(|&(x, y)| mask.at(x, y))
+        })
+        .collect()
+}
+
+/// Sines of the angles between normals and the ways across their pixels.
+fn sines(
+    frame: &Frame,
+    depth: &Plane,
+    sight: &SightLines,
+    kind: DepthKind,
+    pixels: &[(usize, usize)],
+) -> Vec<f64> {
+    let (left, top) = (frame.data_window.x0, frame.data_window.y0);
+    let point = |x: usize, y: usize| {
+        let (column, row) = (f64::from(left) + x as f64, f64::from(top) + y as f64);
+        sight.point(column + 0.5, row + 0.5, depth.at(x, y).into(), kind)
+    };
+    let normal = &frame.normal;
+    let sines = pixels.iter().flat_map(|&(x, y)| {
+        let n = DVec3::new(
+            normal.x.at(x, y).into(),
+            normal.y.at(x, y).into(),
+            normal.z.at(x, y).into(),
+        );
+        let ways = [
+            point(x + 1, y) - point(x - 1, y),
+            point(x, y - 1) - point(x, y + 1),
+        ];
+        ways.map(|way| n.dot(way).abs() / way.length())
+    });
+    sines.filter(|sine| sine.is_finite()).collect()
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    (values.len() >= FEWEST_SAMPLES)
+        .then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}

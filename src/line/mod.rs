@@ -1,0 +1,4 @@
+//! Lines along the surface: the directions they follow. Pure kernels, no files, threads or clock.
+
+pub mod direction;
+pub mod normal_rays;
