@@ -54,6 +54,7 @@ pub mod io;
 pub mod light;
 pub mod params;
 pub mod plan;
+pub mod report;
 pub mod shape;
 
 pub use error::{Error, Result};
