@@ -2,19 +2,16 @@
 //!
 //! `cargo run --release --example measure -- [WIDTH HEIGHT [REPEATS]]`
 //!
-//! The surface is `h = a sin(kx) sin(ky)`, seen orthographically: its gradient's divergence after N
-//! diffusion steps is `-2 a k^2 sin(kx) sin(ky)` times the decay of that wave, which is known too.
+//! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N
+//! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too.
 
-use relievo::backend::cpu::{self, Outcome};
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Source, Vector3Planes, Window};
+use relievo::backend::cpu::Outcome;
+use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{HEIGHT, Scene, WAVE};
+use relievo::report::timing::{Effort, Timed, Times, measure};
 use std::time::Duration;
-
-/// Wave number per pixel: waves of 64 pixels, whose peaks and troughs lie on the borders' mirrors.
-const K: f64 = 2.0 * std::f64::consts::PI / 64.0;
-/// Height of the waves in pixels: slopes up to 1/2.
-const A: f64 = 5.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let numbers: Vec<usize> = std::env::args()
@@ -53,47 +50,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let available = Available::in_frame(&frame);
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
-        let runs: Vec<Outcome> = (0..=repeats).map(|_| cpu::run(&plan, &frame)).collect();
-        let (mean, largest) = errors(&runs[0], &shape, steps);
+        let effort = Effort {
+            runs: repeats,
+            limit: Duration::MAX,
+        };
+        let (outcome, timed) = measure(&plan, &frame, effort);
+        let (mean, largest) = errors(&outcome, &shape, steps);
         let label = format!("{steps} | {solver:?} | {mean:.1e} | {largest:.1e}");
-        print_stages(&label, &runs[1..], width * height);
+        print_stages(&label, &timed, width * height);
     }
     Ok(())
 }
 
+/// The waves of the report, with a picture to be enhanced.
 fn waves(width: usize, height: usize) -> Frame {
-    let normal = |axis: usize| {
-        Plane::from_fn(width, height, move |x, y| {
-            let (sx, cx) = (K * (x as f64 + 0.5)).sin_cos();
-            // y points up, rows run down.
-            let (sy, cy) = (-K * (y as f64 + 0.5)).sin_cos();
-            let n = glam::DVec3::new(-A * K * cx * sy, -A * K * sx * cy, 1.0).normalize();
-            n[axis] as f32
-        })
-    };
     let grey = Plane::from_fn(width, height, |x, y| 0.2 + 0.1 * ((x ^ y) & 7) as f32 / 7.0);
     Frame {
-        data_window: Window::from_size(width, height),
-        display_window: Window::from_size(width, height),
-        pixel_aspect: 1.0,
-        mask: Mask::full(width, height),
-        normal: Vector3Planes {
-            x: normal(0),
-            y: normal(1),
-            z: normal(2),
-        },
-        normal_length: None,
-        depth: Some(Plane::filled(width, height, 10.0)),
-        occlusion: None,
-        importance: None,
         color: Some(ColorPlanes {
             r: grey.clone(),
             g: grey.clone(),
             b: grey,
         }),
-        alpha: None,
-        camera: None,
-        source: Source::default(),
+        ..Scene::waves(width, height).frame
     }
 }
 
@@ -105,14 +83,14 @@ fn errors(outcome: &Outcome, shape: &ShapeParams, steps: u32) -> (f64, f64) {
         .as_ref()
         .expect("enhancing needs the trace");
     // Each step multiplies a product of waves by 1 - 4 dt (1 - cos k).
-    let step = 1.0 - 4.0 * f64::from(shape.time_step) * (1.0 - K.cos());
-    let peak = 2.0 * A * K * K;
+    let step = 1.0 - 4.0 * f64::from(shape.time_step) * (1.0 - WAVE.cos());
+    let peak = 2.0 * HEIGHT * WAVE * WAVE;
     let decayed = peak * step.powi(steps as i32);
     let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
     for y in 64..trace.height().saturating_sub(64) {
         for x in 64..trace.width().saturating_sub(64) {
-            let (sx, sy) = ((K * (x as f64 + 0.5)).sin(), (-K * (y as f64 + 0.5)).sin());
-            let error = (f64::from(trace.at(x, y)) + decayed * sx * sy).abs() / peak;
+            let [cx, cy] = [x, y].map(|i| (WAVE * (i as f64 + 0.5)).cos());
+            let error = (f64::from(trace.at(x, y)) + decayed * cx * cy).abs() / peak;
             sum += error;
             largest = largest.max(error);
             count += 1;
@@ -121,24 +99,17 @@ fn errors(outcome: &Outcome, shape: &ShapeParams, steps: u32) -> (f64, f64) {
     (sum / f64::from(count.max(1)), largest)
 }
 
-fn print_stages(label: &str, runs: &[Outcome], pixels: usize) {
-    let row = |stage: &str, mut times: Vec<Duration>| {
-        times.sort();
-        let (min, median) = (times[0].as_secs_f64(), times[times.len() / 2].as_secs_f64());
+fn print_stages(label: &str, timed: &Timed, pixels: usize) {
+    let row = |stage: &str, times: Times| {
         println!(
             "| {label} | {stage} | {:.2} | {:.2} | {:.1} |",
-            1e3 * min,
-            1e3 * median,
-            pixels as f64 / 1e6 / median
+            1e3 * times.min,
+            1e3 * times.median,
+            times.megapixels_per_second(pixels)
         );
     };
-    for (i, (stage, _)) in runs[0].timings.iter().enumerate() {
-        row(stage, runs.iter().map(|run| run.timings[i].1).collect());
+    for (stage, times) in &timed.stages {
+        row(stage, *times);
     }
-    row(
-        "all",
-        runs.iter()
-            .map(|run| run.timings.iter().map(|(_, t)| *t).sum())
-            .collect(),
-    );
+    row("all", timed.whole);
 }

@@ -59,6 +59,7 @@ pub mod light;
 pub mod line;
 pub mod params;
 pub mod plan;
+pub mod report;
 pub mod shape;
 
 pub use error::{Error, Result};

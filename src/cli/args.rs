@@ -30,6 +30,9 @@ pub(super) enum Command {
     /// Bring out the shape in the shading that a picture already has.
     #[command(after_help = ENHANCE_EXAMPLES)]
     Enhance(EnhanceArgs),
+    /// Measure error against run time, on this frame and on exact scenes: table, JSON, plots.
+    #[command(after_help = REPORT_EXAMPLES)]
+    Report(ReportArgs),
 }
 
 const INSPECT_EXAMPLES: &str = "\
@@ -49,6 +52,12 @@ Examples:
   relievo enhance render.exr -o enhanced.png
   relievo enhance render.exr -o enhanced.exr --scaling 1.5 --iterations 50
   relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg";
+
+const REPORT_EXAMPLES: &str = "\
+Examples:
+  relievo report render.exr -o report               report/report.md, report.json and plots
+  relievo report render.exr -o report --scale 8     about this scale before others
+  relievo report render.exr -o report --quick       a few seconds, fewer settings";
 
 #[derive(Debug, Args)]
 pub(super) struct InspectArgs {
@@ -84,6 +93,29 @@ pub(super) struct EnhanceArgs {
     pub(super) work: WorkArgs,
     #[command(flatten)]
     pub(super) scaling: ScalingFlags,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ReportArgs {
+    /// The render or photo.
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    #[command(flatten)]
+    pub(super) shape: ShapeFlags,
+    /// Directory for report.md, report.json and plots; made where there is none, older ones replaced.
+    #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
+    pub(super) output: PathBuf,
+    /// Fewer scales, smaller scenes, fewer runs.
+    #[arg(long, help_heading = "Run")]
+    pub(super) quick: bool,
+    /// Threads; all cores where not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Run")]
+    pub(super) threads: Option<u16>,
+    /// Say nothing but errors; the summary still goes to stdout.
+    #[arg(short, long, help_heading = "Run")]
+    pub(super) quiet: bool,
 }
 
 /// Which layers and files play which role.

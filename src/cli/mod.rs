@@ -6,6 +6,7 @@ mod inspect;
 mod job;
 mod message;
 mod output;
+mod report;
 mod shape;
 
 use args::{Cli, Command};
@@ -21,6 +22,7 @@ pub fn run() -> i32 {
         Command::Inspect(args) => inspect::run(args),
         Command::Shape(args) => shape::run(args),
         Command::Enhance(args) => enhance::run(args),
+        Command::Report(args) => report::run(args),
     };
     match result {
         Ok(()) => 0,

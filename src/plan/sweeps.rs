@@ -105,6 +105,14 @@ impl Sweeps {
         self.count
     }
 
+    /// How many fields are read out.
+    pub fn results(&self) -> usize {
+        match &self.readout {
+            Readout::Sums(sums) => sums.len(),
+            Readout::Last | Readout::ByImportance(_) => 1,
+        }
+    }
+
     /// The sweeps in words.
     pub(super) fn described(&self) -> String {
         let sweeps = match self.recurrence {

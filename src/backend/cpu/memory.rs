@@ -52,7 +52,7 @@ impl Memory {
 
 impl Outcome {
     /// All of its planes.
-    fn into_planes(self) -> impl Iterator<Item = Plane> {
+    pub(super) fn into_planes(self) -> impl Iterator<Item = Plane> {
         let shape = self.shape;
         let alone = [
             shape.silhouette,

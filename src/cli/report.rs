@@ -1,0 +1,139 @@
+//! `relievo report`.
+
+use super::args::ReportArgs;
+use super::message;
+use crate::error::{Error, Result};
+use crate::io::output::{refuse_overwriting_input, write_atomically};
+use crate::io::{self, Loaded, Needs};
+use crate::report::{Extent, Report, advice, markdown, plots, run as measure};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub(super) fn run(args: &ReportArgs) -> Result<()> {
+    let started = Instant::now();
+    let shape = args.shape.params();
+    shape.validate()?;
+    if let Some(threads) = args.threads {
+        // A pool that exists already, in a program that calls this twice, keeps its size.
+        let _ = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global();
+    }
+    refuse_collisions(args)?;
+    let loaded = load(args)?;
+    // Made only for what can be read, and before any long work.
+    std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "make"))?;
+    let extent = if args.quick {
+        Extent::Quick
+    } else {
+        Extent::Full
+    };
+    let name = args.input.file_name().map_or_else(
+        || args.input.display().to_string(),
+        |n| n.to_string_lossy().into(),
+    );
+    let progress = |doing: &str| {
+        if !args.quiet {
+            message::say(&format!(
+                "{:>6.1} s  {doing}",
+                started.elapsed().as_secs_f64()
+            ));
+        }
+    };
+    let report = measure(&name, &loaded.frame, shape, extent, &progress)?;
+    for (file, text) in files(&report) {
+        write_text(&args.output.join(file), &text)?;
+    }
+    message::result(&summary(&report, &args.output))
+}
+
+fn load(args: &ReportArgs) -> Result<Loaded> {
+    // Foreshortened gradients are part of the report whatever was asked for.
+    let needs = Needs {
+        color: false,
+        projection: true,
+    };
+    let loaded = io::load(&args.roles.inputs(&args.input), needs)?;
+    for warning in &loaded.warnings {
+        message::warning(args.quiet, &format!("{}: {warning}", args.input.display()));
+    }
+    Ok(loaded)
+}
+
+/// No file may stand where the directory goes, no input where a file of the report does. Plots are never
+/// inputs: none of them ends like one.
+fn refuse_collisions(args: &ReportArgs) -> Result<()> {
+    let directory = &args.output;
+    if directory.exists() && !directory.is_dir() {
+        return Err(Error::BadParameter {
+            name: "-o",
+            found: format!("{} is not a directory", directory.display()),
+            remedy: "name a directory for the report's files".into(),
+        });
+    }
+    let inputs = args.roles.files(&args.input);
+    for file in [PAGE, NUMBERS] {
+        let inputs = inputs.iter().map(PathBuf::as_path);
+        refuse_overwriting_input("-o", &directory.join(file), inputs)?;
+    }
+    Ok(())
+}
+
+const PAGE: &str = "report.md";
+const NUMBERS: &str = "report.json";
+
+/// Every file of the report; the page last, so that its pictures are there when it is.
+fn files(report: &Report) -> Vec<(String, String)> {
+    let scenes = report.scenes.iter().enumerate();
+    let mut files: Vec<_> = scenes
+        .map(|(i, scene)| {
+            (
+                markdown::plot_name(Some(i), report),
+                plots::error_against_time(scene),
+            )
+        })
+        .collect();
+    files.push((
+        markdown::plot_name(None, report),
+        plots::error_against_time(&report.frame),
+    ));
+    files.push((
+        markdown::RIM_PLOT.into(),
+        plots::error_near_the_rim(&report.rim_of_ball),
+    ));
+    files.push((NUMBERS.into(), json(report)));
+    files.push((PAGE.into(), markdown::page(report)));
+    files
+}
+
+fn json(report: &Report) -> String {
+    let text = serde_json::to_string_pretty(report).expect("names and numbers are JSON");
+    text + "\n"
+}
+
+fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_atomically(path, true, |w| {
+        w.write_all(text.as_bytes())
+            .map_err(Error::io(path, "write"))
+    })
+}
+
+fn summary(report: &Report, directory: &Path) -> String {
+    let wrong = report
+        .stability
+        .iter()
+        .filter(|case| !case.as_expected)
+        .count();
+    let cases = report.stability.len();
+    let stability = match wrong {
+        0 => format!("{cases} stiff and extreme cases: all as declared."),
+        _ => format!("{wrong} of {cases} stiff and extreme cases did not end as declared."),
+    };
+    let path = directory.join(PAGE);
+    format!(
+        "{}\n{stability}\n{}\n",
+        advice::sentence(report),
+        path.display()
+    )
+}

@@ -1,0 +1,109 @@
+//! What is enough: the cheapest setting within a given error, in words.
+
+use super::Report;
+use super::sweeps::solver::{Row, ScaleSweep};
+use crate::params::Solver;
+
+/// Errors that settings are sought for, relative to the largest |g|.
+pub const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+
+/// The cheapest row of `sweep` that can be asked for by flags and whose largest error of the gradient
+/// is within `budget`.
+pub fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
+    let good = sweep
+        .rows
+        .iter()
+        .filter(|row| row.flags.is_some() && row.gradient.max <= budget);
+    good.min_by(|a, b| a.diffusion.min.total_cmp(&b.diffusion.min))
+}
+
+/// What was asked for, what it costs and what a looser or tighter one would: one sentence.
+pub fn sentence(report: &Report) -> String {
+    let sweep = &report.frame.scales[0];
+    let Some(asked) = sweep.rows.iter().find(|row| row.asked_for) else {
+        return format!("At {} nothing is diffused.", sweep.scale);
+    };
+    let start = format!(
+        "At {} the settings asked for (by {}, {}) diffuse in {} and all stages take {}, with a largest error of {} \
+         of the steepest slope, {} grey levels of 255 in the curvature picture",
+        sweep.scale,
+        match asked.solver {
+            Solver::Explicit => "explicit steps",
+            Solver::Chebyshev => "expansion",
+        },
+        asked.setting,
+        milliseconds(asked.diffusion.min),
+        milliseconds(asked.whole.min),
+        scientific(asked.gradient.max),
+        rounded(asked.grey_levels),
+    );
+    // Half a grey level cannot be seen; a setting that saves nothing is no advice.
+    let enough = |row: &&Row| row.flags.is_some() && row.grey_levels < 0.5;
+    let best = sweep
+        .rows
+        .iter()
+        .filter(enough)
+        .min_by(|a, b| a.diffusion.min.total_cmp(&b.diffusion.min));
+    match best {
+        Some(best) if best.diffusion.min < 0.95 * asked.diffusion.min && !best.asked_for => {
+            format!(
+                "{start}; `{}` is enough for half a grey level ({}) and saves {}.",
+                best.flags.as_deref().unwrap_or_default(),
+                rounded(best.grey_levels),
+                milliseconds(asked.diffusion.min - best.diffusion.min),
+            )
+        }
+        Some(_) => {
+            format!("{start}; nothing tried is faster by 5 % and right to half a grey level.")
+        }
+        None => format!("{start}; nothing tried is right to half a grey level."),
+    }
+}
+
+/// A time in milliseconds, to three digits.
+pub fn milliseconds(seconds: f64) -> String {
+    format!("{} ms", rounded(1e3 * seconds))
+}
+
+/// A number to three digits without an exponent, down to a thousandth.
+pub fn rounded(value: f64) -> String {
+    match value.abs() {
+        v if v >= 100.0 || !v.is_finite() => format!("{value:.0}"),
+        v if v >= 10.0 => format!("{value:.1}"),
+        v if v >= 1.0 => format!("{value:.2}"),
+        v if v == 0.0 || v >= 0.001 => format!("{value:.3}"),
+        _ => "< 0.001".into(),
+    }
+}
+
+/// A number as 1.2e-4; 0 as 0.
+pub fn scientific(value: f64) -> String {
+    if value == 0.0 {
+        "0".into()
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_three_digits() {
+        for (value, text) in [
+            (1234.5, "1234"),
+            (23.45, "23.4"),
+            (0.0456, "0.046"),
+            (0.0, "0.000"),
+            (1e-9, "< 0.001"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(rounded(value), text);
+        }
+        assert_eq!(
+            (scientific(0.000_123), scientific(0.0)),
+            ("1.2e-4".into(), "0".into())
+        );
+    }
+}

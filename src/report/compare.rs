@@ -1,0 +1,209 @@
+//! How far a result lies from what it should be: counted in every pixel, the worst ones named.
+
+use crate::frame::{Mask, Plane, Window};
+use serde::Serialize;
+
+/// Errors of a field over the covered pixels, each relative to a scale that the caller names: for the
+/// gradient and its derivatives the largest |g| before diffusion.
+///
+/// A result that is not a finite number is infinitely wrong: it spoils the mean, as it should, and is
+/// counted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Errors {
+    /// Mean.
+    pub mean: f64,
+    /// What 99 pixels in 100 stay below.
+    pub p99: f64,
+    /// Largest.
+    pub max: f64,
+    /// Samples that are NaN or infinite.
+    pub non_finite: usize,
+    /// Pixels compared.
+    pub pixels: usize,
+    /// Column and row of the largest error; `None` where nothing was compared.
+    pub worst: Option<[i64; 2]>,
+}
+
+impl Errors {
+    /// The same errors with the worst pixel told in the coordinates of `window`, from whose first
+    /// column and row it was counted.
+    pub fn in_window(self, window: Window) -> Self {
+        let origin = [window.x0, window.y0].map(i64::from);
+        Self {
+            worst: self.worst.map(|[x, y]| [x + origin[0], y + origin[1]]),
+            ..self
+        }
+    }
+}
+
+/// Compares the components of a field with their reference; a pixel counts by the worst of them.
+///
+/// # Panics
+/// If a plane is not of the mask's size.
+pub fn compare<const N: usize>(
+    found: [&Plane; N],
+    exact: [&Plane<f64>; N],
+    mask: &Mask,
+    scale: f64,
+) -> Errors {
+    compare_where(found, exact, scale, |x, y| mask.at(x, y))
+}
+
+/// [`compare`] over the pixels for which `counts` holds.
+pub fn compare_where<const N: usize>(
+    found: [&Plane; N],
+    exact: [&Plane<f64>; N],
+    scale: f64,
+    counts: impl Fn(usize, usize) -> bool,
+) -> Errors {
+    let mut tally = Tally::default();
+    for y in 0..found[0].height() {
+        for x in (0..found[0].width()).filter(|&x| counts(x, y)) {
+            let error = |i: usize| (f64::from(found[i].at(x, y)) - exact[i].at(x, y)).abs();
+            // Not f64::max, which would drop a NaN.
+            let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+            tally.add([x, y], (0..N).map(error).fold(0.0, larger) / scale);
+        }
+    }
+    tally.errors()
+}
+
+/// How far beyond `range`, [least, largest], the covered samples of `plane` reach, relative to `scale`.
+///
+/// Diffusion makes no new extremum; an expansion of it does, by its error.
+pub fn overshoot(plane: &Plane, range: [f64; 2], mask: &Mask, scale: f64) -> f64 {
+    let samples = plane.samples().iter().zip(mask.plane().samples());
+    let beyond = |v: f64| (range[0] - v).max(v - range[1]);
+    samples
+        .filter(|&(_, &covered)| covered)
+        .map(|(&v, _)| beyond(f64::from(v)))
+        .fold(0.0, |worst: f64, b| {
+            if b.is_nan() {
+                f64::INFINITY
+            } else {
+                worst.max(b)
+            }
+        })
+        / scale
+}
+
+/// Errors gathered pixel by pixel.
+#[derive(Debug, Default)]
+pub struct Tally {
+    errors: Vec<f64>,
+    non_finite: usize,
+    largest: f64,
+    worst: Option<[i64; 2]>,
+}
+
+impl Tally {
+    /// Adds the error of one pixel.
+    pub fn add(&mut self, at: [usize; 2], error: f64) {
+        let error = if error.is_finite() {
+            error.abs()
+        } else {
+            self.non_finite += 1;
+            f64::INFINITY
+        };
+        if self.worst.is_none() || error > self.largest {
+            (self.largest, self.worst) = (error, Some(at.map(|i| i as i64)));
+        }
+        self.errors.push(error);
+    }
+
+    /// What was gathered.
+    pub fn errors(mut self) -> Errors {
+        let pixels = self.errors.len();
+        let mean = self.errors.iter().sum::<f64>() / pixels.max(1) as f64;
+        let p99 = match pixels {
+            0 => 0.0,
+            _ => {
+                // At most one in a hundred lies above.
+                let index = (0.99 * pixels as f64).ceil() as usize - 1;
+                *self.errors.select_nth_unstable_by(index, f64::total_cmp).1
+            }
+        };
+        Errors {
+            mean,
+            p99,
+            max: self.largest,
+            non_finite: self.non_finite,
+            pixels,
+            worst: self.worst,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_known_values() {
+        // Errors 0, 1, .. 99 tenths of a scale of 10; the pixel (7, 0) is outside.
+        let found = Plane::from_fn(101, 1, |x, _| {
+            if x == 7 {
+                1e9
+            } else {
+                x as f32 - f32::from(x > 7)
+            }
+        });
+        let mask = Mask::new(Plane::from_fn(101, 1, |x, _| x != 7));
+        let exact = Plane::filled(101, 1, 0.0_f64);
+        let errors = compare([&found], [&exact], &mask, 10.0);
+        assert_eq!(errors.pixels, 100);
+        assert!((errors.mean - 4.95).abs() < 1e-12, "{errors:?}");
+        assert!((errors.p99 - 9.8).abs() < 1e-12, "{errors:?}");
+        assert!((errors.max - 9.9).abs() < 1e-12, "{errors:?}");
+        assert_eq!((errors.worst, errors.non_finite), (Some([100, 0]), 0));
+    }
+
+    #[test]
+    fn a_field_is_off_by_its_worse_component() {
+        let (x, y) = (Plane::filled(1, 1, 3.0), Plane::filled(1, 1, -4.0));
+        let (nan, zero) = (Plane::filled(1, 1, f32::NAN), Plane::filled(1, 1, 0.0));
+        let mask = Mask::full(1, 1);
+        assert_eq!(compare([&x, &y], [&zero, &zero], &mask, 1.0).max, 4.0);
+        for found in [[&nan, &x], [&x, &nan]] {
+            assert_eq!(compare(found, [&zero, &zero], &mask, 1.0).non_finite, 1);
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_counted_and_spoils_the_mean() {
+        let found = Plane::from_samples(3, 1, vec![0.0, f32::NAN, f32::INFINITY]);
+        let errors = compare(
+            [&found],
+            [&Plane::filled(3, 1, 0.0)],
+            &Mask::full(3, 1),
+            1.0,
+        );
+        assert_eq!((errors.non_finite, errors.worst), (2, Some([1, 0])));
+        assert!(errors.mean == f64::INFINITY && errors.max == f64::INFINITY);
+        let over = overshoot(&found, [-1.0, 1.0], &Mask::full(3, 1), 1.0);
+        assert_eq!(over, f64::INFINITY);
+    }
+
+    #[test]
+    fn an_empty_mask_compares_nothing() {
+        let empty = Mask::new(Plane::filled(2, 2, false));
+        let errors = compare(
+            [&Plane::filled(2, 2, 1.0)],
+            [&Plane::filled(2, 2, 0.0)],
+            &empty,
+            1.0,
+        );
+        assert_eq!(
+            (errors.pixels, errors.mean, errors.max, errors.worst),
+            (0, 0.0, 0.0, None)
+        );
+    }
+
+    #[test]
+    fn overshoot_is_measured_on_both_sides() {
+        let plane = Plane::from_samples(4, 1, vec![-1.5, 0.0, 1.25, 9.0]);
+        let mask = Mask::new(Plane::from_fn(4, 1, |x, _| x < 3));
+        assert_eq!(overshoot(&plane, [-1.0, 1.0], &mask, 2.0), 0.25);
+        assert_eq!(overshoot(&plane, [-2.0, 2.0], &mask, 2.0), 0.0);
+    }
+}

@@ -1,0 +1,242 @@
+//! Error against run time: what each setting costs and what it gives, on a frame and on exact scenes.
+//!
+//! Everything is measured against a reference in double precision ([`mod@reference`]) that starts from the
+//! same input. Errors of slopes and of their derivatives are told relative to the largest |g| before
+//! diffusion; times are of the stages, without reading and writing.
+
+pub mod advice;
+pub mod compare;
+pub mod machine;
+pub mod markdown;
+pub mod pareto;
+pub mod plots;
+pub mod reference;
+pub mod scenes;
+pub mod stability;
+pub mod sweeps;
+pub mod timing;
+pub mod work;
+
+use crate::Result;
+use crate::frame::Frame;
+use crate::params::{Scale, ShapeParams};
+use crate::plan::{Decision, Goal};
+use machine::Machine;
+use scenes::Scene;
+use serde::Serialize;
+use stability::CaseResult;
+use std::time::Duration;
+use sweeps::{precision, rim, run, solver};
+use timing::{Effort, Times, Utilisation};
+
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// All scales, scenes of 480x360.
+    Full,
+    /// The scale asked for and one more, scenes of 320x240, fewer runs.
+    Quick,
+}
+
+/// A stage of the whole descriptor.
+#[derive(Debug, Clone, Serialize)]
+pub struct StageRow {
+    /// Its name.
+    pub stage: &'static str,
+    /// Its time.
+    pub times: Times,
+    /// Megapixels of the frame per second.
+    pub megapixels_per_second: f64,
+    /// Its share of the machine, for a stage with a model of its work.
+    pub utilisation: Option<Utilisation>,
+}
+
+/// Everything that was measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Whether the program was built with optimisation; times of one that was not mean little.
+    pub optimised: bool,
+    /// The machine.
+    pub machine: Machine,
+    /// How shape was asked to be found.
+    pub shape: ShapeParams,
+    /// Stages of a picture of the curvature, run or left out, and why.
+    pub decisions: Vec<Decision>,
+    /// Stages of the whole descriptor on the frame.
+    pub stages: Vec<StageRow>,
+    /// Solvers and tolerances on the frame.
+    pub frame: solver::SceneSweep,
+    /// The same on exact scenes.
+    pub scenes: Vec<solver::SceneSweep>,
+    /// Ways of running.
+    pub runs: Vec<run::Row>,
+    /// Precision of the input.
+    pub precision: Vec<precision::Row>,
+    /// Foreshortening and the floor of n_z on a ball.
+    pub rim_of_ball: Vec<rim::BallRow>,
+    /// The same on the frame.
+    pub rim_of_frame: Vec<rim::FrameRow>,
+    /// Stiff and extreme cases.
+    pub stability: Vec<CaseResult>,
+}
+
+/// Measures everything on `frame`, called `name`, and on exact scenes. `progress` is told what is done
+/// next.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn run(
+    name: &str,
+    frame: &Frame,
+    shape: ShapeParams,
+    extent: Extent,
+    progress: &dyn Fn(&str),
+) -> Result<Report> {
+    shape.validate()?;
+    progress("the machine's bandwidth and arithmetic");
+    let machine = Machine::measured();
+    let effort = effort(extent);
+    // Without foreshortening no stage asks for the camera; a command would not even look for it.
+    let lean = Frame {
+        camera: frame.camera.filter(|_| shape.foreshortening != 0.0),
+        ..frame.clone()
+    };
+    progress(&format!("{name}: stages"));
+    let display = timing::plan(Goal::Display, &lean, shape)?;
+    let stages = stages(&lean, shape, effort, &machine)?;
+    let subject = solver::Subject {
+        name: name.into(),
+        about: "the frame".into(),
+        frame: &lean,
+        shape,
+        closed_form: None,
+    };
+    let swept = solver::sweep(
+        &subject,
+        &frame_scales(shape.scale, extent),
+        effort,
+        &machine,
+        progress,
+    )?;
+    let scenes = exact_scenes(shape, extent, effort, &machine, progress)?;
+    progress(&format!("{name}: threads"));
+    let runs = run::threads(&lean, shape, effort)?;
+    progress(&format!("{name}: half and byte input"));
+    let mut rounded = precision::sweep(name, &lean, shape)?;
+    let (width, height) = scene_size(extent);
+    let ball = Scene::ball(width, height);
+    rounded.extend(precision::sweep(
+        "ball",
+        &ball.frame,
+        ShapeParams {
+            foreshortening: 0.0,
+            ..shape
+        },
+    )?);
+    drop(lean);
+    progress(&format!("{name}: foreshortening and min_nz"));
+    let (rim_of_ball, rim_of_frame) = (rim::on_ball()?, rim::on_frame(frame, &shape)?);
+    progress("stiff and extreme cases");
+    Ok(Report {
+        version: env!("CARGO_PKG_VERSION"),
+        optimised: !cfg!(debug_assertions),
+        machine,
+        shape,
+        decisions: display.decisions().to_vec(),
+        stages,
+        frame: swept,
+        scenes,
+        runs,
+        precision: rounded,
+        rim_of_ball,
+        rim_of_frame,
+        stability: stability::all().iter().map(stability::Case::run).collect(),
+    })
+}
+
+fn effort(extent: Extent) -> Effort {
+    match extent {
+        Extent::Full => Effort {
+            runs: 7,
+            limit: Duration::from_millis(250),
+        },
+        Extent::Quick => Effort {
+            runs: 5,
+            limit: Duration::from_millis(150),
+        },
+    }
+}
+
+fn scene_size(extent: Extent) -> (usize, usize) {
+    match extent {
+        Extent::Full => (480, 360),
+        Extent::Quick => (320, 240),
+    }
+}
+
+/// The scale asked for first.
+fn frame_scales(asked_for: Scale, extent: Extent) -> Vec<Scale> {
+    let more: &[Scale] = match extent {
+        Extent::Full => &[
+            Scale::Iterations(50),
+            Scale::Iterations(200),
+            Scale::Sigma(6.0),
+            Scale::Sigma(20.0),
+        ],
+        Extent::Quick => &[Scale::Sigma(6.0)],
+    };
+    let more = more.iter().copied().filter(|&scale| scale != asked_for);
+    std::iter::once(asked_for).chain(more).collect()
+}
+
+fn exact_scenes(
+    shape: ShapeParams,
+    extent: Extent,
+    effort: Effort,
+    machine: &Machine,
+    progress: &dyn Fn(&str),
+) -> Result<Vec<solver::SceneSweep>> {
+    let scales: &[Scale] = match extent {
+        Extent::Full => &[Scale::Iterations(50), Scale::Sigma(6.0), Scale::Sigma(20.0)],
+        Extent::Quick => &[Scale::Sigma(6.0)],
+    };
+    let (width, height) = scene_size(extent);
+    let sweep = |scene: &Scene| {
+        let closed_form = |x: usize, y: usize, time: f64| scene.exact_trace(x, y, time);
+        let subject = solver::Subject {
+            name: scene.name.into(),
+            about: scene.about.into(),
+            frame: &scene.frame,
+            shape: ShapeParams {
+                foreshortening: scene.foreshortening,
+                tolerance: shape.tolerance,
+                ..ShapeParams::default()
+            },
+            closed_form: Some(&closed_form),
+        };
+        solver::sweep(&subject, scales, effort, machine, progress)
+    };
+    Scene::all(width, height).iter().map(sweep).collect()
+}
+
+fn stages(
+    frame: &Frame,
+    shape: ShapeParams,
+    effort: Effort,
+    machine: &Machine,
+) -> Result<Vec<StageRow>> {
+    let plan = timing::plan(Goal::Layers, frame, shape)?;
+    let (_, measured) = timing::measure(&plan, frame, effort);
+    let (pixels, covered) = (frame.mask.width() * frame.mask.height(), frame.mask.count());
+    let row = |(stage, times): (&'static str, Times)| StageRow {
+        stage,
+        times,
+        megapixels_per_second: times.megapixels_per_second(pixels),
+        utilisation: work::of_stage(stage, &shape, &plan.sweeps)
+            .map(|work| Utilisation::of(work, covered, times, machine)),
+    };
+    let all = ("all", measured.whole);
+    Ok(measured.stages.into_iter().chain([all]).map(row).collect())
+}

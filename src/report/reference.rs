@@ -1,0 +1,366 @@
+//! The descriptor in double precision: what fast single-precision results are measured against.
+//!
+//! It starts from the same f32 inputs and from the conductance that the backend found, so that it
+//! tells the error of the solver and of rounding, and nothing else. The kernels are written again, not
+//! shared: a mistake in one of them shows as a difference.
+
+use crate::frame::{Frame, Mask, Plane};
+use crate::params::{Scale, ShapeParams};
+use crate::shape::chebyshev::{Spread, coefficients};
+use rayon::prelude::*;
+
+/// A field of 2-vectors in double precision: x right, y up.
+pub type Field = [Plane<f64>; 2];
+
+/// Tolerance of the reference's own expansion: far below what f32 can hold.
+const TOLERANCE: f64 = 1e-13;
+
+/// Steps past which the reference of steps is expanded too, so that any number of them ends soon.
+const MOST_STEPS: u32 = 500;
+
+/// The depth gradient of every covered pixel, 0 elsewhere ([RS] section 4.1).
+pub fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
+    let projection = frame.camera.map(|camera| camera.projection);
+    let [left, top] = [frame.data_window.x0, frame.data_window.y0].map(f64::from);
+    let (f, floor) = (f64::from(params.foreshortening), f64::from(params.min_nz));
+    let slope = |x: usize, y: usize| {
+        if !frame.mask.at(x, y) {
+            return [0.0; 2];
+        }
+        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| f64::from(p.at(x, y)));
+        let eye = projection.map_or(glam::DVec2::ZERO, |projection| {
+            projection.to_eye(left + x as f64 + 0.5, top + y as f64 + 0.5)
+        });
+        let facing = (n[2] + n[0] * eye.x + n[1] * eye.y).max(floor);
+        [-n[0] * facing.powf(-f), -n[1] * facing.powf(-f)]
+    };
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    [0, 1].map(|axis| Plane::from_fn(width, height, |x, y| slope(x, y)[axis]))
+}
+
+/// The largest length of a vector of `field`.
+pub fn largest(field: &Field) -> f64 {
+    let pairs = field[0].samples().iter().zip(field[1].samples());
+    pairs.fold(0.0, |largest: f64, (x, y)| largest.max(x.hypot(*y)))
+}
+
+/// Least and largest sample of `plane` inside `mask`; [0, 0] where there is none.
+pub fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
+    let covered = plane.samples().iter().zip(mask.plane().samples());
+    let range = covered
+        .filter(|&(_, &covered)| covered)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], (&v, _)| {
+            [lo.min(v), hi.max(v)]
+        });
+    if range[0] > range[1] { [0.0; 2] } else { range }
+}
+
+/// The diffusion operator L of [LW] section 4.3 for given conductances.
+pub struct Operator {
+    /// `left[x]` joins column x - 1 and x; 0 in the first column.
+    left: Plane<f64>,
+    /// `above` joins a row and the row above it; 0 in the first row.
+    above: Plane<f64>,
+}
+
+impl Operator {
+    /// The operator with harmonic means of `conductance` at its faces, closed at the picture's border.
+    pub fn new(conductance: &Plane) -> Self {
+        let face = |a: f32, b: f32| {
+            let (a, b) = (f64::from(a), f64::from(b));
+            if a > 0.0 && b > 0.0 {
+                2.0 / (a.recip() + b.recip())
+            } else {
+                0.0
+            }
+        };
+        let c = |x: usize, y: usize| conductance.at(x, y);
+        let (w, h) = (conductance.width(), conductance.height());
+        let left = |x, y| {
+            if x > 0 {
+                face(c(x - 1, y), c(x, y))
+            } else {
+                0.0
+            }
+        };
+        let above = |x, y| {
+            if y > 0 {
+                face(c(x, y - 1), c(x, y))
+            } else {
+                0.0
+            }
+        };
+        Self {
+            left: Plane::from_fn(w, h, left),
+            above: Plane::from_fn(w, h, above),
+        }
+    }
+
+    /// `combine(g, Lg, out)` of every pixel, written to `out`.
+    fn sweep(
+        &self,
+        out: &mut Plane<f64>,
+        g: &Plane<f64>,
+        combine: impl Fn(f64, f64, f64) -> f64 + Sync,
+    ) {
+        let (w, h) = (g.width(), g.height());
+        let rows = out.samples_mut().par_chunks_mut(w.max(1)).enumerate();
+        rows.for_each(|(y, out)| {
+            let (at, left, above) = (g.row(y), self.left.row(y), self.above.row(y));
+            let north = g.row(y.saturating_sub(1));
+            let south = (y + 1 < h).then(|| (g.row(y + 1), self.above.row(y + 1)));
+            for x in 0..w {
+                let mut flow = above[x] * (north[x] - at[x]);
+                if let Some((south, below)) = south {
+                    flow += below[x] * (south[x] - at[x]);
+                }
+                if x > 0 {
+                    flow += left[x] * (at[x - 1] - at[x]);
+                }
+                if x + 1 < w {
+                    flow += left[x + 1] * (at[x + 1] - at[x]);
+                }
+                out[x] = combine(at[x], flow, out[x]);
+            }
+        });
+    }
+
+    /// `(1 + dt L)^count g`, step by step.
+    pub fn steps(&self, g: &Plane<f64>, count: u32, time_step: f64) -> Plane<f64> {
+        let (mut now, mut next) = (g.clone(), g.clone());
+        for _ in 0..count {
+            self.sweep(&mut next, &now, |g, lg, _| g + time_step * lg);
+            std::mem::swap(&mut now, &mut next);
+        }
+        now
+    }
+
+    /// `exp(time L) g`, by an expansion within 1e-13 of the largest |g|.
+    pub fn exponential(&self, g: &Plane<f64>, time: f64) -> Plane<f64> {
+        self.expanded(g, Spread::Time(time))
+    }
+
+    /// What `spread` makes of `g`, by an expansion within 1e-13 of the largest |g|.
+    fn expanded(&self, g: &Plane<f64>, spread: Spread) -> Plane<f64> {
+        let a = coefficients(spread, TOLERANCE);
+        let mut sum = g.map(|v| a[0] * v);
+        let (mut before, mut now) = (g.clone(), g.clone());
+        for (k, a) in a.iter().enumerate().skip(1) {
+            if k == 1 {
+                self.sweep(&mut now, &before, |g, lg, _| -0.25 * lg - g);
+            } else {
+                self.sweep(&mut before, &now, |g, lg, before| {
+                    -0.5 * lg - 2.0 * g - before
+                });
+                std::mem::swap(&mut now, &mut before);
+            }
+            let pairs = sum.samples_mut().par_iter_mut().zip(now.samples());
+            pairs
+                .with_min_len(1 << 14)
+                .for_each(|(sum, v)| *sum += a * v);
+        }
+        sum
+    }
+
+    /// `field` diffused as `params` ask: exactly for a scale in pixels, in steps for a number of them.
+    pub fn diffused(&self, field: &Field, params: &ShapeParams) -> Field {
+        [0, 1].map(|axis: usize| match params.scale {
+            Scale::Iterations(count) if count <= MOST_STEPS => {
+                self.steps(&field[axis], count, f64::from(params.time_step))
+            }
+            Scale::Iterations(count) => {
+                let time_step = f64::from(params.time_step);
+                self.expanded(&field[axis], Spread::Steps { count, time_step })
+            }
+            Scale::Sigma(_) => self.exponential(&field[axis], params.diffusion_time()),
+        })
+    }
+}
+
+/// Trace of the Hessian of every covered pixel: the divergence of the plane fitted to the 3x3
+/// gradients, weighted by conductance, as [`crate::shape::hessian`] defines it.
+pub fn trace(field: &Field, conductance: &Plane, mask: &Mask) -> Plane<f64> {
+    let (w, h) = (conductance.width(), conductance.height());
+    let rows: Vec<f64> = (0..w * h)
+        .into_par_iter()
+        .with_min_len(w.max(1))
+        .map(|i| match (i % w, i / w) {
+            (x, y) if mask.at(x, y) => divergence(field, conductance, x, y),
+            _ => 0.0,
+        })
+        .collect();
+    Plane::from_samples(w, h, rows)
+}
+
+/// Keeps a fit to neighbours on one line solvable, as the kernel does.
+const RIDGE: f64 = 1e-4;
+
+fn divergence(field: &Field, conductance: &Plane, x: usize, y: usize) -> f64 {
+    let c = |x: usize, y: usize| f64::from(conductance.at(x, y));
+    let (w, h) = (conductance.width() as i64, conductance.height() as i64);
+    let open_everywhere = around(x, y, w, h).all(|(_, _, i, j, _)| c(i, j) == 1.0);
+    // In the open the moments are exactly 8; what the ridge would add is not there.
+    let ridge = if open_everywhere { 0.0 } else { RIDGE };
+    let (mut xx, mut xy, mut yy) = (ridge, 0.0, ridge);
+    let mut rise = [[0.0; 2]; 2];
+    for (dx, dy, i, j, weight) in around(x, y, w, h) {
+        let weight = weight * c(i, j);
+        xx += weight * dx * dx;
+        xy += weight * dx * dy;
+        yy += weight * dy * dy;
+        for axis in 0..2 {
+            let step = weight * (field[axis].at(i, j) - field[axis].at(x, y));
+            rise[axis][0] += dx * step;
+            rise[axis][1] += dy * step;
+        }
+    }
+    let determinant = xx * yy - xy * xy;
+    let along_x = (yy * rise[0][0] - xy * rise[0][1]) / determinant;
+    let along_y = (xx * rise[1][1] - xy * rise[1][0]) / determinant;
+    c(x, y) * (along_x + along_y)
+}
+
+/// The eight neighbours as (dx, dy up, column, row, Sobel's weight); beyond the border it is repeated.
+fn around(
+    x: usize,
+    y: usize,
+    w: i64,
+    h: i64,
+) -> impl Iterator<Item = (f64, f64, usize, usize, f64)> {
+    let offsets = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+    offsets
+        .filter(|&offset| offset != (0, 0))
+        .map(move |(dx, dy): (i64, i64)| {
+            let weight = if dx == 0 || dy == 0 { 2.0 } else { 1.0 };
+            let (i, j) = (
+                (x as i64 + dx).clamp(0, w - 1),
+                (y as i64 - dy).clamp(0, h - 1),
+            );
+            (dx as f64, dy as f64, i as usize, j as usize, weight)
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    const W: usize = 6;
+    const H: usize = 5;
+
+    /// Conductances from open to closed, with a barrier that is not complete.
+    fn conductance() -> Plane {
+        Plane::from_fn(W, H, |x, y| match (x, y) {
+            (3, 0..=2) => 0.0,
+            (1, 3) => 0.0,
+            _ => [1.0, 0.3, 1.0, 0.7, 0.05][(x + 2 * y) % 5],
+        })
+    }
+
+    fn start() -> Plane<f64> {
+        Plane::from_fn(W, H, |x, y| ((x * 7 + y * 13) % 11) as f64 / 5.0 - 1.0)
+    }
+
+    /// The operator as a matrix, written down from its definition: sum c_ij (g_j - g_i).
+    fn matrix() -> DMatrix<f64> {
+        let c = conductance();
+        let mut l = DMatrix::zeros(W * H, W * H);
+        for (i, j) in (0..W * H).flat_map(|i| (0..W * H).map(move |j| (i, j))) {
+            let apart = (i % W).abs_diff(j % W) + (i / W).abs_diff(j / W);
+            let (a, b) = (f64::from(c.samples()[i]), f64::from(c.samples()[j]));
+            if apart == 1 && a + b > 0.0 {
+                l[(i, j)] += 2.0 * a * b / (a + b);
+                l[(i, i)] -= 2.0 * a * b / (a + b);
+            }
+        }
+        l
+    }
+
+    fn worst(found: &Plane<f64>, exact: &DVector<f64>) -> f64 {
+        found
+            .samples()
+            .iter()
+            .zip(exact)
+            .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
+    }
+
+    #[test]
+    fn the_exponential_is_that_of_the_matrix() {
+        // By its eigenvectors: L is symmetric. Eigenvalues are known to 1e-15, which time multiplies.
+        let eigen = matrix().symmetric_eigen();
+        assert!(
+            eigen
+                .eigenvalues
+                .iter()
+                .all(|&v| (-8.0..1e-12).contains(&v))
+        );
+        let start_vector = DVector::from_column_slice(start().samples());
+        for time in [0.0, 0.1, 2.0, 50.0, 5000.0] {
+            let grown = DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| (time * v).exp()));
+            let exact =
+                &eigen.eigenvectors * grown * eigen.eigenvectors.transpose() * &start_vector;
+            let found = Operator::new(&conductance()).exponential(&start(), time);
+            assert!(
+                worst(&found, &exact) < 1e-12 + 1e-15 * time,
+                "t {time}: {}",
+                worst(&found, &exact)
+            );
+        }
+    }
+
+    #[test]
+    fn steps_are_those_of_the_matrix() {
+        let step = DMatrix::identity(W * H, W * H) + 0.2 * matrix();
+        let mut exact = DVector::from_column_slice(start().samples());
+        for _ in 0..17 {
+            exact = &step * exact;
+        }
+        let found = Operator::new(&conductance()).steps(&start(), 17, 0.2);
+        assert!(worst(&found, &exact) < 1e-14);
+        // Expanded, within its own tolerance.
+        let spread = Spread::Steps {
+            count: 17,
+            time_step: 0.2,
+        };
+        let expanded = Operator::new(&conductance()).expanded(&start(), spread);
+        assert!(worst(&expanded, &exact) < 2e-13);
+    }
+
+    #[test]
+    fn many_short_steps_come_to_the_exponential() {
+        // The error of first-order steps is t dt |L|^2 / 2 at most: 2 * 1e-5 * 32.
+        let operator = Operator::new(&conductance());
+        let (stepped, exact) = (
+            operator.steps(&start(), 200_000, 1e-5),
+            operator.exponential(&start(), 2.0),
+        );
+        let exact = DVector::from_column_slice(exact.samples());
+        assert!(worst(&stepped, &exact) < 6.4e-4);
+    }
+
+    #[test]
+    fn the_trace_of_a_linear_field_is_its_divergence() {
+        // g = (0.3 x + 0.1 y, 0.1 x - 0.2 y), y up: 0.3 - 0.2, times the pixel's conductance. At the
+        // picture's border the repeated row halves a derivative, so only the inside is looked at.
+        let field = [(0.3, 0.1), (0.1, -0.2)]
+            .map(|(a, b)| Plane::from_fn(7, 6, |x, y| a * x as f64 - b * y as f64));
+        let open = trace(&field, &Plane::filled(7, 6, 1.0), &Mask::full(7, 6));
+        let half = trace(&field, &Plane::filled(7, 6, 0.5), &Mask::full(7, 6));
+        for (x, y) in (1..6).flat_map(|x| (1..5).map(move |y| (x, y))) {
+            assert!((open.at(x, y) - 0.1).abs() < 1e-14);
+            // Moments of 8 * 0.5 against a ridge of 1e-4.
+            assert!((half.at(x, y) - 0.05).abs() < 1e-5, "{}", half.at(x, y));
+        }
+    }
+
+    #[test]
+    fn the_range_leaves_out_what_is_not_covered() {
+        let plane = Plane::from_samples(3, 1, vec![-1.0, 2.0, 9.0]);
+        let mask = Mask::new(Plane::from_samples(3, 1, vec![true, true, false]));
+        assert_eq!(range(&plane, &mask), [-1.0, 2.0]);
+        assert_eq!(
+            range(&plane, &Mask::new(Plane::filled(3, 1, false))),
+            [0.0, 0.0]
+        );
+    }
+}

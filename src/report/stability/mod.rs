@@ -1,0 +1,305 @@
+//! Stiff and extreme cases, run live: each is bounded, warned of or refused, as it declares, and none
+//! gives a NaN or a panic.
+
+mod cases;
+mod frames;
+
+pub use cases::all;
+
+use super::timing;
+use crate::backend::cpu;
+use crate::error::{Error, Result};
+use crate::frame::{Frame, Plane};
+use crate::params::ShapeParams;
+use crate::plan::Goal;
+use serde::Serialize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What a case is expected to end in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Expected {
+    /// A result within its bounds, nothing to be said.
+    Bounded,
+    /// A result within its bounds, and a word to the user.
+    Warned,
+    /// No result, but the reason.
+    Refused,
+}
+
+/// The largest values of a result and what they may be at most.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Largest |g_x| or |g_y| after diffusion.
+    pub slope: f64,
+    /// The largest one before it: diffusion makes no new extremum; with the solver's tolerance.
+    pub slope_bound: f64,
+    /// Largest |trace| per pixel.
+    pub trace: f64,
+    /// Eight times the bound of the slope: see [`Verdict`].
+    pub trace_bound: f64,
+}
+
+/// What a case ended in.
+///
+/// The bound of the trace: a fitted plane is a weighted mean of planes through the pixel and two
+/// neighbours. Such a plane solves two equations in offsets of -1, 0 and 1 whose determinant is 1 at least,
+/// so each derivative is at most the sum of two differences, four times the largest slope; the trace
+/// is two derivatives.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "outcome", rename_all = "lowercase")]
+pub enum Verdict {
+    /// Every value is a number within its bounds.
+    Bounded(Bounds),
+    /// The same, and the user is told something.
+    Warned {
+        /// What the user is told.
+        message: String,
+        /// The values.
+        bounds: Bounds,
+    },
+    /// No result.
+    Refused {
+        /// The reason given.
+        message: String,
+    },
+    /// What must not happen: a NaN, a value out of bounds, a panic.
+    Failed {
+        /// What happened.
+        what: String,
+    },
+}
+
+impl Verdict {
+    /// Whether it is what was expected.
+    pub fn is(&self, expected: Expected) -> bool {
+        match self {
+            Self::Bounded(_) => expected == Expected::Bounded,
+            Self::Warned { .. } => expected == Expected::Warned,
+            Self::Refused { .. } => expected == Expected::Refused,
+            Self::Failed { .. } => false,
+        }
+    }
+}
+
+/// A case.
+pub struct Case {
+    /// Its name.
+    pub name: &'static str,
+    /// What is done.
+    pub done: &'static str,
+    /// What it should end in.
+    pub expected: Expected,
+    run: Box<dyn Fn() -> Result<Verdict>>,
+}
+
+/// A case with its outcome.
+#[derive(Debug, Clone, Serialize)]
+pub struct CaseResult {
+    /// Its name.
+    pub name: &'static str,
+    /// What was done.
+    pub done: &'static str,
+    /// What it should end in.
+    pub expected: Expected,
+    /// What it ended in.
+    pub verdict: Verdict,
+    /// Whether that is what was expected.
+    pub as_expected: bool,
+}
+
+impl Case {
+    /// Runs the case; a panic is a failure of the case alone.
+    pub fn run(&self) -> CaseResult {
+        let verdict = match catch_unwind(AssertUnwindSafe(&self.run)) {
+            Ok(Ok(verdict)) => verdict,
+            Ok(Err(error)) => refusal(error),
+            Err(panic) => {
+                let text = panic.downcast_ref::<String>().map(String::as_str);
+                let text = text
+                    .or(panic.downcast_ref::<&str>().copied())
+                    .unwrap_or("no message");
+                Verdict::Failed {
+                    what: format!("panicked: {text}"),
+                }
+            }
+        };
+        CaseResult {
+            name: self.name,
+            done: self.done,
+            expected: self.expected,
+            as_expected: verdict.is(self.expected),
+            verdict,
+        }
+    }
+}
+
+/// A parameter or input that is turned away is a refusal; a disk that fails is a failure.
+fn refusal(error: Error) -> Verdict {
+    match error {
+        Error::Io { .. } => Verdict::Failed {
+            what: error.to_string(),
+        },
+        _ => Verdict::Refused {
+            message: error.to_string(),
+        },
+    }
+}
+
+/// Rounding of single precision over thousands of sweeps, relative to the largest slope.
+const ROUNDING: f64 = 1e-4;
+
+/// Runs every goal of shape analysis over `frame` and holds all planes against their bounds.
+fn judged(frame: &Frame, shape: ShapeParams, warnings: &[String]) -> Result<Verdict> {
+    let display = cpu::run(&timing::plan(Goal::Display, frame, shape)?, frame);
+    let layers = cpu::run(&timing::plan(Goal::Layers, frame, shape)?, frame);
+    let color = display.color.as_ref().expect("a display has colours");
+    let found = &layers.shape;
+    let gradient = found.gradient.as_ref().expect("layers hold the gradient");
+    let hessian = found.hessian.as_ref().expect("layers hold the hessian");
+    let curvatures = found
+        .curvatures
+        .as_ref()
+        .expect("layers hold the curvatures");
+    let direction = found
+        .direction
+        .as_ref()
+        .expect("layers hold the directions");
+    let slope_bound = steepest_start(frame, &shape) * (1.0 + relative_tolerance(&shape) + ROUNDING);
+    let bounds = Bounds {
+        slope: largest(&gradient.x).max(largest(&gradient.y)),
+        slope_bound,
+        trace: 2.0 * largest(&curvatures.mean),
+        trace_bound: 8.0 * slope_bound,
+    };
+    let unit = [
+        ("silhouette", found.silhouette.as_ref()),
+        ("crease", found.crease.as_ref()),
+        ("conductance", found.conductance.as_ref()),
+        ("kappa", found.kappa.as_ref()),
+        ("direction", Some(&direction.x)),
+        ("direction", Some(&direction.y)),
+        ("display", Some(&color.r)),
+        ("display", Some(&color.g)),
+        ("display", Some(&color.b)),
+    ];
+    let unit = unit
+        .into_iter()
+        .filter_map(|(name, plane)| Some((name, largest(plane?), 1.0 + 1e-6)));
+    let twice = 2.0 * bounds.trace_bound;
+    let entries = [
+        &hessian.xx,
+        &hessian.xy,
+        &hessian.yy,
+        &curvatures.u,
+        &curvatures.v,
+    ];
+    let curved = entries.map(|plane| ("hessian", largest(plane), twice));
+    let limits = [
+        ("slope", bounds.slope, bounds.slope_bound),
+        ("trace", bounds.trace, bounds.trace_bound),
+    ];
+    // A NaN is not within any bound.
+    let within = |value: f64, bound: f64| value <= bound && bound.is_finite();
+    let wrong = unit
+        .chain(curved)
+        .chain(limits)
+        .find(|&(_, value, bound)| !within(value, bound));
+    Ok(match (wrong, warnings) {
+        (Some((name, value, bound)), _) => Verdict::Failed {
+            what: format!("{name} is {value}, which should be at most {bound}"),
+        },
+        (None, []) => Verdict::Bounded(bounds),
+        (None, warnings) => Verdict::Warned {
+            message: warnings.join("; "),
+            bounds,
+        },
+    })
+}
+
+fn relative_tolerance(shape: &ShapeParams) -> f64 {
+    f64::from(shape.tolerance) / shape.largest_slope()
+}
+
+/// The largest component of the gradient before diffusion that the covered normals allow.
+fn steepest_start(frame: &Frame, shape: &ShapeParams) -> f64 {
+    let covered = frame.mask.plane().samples();
+    let components = [&frame.normal.x, &frame.normal.y];
+    let samples = components
+        .into_iter()
+        .flat_map(|plane| plane.samples().iter().zip(covered));
+    let leaning = samples.filter(|&(_, &covered)| covered);
+    leaning.fold(0.0, |m: f64, (n, _)| m.max(f64::from(n.abs()))) * shape.largest_slope()
+}
+
+/// The largest size of a sample; NaN or infinite if one is.
+fn largest(plane: &Plane) -> f64 {
+    let sizes = plane.samples().iter().map(|v| f64::from(v.abs()));
+    sizes.fold(0.0, |m, v| {
+        if v.is_nan() || m.is_nan() {
+            f64::NAN
+        } else {
+            m.max(v)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frames::relief;
+
+    fn case(expected: Expected, run: impl Fn() -> Result<Verdict> + 'static) -> Case {
+        Case {
+            name: "a case",
+            done: "something",
+            expected,
+            run: Box::new(run),
+        }
+    }
+
+    #[test]
+    fn a_nan_is_a_failure_and_no_size() {
+        assert!(largest(&Plane::from_samples(3, 1, vec![1.0, f32::NAN, 2.0])).is_nan());
+        assert_eq!(
+            largest(&Plane::from_samples(3, 1, vec![1.0, -3.0, 2.0])),
+            3.0
+        );
+        // Normals that io would never let pass, straight into the backend.
+        let mut frame = relief(9, 9);
+        frame.normal.x.row_mut(4)[4] = f32::NAN;
+        let verdict = judged(&frame, ShapeParams::default(), &[]).unwrap();
+        assert!(matches!(verdict, Verdict::Failed { .. }), "{verdict:?}");
+    }
+
+    #[test]
+    fn a_panic_stays_inside_its_case() {
+        let result = case(Expected::Bounded, || panic!("on purpose")).run();
+        assert!(!result.as_expected);
+        assert_eq!(
+            result.verdict,
+            Verdict::Failed {
+                what: "panicked: on purpose".into()
+            }
+        );
+    }
+
+    #[test]
+    fn another_outcome_than_declared_is_seen() {
+        let refused = |expected| {
+            case(expected, || {
+                judged(
+                    &relief(4, 4),
+                    ShapeParams {
+                        time_step: 0.3,
+                        ..ShapeParams::default()
+                    },
+                    &[],
+                )
+            })
+            .run()
+        };
+        assert!(refused(Expected::Refused).as_expected);
+        assert!(!refused(Expected::Bounded).as_expected);
+    }
+}

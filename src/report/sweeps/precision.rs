@@ -1,0 +1,184 @@
+//! Input precision: what half floats and bytes in place of floats do to the result.
+
+use super::{Measuring, named};
+use crate::Result;
+use crate::backend::cpu;
+use crate::frame::{Frame, Mask, Plane, Vector3Planes};
+use crate::params::{Scale, ShapeParams};
+use crate::plan::Goal;
+use crate::report::compare::{Errors, compare_where};
+use crate::report::timing;
+use half::f16;
+use serde::Serialize;
+
+/// How samples were rounded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stored {
+    /// As they came.
+    Float,
+    /// 16-bit floats, normals and depth.
+    Half,
+    /// Normals as bytes of (n + 1) / 2, depth as it came.
+    Byte,
+}
+
+/// Results of rounded input against those of the input as it came.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// Name of the frame.
+    pub frame: String,
+    /// How it was rounded.
+    pub stored: Stored,
+    /// The scale in words.
+    pub scale: String,
+    /// Change of the gradient, relative to the largest |g| before diffusion.
+    pub gradient: Errors,
+    /// Change of the trace per pixel, relative to the same.
+    pub trace: Errors,
+    /// Pixels that rounding took from the mask or whose conductance it changed by more than one half.
+    pub edges_moved: usize,
+}
+
+/// Compares float, half and byte input at the undiffused and at the asked-for scale with the reference
+/// in double precision of the input as it came.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> {
+    let measuring = Measuring::new(frame, shape)?;
+    let mut scales = vec![Scale::Iterations(0)];
+    if shape.diffusion_time() > 0.0 {
+        scales.push(shape.scale);
+    }
+    let mut rows = Vec::new();
+    for scale in scales {
+        let gradient = measuring.diffused(scale);
+        let trace = measuring.trace(&gradient);
+        for stored in [Stored::Float, Stored::Half, Stored::Byte] {
+            let rounded = rounded(frame, stored);
+            let plan = timing::plan(Goal::Layers, &rounded, ShapeParams { scale, ..shape })?;
+            let found = cpu::run(&plan, &rounded).shape;
+            let found_gradient = found.gradient.expect("layers hold the gradient");
+            let mean = found.curvatures.expect("layers hold the curvatures").mean;
+            let conductance = found.conductance.expect("layers hold the conductance");
+            let moved = |x: usize, y: usize| {
+                let (before, after) = (measuring.conductance.at(x, y), conductance.at(x, y));
+                !rounded.mask.at(x, y) || (before - after).abs() > 0.5
+            };
+            // An edge that moves is counted; it is no error of a slope.
+            let kept = |x: usize, y: usize| frame.mask.at(x, y) && !moved(x, y);
+            let [gx, gy] = &gradient;
+            let steepest = measuring.steepest;
+            rows.push(Row {
+                frame: name.into(),
+                stored,
+                scale: named(scale),
+                gradient: compare_where(
+                    [&found_gradient.x, &found_gradient.y],
+                    [gx, gy],
+                    steepest,
+                    kept,
+                )
+                .in_window(frame.data_window),
+                trace: compare_where([&mean.map(|m| 2.0 * m)], [&trace], steepest, kept)
+                    .in_window(frame.data_window),
+                edges_moved: (0..frame.mask.height())
+                    .flat_map(|y| (0..frame.mask.width()).map(move |x| (x, y)))
+                    .filter(|&(x, y)| frame.mask.at(x, y) && moved(x, y))
+                    .count(),
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// The frame as it would be read, had it been stored so.
+fn rounded(frame: &Frame, stored: Stored) -> Frame {
+    let (normal, length) = match stored {
+        Stored::Float => return frame.clone(),
+        Stored::Half => rounded_normals(frame, |v| f16::from_f32(v).to_f32()),
+        Stored::Byte => rounded_normals(frame, |v| (127.5 * (v + 1.0)).round() / 127.5 - 1.0),
+    };
+    let depth = frame.depth.as_ref().map(|depth| match stored {
+        Stored::Half => depth.map(|v| f16::from_f32(v).to_f32()),
+        Stored::Float | Stored::Byte => depth.clone(),
+    });
+    // What a half float cannot hold is no distance any more: a hole in the mask.
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let covered = |x, y| {
+        let known = depth
+            .as_ref()
+            .is_none_or(|d| d.at(x, y) > 0.0 && d.at(x, y) < 65504.0 || stored != Stored::Half);
+        frame.mask.at(x, y) && known
+    };
+    Frame {
+        mask: Mask::new(Plane::from_fn(width, height, covered)),
+        normal,
+        // As io does: the length of an encoded normal is rounding, not filtering.
+        normal_length: (stored == Stored::Half).then_some(length),
+        depth,
+        ..frame.clone()
+    }
+}
+
+/// The normals as stored through `round` and made unit length again, and the lengths they had.
+fn rounded_normals(frame: &Frame, round: impl Fn(f32) -> f32) -> (Vector3Planes, Plane) {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let stored = |x: usize, y: usize| {
+        let length = frame.normal_length.as_ref().map_or(1.0, |l| l.at(x, y));
+        let n =
+            [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| round(length * p.at(x, y)));
+        glam::Vec3::from_array(n)
+    };
+    let plane =
+        |axis: usize| Plane::from_fn(width, height, |x, y| stored(x, y).normalize_or_zero()[axis]);
+    let normal = Vector3Planes {
+        x: plane(0),
+        y: plane(1),
+        z: plane(2),
+    };
+    (
+        normal,
+        Plane::from_fn(width, height, |x, y| stored(x, y).length()),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::scenes::Scene;
+
+    #[test]
+    fn rounding_costs_what_its_last_digit_is_worth() {
+        let scene = Scene::ball(120, 100);
+        let rows = sweep("ball", &scene.frame, ShapeParams::default()).unwrap();
+        let at = |stored| {
+            rows.iter()
+                .find(|row| row.stored == stored)
+                .unwrap()
+                .gradient
+        };
+        assert!(at(Stored::Float).max < 1e-6, "{:?}", at(Stored::Float));
+        // Half floats near 1 are 2^-11 from the next: half of it per component, and z may add as much.
+        assert!(
+            (1e-4..5e-4).contains(&at(Stored::Half).max),
+            "{:?}",
+            at(Stored::Half)
+        );
+        // Bytes are 2/255 apart.
+        assert!(
+            (2e-3..8e-3).contains(&at(Stored::Byte).max),
+            "{:?}",
+            at(Stored::Byte)
+        );
+    }
+
+    #[test]
+    fn depth_past_half_floats_leaves_the_mask() {
+        let mut frame = Scene::waves(8, 8).frame;
+        frame.depth = Some(Plane::from_fn(8, 8, |x, _| if x < 4 { 1e5 } else { 10.0 }));
+        assert_eq!(rounded(&frame, Stored::Half).mask.count(), 32);
+        assert_eq!(rounded(&frame, Stored::Byte).mask.count(), 64);
+    }
+}

@@ -1,0 +1,328 @@
+//! Solver against tolerance and length of step, at several scales.
+
+use super::{Measuring, named};
+use crate::Result;
+use crate::frame::{Frame, Plane};
+use crate::params::{Scale, ShapeParams, Solver};
+use crate::plan::{Goal, Plan, Recurrence, Sweeps};
+use crate::report::compare::{Errors, Tally, compare};
+use crate::report::machine::Machine;
+use crate::report::pareto;
+use crate::report::timing::{self, Effort, Timed, Times, Utilisation, measure_in_turn};
+use crate::report::work;
+use serde::Serialize;
+
+/// Tolerances tried.
+const TOLERANCES: [f32; 6] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
+/// Lengths of an explicit step tried where the scale is told in pixels, so that all end alike.
+const TIME_STEPS: [f32; 3] = [0.25, 0.2, 0.1];
+
+/// Pixels times sweeps past which a setting is left out unless it was asked for: 580 sweeps at 1080p.
+const MOST_UPDATES: usize = 1_200_000_000;
+
+/// What one setting gave.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// The solver that was run: where explicit steps are fewer and as good, they stand in.
+    pub solver: Solver,
+    /// Its tolerance or length of step, in words.
+    pub setting: String,
+    /// The flags that choose it; `None` where none do.
+    pub flags: Option<String>,
+    /// Whether it is what was asked for.
+    pub asked_for: bool,
+    /// How often the operator is applied.
+    pub applications: usize,
+    /// The largest error allowed, relative to the largest |g|; `None` for explicit steps.
+    pub allowed: Option<f64>,
+    /// Error of the diffused gradient, relative to the largest |g| before diffusion.
+    pub gradient: Errors,
+    /// Error of the trace per pixel, relative to the same.
+    pub trace: Errors,
+    /// How far the gradient leaves the range that it had before diffusion, relative to the same.
+    pub overshoot: f64,
+    /// Largest error of the curvature picture that this makes, in steps of 8 bits.
+    pub grey_levels: f64,
+    /// Largest and mean difference of the trace from the closed form, relative to the same, where
+    /// there is one.
+    pub against_closed_form: Option<Errors>,
+    /// Time of the diffusion.
+    pub diffusion: Times,
+    /// Time of all stages up to a picture of the curvature.
+    pub whole: Times,
+    /// Megapixels of the frame per second, all stages.
+    pub megapixels_per_second: f64,
+    /// What share of the machine the diffusion uses.
+    pub utilisation: Utilisation,
+    /// Whether no other row of the scale is both faster and better.
+    pub on_front: bool,
+}
+
+/// All settings at one scale.
+#[derive(Debug, Clone, Serialize)]
+pub struct ScaleSweep {
+    /// The scale in words.
+    pub scale: String,
+    /// The flag that asks for it.
+    pub flag: String,
+    /// Sigma in pixels.
+    pub sigma_px: f64,
+    /// What was tried.
+    pub rows: Vec<Row>,
+    /// What was not, because it would have taken long and been beaten.
+    pub left_out: Vec<String>,
+}
+
+/// All scales of one frame.
+#[derive(Debug, Clone, Serialize)]
+pub struct SceneSweep {
+    /// Name of the frame.
+    pub name: String,
+    /// What it shows.
+    pub about: String,
+    /// Its size.
+    pub width: usize,
+    /// Its size.
+    pub height: usize,
+    /// Pixels that show a surface.
+    pub covered: usize,
+    /// The largest |g| before diffusion.
+    pub steepest: f64,
+    /// The scales.
+    pub scales: Vec<ScaleSweep>,
+}
+
+/// A closed form of the trace: column, row, time to value.
+pub type ClosedForm<'a> = &'a dyn Fn(usize, usize, f64) -> Option<f64>;
+
+/// A frame to be swept.
+pub struct Subject<'a> {
+    /// Its name.
+    pub name: String,
+    /// What it shows.
+    pub about: String,
+    /// The frame.
+    pub frame: &'a Frame,
+    /// How its shape is found.
+    pub shape: ShapeParams,
+    /// The closed form of its trace.
+    pub closed_form: Option<ClosedForm<'a>>,
+}
+
+/// Tries every solver and setting at each of `scales`.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn sweep(
+    subject: &Subject,
+    scales: &[Scale],
+    effort: Effort,
+    machine: &Machine,
+    progress: &dyn Fn(&str),
+) -> Result<SceneSweep> {
+    let measuring = Measuring::new(subject.frame, subject.shape)?;
+    let mask = &subject.frame.mask;
+    let mut swept = Vec::new();
+    for &scale in scales {
+        progress(&format!(
+            "{}, {}: solvers and tolerances",
+            subject.name,
+            named(scale)
+        ));
+        swept.push(sweep_scale(subject, &measuring, scale, effort, machine)?);
+    }
+    Ok(SceneSweep {
+        name: subject.name.clone(),
+        about: subject.about.clone(),
+        width: mask.width(),
+        height: mask.height(),
+        covered: mask.count(),
+        steepest: measuring.steepest,
+        scales: swept,
+    })
+}
+
+fn sweep_scale(
+    subject: &Subject,
+    measuring: &Measuring,
+    scale: Scale,
+    effort: Effort,
+    machine: &Machine,
+) -> Result<ScaleSweep> {
+    let exact = measuring.diffused(scale);
+    let truth = Truth {
+        measuring,
+        trace: measuring.trace(&exact),
+        gradient: exact,
+        closed_form: subject.closed_form,
+    };
+    let shape = ShapeParams {
+        scale,
+        ..subject.shape
+    };
+    let asked_for = timing::plan(Goal::Layers, subject.frame, shape)?.sweeps;
+    let mut tried: Vec<(ShapeParams, Plan)> = Vec::new();
+    let mut left_out = Vec::new();
+    for shape in settings(&shape) {
+        let plan = timing::plan(Goal::Display, subject.frame, shape)?;
+        // Coarse tolerances can end at the same degree, fine ones at the steps themselves.
+        if tried.iter().any(|(_, other)| other.sweeps == plan.sweeps) {
+            continue;
+        }
+        let updates = plan.sweeps.count() * subject.frame.mask.count();
+        if updates <= MOST_UPDATES || plan.sweeps == asked_for {
+            tried.push((shape, plan));
+        } else {
+            left_out.push(described(&shape, &plan.sweeps));
+        }
+    }
+    let (shapes, plans): (Vec<_>, Vec<_>) = tried.into_iter().unzip();
+    let times = measure_in_turn(&plans, subject.frame, effort);
+    let rows = shapes
+        .iter()
+        .zip(times)
+        .map(|(shape, times)| truth.row(shape, times, machine));
+    let mut rows = rows.collect::<Result<Vec<Row>>>()?;
+    for (row, plan) in rows.iter_mut().zip(&plans) {
+        row.asked_for = plan.sweeps == asked_for;
+    }
+    let points: Vec<_> = rows
+        .iter()
+        .map(|row| [row.diffusion.min, row.gradient.max])
+        .collect();
+    for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
+        row.on_front = on_front;
+    }
+    Ok(ScaleSweep {
+        scale: named(scale),
+        flag: match scale {
+            Scale::Iterations(count) => format!("--iterations {count}"),
+            Scale::Sigma(sigma) => format!("--scale {sigma}"),
+        },
+        sigma_px: shape.scale_px(),
+        rows,
+        left_out,
+    })
+}
+
+/// What is tried at the scale of `shape`; what was asked for is among it.
+fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
+    let asked_for = [shape.time_step];
+    let time_steps: &[f32] = match shape.scale {
+        // The number of steps is the answer: another length would be another question.
+        Scale::Iterations(_) => &asked_for,
+        Scale::Sigma(_) => &TIME_STEPS,
+    };
+    let explicit = time_steps.iter().map(|&time_step| ShapeParams {
+        solver: Solver::Explicit,
+        time_step,
+        ..*shape
+    });
+    let expanded = TOLERANCES.iter().map(|&tolerance| ShapeParams {
+        solver: Solver::Chebyshev,
+        tolerance,
+        ..*shape
+    });
+    let mut all: Vec<_> = explicit.chain(expanded).collect();
+    if !all.contains(shape) {
+        all.push(*shape);
+    }
+    all
+}
+
+/// What every setting of one scale is compared with.
+struct Truth<'a> {
+    measuring: &'a Measuring<'a>,
+    gradient: super::Field,
+    trace: Plane<f64>,
+    closed_form: Option<ClosedForm<'a>>,
+}
+
+impl Truth<'_> {
+    fn row(&self, shape: &ShapeParams, timed: Timed, machine: &Machine) -> Result<Row> {
+        let Measuring {
+            frame, steepest, ..
+        } = *self.measuring;
+        let (mask, window) = (&frame.mask, frame.data_window);
+        let layers = timing::plan(Goal::Layers, frame, *shape)?;
+        let outcome = crate::backend::cpu::run(&layers, frame);
+        let gradient = outcome
+            .shape
+            .gradient
+            .as_ref()
+            .expect("layers hold the gradient");
+        let hessian = outcome
+            .shape
+            .hessian
+            .as_ref()
+            .expect("layers hold the hessian");
+        let mut found = hessian.xx.clone();
+        for (xx, yy) in found.samples_mut().iter_mut().zip(hessian.yy.samples()) {
+            *xx += yy;
+        }
+        let [gx, gy] = &self.gradient;
+        let trace = compare([&found], [&self.trace], mask, steepest);
+        let diffusion = timed.stage("diffusion").unwrap_or(timed.whole);
+        let work =
+            work::of_stage("diffusion", shape, &layers.sweeps).expect("diffusion has a model");
+        let explicit = matches!(layers.sweeps.recurrence, Recurrence::Explicit(_));
+        Ok(Row {
+            solver: if explicit {
+                Solver::Explicit
+            } else {
+                Solver::Chebyshev
+            },
+            setting: described(shape, &layers.sweeps),
+            flags: flags(shape),
+            asked_for: false,
+            applications: layers.sweeps.count(),
+            allowed: (!explicit).then(|| f64::from(shape.tolerance) / shape.largest_slope()),
+            gradient: compare([&gradient.x, &gradient.y], [gx, gy], mask, steepest)
+                .in_window(window),
+            trace: trace.in_window(window),
+            overshoot: self.measuring.overshoot(gradient),
+            // The mapped curvature, -1..1 over 255 steps, changes by the gain times the trace at most.
+            grey_levels: 127.5 * f64::from(outcome.gain.unwrap_or(0.0)) * trace.max * steepest,
+            against_closed_form: self.closed_form.and_then(|exact| {
+                let errors = self.against(exact, &found, shape.diffusion_time());
+                (errors.pixels > 0).then_some(errors)
+            }),
+            megapixels_per_second: timed
+                .whole
+                .megapixels_per_second(mask.width() * mask.height()),
+            utilisation: Utilisation::of(work, mask.count(), diffusion, machine),
+            diffusion,
+            whole: timed.whole,
+            on_front: false,
+        })
+    }
+
+    fn against(&self, exact: ClosedForm, found: &Plane, time: f64) -> Errors {
+        let mut tally = Tally::default();
+        for (x, y) in (0..found.height()).flat_map(|y| (0..found.width()).map(move |x| (x, y))) {
+            if let Some(exact) = exact(x, y, time) {
+                let error = f64::from(found.at(x, y)) - exact;
+                tally.add([x, y], error / self.measuring.steepest);
+            }
+        }
+        tally.errors()
+    }
+}
+
+fn described(shape: &ShapeParams, sweeps: &Sweeps) -> String {
+    match sweeps.recurrence {
+        Recurrence::Explicit(time_step) => {
+            format!("step {}", (f64::from(time_step) * 1e4).round() / 1e4)
+        }
+        Recurrence::Chebyshev => format!("tolerance {:.0e}", shape.tolerance),
+    }
+}
+
+fn flags(shape: &ShapeParams) -> Option<String> {
+    let default = ShapeParams::default();
+    match shape.solver {
+        Solver::Explicit if shape.time_step != default.time_step => None,
+        Solver::Explicit => Some("--solver explicit".into()),
+        Solver::Chebyshev => Some(format!("--tolerance {}", shape.tolerance)),
+    }
+}

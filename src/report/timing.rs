@@ -1,0 +1,185 @@
+//! How long a plan takes, and what share of the machine it uses.
+
+use super::machine::Machine;
+use super::work::Work;
+use crate::Result;
+use crate::backend::cpu::{self, Outcome};
+use crate::frame::Frame;
+use crate::params::{ScalingParams, ShapeParams};
+use crate::plan::{Available, Goal, Plan};
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// Least and median of several runs, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Times {
+    /// Least.
+    pub min: f64,
+    /// Median.
+    pub median: f64,
+    /// How many runs there were.
+    pub runs: usize,
+}
+
+impl Times {
+    fn of(mut seconds: Vec<f64>) -> Self {
+        seconds.sort_by(f64::total_cmp);
+        Self {
+            min: seconds[0],
+            median: seconds[seconds.len() / 2],
+            runs: seconds.len(),
+        }
+    }
+
+    /// Megapixels per second of the median.
+    pub fn megapixels_per_second(&self, pixels: usize) -> f64 {
+        pixels as f64 / 1e6 / self.median
+    }
+}
+
+/// How often things are timed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Runs at the most, the warming one aside.
+    pub runs: usize,
+    /// Time per plan after which no further run is begun; two are always made.
+    pub limit: Duration,
+}
+
+/// Times of a plan that was run several times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Timed {
+    /// Time of each stage, in order.
+    pub stages: Vec<(&'static str, Times)>,
+    /// Time of all stages together.
+    pub whole: Times,
+}
+
+impl Timed {
+    fn of(runs: &[Timings]) -> Self {
+        let seconds = |run: &Timings, i: usize| run[i].1.as_secs_f64();
+        let stage = |i: usize| Times::of(runs.iter().map(|run| seconds(run, i)).collect());
+        let whole = runs
+            .iter()
+            .map(|run| run.iter().map(|(_, time)| time.as_secs_f64()).sum());
+        Self {
+            stages: runs[0]
+                .iter()
+                .enumerate()
+                .map(|(i, (name, _))| (*name, stage(i)))
+                .collect(),
+            whole: Times::of(whole.collect()),
+        }
+    }
+
+    /// Time of the stage `name`, if it ran.
+    pub fn stage(&self, name: &str) -> Option<Times> {
+        self.stages
+            .iter()
+            .find(|(stage, _)| *stage == name)
+            .map(|(_, times)| *times)
+    }
+}
+
+/// What one run took, stage by stage.
+type Timings = Vec<(&'static str, Duration)>;
+
+/// The plan for `goal` over `frame`.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn plan(goal: Goal, frame: &Frame, shape: ShapeParams) -> Result<Plan> {
+    Plan::new(
+        goal,
+        Available::in_frame(frame),
+        shape,
+        ScalingParams::default(),
+    )
+}
+
+/// Runs `plan` once to warm up, then as often as `effort` says.
+pub fn measure(plan: &Plan, frame: &Frame, effort: Effort) -> (Outcome, Timed) {
+    let outcome = cpu::run(plan, frame);
+    let timed = measure_in_turn(std::slice::from_ref(plan), frame, effort).remove(0);
+    (outcome, timed)
+}
+
+/// Runs `plans` in turn, round after round: what else the machine is busy with meanwhile hits all alike.
+pub fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
+    let mut runs: Vec<Vec<Timings>> = vec![Vec::new(); plans.len()];
+    let mut spent = vec![Duration::ZERO; plans.len()];
+    for round in 0..effort.runs.max(2) {
+        for (i, plan) in plans.iter().enumerate() {
+            if round < 2 || spent[i] < effort.limit {
+                let start = Instant::now();
+                runs[i].push(cpu::run(plan, frame).timings);
+                spent[i] += start.elapsed();
+            }
+        }
+    }
+    runs.iter().map(|runs| Timed::of(runs)).collect()
+}
+
+/// How near a stage comes to what the machine can do.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Utilisation {
+    /// Bytes that an ideal pass would move, per second.
+    pub bytes_per_second: f64,
+    /// The same as a share of the measured bandwidth. Above 1 where a frame, or a tile of it, stays in
+    /// a cache.
+    pub of_bandwidth: f64,
+    /// Operations per second.
+    pub operations_per_second: f64,
+    /// The same as a share of the measured rate.
+    pub of_arithmetic: f64,
+}
+
+impl Utilisation {
+    /// `work` over `pixels` covered pixels in the least of `times`.
+    pub fn of(work: Work, pixels: usize, times: Times, machine: &Machine) -> Self {
+        let per_second = |each: f64| each * pixels as f64 / times.min;
+        let (bytes, operations) = (per_second(work.bytes), per_second(work.operations));
+        Self {
+            bytes_per_second: bytes,
+            of_bandwidth: bytes / machine.bytes_per_second,
+            operations_per_second: operations,
+            of_arithmetic: operations / machine.operations_per_second,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_and_median() {
+        let times = Times::of(vec![0.5, 0.1, 0.3]);
+        assert_eq!((times.min, times.median, times.runs), (0.1, 0.3, 3));
+        assert!((times.megapixels_per_second(600_000) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn shares_of_the_machine() {
+        let machine = Machine {
+            threads: 1,
+            bytes_per_second: 1e9,
+            operations_per_second: 4e9,
+            multiply_add: "",
+        };
+        let times = Times {
+            min: 0.01,
+            median: 0.02,
+            runs: 2,
+        };
+        let work = Work {
+            bytes: 20.0,
+            operations: 100.0,
+        };
+        // 20 bytes times 1e5 pixels in 10 ms: 2e8 a second; 100 operations: 1e9.
+        let used = Utilisation::of(work, 100_000, times, &machine);
+        assert!(
+            (used.of_bandwidth - 0.2).abs() < 1e-12 && (used.of_arithmetic - 0.25).abs() < 1e-12
+        );
+    }
+}

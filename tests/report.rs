@@ -1,0 +1,288 @@
+//! `relievo report`: its files, and what the numbers in them have to hold to.
+
+use relievo::report::pareto::front;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::LazyLock;
+
+/// Rounding of single precision, relative to the largest slope.
+const ROUNDING: f64 = 3e-6;
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fixtures")
+        .join(name)
+}
+
+fn relievo(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_relievo"));
+    command.args(arguments).output().unwrap()
+}
+
+/// One run for all tests, into a directory that holds an older report and something else.
+struct Run {
+    place: tempfile::TempDir,
+    output: Output,
+    json: Value,
+}
+
+static RUN: LazyLock<Run> = LazyLock::new(|| {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("report.md"), "old").unwrap();
+    fs::write(place.path().join("notes.txt"), "mine").unwrap();
+    let (input, directory) = (fixture("bust.exr"), place.path().to_path_buf());
+    let paths = [&input, &directory].map(|p| p.to_str().unwrap());
+    let output = relievo(&["report", paths[0], "-o", paths[1], "--quick"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{stderr}");
+    let json = fs::read_to_string(directory.join("report.json")).unwrap();
+    Run {
+        place,
+        output,
+        json: serde_json::from_str(&json).unwrap(),
+    }
+});
+
+impl Run {
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.place.path().join(name)).unwrap()
+    }
+
+    /// Every scale of the frame and of every scene, with the scene's name.
+    fn scales(&'static self) -> Vec<(String, &'static Value)> {
+        let scenes = self.json["scenes"].as_array().unwrap();
+        let all = std::iter::once(&self.json["frame"]).chain(scenes);
+        all.flat_map(|scene| {
+            let named =
+                |scale: &'static Value| (format!("{} at {}", scene["name"], scale["scale"]), scale);
+            scene["scales"].as_array().unwrap().iter().map(named)
+        })
+        .collect()
+    }
+
+    fn rows(&'static self) -> Vec<(String, &'static Value)> {
+        let rows = |(name, scale): (String, &'static Value)| {
+            let rows = scale["rows"].as_array().unwrap();
+            rows.iter()
+                .map(move |row| (format!("{name}, {}", row["setting"]), row))
+        };
+        self.scales().into_iter().flat_map(rows).collect()
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn the_files_are_there_and_others_stay() {
+    assert_eq!(RUN.read("notes.txt"), "mine");
+    let page = RUN.read("report.md");
+    assert!(page.starts_with("# relievo report: bust.exr\n"), "{page}");
+    let plots = page
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split(')').next());
+    let mut count = 0;
+    for plot in plots {
+        let svg = RUN.read(plot);
+        assert!(
+            svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"),
+            "{plot}"
+        );
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{plot}");
+        count += 1;
+    }
+    // The frame, three scenes and the rim.
+    assert_eq!(count, 5);
+    // Every table has rows of as many cells as its head.
+    let bars = |line: &str| line.replace("\\|", "").matches('|').count();
+    let lines: Vec<_> = page.lines().collect();
+    for pair in lines
+        .windows(2)
+        .filter(|pair| pair.iter().all(|line| line.starts_with('|')))
+    {
+        assert_eq!(bars(pair[0]), bars(pair[1]), "{pair:?}");
+    }
+}
+
+#[test]
+fn the_summary_goes_to_stdout_and_progress_to_stderr() {
+    let [stdout, stderr] =
+        [&RUN.output.stdout, &RUN.output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
+    assert!(
+        stdout.starts_with("At 10 steps the settings asked for") && stdout.contains("report.md"),
+        "{stdout}"
+    );
+    assert!(stdout.contains("all as declared"), "{stdout}");
+    for sweep in [
+        "solvers and tolerances",
+        "threads",
+        "half and byte",
+        "foreshortening",
+        "extreme",
+    ] {
+        assert!(stderr.contains(sweep), "{stderr}");
+    }
+}
+
+#[test]
+fn every_error_is_within_what_was_allowed() {
+    let mut expanded = 0;
+    for (name, row) in RUN.rows() {
+        let [gradient, trace] = [&row["gradient"], &row["trace"]];
+        for errors in [gradient, trace] {
+            assert_eq!(errors["non_finite"], 0, "{name}");
+            let [mean, p99, max] = ["mean", "p99", "max"].map(|key| number(&errors[key]));
+            assert!(mean <= max && p99 <= max, "{name}: {errors}");
+            assert!(
+                errors["worst"].is_array() && number(&errors["pixels"]) > 1000.0,
+                "{name}"
+            );
+        }
+        let max = number(&gradient["max"]);
+        assert!(number(&row["overshoot"]) <= max + 1e-7, "{name}");
+        match row["allowed"].as_f64() {
+            Some(allowed) => {
+                assert!(max <= allowed + ROUNDING, "{name}: {max} of {allowed}");
+                expanded += 1;
+            }
+            // First-order steps: a few thousandths at the longest.
+            None => assert!(max < 1e-2, "{name}: {max}"),
+        }
+    }
+    assert!(expanded > 20, "only {expanded} expansions");
+}
+
+#[test]
+fn finer_tolerances_and_shorter_steps_are_better() {
+    for (name, scale) in RUN.scales() {
+        for solver in ["explicit", "chebyshev"] {
+            let rows = scale["rows"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .filter(|row| row["solver"] == solver);
+            let mut rows: Vec<_> = rows.collect();
+            rows.sort_by_key(|row| row["applications"].as_u64());
+            for pair in rows.windows(2) {
+                let [before, after] = [pair[0], pair[1]].map(|row| number(&row["gradient"]["max"]));
+                assert!(
+                    after < before + ROUNDING,
+                    "{name}, {solver}: {before} then {after}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_front_is_what_nothing_beats() {
+    for (name, scale) in RUN.scales() {
+        let rows = scale["rows"].as_array().unwrap();
+        let points: Vec<_> = rows
+            .iter()
+            .map(|row| {
+                [
+                    number(&row["diffusion"]["min"]),
+                    number(&row["gradient"]["max"]),
+                ]
+            })
+            .collect();
+        let marked: Vec<_> = rows
+            .iter()
+            .map(|row| row["on_front"].as_bool().unwrap())
+            .collect();
+        assert_eq!(marked, front(&points), "{name}");
+        assert!(marked.contains(&true), "{name}");
+        let asked_for = rows.iter().filter(|row| row["asked_for"] == true).count();
+        assert_eq!(asked_for, 1, "{name}");
+    }
+}
+
+#[test]
+fn the_closed_forms_are_met() {
+    for (name, row) in RUN
+        .rows()
+        .into_iter()
+        .filter(|(name, _)| name.contains("ball") || name.contains("waves"))
+    {
+        // Sobel's derivative of waves of 64 pixels is off by k^2/4 of itself, 2.4e-3 of a trace of 0.067
+        // at slopes of 0.5: 3e-4 relative to the slope; first-order steps of 0.25 add as much.
+        let errors = &row["against_closed_form"];
+        if row["solver"] == "chebyshev" {
+            assert!(number(&errors["max"]) < 8e-4, "{name}: {errors}");
+        }
+    }
+}
+
+#[test]
+fn ways_of_running_change_no_bit() {
+    let runs = RUN.json["runs"].as_array().unwrap();
+    assert!(!runs.is_empty());
+    assert!(runs.iter().all(|run| run["same_bits"] == true), "{runs:?}");
+}
+
+#[test]
+fn half_floats_cost_less_than_bytes() {
+    let rows = RUN.json["precision"].as_array().unwrap();
+    let max = |frame: &str, stored: &str| {
+        let row = rows
+            .iter()
+            .find(|row| row["frame"] == frame && row["stored"] == stored);
+        number(&row.unwrap()["gradient"]["max"])
+    };
+    for frame in ["bust.exr", "ball"] {
+        assert!(max(frame, "float") < ROUNDING, "{frame}");
+        assert!(
+            max(frame, "float") < max(frame, "half") && max(frame, "half") < max(frame, "byte")
+        );
+    }
+}
+
+#[test]
+fn every_extreme_case_is_reported_as_declared() {
+    let cases = RUN.json["stability"].as_array().unwrap();
+    assert!(cases.len() >= 60);
+    for case in cases {
+        assert_eq!(case["as_expected"], true, "{case}");
+        assert_eq!(case["verdict"]["outcome"], case["expected"], "{case}");
+    }
+}
+
+#[test]
+fn what_cannot_be_done_is_said_in_one_line() {
+    let place = tempfile::tempdir().unwrap();
+    let file = place.path().join("file");
+    fs::write(&file, "not a directory").unwrap();
+    let new = place.path().join("new");
+    let bust = fixture("bust.exr");
+    let [bust, file, new] = [&bust, &file, &new].map(|p| p.to_str().unwrap());
+    for (arguments, code, reason) in [
+        (vec!["report", bust, "-o", file], 2, "not a directory"),
+        (vec!["report", "none.exr", "-o", new], 1, "none.exr"),
+        (
+            vec!["report", bust, "-o", new, "--tolerance", "0"],
+            2,
+            "--tolerance",
+        ),
+        (vec!["report", bust], 2, "--output"),
+    ] {
+        let output = relievo(&arguments);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{stderr}");
+        assert!(
+            stderr.lines().count() == 1 && stderr.contains(reason),
+            "{stderr}"
+        );
+    }
+    assert!(
+        !Path::new(new).exists(),
+        "a refusal leaves a directory behind"
+    );
+    assert_eq!(fs::read_to_string(file).unwrap(), "not a directory");
+}
