@@ -307,6 +307,68 @@ fn results_alone_hold_the_same_layers() {
 }
 
 #[test]
+fn several_scales_are_layers_named_after_them() {
+    let desk = Desk::new();
+    let gears = fixture("gears.exr");
+    let flags = |scale| {
+        [
+            "--layers",
+            "results",
+            "--curvature-gain",
+            "20",
+            "--scale",
+            scale,
+        ]
+    };
+    let both = open(&desk.make("shape", &gears, "both.exr", &flags("2,5.5")));
+    let one = open(&desk.make("shape", &gears, "one.exr", &flags("5.5")));
+    for component in ["u", "v", "mean", "kappa"] {
+        let further = plane(&both, 0, &format!("curvature_5_5px.{component}"));
+        let alone = plane(&one, 0, &format!("curvature.{component}"));
+        assert_eq!(further.samples(), alone.samples(), "{component}");
+    }
+    assert_eq!(both.parts[0].channels.len(), CONTRACT.len() + 4);
+    for (verb, output) in [("enhance", "a.png"), ("shape", "a.png")] {
+        let line = desk
+            .run(verb, &gears, output, &["--scale", "2,5"])
+            .refused(2);
+        assert!(line.contains("several scales"), "{line}");
+    }
+}
+
+#[test]
+fn importance_keeps_detail_where_it_is_low() {
+    let desk = Desk::new();
+    let gears = fixture("gears.exr");
+    let fine = open(&desk.make("shape", &gears, "fine.exr", &["--iterations", "0"]));
+    let window = fine.parts[0].window;
+    let share = |x, _| if x < window.width() / 2 { 0.0 } else { 1.0 };
+    let map = Plane::from_fn(window.width(), window.height(), share);
+    let map = desk.write_exr("map.exr", &[("importance.Y", &map)]);
+    let smooth = ["--iterations", "80"];
+    let coarse = open(&desk.make("shape", &gears, "coarse.exr", &smooth));
+    let flags = [&smooth[..], &["--importance", map.to_str().unwrap()]].concat();
+    let found = open(&desk.make("shape", &gears, "found.exr", &flags));
+    let slope = |file| plane(file, 1, "gradient.x");
+    let (fine, coarse, found) = (slope(&fine), slope(&coarse), slope(&found));
+    for y in 0..window.height() {
+        let half = window.width() / 2;
+        assert_eq!(found.row(y)[..half], fine.row(y)[..half]);
+        let rest = found.row(y)[half..].iter().zip(&coarse.row(y)[half..]);
+        // Both are expansions within the tolerance.
+        assert!(rest.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs())) < 2e-4);
+    }
+    let unlike = Plane::filled(8, 8, 1.0);
+    let unlike = desk.write_exr("unlike.exr", &[("importance.Y", &unlike)]);
+    let flags = ["--importance", unlike.to_str().unwrap()];
+    let line = desk.run("shape", &gears, "a.png", &flags).refused(1);
+    assert!(
+        line.contains("unlike.exr") && line.contains("8x8"),
+        "{line}"
+    );
+}
+
+#[test]
 fn the_layers_keep_to_their_ranges() {
     let desk = Desk::new();
     let bust = fixture("bust.exr");

@@ -1,5 +1,6 @@
 //! The names of the contract. Every default is read from `params`.
 
+use crate::error::Error;
 use crate::frame::NormalSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding};
 use crate::io::picture::ViewTransform;
@@ -45,7 +46,9 @@ const SHAPE_EXAMPLES: &str = "\
 Examples:
   relievo shape render.exr -o curvature.png          a look at what is found
   relievo shape render.exr -o layers.exr             all layers beside those of the render
-  relievo shape render.exr -o fine.png --iterations 0";
+  relievo shape render.exr -o fine.png --iterations 0
+  relievo shape render.exr -o scales.exr --scale 2,8,32
+  relievo shape render.exr -o face.png --scale 8 --importance painted.png";
 
 const ENHANCE_EXAMPLES: &str = "\
 Examples:
@@ -210,14 +213,16 @@ pub(super) struct ShapeFlags {
     /// Size of the features to find, as diffusion steps: more show larger ones only.
     #[arg(long, value_name = "N", default_value_t = default_iterations())]
     iterations: u32,
-    /// The same in pixels, as the sigma of a Gaussian, in place of --iterations.
+    /// The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of
+    /// several at little more than the time of the largest.
     #[arg(
         long,
-        value_name = "PX",
+        value_name = "PX[,PX]",
         conflicts_with = "iterations",
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_delimiter = ','
     )]
-    scale: Option<f32>,
+    scale: Vec<f32>,
     /// Height in pixels of the whole picture that the scale and the curvature gain are meant for: a look
     /// survives another resolution. none counts in the picture's own pixels.
     #[arg(long, value_name = "PX|none", default_value_t = HeightArg(SHAPE.reference_height), allow_negative_numbers = true)]
@@ -304,11 +309,32 @@ fn default_iterations() -> u32 {
 }
 
 impl ShapeFlags {
+    /// Sigmas of the scales after the first.
+    pub(super) fn more_scales(&self) -> &[f32] {
+        self.scale.get(1..).unwrap_or(&[])
+    }
+
+    /// Refuses several scales where there is one result.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] telling what takes several.
+    pub(super) fn refuse_more_scales(&self) -> crate::Result<()> {
+        if self.more_scales().is_empty() {
+            return Ok(());
+        }
+        Err(Error::BadParameter {
+            name: "--scale",
+            found: "names several scales".into(),
+            remedy: "give one, or write the layers of all with `shape` to an .exr".into(),
+        })
+    }
+
     pub(super) fn params(&self) -> ShapeParams {
         ShapeParams {
-            scale: self
-                .scale
-                .map_or(Scale::Iterations(self.iterations), Scale::Sigma),
+            scale: match self.scale.first() {
+                Some(&sigma) => Scale::Sigma(sigma),
+                None => Scale::Iterations(self.iterations),
+            },
             solver: self.solver.into(),
             tolerance: self.tolerance,
             foreshortening: self.foreshortening,

@@ -51,6 +51,10 @@ impl<'a> Job<'a> {
     /// Reads the frame, plans and runs, and says on the way what was asked for.
     pub(super) fn run(&self, goal: Goal, scaling: ScalingParams) -> Result<Done> {
         let shape = self.args.shape.params();
+        let more_scales = self.args.shape.more_scales();
+        if goal != Goal::Layers {
+            self.args.shape.refuse_more_scales()?;
+        }
         shape.validate()?;
         scaling.validate()?;
         let start = Instant::now();
@@ -62,7 +66,8 @@ impl<'a> Job<'a> {
         let loaded = io::load(&inputs, needs)?;
         let read = start.elapsed();
         self.tell_findings(&loaded);
-        let plan = Plan::new(goal, Available::in_frame(&loaded.frame), shape, scaling)?;
+        let available = Available::in_frame(&loaded.frame);
+        let plan = Plan::at_scales(goal, available, shape, scaling, more_scales)?;
         self.tell_plan(&plan)?;
         let outcome = cpu::run(&plan, &loaded.frame);
         Ok(Done {

@@ -12,6 +12,7 @@ use std::time::Instant;
 
 pub(super) fn run(args: &ReportArgs) -> Result<()> {
     let started = Instant::now();
+    args.shape.refuse_more_scales()?;
     let shape = args.shape.params();
     shape.validate()?;
     if let Some(threads) = args.threads {

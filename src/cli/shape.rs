@@ -3,7 +3,7 @@
 use super::args::WorkArgs;
 use super::job::Job;
 use super::output::Kind;
-use crate::backend::cpu::Outcome;
+use crate::backend::cpu::{Outcome, ScaleShape};
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
 use crate::io::exr::{OutputChannel, OutputType};
@@ -89,11 +89,25 @@ fn descriptor_channels<'a>(
     ];
     layers
         .into_iter()
-        .filter_map(|(name, plane)| plane.map(|plane| (name, plane)))
+        .filter_map(|(name, plane)| plane.map(|plane| (name.to_string(), plane)))
+        .chain(shape.more_scales.iter().flat_map(curvature_at_scale))
         .map(|(name, plane)| OutputChannel {
-            name: name.into(),
+            name,
             plane,
             sample_type,
         })
         .collect()
+}
+
+/// The layer of a scale beyond the first, named after it: `curvature_8px`, `curvature_2_5px`.
+fn curvature_at_scale(scale: &ScaleShape) -> [(String, &Plane); 4] {
+    // A dot would end the layer's name.
+    let sigma = scale.sigma_px.to_string().replace('.', "_");
+    let name = |component: &str| format!("curvature_{sigma}px.{component}");
+    [
+        (name("u"), &scale.curvatures.u),
+        (name("v"), &scale.curvatures.v),
+        (name("mean"), &scale.curvatures.mean),
+        (name("kappa"), &scale.kappa),
+    ]
 }

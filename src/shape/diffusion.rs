@@ -152,13 +152,58 @@ pub fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]) {
 /// Levels of importance that are told apart.
 pub const LEVELS: usize = 1024;
 
-/// [`add_terms_row`] of both components, where the weights depend on the importance of the pixel.
+/// [`add_terms_row`] of both components, where the weights depend on the level of the pixel.
 #[inline(always)]
 pub fn add_terms_by_level_row(
     sum: [&mut [f32]; 2],
     terms: [[&[f32]; 2]; 2],
     levels: &[u16],
     weights: [&[f32; LEVELS]; 2],
+) {
+    add_terms_by(sum, terms, levels, |level| {
+        let level = usize::from(level) % LEVELS;
+        [weights[0][level], weights[1][level]]
+    });
+}
+
+/// So few levels that weights are faster chosen, for a whole vector of pixels, than looked up.
+pub const FEW_LEVELS: usize = 8;
+
+/// [`add_terms_by_level_row`] for few levels.
+#[inline(always)]
+pub fn add_terms_by_few_levels_row(
+    sum: [&mut [f32]; 2],
+    terms: [[&[f32]; 2]; 2],
+    levels: &[u16],
+    weights: [&[f32; FEW_LEVELS]; 2],
+) {
+    // Copied, so that values are chosen and not places to load them from.
+    let [first, second] = [*weights[0], *weights[1]];
+    add_terms_by(sum, terms, levels, |level| {
+        let level = i32::from(level);
+        [chosen(first, level), chosen(second, level)]
+    });
+}
+
+/// The value of a level, without a look-up: of pairs, then of pairs of pairs, by the bits of its number.
+#[inline(always)]
+fn chosen(values: [f32; FEW_LEVELS], level: i32) -> f32 {
+    // All ones where the bit is set. Selecting by masks is left as it stands; a choice of values would
+    // be made a choice of places to load them from.
+    let mask = |bit: i32| -((level >> bit) & 1) as u32;
+    let either = |mask: u32, no: u32, yes: u32| no ^ (mask & (no ^ yes));
+    let (low, middle, high) = (mask(0), mask(1), mask(2));
+    let pair = |i: usize| either(low, values[i].to_bits(), values[i + 1].to_bits());
+    let four = |i: usize| either(middle, pair(i), pair(i + 2));
+    f32::from_bits(either(high, four(0), four(4)))
+}
+
+#[inline(always)]
+fn add_terms_by(
+    sum: [&mut [f32]; 2],
+    terms: [[&[f32]; 2]; 2],
+    levels: &[u16],
+    weights: impl Fn(u16) -> [f32; 2],
 ) {
     let [sum_x, sum_y] = sum;
     let n = sum_x.len();
@@ -167,8 +212,7 @@ pub fn add_terms_by_level_row(
     let (first_x, second_x) = (&first_x[..n], &second_x[..n]);
     let (first_y, second_y) = (&first_y[..n], &second_y[..n]);
     for x in 0..n {
-        let level = usize::from(levels[x]) % LEVELS;
-        let (first, second) = (weights[0][level], weights[1][level]);
+        let [first, second] = weights(levels[x]);
         sum_x[x] += first * first_x[x] + second * second_x[x];
         sum_y[x] += first * first_y[x] + second * second_y[x];
     }

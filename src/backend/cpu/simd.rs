@@ -13,7 +13,8 @@ use crate::shape::Rows;
 use crate::shape::conductance::{conductance_row, face_conductance_row};
 use crate::shape::crease::{NormalRows, least_cosine_row};
 use crate::shape::diffusion::{
-    Faces, LEVELS, Stencil, Update, add_terms_by_level_row, add_terms_row, sweep_row,
+    FEW_LEVELS, Faces, LEVELS, Stencil, Update, add_terms_by_few_levels_row,
+    add_terms_by_level_row, add_terms_row, sweep_row,
 };
 use crate::shape::gradient::depth_gradient_row;
 use crate::shape::hessian::{hessian_row, trace_row};
@@ -103,6 +104,12 @@ widened! {
         levels: &[u16],
         weights: [&[f32; LEVELS]; 2],
     );
+    fn add_terms_by_few_levels_row(
+        sum: [&mut [f32]; 2],
+        terms: [[&[f32]; 2]; 2],
+        levels: &[u16],
+        weights: [&[f32; FEW_LEVELS]; 2],
+    );
     fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]);
     fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]);
     fn silhouette_row(
@@ -148,4 +155,102 @@ widened! {
         trace: &[f32],
         covered: &[bool],
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 83;
+
+    /// A row of numbers between 0 and 1, the same for the same seed.
+    fn row(seed: u32) -> Vec<f32> {
+        let hash = |x: u32| (x.wrapping_mul(0x9e37_79b9) ^ seed.wrapping_mul(0x85eb_ca6b)) >> 8;
+        let value = |x| (hash(hash(x)) % 1000) as f32 / 1000.0;
+        (0..WIDTH as u32 + 2).map(value).collect()
+    }
+
+    fn rows(seed: u32) -> [Vec<f32>; 3] {
+        [row(seed), row(seed + 1), row(seed + 2)]
+    }
+
+    fn around(rows: &[Vec<f32>; 3]) -> Rows<'_> {
+        Rows {
+            above: &rows[0],
+            at: &rows[1],
+            below: &rows[2],
+        }
+    }
+
+    /// What the kernels make of some rows.
+    fn made(simd: Simd) -> Vec<Vec<f32>> {
+        let (gx, gy) = (rows(1), rows(4));
+        let open = rows(7).map(|row| row.into_iter().map(|c| c.max(0.4) / 0.4).collect());
+        let open = open.map(|row: Vec<f32>| row.into_iter().map(|c| 1.0 / c).collect::<Vec<f32>>());
+        let covered = [0, 1, 2].map(|y| row(30 + y).into_iter().map(|v| v > 0.1).collect());
+        let covered: [Vec<bool>; 3] = covered;
+        let seen = Rows {
+            above: &covered[0],
+            at: &covered[1],
+            below: &covered[2],
+        };
+        let columns = || 0..WIDTH;
+        let blank = || vec![0.0; WIDTH];
+        let [mut trace, mut faces, mut logs] = [blank(), blank(), blank()];
+        let [mut cosines, mut silhouette, mut conductance] = [blank(), blank(), blank()];
+
+        let [x, y, c] = [&gx, &gy, &open].map(around);
+        simd.trace_row(&mut trace, &x, &y, &c, columns());
+        simd.face_conductance_row(&mut faces, &open[0], &open[1]);
+        simd.log_depth_row(&mut logs, &gx[0], &covered[0]);
+        let normals = NormalRows { x, y, z: c };
+        simd.least_cosine_row(&mut cosines, &normals, &seen, columns());
+        let threshold = SoftThreshold { lo: 0.1, hi: 0.5 };
+        simd.silhouette_row(&mut silhouette, &x, &seen, columns(), threshold);
+        simd.conductance_row(&mut conductance, &gx[0], &gy[0], &covered[0]);
+
+        let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
+        for update in [Update::Step(0.2), Update::First, Update::Next] {
+            let [mut out_x, mut out_y] = [20, 21].map(|seed| row(seed)[..WIDTH].to_vec());
+            let g = [&gx, &gy].map(|rows| Stencil {
+                above: &rows[0][..WIDTH],
+                at: &rows[1],
+                below: &rows[2][..WIDTH],
+            });
+            let faces = Faces {
+                left: &open[0][..WIDTH + 1],
+                above: &open[1][..WIDTH],
+                below: &open[2][..WIDTH],
+            };
+            simd.sweep_row([&mut out_x, &mut out_y], g, faces, update);
+            let levels: Vec<u16> = (0..WIDTH as u16).map(|x| x % 8).collect();
+            let weights = std::array::from_fn::<f32, LEVELS, _>(|i| 0.3 + i as f32);
+            let few = weights.first_chunk().expect("there are more in all");
+            let terms = [
+                [&gx[0][..WIDTH], &gx[1][..WIDTH]],
+                [&gy[0][..WIDTH], &gy[1][..WIDTH]],
+            ];
+            let mut by_few = [out_x.clone(), out_y.clone()];
+            let [x, y] = &mut by_few;
+            simd.add_terms_by_few_levels_row([x, y], terms, &levels, [few, few]);
+            let (x, y) = (&mut out_x, &mut out_y);
+            simd.add_terms_by_level_row([x, y], terms, &levels, [&weights, &weights]);
+            assert_eq!(by_few, [out_x.clone(), out_y.clone()]);
+            simd.add_terms_row(&mut out_x, terms[0], [0.7, -0.2]);
+            results.extend([out_x, out_y]);
+        }
+        results
+    }
+
+    #[test]
+    fn wider_vectors_give_the_same_bits() {
+        let bits = |rows: Vec<Vec<f32>>| -> Vec<u32> {
+            rows.into_iter().flatten().map(f32::to_bits).collect()
+        };
+        let expected = bits(made(Simd(Level::Baseline)));
+        for simd in Simd::available() {
+            println!("{simd:?}");
+            assert!(bits(made(simd)) == expected, "{simd:?} has other bits");
+        }
+    }
 }

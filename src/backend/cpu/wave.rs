@@ -7,7 +7,7 @@
 use super::simd::Simd;
 use super::tiles::Tile;
 use crate::frame::{Plane, Vector2Planes};
-use crate::shape::diffusion::{Faces, LEVELS, Stencil, Update};
+use crate::shape::diffusion::{FEW_LEVELS, Faces, LEVELS, Stencil, Update};
 use std::ops::Range;
 
 /// Columns that rows are padded to, so that sweeps start and end on whole vectors.
@@ -45,7 +45,12 @@ pub(super) enum Weights<'a> {
     /// One list of weights per sum; terms past its end have none.
     Sums(&'a [Vec<f32>]),
     /// One sum whose weights depend on the level of the pixel.
-    ByLevel(&'a Plane<u16>, &'a [[f32; LEVELS]]),
+    ByLevel {
+        levels: &'a Plane<u16>,
+        /// Whether there are at most [`FEW_LEVELS`].
+        are_few: bool,
+        weights: &'a [[f32; LEVELS]],
+    },
 }
 
 impl Weights<'_> {
@@ -54,7 +59,7 @@ impl Weights<'_> {
         match self {
             Self::None => 0,
             Self::Sums(sums) => sums.len(),
-            Self::ByLevel(..) => 1,
+            Self::ByLevel { .. } => 1,
         }
     }
 }
@@ -313,14 +318,24 @@ impl Wave {
                     }
                 }
             }
-            Weights::ByLevel(levels, all) => {
+            Weights::ByLevel {
+                levels,
+                are_few,
+                weights,
+            } => {
                 let [sum_x, sum_y] = &mut self.sums[0];
                 let sum = [&mut sum_x[columns.clone()], &mut sum_y[columns.clone()]];
                 let terms = [terms(0), terms(1)];
                 let levels = &levels.row(y)[tile.columns.clone()];
-                let weights = added.of_levels(all);
-                pass.simd
-                    .add_terms_by_level_row(sum, terms, levels, weights);
+                let [before, own] = added.of_levels(weights);
+                if are_few {
+                    let few = [few_levels(before), few_levels(own)];
+                    pass.simd
+                        .add_terms_by_few_levels_row(sum, terms, levels, few);
+                } else {
+                    let all = [before, own];
+                    pass.simd.add_terms_by_level_row(sum, terms, levels, all);
+                }
             }
         }
     }
@@ -347,6 +362,11 @@ impl Wave {
             }
         }
     }
+}
+
+/// The weights of the first levels.
+fn few_levels(weights: &[f32; LEVELS]) -> &[f32; FEW_LEVELS] {
+    weights.first_chunk().expect("there are more levels in all")
 }
 
 /// Copies a row. Zeros lose their sign, which may come from beyond a closed face and so from the
