@@ -6,12 +6,15 @@
 //! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too.
 
 use relievo::backend::cpu::Outcome;
-use relievo::frame::{ColorPlanes, Frame, Plane};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
 use relievo::report::scenes::{HEIGHT, Scene, WAVE};
 use relievo::report::timing::{Effort, Timed, Times, measure};
 use std::time::Duration;
+
+/// The stages from normals and depth to curvature.
+const SHAPE: [&str; 3] = ["edges-and-gradient", "diffusion", "trace"];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let numbers: Vec<usize> = std::env::args()
@@ -48,18 +51,47 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             foreshortening: 1.0,
             ..ShapeParams::default()
         };
-        let available = Available::in_frame(&frame);
-        let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
-        let effort = Effort {
-            runs: repeats,
-            limit: Duration::MAX,
-        };
-        let (outcome, timed) = measure(&plan, &frame, effort);
+        let (outcome, timed) = run(&frame, shape, repeats)?;
         let (mean, largest) = errors(&outcome, &shape, steps);
         let label = format!("{steps} | {solver:?} | {mean:.1e} | {largest:.1e}");
         print_stages(&label, &timed, width * height);
     }
+    // A tenth of the frame shows a surface: what is empty costs next to nothing.
+    let shape = ShapeParams {
+        scale: Scale::Iterations(50),
+        foreshortening: 1.0,
+        ..ShapeParams::default()
+    };
+    let (_, timed) = run(&covered_in_part(frame, 0.1), shape, repeats)?;
+    let label = "50, 10 % covered | Chebyshev | | ";
+    print_stages(label, &timed, width * height);
     Ok(())
+}
+
+fn run(
+    frame: &Frame,
+    shape: ShapeParams,
+    repeats: usize,
+) -> Result<(Outcome, Timed), relievo::Error> {
+    let available = Available::in_frame(frame);
+    let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
+    let effort = Effort {
+        runs: repeats,
+        limit: Duration::MAX,
+    };
+    Ok(measure(&plan, frame, effort))
+}
+
+/// The frame with a disc in its middle covered that takes `share` of it.
+fn covered_in_part(frame: Frame, share: f64) -> Frame {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let radius = (share * (width * height) as f64 / std::f64::consts::PI).sqrt();
+    let (x0, y0) = (0.5 * width as f64, 0.5 * height as f64);
+    let inside = |x: usize, y: usize| (x as f64 - x0).hypot(y as f64 - y0) < radius;
+    Frame {
+        mask: Mask::new(Plane::from_fn(width, height, inside)),
+        ..frame
+    }
 }
 
 /// The waves of the report, with a picture to be enhanced.
@@ -111,5 +143,11 @@ fn print_stages(label: &str, timed: &Timed, pixels: usize) {
     for (stage, times) in &timed.stages {
         row(stage, *times);
     }
+    let of_shape = |time: fn(&Times) -> f64| -> f64 {
+        let stages = timed.stages.iter().filter(|(stage, _)| SHAPE.contains(stage));
+        stages.map(|(_, times)| time(times)).sum()
+    };
+    let (min, median) = (of_shape(|t| t.min), of_shape(|t| t.median));
+    row("shape", Times { min, median, ..timed.whole });
     row("all", timed.whole);
 }
