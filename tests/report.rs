@@ -99,6 +99,8 @@ fn the_files_are_there_and_others_stay() {
     }
     // The frame, three scenes, directions and the rim.
     assert_eq!(count, 6);
+    // A star that is no mark of bold is told from one that is.
+    assert!(page.contains(" \\* |") && !page.contains("***"));
     // Every table has rows of as many cells as its head.
     let bars = |line: &str| line.replace("\\|", "").matches('|').count();
     let lines: Vec<_> = page.lines().collect();

@@ -197,18 +197,19 @@ fn solver_table(scale: &ScaleSweep) -> String {
         [] => String::new(),
         settings => format!(" Left out for their time: {}.", settings.join(", ")),
     };
-    table(&head, rows) + &format!("Bold: on the Pareto front. *: what was asked for.{left_out}\n")
+    table(&head, rows) + &format!("Bold: on the Pareto front. \\*: what was asked for.{left_out}\n")
 }
 
 fn solver_cells(row: &Row) -> Vec<String> {
-    let mark = if row.asked_for { " *" } else { "" };
-    let setting = format!("{}{mark}", row.setting);
+    // A star inside the bold would not let it end.
+    let mark = if row.asked_for { " \\*" } else { "" };
+    let Row { setting, .. } = row;
     vec![
         format!("{:?}", row.solver),
         if row.on_front {
-            format!("**{setting}**")
+            format!("**{setting}**{mark}")
         } else {
-            setting
+            format!("{setting}{mark}")
         },
         row.applications.to_string(),
         row.allowed.map_or_else(String::new, scientific),

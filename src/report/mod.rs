@@ -240,5 +240,9 @@ fn stages(
             .map(|work| Utilisation::of(work, covered, times, machine)),
     };
     let all = ("all", measured.whole);
-    Ok(measured.stages.into_iter().chain([all]).map(row).collect())
+    // With one scale the stage of further ones does nothing, in no time.
+    let at_work =
+        |(stage, _): &(&'static str, Times)| *stage != "more-scales" || !plan.more_px.is_empty();
+    let stages = measured.stages.into_iter().filter(at_work);
+    Ok(stages.chain([all]).map(row).collect())
 }

@@ -77,6 +77,8 @@ pub fn error_against_step(sweep: &directions::Sweep) -> String {
         ("dashed: auto, from its least step to its greatest", FAINT),
     ];
     let range = decades(sweep.rows.iter().map(|row| row.p95));
+    // No two directions are more than 90 degrees apart.
+    let range = range.start..range.end.min(100.0);
     let title = format!(
         "{}, {}x{}: error of the directions of curvature by step",
         sweep.name, sweep.width, sweep.height
