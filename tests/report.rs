@@ -97,8 +97,10 @@ fn the_files_are_there_and_others_stay() {
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{plot}");
         count += 1;
     }
-    // The frame, three scenes and the rim.
-    assert_eq!(count, 5);
+    // The frame, three scenes, directions and the rim.
+    assert_eq!(count, 6);
+    // A star that is no mark of bold is told from one that is.
+    assert!(page.contains(" \\* |") && !page.contains("***"));
     // Every table has rows of as many cells as its head.
     let bars = |line: &str| line.replace("\\|", "").matches('|').count();
     let lines: Vec<_> = page.lines().collect();
@@ -122,7 +124,9 @@ fn the_summary_goes_to_stdout_and_progress_to_stderr() {
     for sweep in [
         "solvers and tolerances",
         "threads",
+        "tiles and sweeps per pass",
         "half and byte",
+        "ellipsoid: directions",
         "foreshortening",
         "extreme",
     ] {
@@ -223,8 +227,72 @@ fn the_closed_forms_are_met() {
 #[test]
 fn ways_of_running_change_no_bit() {
     let runs = RUN.json["runs"].as_array().unwrap();
-    assert!(!runs.is_empty());
     assert!(runs.iter().all(|run| run["same_bits"] == true), "{runs:?}");
+    let of = |dimension: &str| {
+        let rows = runs.iter().filter(|run| run["dimension"] == dimension);
+        rows.collect::<Vec<_>>()
+    };
+    assert!(!of("threads").is_empty());
+    let values = |dimension| {
+        of(dimension)
+            .iter()
+            .map(|run| &run["value"])
+            .collect::<Vec<_>>()
+    };
+    let tiles = values("tile");
+    assert!(tiles[0].as_str().unwrap().ends_with(", default"));
+    // The bust is 480 by 360: a tile of 512 would be all of it once more.
+    assert_eq!(tiles[1..], ["64x64", "256x256", "480x360"]);
+    assert_eq!(values("sweeps per pass"), ["32, default", "8", "16", "64"]);
+    // Ten steps are one pass of any size: tiles and passes are tried at the larger scale.
+    for run in [of("tile"), of("sweeps per pass")].concat() {
+        assert_eq!(run["scale"], "sigma 6 px", "{run}");
+    }
+    let page = RUN.read("report.md");
+    for row in ["| tile | 64x64 | sigma 6 px |", "| sweeps per pass | 8 |"] {
+        assert!(page.contains(row), "{row}");
+    }
+}
+
+#[test]
+fn steps_turn_directions_as_they_should() {
+    let sweep = &RUN.json["directions"];
+    let rows = sweep["rows"].as_array().unwrap();
+    // Three roundings, five steps and the automatic one.
+    assert_eq!(rows.len(), 18);
+    assert!(number(&sweep["pixels"]) > 5000.0, "{}", sweep["pixels"]);
+    let p95 = |stored: &str, step: Option<u64>| {
+        let mut rows = rows.iter();
+        let row = rows.find(|row| row["stored"] == stored && row["step_px"].as_u64() == step);
+        number(&row.unwrap()["p95"])
+    };
+    for row in rows {
+        let [mean, p95, max] = ["mean", "p95", "max"].map(|key| number(&row[key]));
+        assert!(
+            0.0 < mean && mean < p95 && p95 < max && max <= 90.0,
+            "{row}"
+        );
+        assert!(number(&row["stage"]["min"]) > 0.0, "{row}");
+    }
+    // From normals alone 95 % are within 1.1 degree on an ellipsoid of 32 px, to the second order of the
+    // step over the size: 1.1 (32/108)^2 = 0.097 where its longest half axis is 0.45 of 240 px.
+    let exact = p95("float", Some(1));
+    assert!(exact < 0.1, "{exact}");
+    // Twice the step is four times the error, to leading order: 3 to 5 up to 4 px.
+    for step in [1, 2] {
+        let ratio = p95("float", Some(2 * step)) / p95("float", Some(step));
+        assert!((3.0..5.0).contains(&ratio), "{step}: {ratio}");
+    }
+    assert_eq!(p95("float", None), exact);
+    let [auto, one] = [None, Some(1)].map(|step| p95("byte", step));
+    assert!(auto <= one, "8 bits: {auto} of {one}");
+    // Bytes are 16 times as far apart as half floats just below 1.
+    assert!(one > p95("half", Some(1)) && p95("half", Some(1)) > exact);
+    let page = RUN.read("report.md");
+    assert!(
+        page.contains("## Directions of the surface's curvature")
+            && page.contains("| auto: 4 to 16 |")
+    );
 }
 
 #[test]

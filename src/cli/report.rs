@@ -100,6 +100,10 @@ fn files(report: &Report) -> Vec<(String, String)> {
         plots::error_against_time(&report.frame),
     ));
     files.push((
+        markdown::DIRECTION_PLOT.into(),
+        plots::error_against_step(&report.directions),
+    ));
+    files.push((
         markdown::RIM_PLOT.into(),
         plots::error_near_the_rim(&report.rim_of_ball),
     ));

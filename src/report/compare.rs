@@ -111,18 +111,22 @@ impl Tally {
         self.errors.push(error);
     }
 
+    /// What `share`, 0..1, of the pixels stay below; 0 where there are none.
+    pub fn quantile(&mut self, share: f64) -> f64 {
+        let pixels = self.errors.len();
+        if pixels == 0 {
+            return 0.0;
+        }
+        // At most the rest lies above.
+        let index = ((share * pixels as f64).ceil() as usize).clamp(1, pixels) - 1;
+        *self.errors.select_nth_unstable_by(index, f64::total_cmp).1
+    }
+
     /// What was gathered.
     pub fn errors(mut self) -> Errors {
         let pixels = self.errors.len();
         let mean = self.errors.iter().sum::<f64>() / pixels.max(1) as f64;
-        let p99 = match pixels {
-            0 => 0.0,
-            _ => {
-                // At most one in a hundred lies above.
-                let index = (0.99 * pixels as f64).ceil() as usize - 1;
-                *self.errors.select_nth_unstable_by(index, f64::total_cmp).1
-            }
-        };
+        let p99 = self.quantile(0.99);
         Errors {
             mean,
             p99,

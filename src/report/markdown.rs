@@ -20,6 +20,9 @@ pub fn plot_name(index: Option<usize>, report: &Report) -> String {
 /// Name of the plot of errors near the rim.
 pub const RIM_PLOT: &str = "rim.svg";
 
+/// Name of the plot of errors of directions.
+pub const DIRECTION_PLOT: &str = "directions.svg";
+
 /// The whole page. Its pictures are looked for beside it.
 pub fn page(report: &Report) -> String {
     let mut page = String::new();
@@ -32,6 +35,7 @@ pub fn page(report: &Report) -> String {
         stages(report),
         runs(report),
         precision(report),
+        directions(report),
         rim(report),
         stability(&report.stability),
     ];
@@ -70,7 +74,8 @@ fn head(report: &Report) -> String {
          Frame: {}x{}, {} pixels covered, steepest slope {}.\n\n\
          Errors of slopes, and of the curvature (the trace of the Hessian, per pixel), are relative to the \
          steepest slope, max |g| before diffusion. The reference is double precision from the same input \
-         and conductance. Times are without reading and writing; `min` is the least of several runs.",
+         and conductance. Times are without reading and writing, in the memory of earlier runs, as for the second \
+         and later frames of a sequence; `min` is the least of several runs.",
         frame.name,
         report.version,
         machine.threads,
@@ -192,18 +197,19 @@ fn solver_table(scale: &ScaleSweep) -> String {
         [] => String::new(),
         settings => format!(" Left out for their time: {}.", settings.join(", ")),
     };
-    table(&head, rows) + &format!("Bold: on the Pareto front. *: what was asked for.{left_out}\n")
+    table(&head, rows) + &format!("Bold: on the Pareto front. \\*: what was asked for.{left_out}\n")
 }
 
 fn solver_cells(row: &Row) -> Vec<String> {
-    let mark = if row.asked_for { " *" } else { "" };
-    let setting = format!("{}{mark}", row.setting);
+    // A star inside the bold would not let it end.
+    let mark = if row.asked_for { " \\*" } else { "" };
+    let Row { setting, .. } = row;
     vec![
         format!("{:?}", row.solver),
         if row.on_front {
-            format!("**{setting}**")
+            format!("**{setting}**{mark}")
         } else {
-            setting
+            format!("{setting}{mark}")
         },
         row.applications.to_string(),
         row.allowed.map_or_else(String::new, scientific),
@@ -294,6 +300,7 @@ fn runs(report: &Report) -> String {
         vec![
             row.dimension.into(),
             row.value.clone(),
+            row.scale.clone(),
             pair(row.whole),
             format!("{:.2}", row.speedup),
             same.into(),
@@ -302,11 +309,16 @@ fn runs(report: &Report) -> String {
     let head = [
         "varied",
         "value",
+        "scale",
         "all stages min / median",
         "speed-up",
         "same bits",
     ];
-    format!("## Ways of running\n\n{}", table(&head, rows))
+    format!(
+        "## Ways of running\n\nSpeed-ups are over the first row of each kind. Tiles are of this size at most, and evened \
+         out so that every thread gets as many: a whole frame is cut into one for each.\n\n{}",
+        table(&head, rows)
+    )
 }
 
 fn precision(report: &Report) -> String {
@@ -343,6 +355,47 @@ fn precision(report: &Report) -> String {
         "## Half and byte input against float\n\nNormals (and depth, for half) rounded, renormalised as on reading, and \
          analysed; compared with the reference of the input as it came. Pixels whose conductance changed by more than one \
          half are counted as moved edges and left out of the errors.\n\n{}",
+        table(&head, rows)
+    )
+}
+
+fn directions(report: &Report) -> String {
+    let sweep = &report.directions;
+    let rows = sweep.rows.iter().map(|row| {
+        let step = match (row.step_px, row.steps_px) {
+            (Some(step), _) => step.to_string(),
+            (None, [least, most]) if least == most => format!("auto: {least}"),
+            (None, [least, most]) => format!("auto: {least} to {most}"),
+        };
+        vec![
+            format!("{:?}", row.stored).to_lowercase(),
+            step,
+            rounded(row.mean),
+            rounded(row.p95),
+            rounded(row.max),
+            pair(row.stage),
+            rounded(row.megapixels_per_second),
+        ]
+    });
+    let head = [
+        "normals",
+        "step px",
+        "mean degrees",
+        "95 %",
+        "max",
+        "normal-rays min / median",
+        "Mpix/s",
+    ];
+    format!(
+        "## Directions of the surface's curvature\n\nOn {}, seen along parallel lines, {}x{}, from normals alone: the angle \
+         between the directions found and those of its implicit form, in {} pixels whose n_z is above 0.35 and whose \
+         curvatures differ by more than a tenth. Twice the step is four times the error of the surface's own change, and half \
+         that of rounding; `auto` takes its wider step only where the narrow one tells nothing.\n\n\
+         ![Error against step]({DIRECTION_PLOT})\n\n{}",
+        sweep.about,
+        sweep.width,
+        sweep.height,
+        sweep.pixels,
         table(&head, rows)
     )
 }

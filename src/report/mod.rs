@@ -26,7 +26,7 @@ use scenes::Scene;
 use serde::Serialize;
 use stability::CaseResult;
 use std::time::Duration;
-use sweeps::{precision, rim, run, solver};
+use sweeps::{directions, precision, rim, run, solver};
 use timing::{Effort, Times, Utilisation};
 
 /// How much is tried.
@@ -74,6 +74,8 @@ pub struct Report {
     pub runs: Vec<run::Row>,
     /// Precision of the input.
     pub precision: Vec<precision::Row>,
+    /// Step and rounding of the surface's own directions on an ellipsoid.
+    pub directions: directions::Sweep,
     /// Foreshortening and the floor of n_z on a ball.
     pub rim_of_ball: Vec<rim::BallRow>,
     /// The same on the frame.
@@ -113,16 +115,13 @@ pub fn run(
         shape,
         closed_form: None,
     };
-    let swept = solver::sweep(
-        &subject,
-        &frame_scales(shape.scale, extent),
-        effort,
-        &machine,
-        progress,
-    )?;
+    let scales = frame_scales(shape.scale, extent);
+    let swept = solver::sweep(&subject, &scales, effort, &machine, progress)?;
     let scenes = exact_scenes(shape, extent, effort, &machine, progress)?;
     progress(&format!("{name}: threads"));
-    let runs = run::threads(&lean, shape, effort)?;
+    let mut runs = run::threads(&lean, shape, effort)?;
+    progress(&format!("{name}: tiles and sweeps per pass"));
+    runs.extend(run::tiles_and_passes(&lean, shape, &scales, effort)?);
     progress(&format!("{name}: half and byte input"));
     let mut rounded = precision::sweep(name, &lean, shape)?;
     let (width, height) = scene_size(extent);
@@ -136,6 +135,8 @@ pub fn run(
         },
     )?);
     drop(lean);
+    progress("ellipsoid: directions");
+    let directions = directions::sweep(&Scene::ellipsoid(width, height), effort)?;
     progress(&format!("{name}: foreshortening and min_nz"));
     let (rim_of_ball, rim_of_frame) = (rim::on_ball()?, rim::on_frame(frame, &shape)?);
     progress("stiff and extreme cases");
@@ -150,6 +151,7 @@ pub fn run(
         scenes,
         runs,
         precision: rounded,
+        directions,
         rim_of_ball,
         rim_of_frame,
         stability: stability::all().iter().map(stability::Case::run).collect(),
@@ -238,5 +240,9 @@ fn stages(
             .map(|work| Utilisation::of(work, covered, times, machine)),
     };
     let all = ("all", measured.whole);
-    Ok(measured.stages.into_iter().chain([all]).map(row).collect())
+    // With one scale the stage of further ones does nothing, in no time.
+    let at_work =
+        |(stage, _): &(&'static str, Times)| *stage != "more-scales" || !plan.more_px.is_empty();
+    let stages = measured.stages.into_iter().filter(at_work);
+    Ok(stages.chain([all]).map(row).collect())
 }

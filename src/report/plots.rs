@@ -1,6 +1,8 @@
 //! The report's pictures, as SVG: error against time with the Pareto front, and error near the rim.
 
 use super::advice::scientific;
+use super::sweeps::directions;
+use super::sweeps::precision::Stored;
 use super::sweeps::rim::{BANDS, BallRow, FLOORS, FORESHORTENINGS};
 use super::sweeps::solver::{Row, ScaleSweep, SceneSweep};
 use crate::params::Solver;
@@ -63,6 +65,26 @@ pub fn error_near_the_rim(rows: &[BallRow]) -> String {
     let title = "ball: relative error of the curvature by n_z, with no diffusion";
     figure(title, &legend, FORESHORTENINGS.len(), |i, area| {
         rim_panel(area, rows, FORESHORTENINGS[i], range.clone())
+    })
+}
+
+/// What 95 in 100 directions on an ellipsoid stay below, by step, a line per rounding of the normals.
+pub fn error_against_step(sweep: &directions::Sweep) -> String {
+    let legend = [
+        ("float normals", SERIES[0]),
+        ("half floats", SERIES[1]),
+        ("8 bits", SERIES[2]),
+        ("dashed: auto, from its least step to its greatest", FAINT),
+    ];
+    let range = decades(sweep.rows.iter().map(|row| row.p95));
+    // No two directions are more than 90 degrees apart.
+    let range = range.start..range.end.min(100.0);
+    let title = format!(
+        "{}, {}x{}: error of the directions of curvature by step",
+        sweep.name, sweep.width, sweep.height
+    );
+    figure(&title, &legend, 1, |_, area| {
+        direction_panel(area, sweep, range.clone())
     })
 }
 
@@ -130,11 +152,15 @@ fn draw_header(area: &Area, title: &str, legend: &[(&str, RGBColor)]) -> Drawn {
     Ok(())
 }
 
-/// The axes of a panel, both logarithmic, with ticks at 1, 2 and 5 below.
+/// The axes of a panel, both logarithmic, with ticks at 1, 2 and 5 below if no others are given.
 macro_rules! axes {
     ($area:expr, $caption:expr, $x:expr, $y:expr, $x_name:expr, $y_name:expr) => {{
+        let ticks = ticks(&$x, &[1.0, 2.0, 5.0]);
+        axes!($area, $caption, $x, ticks, $y, $x_name, $y_name)
+    }};
+    ($area:expr, $caption:expr, $x:expr, $x_ticks:expr, $y:expr, $x_name:expr, $y_name:expr) => {{
         let (x, y): (Range<f64>, Range<f64>) = ($x, $y);
-        let (x_ticks, y_ticks) = (ticks(&x, &[1.0, 2.0, 5.0]), ticks(&y, &[1.0]));
+        let (x_ticks, y_ticks) = ($x_ticks, ticks(&y, &[1.0]));
         let mut chart = ChartBuilder::on($area)
             .caption($caption, text(16, INK))
             .margin(14)
@@ -240,6 +266,37 @@ fn labels(line: &[&&Row]) -> Vec<(String, (f64, f64))> {
         }
     }
     kept
+}
+
+fn direction_panel(area: &Area, sweep: &directions::Sweep, errors: Range<f64>) -> Drawn {
+    let steps = directions::STEPS_PX.map(f64::from);
+    let bounds = 0.85 * steps[0]..steps[steps.len() - 1] / 0.85;
+    let mut chart = axes!(
+        area,
+        "95 % stay below",
+        bounds,
+        steps.to_vec(),
+        errors,
+        "step, px",
+        "degrees"
+    );
+    for (stored, color) in Stored::ALL.into_iter().zip(SERIES) {
+        let rows = sweep.rows.iter().filter(|row| row.stored == stored);
+        let (fixed, auto): (Vec<_>, Vec<_>) = rows.partition(|row| row.step_px.is_some());
+        let points: Vec<_> = fixed
+            .iter()
+            .filter_map(|row| Some((f64::from(row.step_px?), row.p95)))
+            .collect();
+        chart.draw_series(LineSeries::new(points.clone(), color.stroke_width(2)))?;
+        chart.draw_series(points.iter().map(|&p| Circle::new(p, 4, color.filled())))?;
+        for row in auto {
+            let [least, most] = row.steps_px.map(|step| (step as f64, row.p95));
+            let style = color.stroke_width(2);
+            chart.draw_series(DashedLineSeries::new([least, most], 6, 5, style))?;
+            chart.draw_series([least, most].map(|p| Circle::new(p, 7, style)))?;
+        }
+    }
+    Ok(())
 }
 
 fn rim_panel(area: &Area, rows: &[BallRow], foreshortening: f32, errors: Range<f64>) -> Drawn {

@@ -5,7 +5,7 @@
 //! a solver is to be judged.
 
 use crate::frame::{Frame, Mask, Plane, Source, Vector3Planes, Window};
-use glam::DVec3;
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// A scene with what is known of it.
@@ -27,6 +27,8 @@ enum Truth {
     Waves,
     /// A ball at foreshortening 0: the gradient is linear, which diffusion leaves alone; -2/R.
     Ball { radius: f64 },
+    /// An ellipsoid `p . form p = 1`: its own directions of curvature, without diffusion.
+    Ellipsoid { form: DMat3 },
     /// Only the reference in double precision.
     Unknown,
 }
@@ -81,6 +83,30 @@ impl Scene {
         }
     }
 
+    /// An ellipsoid of half axes 1, 0.7 and 0.5, tilted, as large as the ball of [`Scene::ball`]. Without
+    /// depth: its directions are to be found from normals.
+    pub fn ellipsoid(width: usize, height: usize) -> Self {
+        let half_axes = DVec3::new(1.0, 0.7, 0.5) * 0.45 * width.min(height) as f64;
+        let tilt = DMat3::from_rotation_z(0.5)
+            * DMat3::from_rotation_y(0.6)
+            * DMat3::from_rotation_x(-0.8);
+        let form = tilt * DMat3::from_diagonal((half_axes * half_axes).recip()) * tilt.transpose();
+        let at = |x: usize, y: usize| {
+            let p = ellipsoid_at(from_middle(x, y, width, height), form)?;
+            Some(((form * p).normalize(), DISTANCE - p.z))
+        };
+        Self {
+            name: "ellipsoid",
+            about: "a tilted ellipsoid of half axes 1, 0.7 and 0.5",
+            frame: Frame {
+                depth: None,
+                ..frame(width, height, at)
+            },
+            foreshortening: 1.0,
+            truth: Truth::Ellipsoid { form },
+        }
+    }
+
     /// Overlapping shallow caps and roofs at many depths: steps and creases everywhere, conductances
     /// from 0 to 1, some jumping between the two in a pixel.
     pub fn barriers(width: usize, height: usize) -> Self {
@@ -97,6 +123,20 @@ impl Scene {
             foreshortening: 1.0,
             truth: Truth::Unknown,
         }
+    }
+
+    /// The unit direction in the picture, y up, of the surface's own curvature larger in size, at column
+    /// `x`, row `y`. `None` where it is not known, where the two curvatures differ by less than a tenth of
+    /// the larger, and where n_z is below 0.35.
+    pub fn exact_direction(&self, x: usize, y: usize) -> Option<DVec2> {
+        let Truth::Ellipsoid { form } = self.truth else {
+            return None;
+        };
+        let mask = &self.frame.mask;
+        let p = ellipsoid_at(from_middle(x, y, mask.width(), mask.height()), form)?;
+        let normal = (form * p).normalize();
+        let [(larger, along), (smaller, _)] = principal_curvatures(form, form * p);
+        (normal.z > 0.35 && larger - smaller > 0.1 * larger).then(|| along.truncate().normalize())
     }
 
     /// A strip of a ball of 4000 pixels radius across its rim: columns of every n_z from 0 to 0.67.
@@ -139,6 +179,42 @@ impl Scene {
             _ => None,
         }
     }
+}
+
+/// The middle of a pixel from a point near that of the picture but off the grid, y up.
+fn from_middle(x: usize, y: usize, width: usize, height: usize) -> DVec2 {
+    DVec2::new(
+        x as f64 + 0.2 - 0.5 * width as f64,
+        0.5 * height as f64 - 0.7 - y as f64,
+    )
+}
+
+/// The point of the ellipsoid `p . form p = 1` seen at `at`: the larger root of the square equation for z.
+fn ellipsoid_at(at: DVec2, form: DMat3) -> Option<DVec3> {
+    let flat = at.extend(0.0);
+    let (a, b, c) = (
+        form.z_axis.z,
+        form.z_axis.dot(flat),
+        flat.dot(form * flat) - 1.0,
+    );
+    let root = b * b - a * c;
+    (root > 0.0).then(|| at.extend((root.sqrt() - b) / a))
+}
+
+/// Curvatures and unit directions of the level set of a quadric of this form where its gradient is (half)
+/// `gradient`, the larger first.
+///
+/// The curvature along a unit tangent t is t . form t / |gradient|. In a basis u, v of the tangent plane
+/// that is a symmetric matrix, whose larger eigenvalue lies at half the angle of (xx - yy, 2 xy).
+fn principal_curvatures(form: DMat3, gradient: DVec3) -> [(f64, DVec3); 2] {
+    let (u, v) = gradient.normalize().any_orthonormal_pair();
+    let [xx, xy, yy] = [(u, u), (u, v), (v, v)].map(|(s, t)| s.dot(form * t) / gradient.length());
+    let (mean, half) = (0.5 * (xx + yy), DVec2::new(0.5 * (xx - yy), xy));
+    let (sin, cos) = (0.5 * half.to_angle()).sin_cos();
+    [
+        (mean + half.length(), u * cos + v * sin),
+        (mean - half.length(), v * cos - u * sin),
+    ]
 }
 
 /// Radius of the ball of [`Scene::rim`].
@@ -260,6 +336,51 @@ mod tests {
                 "{nz} {f}"
             );
         }
+    }
+
+    #[test]
+    fn an_ellipsoid_bends_along_its_axes() {
+        // At the end of half axis a, the curvatures along b and c are a/b^2 and a/c^2.
+        let axes = DVec3::new(1.0, 0.7, 0.5);
+        let form = DMat3::from_diagonal((axes * axes).recip());
+        for (a, b, c) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+            let end = DVec3::AXES[a] * axes[a];
+            let mut along = [b, c].map(|i| (axes[a] / axes[i].powi(2), DVec3::AXES[i]));
+            along.sort_by(|s, t| t.0.total_cmp(&s.0));
+            for (found, exact) in principal_curvatures(form, form * end).iter().zip(along) {
+                assert!(
+                    (found.0 - exact.0).abs() < 1e-12,
+                    "{a}: {found:?} {exact:?}"
+                );
+                assert!(found.1.dot(exact.1).abs() > 1.0 - 1e-12, "{a}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn normals_turn_along_the_ellipsoid_s_directions() {
+        // Along a line of curvature the normal turns by the curvature, along the line itself (Rodrigues);
+        // by central differences over a hundredth of a pixel.
+        let scene = Scene::ellipsoid(120, 100);
+        let Truth::Ellipsoid { form } = scene.truth else {
+            panic!("no ellipsoid");
+        };
+        let mut checked = 0;
+        for (x, y) in (0..120).flat_map(|x| (0..100).map(move |y| (x, y))) {
+            let Some(direction) = scene.exact_direction(x, y) else {
+                continue;
+            };
+            let at = from_middle(x, y, 120, 100);
+            let [ahead, behind] =
+                [0.01, -0.01].map(|by| ellipsoid_at(at + by * direction, form).unwrap());
+            let turned = (form * ahead).normalize() - (form * behind).normalize();
+            let angle = turned.angle_between(ahead - behind);
+            assert!(angle < 1e-4, "{x} {y}: {angle}");
+            let normal = &scene.frame.normal;
+            assert!(normal.z.at(x, y) > 0.35);
+            checked += 1;
+        }
+        assert!(checked > 2000, "{checked}");
     }
 
     #[test]

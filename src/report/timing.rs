@@ -1,11 +1,14 @@
 //! How long a plan takes, and what share of the machine it uses.
+//!
+//! Runs follow one another in the memory of those before: times are those of the second and later frames of
+//! a sequence. The first of a program takes longer, by what the system needs to hand out its memory.
 
 use super::machine::Machine;
 use super::work::Work;
 use crate::Result;
-use crate::backend::cpu::{self, Outcome};
+use crate::backend::cpu::{Outcome, Runner};
 use crate::frame::Frame;
-use crate::params::{ScalingParams, ShapeParams};
+use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -99,21 +102,42 @@ pub fn plan(goal: Goal, frame: &Frame, shape: ShapeParams) -> Result<Plan> {
 
 /// Runs `plan` once to warm up, then as often as `effort` says.
 pub fn measure(plan: &Plan, frame: &Frame, effort: Effort) -> (Outcome, Timed) {
-    let outcome = cpu::run(plan, frame);
-    let timed = measure_in_turn(std::slice::from_ref(plan), frame, effort).remove(0);
-    (outcome, timed)
+    measure_with(RunOptions::default(), plan, frame, effort)
+}
+
+/// [`measure`] by a runner with these options.
+pub fn measure_with(
+    options: RunOptions,
+    plan: &Plan,
+    frame: &Frame,
+    effort: Effort,
+) -> (Outcome, Timed) {
+    let runner = Runner::new(options);
+    runner.take_back(runner.run(plan, frame));
+    let timed = in_turn(&runner, std::slice::from_ref(plan), frame, effort).remove(0);
+    (runner.run(plan, frame), timed)
 }
 
 /// Runs `plans` in turn, round after round: what else the machine is busy with meanwhile hits all alike.
 pub fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
+    let runner = Runner::default();
+    if let Some(first) = plans.first() {
+        runner.take_back(runner.run(first, frame));
+    }
+    in_turn(&runner, plans, frame, effort)
+}
+
+fn in_turn(runner: &Runner, plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
     let mut runs: Vec<Vec<Timings>> = vec![Vec::new(); plans.len()];
     let mut spent = vec![Duration::ZERO; plans.len()];
     for round in 0..effort.runs.max(2) {
         for (i, plan) in plans.iter().enumerate() {
             if round < 2 || spent[i] < effort.limit {
                 let start = Instant::now();
-                runs[i].push(cpu::run(plan, frame).timings);
+                let mut outcome = runner.run(plan, frame);
                 spent[i] += start.elapsed();
+                runs[i].push(std::mem::take(&mut outcome.timings));
+                runner.take_back(outcome);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The sweeps: one file per thing that is varied, the rest held at what was asked for.
 
+pub mod directions;
 pub mod precision;
 pub mod rim;
 pub mod run;

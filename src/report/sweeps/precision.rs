@@ -55,7 +55,7 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
     for scale in scales {
         let gradient = measuring.diffused(scale);
         let trace = measuring.trace(&gradient);
-        for stored in [Stored::Float, Stored::Half, Stored::Byte] {
+        for stored in Stored::ALL {
             let rounded = rounded(frame, stored);
             let plan = timing::plan(Goal::Layers, &rounded, ShapeParams { scale, ..shape })?;
             let found = cpu::run(&plan, &rounded).shape;
@@ -93,8 +93,23 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
     Ok(rows)
 }
 
+impl Stored {
+    /// Every way, from the finest.
+    pub const ALL: [Self; 3] = [Self::Float, Self::Half, Self::Byte];
+
+    /// Largest rounding error of a component of a normal: half a step between bytes, or between half floats
+    /// just below 1.
+    fn normal_rounding(self) -> f32 {
+        match self {
+            Self::Float => 0.0,
+            Self::Half => f16::EPSILON.to_f32() / 4.0,
+            Self::Byte => 1.0 / 255.0,
+        }
+    }
+}
+
 /// The frame as it would be read, had it been stored so.
-fn rounded(frame: &Frame, stored: Stored) -> Frame {
+pub(super) fn rounded(frame: &Frame, stored: Stored) -> Frame {
     let (normal, length) = match stored {
         Stored::Float => return frame.clone(),
         Stored::Half => rounded_normals(frame, |v| f16::from_f32(v).to_f32()),
@@ -112,7 +127,10 @@ fn rounded(frame: &Frame, stored: Stored) -> Frame {
             .is_none_or(|d| d.at(x, y) > 0.0 && d.at(x, y) < 65504.0 || stored != Stored::Half);
         frame.mask.at(x, y) && known
     };
+    let mut source = frame.source.clone();
+    source.normal_rounding = source.normal_rounding.max(stored.normal_rounding());
     Frame {
+        source,
         mask: Mask::new(Plane::from_fn(width, height, covered)),
         normal,
         // As io does: the length of an encoded normal is rounding, not filtering.

@@ -3,10 +3,12 @@
 use crate::Result;
 use crate::backend::cpu::Outcome;
 use crate::frame::Frame;
-use crate::params::ShapeParams;
+use crate::params::{RunOptions, Scale, ShapeParams, TileSize};
 use crate::plan::{Goal, Plan};
-use crate::report::timing::{self, Effort, Timed, Times, measure};
+use crate::report::sweeps::{named, solver};
+use crate::report::timing::{self, Effort, Timed, Times, measure, measure_with};
 use serde::Serialize;
+use std::num::NonZeroUsize;
 
 /// One way of running.
 #[derive(Debug, Clone, Serialize)]
@@ -15,6 +17,8 @@ pub struct Row {
     pub dimension: &'static str,
     /// Its value.
     pub value: String,
+    /// The scale in words.
+    pub scale: String,
     /// Time of all stages up to a picture of the curvature.
     pub whole: Times,
     /// How often faster than the first row of the dimension.
@@ -33,7 +37,86 @@ pub fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Result<Vec<
     let measured = counts
         .iter()
         .map(|&count| (count.to_string(), with_threads(count, &plan, frame, effort)));
-    Ok(rows("threads", measured.collect()))
+    Ok(rows("threads", shape.scale, measured.collect()))
+}
+
+/// Sides in pixels of the square tiles tried beside the default and the whole frame.
+const TILE_SIDES: [usize; 3] = [64, 256, 512];
+/// Sweeps per pass tried beside the default.
+const SWEEPS_PER_PASS: [usize; 3] = [8, 16, 64];
+
+/// Runs `frame` with tiles of several sizes, then with several numbers of sweeps per pass, at the largest
+/// of `scales` whose sweeps are not too many for a sweep of settings: few sweeps are done in one pass.
+/// What is run by default comes first.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn tiles_and_passes(
+    frame: &Frame,
+    shape: ShapeParams,
+    scales: &[Scale],
+    effort: Effort,
+) -> Result<Vec<Row>> {
+    let (scale, plan) = most_sweeps(frame, shape, scales)?;
+    let measured = |(value, options): (String, RunOptions)| {
+        (value, Some(measure_with(options, &plan, frame, effort)))
+    };
+    let tiles = tile_options(frame.mask.width(), frame.mask.height());
+    let mut all = rows("tile", scale, tiles.into_iter().map(measured).collect());
+    let passes = pass_options().into_iter().map(measured);
+    all.extend(rows("sweeps per pass", scale, passes.collect()));
+    Ok(all)
+}
+
+/// The scale of most sweeps within the limit, and its plan; the first scale where none is.
+fn most_sweeps(frame: &Frame, shape: ShapeParams, scales: &[Scale]) -> Result<(Scale, Plan)> {
+    let plan = |scale| timing::plan(Goal::Display, frame, ShapeParams { scale, ..shape });
+    let mut most = (shape.scale, plan(shape.scale)?);
+    for &scale in scales {
+        let plan = plan(scale)?;
+        let is_more = plan.sweeps.count() > most.1.sweeps.count();
+        if is_more && solver::is_affordable(&plan, frame) {
+            most = (scale, plan);
+        }
+    }
+    Ok(most)
+}
+
+/// The default tile, squares that do not hold the whole frame, and the whole frame.
+fn tile_options(width: usize, height: usize) -> Vec<(String, RunOptions)> {
+    let default = RunOptions::default();
+    let part = TILE_SIDES
+        .into_iter()
+        .filter(|&side| side < width.max(height));
+    let sizes = part.map(|side| [side, side]).chain([[width, height]]);
+    let tile = |[width, height]: [usize; 2]| {
+        let [width, height] = [width, height].map(NonZeroUsize::new);
+        Some(TileSize {
+            width: width?,
+            height: height?,
+        })
+    };
+    let tiles = std::iter::once(default.tile).chain(sizes.filter_map(tile));
+    let named = |(i, tile): (usize, TileSize)| {
+        let mark = if i == 0 { ", default" } else { "" };
+        let name = format!("{}x{}{mark}", tile.width, tile.height);
+        (name, RunOptions { tile, ..default })
+    };
+    tiles.enumerate().map(named).collect()
+}
+
+/// The default number of sweeps per pass and others.
+fn pass_options() -> Vec<(String, RunOptions)> {
+    let default = RunOptions::default();
+    let others = SWEEPS_PER_PASS.into_iter().filter_map(NonZeroUsize::new);
+    let options = |sweeps_per_pass: NonZeroUsize| RunOptions {
+        sweeps_per_pass,
+        ..default
+    };
+    let others = others.map(|count| (count.to_string(), options(count)));
+    std::iter::once((format!("{}, default", default.sweeps_per_pass), default))
+        .chain(others)
+        .collect()
 }
 
 /// What a way of running gave.
@@ -58,7 +141,11 @@ fn with_threads(count: usize, plan: &Plan, frame: &Frame, effort: Effort) -> Opt
 }
 
 /// The table of one dimension from what its values gave.
-fn rows(dimension: &'static str, measured: Vec<(String, Option<Measured>)>) -> Vec<Row> {
+fn rows(
+    dimension: &'static str,
+    scale: Scale,
+    measured: Vec<(String, Option<Measured>)>,
+) -> Vec<Row> {
     let measured: Vec<_> = measured
         .into_iter()
         .filter_map(|(value, m)| Some((value, m?)))
@@ -70,6 +157,7 @@ fn rows(dimension: &'static str, measured: Vec<(String, Option<Measured>)>) -> V
     let row = |(value, (outcome, timed)): &(String, Measured)| Row {
         dimension,
         value: value.clone(),
+        scale: named(scale),
         whole: timed.whole,
         speedup: time / timed.whole.min,
         same_bits: expected == bits(outcome),
@@ -77,16 +165,11 @@ fn rows(dimension: &'static str, measured: Vec<(String, Option<Measured>)>) -> V
     measured.iter().map(row).collect()
 }
 
-/// The bits of the picture that was made.
+/// The bits of the picture that was made and of the gradient it was made from.
 fn bits(outcome: &Outcome) -> Vec<u32> {
-    let planes = outcome
-        .color
-        .as_ref()
-        .map(|color| [&color.r, &color.g, &color.b]);
-    let samples = planes
-        .into_iter()
-        .flatten()
-        .flat_map(|plane| plane.samples());
+    let color = outcome.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
+    let gradient = outcome.shape.gradient.iter().flat_map(|g| [&g.x, &g.y]);
+    let samples = color.chain(gradient).flat_map(|plane| plane.samples());
     samples.map(|v| v.to_bits()).collect()
 }
 
@@ -99,5 +182,25 @@ mod tests {
         assert_eq!(thread_counts(1), [1]);
         assert_eq!(thread_counts(2), [1, 2]);
         assert_eq!(thread_counts(12), [1, 2, 4, 8, 12]);
+    }
+
+    #[test]
+    fn the_default_comes_first_and_is_not_tried_twice() {
+        let tiles = tile_options(300, 200);
+        let names: Vec<_> = tiles.iter().map(|(name, _)| name.as_str()).collect();
+        assert!(names[0].ends_with(", default"), "{names:?}");
+        assert_eq!(names[1..], ["64x64", "256x256", "300x200"]);
+        for options in [tiles, pass_options()] {
+            assert_eq!(options[0].1, RunOptions::default());
+            assert!(options[1..].iter().all(|(_, o)| *o != options[0].1));
+        }
+    }
+
+    #[test]
+    fn the_scale_of_most_sweeps_is_chosen() {
+        let frame = crate::report::scenes::Scene::waves(16, 16).frame;
+        let scales = [2.0, 6.0, 3.0].map(Scale::Sigma);
+        let chosen = most_sweeps(&frame, ShapeParams::default(), &scales).unwrap();
+        assert_eq!(chosen.0, Scale::Sigma(6.0));
     }
 }

@@ -169,8 +169,7 @@ fn sweep_scale(
         if tried.iter().any(|(_, other)| other.sweeps == plan.sweeps) {
             continue;
         }
-        let updates = plan.sweeps.count() * subject.frame.mask.count();
-        if updates <= MOST_UPDATES || plan.sweeps == asked_for {
+        if is_affordable(&plan, subject.frame) || plan.sweeps == asked_for {
             tried.push((shape, plan));
         } else {
             left_out.push(described(&shape, &plan.sweeps));
@@ -203,6 +202,11 @@ fn sweep_scale(
         rows,
         left_out,
     })
+}
+
+/// Whether `plan` takes no longer than a setting of a sweep may.
+pub fn is_affordable(plan: &Plan, frame: &Frame) -> bool {
+    plan.sweeps.count() * frame.mask.count() <= MOST_UPDATES
 }
 
 /// What is tried at the scale of `shape`; what was asked for is among it.

@@ -1,0 +1,142 @@
+//! Directions of the surface's own curvature: how far apart normals are compared, and how they are
+//! rounded.
+
+use super::precision::{Stored, rounded};
+use crate::Result;
+use crate::frame::Vector2Planes;
+use crate::params::{Adaptive, Scale, ShapeParams};
+use crate::plan::Goal;
+use crate::report::compare::Tally;
+use crate::report::scenes::Scene;
+use crate::report::timing::{self, Effort, Times, measure};
+use glam::DVec2;
+use serde::Serialize;
+
+/// Steps tried, in pixels, beside the automatic one.
+pub const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
+
+/// What one step gives for normals of one rounding.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// How normals were rounded.
+    pub stored: Stored,
+    /// The step asked for, in pixels; `None` is the automatic one.
+    pub step_px: Option<u8>,
+    /// The least and the greatest step taken, in pixels.
+    pub steps_px: [usize; 2],
+    /// Mean error in degrees.
+    pub mean: f64,
+    /// What 95 pixels in 100 stay below, in degrees.
+    pub p95: f64,
+    /// Largest error in degrees.
+    pub max: f64,
+    /// Time of the stage.
+    pub stage: Times,
+    /// Megapixels of the frame per second.
+    pub megapixels_per_second: f64,
+}
+
+/// All steps and roundings on one scene.
+#[derive(Debug, Clone, Serialize)]
+pub struct Sweep {
+    /// Name of the scene.
+    pub name: String,
+    /// What it shows.
+    pub about: String,
+    /// Its size.
+    pub width: usize,
+    /// Its size.
+    pub height: usize,
+    /// Pixels compared: those whose direction is known.
+    pub pixels: usize,
+    /// What was tried.
+    pub rows: Vec<Row>,
+}
+
+/// Tries every step on `scene` with normals of every rounding.
+///
+/// # Errors
+/// None for the steps tried here.
+pub fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
+    let mask = &scene.frame.mask;
+    let mut sweep = Sweep {
+        name: scene.name.into(),
+        about: scene.about.into(),
+        width: mask.width(),
+        height: mask.height(),
+        pixels: 0,
+        rows: Vec::new(),
+    };
+    let steps = STEPS_PX.map(Some).into_iter().chain([None]);
+    let tried = Stored::ALL
+        .into_iter()
+        .flat_map(|stored| steps.clone().map(move |step| (stored, step)));
+    for (stored, step_px) in tried {
+        let frame = rounded(&scene.frame, stored);
+        let shape = ShapeParams {
+            scale: Scale::Iterations(0),
+            direction_step: step_px.map_or(Adaptive::Auto, |px| Adaptive::Fixed(px.into())),
+            ..ShapeParams::default()
+        };
+        let plan = timing::plan(Goal::Layers, &frame, shape)?;
+        let (outcome, timed) = measure(&plan, &frame, effort);
+        let found = outcome.shape.direction.expect("layers hold the direction");
+        let mut tally = angles(scene, &found);
+        let p95 = tally.quantile(0.95);
+        let errors = tally.errors();
+        let stage = timed.stage("normal-rays").expect("layers take normal rays");
+        sweep.pixels = errors.pixels;
+        sweep.rows.push(Row {
+            stored,
+            step_px,
+            steps_px: plan.direction_steps_px,
+            mean: errors.mean,
+            p95,
+            max: errors.max,
+            stage,
+            megapixels_per_second: stage.megapixels_per_second(mask.width() * mask.height()),
+        });
+    }
+    Ok(sweep)
+}
+
+/// Angles in degrees between found and exact directions, wherever these are known.
+fn angles(scene: &Scene, found: &Vector2Planes) -> Tally {
+    let mut tally = Tally::default();
+    let (width, height) = (found.x.width(), found.x.height());
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        if let Some(exact) = scene.exact_direction(x, y) {
+            let found = DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into());
+            tally.add([x, y], angle_deg(found, exact));
+        }
+    }
+    tally
+}
+
+/// The angle between two directions that are the same as their opposites; 90 degrees for none.
+fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
+    if found == DVec2::ZERO {
+        return 90.0;
+    }
+    let (sin, cos) = (found.perp_dot(exact), found.dot(exact));
+    sin.abs().atan2(cos.abs()).to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opposite_directions_are_the_same_and_none_is_wrong() {
+        let [x, up] = [DVec2::X, DVec2::Y];
+        let turned = DVec2::from_angle(0.1);
+        for (found, exact, angle) in [
+            (x, -x, 0.0),
+            (x, up, 90.0),
+            (-turned, x, 0.1_f64.to_degrees()),
+            (DVec2::ZERO, x, 90.0),
+        ] {
+            assert!((angle_deg(found, exact) - angle).abs() < 1e-12, "{found}");
+        }
+    }
+}
