@@ -144,10 +144,20 @@ fn print_stages(label: &str, timed: &Timed, pixels: usize) {
         row(stage, *times);
     }
     let of_shape = |time: fn(&Times) -> f64| -> f64 {
-        let stages = timed.stages.iter().filter(|(stage, _)| SHAPE.contains(stage));
+        let stages = timed
+            .stages
+            .iter()
+            .filter(|(stage, _)| SHAPE.contains(stage));
         stages.map(|(_, times)| time(times)).sum()
     };
     let (min, median) = (of_shape(|t| t.min), of_shape(|t| t.median));
-    row("shape", Times { min, median, ..timed.whole });
+    row(
+        "shape",
+        Times {
+            min,
+            median,
+            ..timed.whole
+        },
+    );
     row("all", timed.whole);
 }

@@ -57,6 +57,7 @@ pub(super) fn diffusion(
             last: &terms.last,
             earlier: terms.earlier.as_ref(),
             conductance,
+            mask,
             simd: Simd::widest(),
         };
         let goes_on = i + 1 < passes;

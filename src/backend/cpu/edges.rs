@@ -176,9 +176,13 @@ impl<'a> Sources<'a> {
         };
         let from = if is_first { y.saturating_sub(1) } else { y + 1 };
         for y in from..(y + 2).min(depth.height()) {
-            let out = &mut scratch.log_depth[y % 3];
-            self.simd
-                .log_depth_row(out, depth.row(y), self.frame.mask.row(y));
+            // What lies beyond is beside a border, whatever its depth.
+            let columns = self.frame.mask.span(y);
+            self.simd.log_depth_row(
+                &mut scratch.log_depth[y % 3][columns.clone()],
+                &depth.row(y)[columns.clone()],
+                &self.frame.mask.row(y)[columns],
+            );
         }
     }
 

@@ -6,7 +6,7 @@
 
 use super::simd::Simd;
 use super::tiles::Tile;
-use crate::frame::{Plane, Vector2Planes};
+use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::shape::diffusion::{FEW_LEVELS, Faces, LEVELS, Stencil, Update};
 use std::ops::Range;
 
@@ -33,6 +33,8 @@ pub(super) struct Pass<'a> {
     pub(super) earlier: Option<&'a Vector2Planes>,
     /// Conductance of the pixels.
     pub(super) conductance: &'a Plane,
+    /// Where they are covered: the terms are 0 elsewhere.
+    pub(super) mask: &'a Mask,
     /// Vectors to compute with.
     pub(super) simd: Simd,
 }
@@ -218,9 +220,13 @@ impl Wave {
 
         let row = self.row(y);
         for (k, term) in [(0, pass.earlier), (1, Some(pass.last))] {
-            for (c, plane) in term.into_iter().flat_map(|t| [&t.x, &t.y]).enumerate() {
-                let terms = &mut self.terms[k][c][row.clone()];
-                terms[at..at + count].copy_from_slice(&plane.row(y)[picture.clone()]);
+            let planes = term.map(|term| [&term.x, &term.y]);
+            for (c, ring) in self.terms[k].iter_mut().enumerate() {
+                let terms = &mut ring[row.clone()][at..at + count];
+                match planes {
+                    Some(planes) => terms.copy_from_slice(&planes[c].row(y)[picture.clone()]),
+                    None => terms.fill(0.0),
+                }
             }
         }
 
@@ -258,8 +264,15 @@ impl Wave {
     /// Row `y` of sweep `k`, which makes term `k + 1` of those before it.
     fn sweep(&mut self, pass: &Pass, k: usize, y: usize, tile: &Tile) {
         let rim = pass.updates.len() - k;
-        let start = (self.pad - rim) / LANES * LANES;
-        let end = (self.pad + tile.columns.len() + rim).next_multiple_of(LANES);
+        // Only where the row is covered: elsewhere all terms are 0.
+        let span = pass.mask.span(y);
+        let first = span.start.max(tile.columns.start.saturating_sub(rim));
+        let last = span.end.min(tile.columns.end + rim);
+        if first >= last {
+            return;
+        }
+        let start = (first + self.pad - tile.columns.start) / LANES * LANES;
+        let end = (last + self.pad - tile.columns.start).next_multiple_of(LANES);
         let columns = start..end;
 
         let (row, below) = (self.row(y), self.row(y + 1));
