@@ -119,8 +119,9 @@ pub(super) fn curvature_display(
     conductance: &Plane,
     mask: &Mask,
     gain: f32,
+    memory: &Memory,
 ) -> ColorPlanes {
-    let [r, g, b] = map_covered(mask, |y| {
+    let [r, g, b] = map_covered(mask, memory, |y| {
         let (trace, open) = (trace.row(y), conductance.row(y));
         move |x| {
             let kappa = mapped_curvature(trace[x], gain);

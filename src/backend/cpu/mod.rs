@@ -226,19 +226,20 @@ impl Run<'_> {
 
     /// Everything that the layers of the descriptor hold beyond gradient and weights.
     fn describe(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
-        let mask = &self.frame.mask;
-        let (factor, memory) = (self.plan.resolution_factor, &self.runner.memory);
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let (mask, factor) = (&frame.mask, plan.resolution_factor);
         let hessian = self.timed("hessian", || {
             hessian_at(factor, passes::hessian(gradient, conductance, mask, memory))
         });
-        let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask));
-        let direction_view = self.timed("directions", || passes::directions(&hessian, mask));
+        let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask, memory));
+        let direction_view =
+            self.timed("directions", || passes::directions(&hessian, mask, memory));
         let direction = self.timed("normal-rays", || {
-            normal_rays::directions(self.plan, self.frame, conductance)
+            normal_rays::directions(plan, frame, conductance, memory)
         });
         let trace = curvatures.mean.map(|mean| 2.0 * mean);
         let gain = self.choose_gain(&trace, conductance);
-        self.outcome.shape.kappa = Some(passes::mapped_curvature(&trace, gain, mask));
+        self.outcome.shape.kappa = Some(passes::mapped_curvature(&trace, gain, mask, memory));
         self.outcome.shape.hessian = Some(hessian);
         self.outcome.shape.curvatures = Some(curvatures);
         self.outcome.shape.direction = Some(direction);
@@ -258,11 +259,11 @@ impl Run<'_> {
             let described = scales.map(|(gradient, &sigma_px)| {
                 let hessian = passes::hessian(&gradient, conductance, mask, memory);
                 let hessian = hessian_at(plan.resolution_factor, hessian);
-                let curvatures = passes::curvatures(&hessian, mask);
+                let curvatures = passes::curvatures(&hessian, mask, memory);
                 let trace = curvatures.mean.map(|mean| 2.0 * mean);
                 ScaleShape {
                     sigma_px,
-                    kappa: passes::mapped_curvature(&trace, gain, mask),
+                    kappa: passes::mapped_curvature(&trace, gain, mask, memory),
                     curvatures,
                 }
             });
@@ -295,7 +296,13 @@ impl Run<'_> {
             .as_ref()
             .expect("the display needs the trace");
         let start = Instant::now();
-        let color = light::curvature_display(trace, conductance, &self.frame.mask, gain);
+        let color = light::curvature_display(
+            trace,
+            conductance,
+            &self.frame.mask,
+            gain,
+            &self.runner.memory,
+        );
         self.outcome.timings.push(("display", start.elapsed()));
         self.outcome.color = Some(color);
     }

@@ -1,6 +1,7 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
 use super::direction_fill::{Parts, fill};
+use super::memory::Memory;
 use super::passes::map_covered;
 use crate::frame::SightLines;
 use crate::frame::{Frame, Plane, Vector2Planes};
@@ -11,9 +12,14 @@ use crate::plan::{Plan, Points};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Unit directions in the picture where covered, 0 elsewhere.
-pub(super) fn directions(plan: &Plan, frame: &Frame, conductance: &Plane) -> Vector2Planes {
+pub(super) fn directions(
+    plan: &Plan,
+    frame: &Frame,
+    conductance: &Plane,
+    memory: &Memory,
+) -> Vector2Planes {
     let surface = Surface::new(plan, frame, conductance);
-    let [x, y, flat] = map_covered(&frame.mask, |y| {
+    let [x, y, flat] = map_covered(&frame.mask, memory, |y| {
         let surface = &surface;
         move |x| match surface.direction(x, y) {
             Found::Direction(t) => [t.x, t.y, 0.0],

@@ -41,8 +41,12 @@ pub(super) fn hessian(
 }
 
 /// Principal and mean curvatures.
-pub(super) fn curvatures(hessian: &SymmetricPlanes, mask: &Mask) -> CurvaturePlanes {
-    let [u, v, mean] = map_covered(mask, |y| {
+pub(super) fn curvatures(
+    hessian: &SymmetricPlanes,
+    mask: &Mask,
+    memory: &Memory,
+) -> CurvaturePlanes {
+    let [u, v, mean] = map_covered(mask, memory, |y| {
         let entries = entries(hessian, y);
         move |x| {
             let h = entries(x);
@@ -54,8 +58,8 @@ pub(super) fn curvatures(hessian: &SymmetricPlanes, mask: &Mask) -> CurvaturePla
 }
 
 /// Directions of the curvature larger in size.
-pub(super) fn directions(hessian: &SymmetricPlanes, mask: &Mask) -> Vector2Planes {
-    let [x, y] = map_covered(mask, |y| {
+pub(super) fn directions(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Vector2Planes {
+    let [x, y] = map_covered(mask, memory, |y| {
         let entries = entries(hessian, y);
         move |x| principal_direction(entries(x))
     });
@@ -63,8 +67,8 @@ pub(super) fn directions(hessian: &SymmetricPlanes, mask: &Mask) -> Vector2Plane
 }
 
 /// Mapped curvature.
-pub(super) fn mapped_curvature(trace: &Plane, gain: f32, mask: &Mask) -> Plane {
-    let [mapped] = map_covered(mask, |y| {
+pub(super) fn mapped_curvature(trace: &Plane, gain: f32, mask: &Mask, memory: &Memory) -> Plane {
+    let [mapped] = map_covered(mask, memory, |y| {
         let trace = trace.row(y);
         move |x| [kappa(trace[x], gain)]
     });
@@ -80,9 +84,10 @@ fn entries(hessian: &SymmetricPlanes, y: usize) -> impl Fn(usize) -> [f32; 3] {
 /// Planes of `row(y)(x)` where covered, 0 elsewhere.
 pub(super) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
     mask: &Mask,
+    memory: &Memory,
     row: impl Fn(usize) -> Sample + Sync,
 ) -> [Plane; N] {
-    map_rows(mask, &Memory::default(), |y, mut rows| {
+    map_rows(mask, memory, |y, mut rows| {
         let (covered, sample) = (mask.row(y), row(y));
         for x in mask.span(y).filter(|&x| covered[x]) {
             for (row, value) in rows.iter_mut().zip(sample(x)) {
