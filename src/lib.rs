@@ -3,7 +3,7 @@
 //! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, where there are
 //! any, depth, a mask, a camera, and the picture made of it. [`io::load`] makes one of a renderer's
 //! layers or of a photo with its normal map. A [`plan::Plan`] names the stages that a goal needs and no
-//! others; [`backend::cpu::run`] runs it.
+//! others; [`backend::cpu::run`] runs it, and a [`backend::cpu::Runner`] runs many in the same memory.
 //!
 //! ```
 //! use relievo::backend::cpu;
@@ -29,13 +29,14 @@
 //! # Conventions
 //!
 //! View space has x right, y **up** and z toward the viewer; rows of a picture run down. Curvature is
-//! per pixel, or per pixel of a [reference height](params::ShapeParams::reference_height). In the Hessian and its eigenvalues convex is **negative** ([LW]); the mapped curvature
-//! kappa in -1..1 is **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is
-//! the only place where the sign turns. Directions are modulo pi.
+//! per pixel, or per pixel of a [reference height](params::ShapeParams::reference_height). In the
+//! Hessian and its eigenvalues convex is **negative** ([LW]); the mapped curvature kappa in -1..1 is
+//! **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is the only place where
+//! the sign turns. Directions are modulo pi.
 //!
 //! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `backend` runs. The
-//! kernels in [`shape`], [`light`] and [`line`] are plain functions of samples and rows, to be called from any
-//! renderer.
+//! kernels in [`shape`], [`light`] and [`line`] are plain functions of samples and rows, to be called
+//! from any renderer.
 //!
 //! # References
 //!

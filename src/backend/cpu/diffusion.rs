@@ -79,10 +79,8 @@ pub(super) fn diffusion(
     } else {
         memory.take_back([terms.last.x, terms.last.y]);
     }
-    let left = spare
-        .into_iter()
-        .flat_map(|terms| [Some(terms.last), terms.earlier]);
-    let left = left.chain([terms.earlier]).flatten();
+    let (last, earlier) = spare.map_or((None, None), Terms::into_parts);
+    let left = [last, earlier, terms.earlier].into_iter().flatten();
     memory.take_back(left.flat_map(|Vector2Planes { x, y }| [x, y]));
     sums
 }

@@ -40,9 +40,11 @@ enum Level {
 impl Simd {
     /// All that this machine has, the widest last.
     pub(super) fn available() -> Vec<Self> {
-        let mut levels = vec![Self(Level::Baseline)];
+        #[cfg(not(target_arch = "x86_64"))]
+        let levels = vec![Self(Level::Baseline)];
         #[cfg(target_arch = "x86_64")]
-        {
+        let levels = {
+            let mut levels = vec![Self(Level::Baseline)];
             if is_x86_feature_detected!("avx2") {
                 levels.push(Self(Level::Avx2));
             }
@@ -53,7 +55,8 @@ impl Simd {
             {
                 levels.push(Self(Level::Avx512));
             }
-        }
+            levels
+        };
         levels
     }
 

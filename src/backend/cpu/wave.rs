@@ -1,8 +1,9 @@
 //! Many sweeps of the diffusion operator over one tile, in a single run down its rows.
 //!
 //! A sweep of row y needs rows y - 1 to y + 1 of the sweep before. So while rows enter at the top, every
-//! sweep follows the one before it one row behind: of each sweep only three rows are kept, all of
-//! them in the core's own cache. At its rim a tile loses a pixel per sweep; it starts with as many more.
+//! sweep follows the one before it one row behind, and a row leaves when it has seen them all: the frame
+//! is read and written once, and of the rows in flight, a few more than there are sweeps, the last two
+//! terms are kept in the cache. At its rim a tile loses a pixel per sweep; it starts with as many more.
 
 use super::simd::Simd;
 use super::tiles::Tile;
