@@ -232,7 +232,6 @@ impl ShapeParams {
         match self.direction_step {
             Adaptive::Fixed(step) => [step as usize; 2],
             Adaptive::Auto if normal_rounding > COARSE_ROUNDING => [COARSE_STEP_PX, WIDEST_STEP_PX],
-            Adaptive::Auto if normal_rounding > HALF_ROUNDING => [HALF_STEP_PX, WIDEST_STEP_PX],
             Adaptive::Auto if normal_rounding > 0.0 => [1, WIDEST_STEP_PX],
             Adaptive::Auto => [1; 2],
         }
@@ -255,12 +254,6 @@ const MAX_SIGMA_PX: f32 = 4096.0;
 
 /// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
 const COARSE_ROUNDING: f32 = 1e-3;
-
-/// Normals rounded by more than this are at most half floats (1/4096); those of 16 bits are finer. On
-/// ellipsoids of 108 and 162 px a step of 2 px halves the 95th percentile of the directions' error: .35 and .51
-/// degrees, .66 and 1.00 at 1 px.
-const HALF_ROUNDING: f32 = 1e-4;
-const HALF_STEP_PX: usize = 2;
 
 /// The first step over coarse normals, and the last over any that are not exact. On 8-bit ellipsoids of
 /// 32, 64, 128 and 256 px the 95th percentile of the directions' error is 7, 5, 8, 27 degrees at 4 px alone,
