@@ -339,6 +339,16 @@ fn what_cannot_be_done_is_said_in_one_line() {
             "--tolerance",
         ),
         (vec!["report", bust], 2, "--output"),
+        (
+            vec!["report", bust, "-o", new, "--scale", "2,5"],
+            2,
+            "several scales",
+        ),
+        (
+            vec!["report", bust, "-o", new, "--importance", "Depth"],
+            2,
+            "--importance",
+        ),
     ] {
         let output = relievo(&arguments);
         let stderr = String::from_utf8_lossy(&output.stderr);

@@ -214,7 +214,7 @@ pub(super) struct ShapeFlags {
     #[arg(long, value_name = "N", default_value_t = default_iterations())]
     iterations: u32,
     /// The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of
-    /// several at little more than the time of the largest.
+    /// several from one run of sweeps.
     #[arg(
         long,
         value_name = "PX[,PX]",

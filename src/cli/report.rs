@@ -23,6 +23,13 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
     }
     refuse_collisions(args)?;
     let loaded = load(args)?;
+    if loaded.frame.importance.is_some() {
+        return Err(Error::BadParameter {
+            name: "--importance",
+            found: "gives every pixel a scale of its own, which the reference has not".into(),
+            remedy: "leave it out".into(),
+        });
+    }
     // Made only for what can be read, and before any long work.
     std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "make"))?;
     let extent = if args.quick {

@@ -100,9 +100,9 @@ impl Field<'_> {
         mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
     }
 
-    /// Fills pixels of `part` from their neighbours in at most so many `waves`, as `settle` makes of the mean and the number of the
-    /// wave. Each wave sees only the waves before it, so the
-    /// order within a wave changes nothing.
+    /// Fills pixels of `part` from their neighbours in at most so many `waves`, as `settle` makes of the
+    /// mean and the number of the wave. Each wave sees only the waves before it, so the order within a
+    /// wave changes nothing.
     fn spread(
         &mut self,
         waves: usize,

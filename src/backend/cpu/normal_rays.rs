@@ -3,8 +3,7 @@
 use super::direction_fill::{Parts, fill};
 use super::memory::Memory;
 use super::passes::map_covered;
-use crate::frame::SightLines;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, SightLines, Vector2Planes};
 use crate::line::normal_rays::{
     Form, Noise, NormalRay, PrincipalCurvatures, Sides, principal_curvatures,
 };
