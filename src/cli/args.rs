@@ -354,21 +354,37 @@ pub(super) struct ScalingFlags {
     /// Scaling magnitude: 0 changes nothing.
     #[arg(long, value_name = "G", default_value_t = SCALING.scaling, allow_negative_numbers = true)]
     scaling: f32,
+    /// The same for ambient light and occlusion alone.
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    scaling_ambient: Option<f32>,
+    /// The same for diffuse light alone.
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    scaling_diffuse: Option<f32>,
+    /// The same for specular light alone.
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    scaling_specular: Option<f32>,
     /// Intensity, 0..1, that stays as it is; brighter ones brighten on convexities.
     #[arg(long, value_name = "A", default_value_t = SCALING.invariant_point, allow_negative_numbers = true)]
     invariant_point: f32,
     /// Luminance that counts as intensity 1, or auto to fit the picture.
     #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level, allow_negative_numbers = true)]
     white_level: Adaptive,
+    /// Where lights have directions: 1 lets the curvature along the light count, -1 that across it.
+    #[arg(long, value_name = "L", default_value_t = SCALING.anisotropy, allow_negative_numbers = true)]
+    anisotropy: f32,
 }
 
 impl ScalingFlags {
     pub(super) fn params(&self, curvature_gain: Adaptive) -> ScalingParams {
         ScalingParams {
             scaling: self.scaling,
+            scaling_ambient: self.scaling_ambient,
+            scaling_diffuse: self.scaling_diffuse,
+            scaling_specular: self.scaling_specular,
             invariant_point: self.invariant_point,
             curvature_gain,
             white_level: self.white_level,
+            anisotropy: self.anisotropy,
         }
     }
 }

@@ -46,6 +46,12 @@ pub struct ScalingParams {
     /// Scaling magnitude gamma, 0 or more. 0 changes nothing; 1 is plain to see; past
     /// [`crate::light::radiance_scaling::monotone_limit`] concavities may show new dark rims.
     pub scaling: f32,
+    /// Magnitude for ambient light and occlusion; [`ScalingParams::scaling`] where `None`.
+    pub scaling_ambient: Option<f32>,
+    /// Magnitude for diffusely reflected light, likewise.
+    pub scaling_diffuse: Option<f32>,
+    /// Magnitude for specularly reflected light, likewise.
+    pub scaling_specular: Option<f32>,
     /// Scaling-invariant point alpha, in (0, 1): intensities above it brighten on convexities and
     /// below it darken; concavities the other way round. Toward 0 convexities only brighten.
     pub invariant_point: f32,
@@ -56,20 +62,47 @@ pub struct ScalingParams {
     /// The scene-linear luminance that counts as intensity 1. `Auto` takes a high percentile of the
     /// surface's own. Above it every intensity scales alike.
     pub white_level: Adaptive,
+    /// Anisotropy lambda, -1..1, where the direction of the light is known: at 1 the curvature along the
+    /// light counts, at -1 that across it, at 0 their sum.
+    pub anisotropy: f32,
 }
 
 impl Default for ScalingParams {
     fn default() -> Self {
         Self {
             scaling: 1.0,
+            scaling_ambient: None,
+            scaling_diffuse: None,
+            scaling_specular: None,
             invariant_point: 0.25,
             curvature_gain: Adaptive::Auto,
             white_level: Adaptive::Auto,
+            anisotropy: 0.0,
         }
     }
 }
 
+/// Scaling magnitudes gamma by term.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Magnitudes {
+    /// For ambient light and occlusion.
+    pub ambient: f32,
+    /// For diffusely reflected light.
+    pub diffuse: f32,
+    /// For specularly reflected light.
+    pub specular: f32,
+}
+
 impl ScalingParams {
+    /// The magnitude of every term.
+    pub fn magnitudes(&self) -> Magnitudes {
+        Magnitudes {
+            ambient: self.scaling_ambient.unwrap_or(self.scaling),
+            diffuse: self.scaling_diffuse.unwrap_or(self.scaling),
+            specular: self.scaling_specular.unwrap_or(self.scaling),
+        }
+    }
+
     /// Refuses values outside their ranges.
     ///
     /// # Errors
@@ -82,11 +115,22 @@ impl ScalingParams {
                 remedy: remedy.into(),
             })
         };
-        if !(self.scaling >= 0.0 && self.scaling.is_finite()) {
-            return bad("--scaling", self.scaling, "give 0 or more");
+        let magnitudes = [
+            ("--scaling", Some(self.scaling)),
+            ("--scaling-ambient", self.scaling_ambient),
+            ("--scaling-diffuse", self.scaling_diffuse),
+            ("--scaling-specular", self.scaling_specular),
+        ];
+        for (name, magnitude) in magnitudes {
+            if let Some(value) = magnitude.filter(|g| !(*g >= 0.0 && g.is_finite())) {
+                return bad(name, value, "give 0 or more");
+            }
         }
         if !(0.0..=1.0).contains(&self.invariant_point) {
             return bad("--invariant-point", self.invariant_point, "give 0 to 1");
+        }
+        if !(-1.0..=1.0).contains(&self.anisotropy) {
+            return bad("--anisotropy", self.anisotropy, "give -1 to 1");
         }
         Ok(())
     }

@@ -4,6 +4,6 @@ mod light;
 mod run;
 mod shape;
 
-pub use light::{Adaptive, ScalingParams};
+pub use light::{Adaptive, Magnitudes, ScalingParams};
 pub use run::{RunOptions, TileSize};
 pub use shape::{MAX_DIRECTION_STEP_PX, Scale, ShapeParams, SoftThreshold, Solver};
