@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Needs {
             color: true,
             projection: false,
+            ..Needs::default()
         },
     )?
     .frame;

@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let needs = Needs {
         color: false,
         projection: true,
+        ..Needs::default()
     };
     let frame = io::load(&inputs, needs)?.frame;
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());

@@ -13,7 +13,7 @@
 //!
 //! # fn main() -> relievo::Result<()> {
 //! let inputs = Inputs { picture: "fixtures/bust.exr".into(), ..Inputs::default() };
-//! let frame = io::load(&inputs, Needs { color: true, projection: false })?.frame;
+//! let frame = io::load(&inputs, Needs { color: true, ..Needs::default() })?.frame;
 //! let plan = Plan::new(
 //!     Goal::Enhance,
 //!     Available::in_frame(&frame),

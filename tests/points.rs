@@ -66,6 +66,7 @@ fn loaded(path: &Path, camera: Option<&Path>) -> Loaded {
     let needs = Needs {
         color: false,
         projection: true,
+        ..Needs::default()
     };
     io::load(&inputs, needs).unwrap()
 }
@@ -211,6 +212,7 @@ fn coarse_storage_of_normals_is_known() {
     let needs = Needs {
         color: false,
         projection: false,
+        ..Needs::default()
     };
     let rounding = io::load(&inputs, needs)
         .unwrap()

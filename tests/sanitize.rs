@@ -487,6 +487,7 @@ impl Render {
             io::Needs {
                 color: true,
                 projection: true,
+                ..Needs::default()
             },
         )
         .unwrap()

@@ -140,6 +140,9 @@ pub(super) struct RoleArgs {
     /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     occlusion: Option<String>,
+    /// Albedo, the colour of the surface itself: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    albedo: Option<String>,
     /// How far each pixel is diffused, from 0, all detail, to 1, as far as asked for: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     importance: Option<String>,
@@ -188,6 +191,7 @@ impl RoleArgs {
             depth: self.depth.clone(),
             position: self.position.clone(),
             occlusion: self.occlusion.clone(),
+            albedo: self.albedo.clone(),
             importance: self.importance.clone(),
             mask: self.mask.clone(),
             camera: self.camera.clone(),
@@ -467,6 +471,7 @@ impl RoleArgs {
             &self.position,
             &self.color,
             &self.occlusion,
+            &self.albedo,
             &self.importance,
             &self.mask,
         ];

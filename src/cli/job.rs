@@ -62,6 +62,7 @@ impl<'a> Job<'a> {
         let needs = Needs {
             color: goal == Goal::Enhance,
             projection: shape.foreshortening != 0.0 || goal == Goal::Layers,
+            ..Needs::default()
         };
         let loaded = io::load(&inputs, needs)?;
         let read = start.elapsed();

@@ -61,6 +61,7 @@ fn load(args: &ReportArgs) -> Result<Loaded> {
     let needs = Needs {
         color: false,
         projection: true,
+        ..Needs::default()
     };
     let loaded = io::load(&args.roles.inputs(&args.input), needs)?;
     for warning in &loaded.warnings {

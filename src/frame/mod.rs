@@ -41,6 +41,8 @@ pub struct Frame {
     pub importance: Option<Plane>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
+    /// Colour of the surface itself, scene-linear, where a layer or file tells it.
+    pub albedo: Option<ColorPlanes>,
     /// Coverage of the picture, 0..1; colour is premultiplied by it.
     pub alpha: Option<Plane>,
     /// The camera, where it is known.
@@ -73,6 +75,11 @@ impl Frame {
     pub fn crop(&self, part: Window) -> Frame {
         let whole = self.data_window;
         let plane = |p: &Plane| p.crop(whole, part);
+        let colors = |c: &ColorPlanes| ColorPlanes {
+            r: plane(&c.r),
+            g: plane(&c.g),
+            b: plane(&c.b),
+        };
         Frame {
             data_window: part,
             mask: self.mask.crop(whole, part),
@@ -85,11 +92,8 @@ impl Frame {
             depth: self.depth.as_ref().map(plane),
             occlusion: self.occlusion.as_ref().map(plane),
             importance: self.importance.as_ref().map(plane),
-            color: self.color.as_ref().map(|c| ColorPlanes {
-                r: plane(&c.r),
-                g: plane(&c.g),
-                b: plane(&c.b),
-            }),
+            color: self.color.as_ref().map(colors),
+            albedo: self.albedo.as_ref().map(colors),
             alpha: self.alpha.as_ref().map(plane),
             source: self.source.clone(),
             ..*self

@@ -21,6 +21,8 @@ pub struct Inputs {
     pub position: Option<String>,
     /// Ambient occlusion.
     pub occlusion: Option<String>,
+    /// Colour of the surface itself.
+    pub albedo: Option<String>,
     /// Importance; read only where it is named here.
     pub importance: Option<String>,
     /// Coverage: a surface was seen where it is above one half.

@@ -27,10 +27,14 @@ pub struct Finding {
 }
 
 /// What a run needs of a frame beyond its shape.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Needs {
     /// The picture.
     pub color: bool,
+    /// The picture, where there is one.
+    pub color_if_any: bool,
+    /// The albedo, where there is one.
+    pub albedo: bool,
     /// How view space falls onto the picture: only a foreshortened gradient asks. A camera that is
     /// needed for nothing else is then not looked for.
     pub projection: bool,
@@ -69,7 +73,7 @@ impl Loaded {
 /// neither names nor data tell the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let main = Opened::open(&inputs.picture)?;
-    let sources = Sources::resolve(inputs, &main, needs.color)?;
+    let sources = Sources::resolve(inputs, &main, needs)?;
     let data_window = sources.common_window()?;
     let (display_window, pixel_aspect) = shown(&main, data_window);
     let mut planes = sources.read()?;
@@ -80,7 +84,8 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         .expect("normals are always resolved");
     let encoding = notes.encoding(inputs, &sources, &normal);
     normals::decode(&mut normal, encoding, inputs.normal_flip);
-    let (color, alpha) = planes.color(&mut notes);
+    let (color, alpha) = planes.color(Role::Color, &mut notes);
+    let (albedo, _) = planes.color(Role::DiffuseColor, &mut notes);
     let mut depth = planes.scalar(Role::Depth);
     let mask = coverage::coverage(&Evidence {
         normal: &normal,
@@ -136,6 +141,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
             .or_else(|| varying(alpha.as_ref())),
         importance: planes.scalar(Role::Importance),
         color,
+        albedo,
         alpha,
         camera,
         source: Source {
@@ -174,7 +180,7 @@ struct Sources {
 }
 
 impl Sources {
-    fn resolve(inputs: &Inputs, main: &Rc<Opened>, with_color: bool) -> Result<Self> {
+    fn resolve(inputs: &Inputs, main: &Rc<Opened>, needs: Needs) -> Result<Self> {
         let find = |role, name: &Option<String>| RoleSource::resolve(role, name.as_deref(), main);
         let normal = find(Role::Normal, &inputs.normal)?
             .ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
@@ -192,12 +198,15 @@ impl Sources {
             roles.extend(find(Role::Position, &inputs.position)?);
         }
         let color = find(Role::Color, &inputs.color)?;
-        if with_color && color.is_none() {
+        if needs.color && color.is_none() {
             return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
         }
         // Without depth, alpha tells coverage, so the picture is read for it.
-        if with_color || roles.iter().all(|s| s.role != Role::Depth) {
+        if needs.color || needs.color_if_any || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(color);
+        }
+        if needs.albedo {
+            roles.extend(find(Role::DiffuseColor, &inputs.albedo)?);
         }
         roles.extend(find(Role::Mask, &inputs.mask)?);
         if inputs.importance.is_some() {
@@ -268,11 +277,11 @@ impl Planes {
         self.take(role).map(|read| grey(read.planes))
     }
 
-    fn color(&mut self, notes: &mut Notes) -> (Option<ColorPlanes>, Option<Plane>) {
+    fn color(&mut self, role: Role, notes: &mut Notes) -> (Option<ColorPlanes>, Option<Plane>) {
         let Some(RolePlanes {
             mut planes,
             mut alpha,
-        }) = self.take(Role::Color)
+        }) = self.take(role)
         else {
             return (None, None);
         };

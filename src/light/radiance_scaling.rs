@@ -20,18 +20,38 @@ const MAX_EXPONENT: f32 = 60.0;
 /// than alpha and darkens what is darker. Source: [RS] equation 3, mended as told above.
 #[inline(always)]
 pub fn scaling(d: f32, x: f32, alpha: f32) -> f32 {
-    let d = d.clamp(0.0, 1.0);
-    let alpha = alpha.clamp(INVARIANT_MARGIN, 1.0 - INVARIANT_MARGIN);
-    let e = exp(-x.abs().min(MAX_EXPONENT));
-    let (low, high) = (alpha * (1.0 - d), d * (1.0 - alpha));
-    let (above, below) = (e * low + high, low + e * high);
-    // A concavity has the reciprocal.
-    let (above, below) = if x >= 0.0 {
-        (above, below)
-    } else {
-        (below, above)
-    };
-    above / below
+    ScalingCurve::of(x).at(d, alpha)
+}
+
+/// sigma as a function of intensity alone: what many lights at one pixel share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScalingCurve {
+    /// Weight of the darkest intensity: e^-|x| on a convexity, else 1.
+    pub dark: f32,
+    /// Weight of the brightest: 1 on a convexity, else e^-|x|.
+    pub bright: f32,
+}
+
+impl ScalingCurve {
+    /// The curve of the exponent `x = gamma * kappa`.
+    #[inline(always)]
+    pub fn of(x: f32) -> Self {
+        let e = exp(-x.abs().min(MAX_EXPONENT));
+        let convex = x >= 0.0;
+        Self {
+            dark: if convex { e } else { 1.0 },
+            bright: if convex { 1.0 } else { e },
+        }
+    }
+
+    /// sigma(d) for the invariant point `alpha`.
+    #[inline(always)]
+    pub fn at(self, d: f32, alpha: f32) -> f32 {
+        let d = d.clamp(0.0, 1.0);
+        let alpha = alpha.clamp(INVARIANT_MARGIN, 1.0 - INVARIANT_MARGIN);
+        let (low, high) = (alpha * (1.0 - d), d * (1.0 - alpha));
+        (self.dark * low + self.bright * high) / (self.bright * low + self.dark * high)
+    }
 }
 
 /// The largest gamma |kappa| for which `d * sigma(d)` still rises with d on concavities: past it a

@@ -1,9 +1,14 @@
 //! Every tunable, its meaning, unit, range and default. Nothing else types a default again.
 
 mod light;
+mod relight;
 mod run;
 mod shape;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams};
+pub use relight::{
+    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation, RelightParams, Samples,
+    Tangent, WarpBy, WarpingParams,
+};
 pub use run::{RunOptions, TileSize};
 pub use shape::{MAX_DIRECTION_STEP_PX, Scale, ShapeParams, SoftThreshold, Solver};

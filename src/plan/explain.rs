@@ -1,6 +1,6 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
-use super::{Available, Goal, Points, Stage, Sweeps};
+use super::{Available, Goal, Points, Relighting, Stage, Sweeps};
 use crate::params::{Adaptive, ScalingParams, ShapeParams};
 use serde::Serialize;
 
@@ -16,6 +16,19 @@ pub struct Decision {
 }
 
 impl Stage {
+    /// The stages that only relighting has.
+    const OF_RELIGHTING: [Self; 9] = [
+        Self::AlbedoEstimate,
+        Self::EnvironmentLights,
+        Self::EnvironmentPrefilter,
+        Self::Warping,
+        Self::Jacobian,
+        Self::LightSum,
+        Self::LightLookups,
+        Self::Contrast,
+        Self::Tones,
+    ];
+
     /// The stage's name as `--explain` and `--timings` print it.
     pub fn name(self) -> &'static str {
         match self {
@@ -36,6 +49,15 @@ impl Stage {
             Self::MappedCurvature => "mapped-curvature",
             Self::RadianceScaling => "radiance-scaling",
             Self::CurvatureDisplay => "curvature-display",
+            Self::AlbedoEstimate => "albedo-estimate",
+            Self::EnvironmentLights => "environment-lights",
+            Self::EnvironmentPrefilter => "environment-prefilter",
+            Self::Warping => "warping",
+            Self::Jacobian => "jacobian",
+            Self::LightSum => "light-sum",
+            Self::LightLookups => "light-lookups",
+            Self::Contrast => "contrast",
+            Self::Tones => "tones",
         }
     }
 }
@@ -47,84 +69,139 @@ impl std::fmt::Display for Decision {
     }
 }
 
+/// What is decided upon.
+pub(super) struct Request<'a> {
+    pub(super) goal: Goal,
+    pub(super) available: Available,
+    pub(super) shape: &'a ShapeParams,
+    pub(super) sweeps: &'a Sweeps,
+    pub(super) rays: (Points, [usize; 2]),
+    pub(super) scaling: &'a ScalingParams,
+    pub(super) relighting: Option<&'a Relighting>,
+}
+
 /// Decides every stage, in the order of execution.
-pub(super) fn decide(
-    goal: Goal,
-    available: Available,
-    shape: &ShapeParams,
-    sweeps: &Sweeps,
-    rays: (Points, [usize; 2]),
-    scaling: &ScalingParams,
-) -> Vec<Decision> {
-    let factor = shape.resolution_factor(available.image_height);
-    let idle = goal == Goal::Enhance && scaling.scaling == 0.0;
-    let all = goal == Goal::Layers;
-    let rules = [
-        silhouettes(available),
-        vec![
-            keep(Stage::Creases, "from normals"),
-            keep(
-                Stage::Conductance,
-                "barriers for diffusion, flatness at edges",
-            ),
-            keep(
-                Stage::Gradient,
-                format!("foreshortening {}", shape.foreshortening),
-            ),
-            rule(
-                Stage::Diffusion,
-                sweeps.count() > 0,
-                format!("{}, {}", scale(shape, factor), sweeps.described()),
-                "a scale of 0",
-            ),
-            rule(
-                Stage::Trace,
-                !all,
-                format!(
-                    "only the sum of curvatures is needed{}",
-                    unit(shape, factor)
-                ),
-                "part of the hessian",
-            ),
-            rule(
-                Stage::Hessian,
-                all,
-                format!("asked for as layers{}", unit(shape, factor)),
-                "its trace is enough",
-            ),
-            rule(
-                Stage::Curvatures,
-                all,
-                "asked for as layers",
-                "their sum is enough",
-            ),
-            rule(
-                Stage::Directions,
-                all,
-                "asked for as layers",
-                "nothing here follows a direction",
-            ),
-            rule(
-                Stage::NormalRays,
-                all,
-                normal_rays(rays),
-                "nothing here follows a direction",
-            ),
-            rule(
-                Stage::AutoGain,
-                scaling.curvature_gain == Adaptive::Auto,
-                "--curvature-gain auto",
-                format!("--curvature-gain {}", scaling.curvature_gain),
-            ),
-        ],
-        light(goal, scaling),
-    ];
-    let mut decisions: Vec<Decision> = rules.into_iter().flatten().collect();
-    if idle {
-        for decision in &mut decisions {
-            *decision = skip(decision.stage, "--scaling 0 leaves the picture as it is");
+pub(super) fn decide(request: &Request) -> Vec<Decision> {
+    let mut decisions = of_shape(request);
+    let no_shape = match (request.goal, request.relighting) {
+        (Goal::Enhance, _) if request.scaling.scaling == 0.0 => {
+            Some("--scaling 0 leaves the picture as it is")
+        }
+        (_, Some(relighting)) if !relighting.needs_shape() => {
+            Some("light that is not altered asks nothing of shape")
+        }
+        _ => None,
+    };
+    decisions.extend(light(request.goal, request.scaling));
+    if let Some(reason) = no_shape {
+        for decision in decisions.iter_mut().filter(|d| d.kept) {
+            *decision = skip(decision.stage, reason);
         }
     }
+    match request.relighting {
+        Some(relighting) => decisions.extend(relighting.decide()),
+        None => {
+            let stages = Stage::OF_RELIGHTING.into_iter();
+            decisions.extend(stages.map(|stage| skip(stage, "no new light is asked for")));
+        }
+    }
+    decisions
+}
+
+/// The stages of shape.
+fn of_shape(request: &Request) -> Vec<Decision> {
+    let Request {
+        goal,
+        shape,
+        sweeps,
+        scaling,
+        relighting,
+        ..
+    } = *request;
+    let factor = shape.resolution_factor(request.available.image_height);
+    let all = goal == Goal::Layers;
+    let hessian = all || relighting.is_some_and(|r| r.needs_hessian());
+    let gain = relighting.is_none_or(|r| r.needs_gain());
+    let grain = relighting.is_some_and(|r| r.grain);
+    let mut decisions = silhouettes(request.available);
+    decisions.extend([
+        keep(Stage::Creases, "from normals"),
+        keep(
+            Stage::Conductance,
+            "barriers for diffusion, flatness at edges",
+        ),
+        rule(
+            Stage::Gradient,
+            gain,
+            format!("foreshortening {}", shape.foreshortening),
+            "no curvature is needed",
+        ),
+        rule(
+            Stage::Diffusion,
+            gain && sweeps.count() > 0,
+            format!("{}, {}", scale(shape, factor), sweeps.described()),
+            if gain {
+                "a scale of 0"
+            } else {
+                "no curvature is needed"
+            },
+        ),
+        rule(
+            Stage::Trace,
+            gain && !hessian,
+            format!(
+                "only the sum of curvatures is needed{}",
+                unit(shape, factor)
+            ),
+            if hessian {
+                "part of the hessian"
+            } else {
+                "no curvature is needed"
+            },
+        ),
+        rule(
+            Stage::Hessian,
+            hessian,
+            format!(
+                "{}{}",
+                if all {
+                    "asked for as layers"
+                } else {
+                    "light has a direction: so has curvature"
+                },
+                unit(shape, factor)
+            ),
+            "its trace is enough: no eigenvectors, no directions",
+        ),
+        rule(
+            Stage::Curvatures,
+            all,
+            "asked for as layers",
+            "their sum is enough",
+        ),
+        rule(
+            Stage::Directions,
+            all,
+            "asked for as layers",
+            "no eigenvectors: what follows a direction uses the hessian itself",
+        ),
+        rule(
+            Stage::NormalRays,
+            all || grain,
+            normal_rays(request.rays),
+            "nothing here follows a direction",
+        ),
+        rule(
+            Stage::AutoGain,
+            gain && scaling.curvature_gain == Adaptive::Auto,
+            "--curvature-gain auto",
+            if gain {
+                format!("--curvature-gain {}", scaling.curvature_gain)
+            } else {
+                "no curvature is needed".into()
+            },
+        ),
+    ]);
     decisions
 }
 
@@ -226,7 +303,7 @@ fn light(goal: Goal, scaling: &ScalingParams) -> Vec<Decision> {
     ]
 }
 
-fn rule(
+pub(super) fn rule(
     stage: Stage,
     kept: bool,
     why_kept: impl Into<String>,
@@ -239,7 +316,7 @@ fn rule(
     }
 }
 
-fn keep(stage: Stage, reason: impl Into<String>) -> Decision {
+pub(super) fn keep(stage: Stage, reason: impl Into<String>) -> Decision {
     Decision {
         stage,
         kept: true,
@@ -247,7 +324,7 @@ fn keep(stage: Stage, reason: impl Into<String>) -> Decision {
     }
 }
 
-fn skip(stage: Stage, reason: impl Into<String>) -> Decision {
+pub(super) fn skip(stage: Stage, reason: impl Into<String>) -> Decision {
     Decision {
         stage,
         kept: false,
@@ -270,6 +347,8 @@ mod tests {
 
     const DEPTH: Available = Available {
         depth: true,
+        color: true,
+        albedo: false,
         occlusion: true,
         importance: false,
         image_height: 1080,
@@ -278,6 +357,8 @@ mod tests {
     };
     const NOTHING: Available = Available {
         depth: false,
+        color: true,
+        albedo: false,
         occlusion: false,
         importance: false,
         image_height: 1080,
@@ -315,7 +396,7 @@ mod tests {
                 .windows(2)
                 .all(|pair| pair[0].stage < pair[1].stage)
         );
-        assert_eq!(decisions.last().unwrap().stage, Stage::CurvatureDisplay);
-        assert_eq!(decisions.len(), Stage::CurvatureDisplay as usize + 1);
+        assert_eq!(decisions.last().unwrap().stage, Stage::Tones);
+        assert_eq!(decisions.len(), Stage::Tones as usize + 1);
     }
 }

@@ -2,14 +2,16 @@
 //! stages needed and no others. A plan touches no pixel.
 
 mod explain;
+mod relight;
 mod sweeps;
 
 pub use explain::Decision;
+pub use relight::{Albedo, EnvironmentUse, LightKinds, Relighting};
 pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
 use crate::error::{Error, Result};
 use crate::frame::{DepthKind, Frame};
-use crate::params::{Scale, ScalingParams, ShapeParams, Solver};
+use crate::params::{RelightParams, Scale, ScalingParams, ShapeParams, Solver};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
 
@@ -23,6 +25,8 @@ pub enum Goal {
     Display,
     /// Radiance scaling of the picture.
     Enhance,
+    /// New light.
+    Relight,
 }
 
 /// One step of the work. The order of the variants is the order of execution.
@@ -63,6 +67,24 @@ pub enum Stage {
     RadianceScaling,
     /// Coloured curvature display.
     CurvatureDisplay,
+    /// Albedo, from the picture.
+    AlbedoEstimate,
+    /// Lights that stand for an environment.
+    EnvironmentLights,
+    /// Environment prefiltered by the lobes.
+    EnvironmentPrefilter,
+    /// The warp of every pixel.
+    Warping,
+    /// The Jacobian of its inverse.
+    Jacobian,
+    /// The sum over lights.
+    LightSum,
+    /// Look-ups into an environment or a lit sphere.
+    LightLookups,
+    /// Contrast by curvature.
+    Contrast,
+    /// Few tones.
+    Tones,
 }
 
 /// What there is to plan with.
@@ -70,6 +92,10 @@ pub enum Stage {
 pub struct Available {
     /// Depth.
     pub depth: bool,
+    /// A picture.
+    pub color: bool,
+    /// The albedo of the surface.
+    pub albedo: bool,
     /// An occlusion map or alpha.
     pub occlusion: bool,
     /// A map of importance, by which every pixel has a scale of its own.
@@ -97,6 +123,8 @@ impl Available {
     pub fn in_frame(frame: &Frame) -> Self {
         Self {
             depth: frame.depth.is_some(),
+            color: frame.color.is_some(),
+            albedo: frame.albedo.is_some(),
             occlusion: frame.occlusion.is_some(),
             importance: frame.importance.is_some(),
             image_height: frame.display_window.height(),
@@ -115,8 +143,10 @@ pub struct Plan {
     pub goal: Goal,
     /// How shape is found.
     pub shape: ShapeParams,
-    /// How light is scaled; used by [`Goal::Enhance`], its gain by all.
+    /// How light is scaled; used by [`Goal::Enhance`] and [`Goal::Relight`], its gain by all.
     pub scaling: ScalingParams,
+    /// How the frame is lit anew, for [`Goal::Relight`].
+    pub relighting: Option<Relighting>,
     /// How the gradient is diffused.
     pub sweeps: Sweeps,
     /// Sigmas of further scales, in pixels of the reference.
@@ -146,6 +176,23 @@ impl Plan {
         Self::at_scales(goal, available, shape, scaling, &[])
     }
 
+    /// The plan for lighting a frame with the given inputs anew, by lights of these `kinds`.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] for a parameter outside its range, and for lights and materials that
+    /// lack what they need.
+    pub fn relight(
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        relight: RelightParams,
+        kinds: LightKinds,
+    ) -> Result<Self> {
+        scaling.validate()?;
+        let relighting = Relighting::new(relight, &scaling, kinds, available)?;
+        Self::made(Goal::Relight, available, shape, scaling, &[], Some(relighting))
+    }
+
     /// [`Plan::new`] whose gradient is also made at further scales, sigmas in pixels, by the same sweeps.
     ///
     /// # Errors
@@ -157,6 +204,17 @@ impl Plan {
         shape: ShapeParams,
         scaling: ScalingParams,
         more_px: &[f32],
+    ) -> Result<Self> {
+        Self::made(goal, available, shape, scaling, more_px, None)
+    }
+
+    fn made(
+        goal: Goal,
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        more_px: &[f32],
+        relighting: Option<Relighting>,
     ) -> Result<Self> {
         shape.validate()?;
         if !more_px.is_empty() {
@@ -178,8 +236,15 @@ impl Plan {
             false => Points::Normals,
         };
         let direction_steps_px = shape.direction_steps_px(available.normal_rounding);
-        let rays = (points, direction_steps_px);
-        let decisions = explain::decide(goal, available, &shape, &sweeps, rays, &scaling);
+        let decisions = explain::decide(&explain::Request {
+            goal,
+            available,
+            shape: &shape,
+            sweeps: &sweeps,
+            rays: (points, direction_steps_px),
+            scaling: &scaling,
+            relighting: relighting.as_ref(),
+        });
         let stages = decisions
             .iter()
             .filter(|d| d.kept)
@@ -189,6 +254,7 @@ impl Plan {
             goal,
             shape,
             scaling,
+            relighting,
             sweeps,
             more_px: more_px.to_vec(),
             resolution_factor,

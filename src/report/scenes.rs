@@ -259,6 +259,7 @@ fn frame(width: usize, height: usize, at: impl Fn(usize, usize) -> Option<(DVec3
         occlusion: None,
         importance: None,
         color: None,
+        albedo: None,
         alpha: None,
         camera: None,
         source: Source::default(),

@@ -177,6 +177,11 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
         camera: impl Fn(Camera) -> Camera,
     ) -> Frame {
         let plane = |p: &Plane| self.plane(p);
+        let colors = |c: &ColorPlanes| ColorPlanes {
+            r: plane(&c.r),
+            g: plane(&c.g),
+            b: plane(&c.b),
+        };
         Frame {
             data_window,
             display_window,
@@ -187,11 +192,8 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
             depth: frame.depth.as_ref().map(plane),
             occlusion: frame.occlusion.as_ref().map(plane),
             importance: frame.importance.as_ref().map(plane),
-            color: frame.color.as_ref().map(|c| ColorPlanes {
-                r: plane(&c.r),
-                g: plane(&c.g),
-                b: plane(&c.b),
-            }),
+            color: frame.color.as_ref().map(colors),
+            albedo: frame.albedo.as_ref().map(colors),
             alpha: frame.alpha.as_ref().map(plane),
             camera: frame.camera.map(camera),
             source: frame.source.clone(),

@@ -682,6 +682,7 @@ impl Scene {
                 g: gray.clone(),
                 b: gray,
             }),
+            albedo: None,
             alpha: Some(plane(|_| 1.0)),
             camera: Some(Camera {
                 view_from_world: DAffine3::IDENTITY,

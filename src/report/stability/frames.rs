@@ -23,6 +23,7 @@ pub(super) fn relief(width: usize, height: usize) -> Frame {
         occlusion: None,
         importance: None,
         color: None,
+        albedo: None,
         alpha: None,
         camera: None,
         source: Source::default(),
@@ -139,6 +140,7 @@ pub(super) fn through_a_file(frame: &Frame) -> Result<Loaded> {
         Needs {
             color: false,
             projection: false,
+            ..Needs::default()
         },
     )
 }

@@ -1,0 +1,245 @@
+//! New light: batches of covered pixels, gathered from the frame's planes, lit, and scattered again.
+
+mod albedo;
+mod around;
+mod batch;
+mod shade;
+
+pub(super) use around::Around;
+pub(super) use batch::Batch;
+pub(super) use shade::light_batch;
+
+use super::memory::Memory;
+use super::simd::Simd;
+use super::{Run, light, normal_rays, passes, statistics};
+use crate::frame::{ColorPlanes, Frame, Plane, Projection, SightLines, SymmetricPlanes, Vector2Planes};
+use crate::light::lights::{DirectionalLight, Illumination, PointLight};
+use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
+use crate::params::{Magnitudes, Quantisation, RelightParams};
+use crate::plan::{Albedo, EnvironmentUse, Relighting, Stage};
+use rayon::prelude::*;
+
+/// Rows that one task lights: few, so that threads end together, and enough to fill batches.
+const ROWS_PER_TASK: usize = 8;
+
+/// Everything that all batches share.
+pub(super) struct Scene<'a> {
+    frame: &'a Frame,
+    relighting: &'a Relighting,
+    /// What curvature there is.
+    hessian: Option<&'a SymmetricPlanes>,
+    trace: Option<&'a Plane>,
+    /// Grain in the picture, where it follows the curvature.
+    grain: Option<&'a Vector2Planes>,
+    albedo: Option<&'a ColorPlanes>,
+    /// Curvature gain.
+    gain: f32,
+    magnitudes: Magnitudes,
+    invariant_point: f32,
+    luminance: [f32; 3],
+    /// How single lights act; `None` where none are summed.
+    shading: Option<Shading>,
+    lights: Vec<DirectionalLight>,
+    points: &'a [PointLight],
+    sight: SightLines,
+    around: Around<'a>,
+    /// Direction to the eye per column and row, of z 1; `None` for parallel sight lines.
+    eye: Option<[Vec<f32>; 2]>,
+    tones: Option<Quantisation>,
+}
+
+impl Scene<'_> {
+    fn params(&self) -> &RelightParams {
+        &self.relighting.params
+    }
+}
+
+impl Run<'_> {
+    /// Lights the frame anew.
+    pub(super) fn relight(&mut self, illumination: &Illumination) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let relighting = plan
+            .relighting
+            .as_ref()
+            .expect("the plan says how to light");
+        let weights = light::luminance_weights(frame);
+        let around = match relighting.environment {
+            EnvironmentUse::None => Around::nothing(illumination),
+            _ => self.timed("environment", || {
+                Around::new(illumination, relighting, weights)
+            }),
+        };
+        self.outcome.environment_gain = around.gain();
+        let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
+            self.timed("albedo-estimate", || {
+                albedo::estimated(frame, weights, memory)
+            })
+        });
+        let mut lights = illumination.directional.clone();
+        lights.extend_from_slice(around.lights());
+        let shape = std::mem::take(&mut self.outcome.shape);
+        let gain = self.outcome.gain.unwrap_or(0.0);
+        let eye = eye_directions(frame);
+        let scene = Scene {
+            frame,
+            relighting,
+            hessian: shape.hessian.as_ref(),
+            trace: shape.trace.as_ref(),
+            grain: shape.direction.as_ref().filter(|_| relighting.grain),
+            albedo: match relighting.albedo {
+                Albedo::Layer => frame.albedo.as_ref(),
+                Albedo::Picture => frame.color.as_ref(),
+                Albedo::Estimate => estimate.as_ref(),
+                Albedo::White => None,
+            },
+            gain,
+            magnitudes: plan.scaling.magnitudes(),
+            invariant_point: plan.scaling.invariant_point,
+            luminance: weights,
+            shading: self.shading(relighting, gain, eye.is_none()),
+            lights,
+            points: &illumination.points,
+            sight: sight_lines(frame),
+            around,
+            eye,
+            tones: relighting.params.tones(),
+        };
+        let color = self.timed("relight", || lit(&scene, memory));
+        drop(scene);
+        if let Some(ColorPlanes { r, g, b }) = estimate {
+            memory.take_back([r, g, b]);
+        }
+        self.outcome.shape = shape;
+        self.outcome.color = Some(color);
+    }
+
+    /// How single lights act, where any are summed.
+    fn shading(&self, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
+        let scaling = &self.plan.scaling;
+        let magnitudes = scaling.magnitudes();
+        let toward_light = relighting.toward_light.then_some(TowardLight {
+            gain,
+            anisotropy: scaling.anisotropy,
+            magnitudes: [magnitudes.diffuse, magnitudes.specular],
+        });
+        let lobes = Lobes::of(&relighting.params.material, far)?;
+        relighting.sums.then_some(Shading {
+            warped: relighting.has_jacobian(),
+            scaled: relighting.scales.then_some(Scaled {
+                invariant_point: scaling.invariant_point,
+                toward_light,
+            }),
+            lobes,
+        })
+    }
+
+    /// What of the shape new light asks for: curvature with its gain, a grain.
+    pub(super) fn shape_for_light(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        if plan.has(Stage::NormalRays) {
+            let direction = self.timed("normal-rays", || {
+                normal_rays::directions(plan, frame, conductance, memory)
+            });
+            self.outcome.shape.direction = Some(direction);
+        }
+        if plan.has(Stage::Hessian) {
+            let hessian = self.timed("hessian", || {
+                let hessian = passes::hessian(gradient, conductance, &frame.mask, memory);
+                super::hessian_at(plan.resolution_factor, hessian)
+            });
+            let trace = self.timed("trace", || passes::sum_of_diagonal(&hessian, &frame.mask, memory));
+            self.outcome.shape.hessian = Some(hessian);
+            self.choose_gain(&trace, conductance);
+            self.outcome.shape.trace = Some(trace);
+        } else if plan.has(Stage::Trace) {
+            self.find_trace(gradient, conductance);
+        }
+    }
+}
+
+/// Directions to the eye by column and by row; `None` where all are along z.
+fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
+    let projection = frame.camera.as_ref()?.projection;
+    let Projection::Perspective { .. } = projection else {
+        return None;
+    };
+    let data = frame.data_window;
+    let centre = |first: i32, i: usize| f64::from(first) + i as f64 + 0.5;
+    let columns = (0..data.width()).map(|x| projection.to_eye(centre(data.x0, x), 0.0).x as f32);
+    let rows = (0..data.height()).map(|y| projection.to_eye(0.0, centre(data.y0, y)).y as f32);
+    Some([columns.collect(), rows.collect()])
+}
+
+fn sight_lines(frame: &Frame) -> SightLines {
+    match &frame.camera {
+        Some(camera) => SightLines::new(camera.projection),
+        None => SightLines::parallel(frame.pixel_aspect),
+    }
+}
+
+/// The lit picture; where uncovered that of the frame, or black.
+fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
+    let mask = &scene.frame.mask;
+    let width = mask.width();
+    let simd = Simd::widest();
+    let mut planes = [(); 3].map(|()| memory.plane(mask));
+    let [r, g, b] = planes
+        .each_mut()
+        .map(|plane| plane.samples_mut().par_chunks_mut(width * ROWS_PER_TASK));
+    r.zip(g).zip(b).enumerate().for_each_init(
+        || Box::new(Batch::new()),
+        |batch, (task, ((r, g), b))| {
+            let first = task * ROWS_PER_TASK;
+            let mut rows = [r, g, b];
+            keep_uncovered(scene, first, &mut rows);
+            let count = rows[0].len() / width;
+            for y in first..first + count {
+                let covered = mask.row(y);
+                let mut columns = mask.span(y);
+                while let Some(run) = next_run(covered, &mut columns) {
+                    batch.take_run(scene, y, run, |batch| {
+                        simd.light_batch(batch, scene);
+                        batch.scatter(&mut rows, first, width);
+                    });
+                }
+            }
+            batch.finish(|batch| {
+                simd.light_batch(batch, scene);
+                batch.scatter(&mut rows, first, width);
+            });
+        },
+    );
+    let [r, g, b] = planes;
+    ColorPlanes { r, g, b }
+}
+
+/// The next run of covered pixels within `columns`, which then begin after it.
+fn next_run(covered: &[bool], columns: &mut std::ops::Range<usize>) -> Option<std::ops::Range<usize>> {
+    let start = columns.start + covered[columns.clone()].iter().position(|&c| c)?;
+    let length = covered[start..columns.end].iter().position(|&c| !c);
+    let end = length.map_or(columns.end, |length| start + length);
+    columns.start = end;
+    Some(start..end)
+}
+
+/// Copies the picture of the frame to where no surface is.
+fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
+    let Some(color) = &scene.frame.color else {
+        return;
+    };
+    let mask = &scene.frame.mask;
+    let width = mask.width();
+    for (rows, plane) in rows.iter_mut().zip([&color.r, &color.g, &color.b]) {
+        for (i, row) in rows.chunks_mut(width).enumerate() {
+            let covered = mask.row(first + i);
+            if covered.iter().all(|&c| c) {
+                continue;
+            }
+            for ((to, &from), &covered) in row.iter_mut().zip(plane.row(first + i)).zip(covered) {
+                if !covered {
+                    *to = from;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Lighting one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors
+//! that the machine has.
+
+use super::{Batch, Scene};
+use crate::light::batch::{BATCH, Lanes};
+use crate::light::brdf::mirrored;
+use crate::light::light_warping::{Warp, contrast, half_vector};
+use crate::light::radiance_scaling::ScalingCurve;
+use crate::light::sum::{Incoming, Intensity, Lobes};
+use crate::light::tones::tone_factor;
+use crate::params::{Material, Tangent};
+use crate::shape::curvature::mapped_curvature;
+
+/// Which curve of [`crate::light::batch::Pixels::curves`] a term has.
+const AMBIENT: usize = 0;
+const DIFFUSE: usize = 1;
+const SPECULAR: usize = 2;
+
+/// Lights the pixels of a batch.
+#[inline(always)]
+pub(in super::super) fn light_batch(batch: &mut Batch, scene: &Scene) {
+    prepare(batch, scene);
+    batch.sum.clear();
+    add_lights(batch, scene);
+    compose(batch, scene);
+}
+
+/// What is known of the pixels before any light comes.
+#[inline(always)]
+fn prepare(batch: &mut Batch, scene: &Scene) {
+    let relighting = scene.relighting;
+    if scene.eye.is_some() {
+        normalise_eyes(batch);
+    } else {
+        batch.pixels.to_eye.vector = [[0.0; BATCH], [0.0; BATCH], [1.0; BATCH]];
+    }
+    let lobes = scene.shading.map(|shading| shading.lobes);
+    let phong = relighting.params.material.material == Material::Phong;
+    if phong || scene.around.is_mirrored() {
+        for i in 0..BATCH {
+            let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
+            batch.pixels.mirrored.set(i, mirrored(n, eye));
+        }
+    }
+    if matches!(lobes, Some(Lobes::AshikhminShirley(_))) {
+        set_grain(batch, scene);
+    }
+    if relighting.warps {
+        let pixels = &mut batch.pixels;
+        pixels.warp_by(relighting.params.warping.warp * scene.gain);
+        match lobes {
+            Some(Lobes::Phong { .. }) => pixels.mirrored.unwarp(&pixels.unwarp),
+            Some(Lobes::BlinnPhong { far: false, .. }) => pixels.to_eye.unwarp(&pixels.unwarp),
+            Some(Lobes::AshikhminShirley(_)) => {
+                pixels.to_eye.unwarp(&pixels.unwarp);
+                pixels.along.unwarp(&pixels.unwarp);
+                pixels.across.unwarp(&pixels.unwarp);
+            }
+            _ => {}
+        }
+    }
+    if relighting.scales {
+        let magnitudes = scene.magnitudes;
+        let terms = [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular];
+        for (curves, magnitude) in batch.pixels.curves.iter_mut().zip(terms) {
+            for i in 0..BATCH {
+                let kappa = mapped_curvature(batch.trace[i], scene.gain);
+                curves.set(i, ScalingCurve::of(magnitude * kappa));
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn normalise_eyes(batch: &mut Batch) {
+    let [x, y, z] = &mut batch.pixels.to_eye.vector;
+    for i in 0..BATCH {
+        let inverse = 1.0 / (x[i] * x[i] + y[i] * y[i] + 1.0).sqrt();
+        x[i] *= inverse;
+        y[i] *= inverse;
+        z[i] = inverse;
+    }
+}
+
+/// Unit tangents along the grain and across it.
+#[inline(always)]
+fn set_grain(batch: &mut Batch, scene: &Scene) {
+    let fixed = match scene.params().material.tangent {
+        Tangent::Degrees(angle) => angle.to_radians(),
+        Tangent::Curvature => 0.0,
+    };
+    let (sine, cosine) = fixed.sin_cos();
+    for i in 0..BATCH {
+        let n = batch.pixels.normal.at(i);
+        let [x, y] = match scene.grain {
+            Some(_) => [batch.grain[0][i], batch.grain[1][i]],
+            None => [cosine, sine],
+        };
+        // The part of (x, y, 0) that is square to the normal; where there is none any tangent will do.
+        let along = x * n[0] + y * n[1];
+        let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
+        let square = tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2];
+        let seen = square > 1e-12;
+        let inverse = 1.0 / square.max(1e-12).sqrt();
+        let u = [
+            if seen { tangent[0] * inverse } else { 0.0 },
+            if seen { tangent[1] * inverse } else { 0.0 },
+            if seen { tangent[2] * inverse } else { 1.0 },
+        ];
+        batch.pixels.along.set(i, u);
+        let v = [
+            n[1] * u[2] - n[2] * u[1],
+            n[2] * u[0] - n[0] * u[2],
+            n[0] * u[1] - n[1] * u[0],
+        ];
+        batch.pixels.across.set(i, v);
+    }
+}
+
+/// The sum over single lights.
+#[inline(always)]
+fn add_lights(batch: &mut Batch, scene: &Scene) {
+    let Some(shading) = &scene.shading else {
+        return;
+    };
+    for light in &scene.lights {
+        batch.sum.add(
+            &batch.pixels,
+            shading,
+            Incoming::From(light.to_light.to_array()),
+            Intensity::Even(light.intensity),
+        );
+    }
+    for point in scene.points {
+        approach(batch, point.position.to_array());
+        let (directions, share) = &batch.near;
+        batch.sum.add(
+            &batch.pixels,
+            shading,
+            Incoming::Near(directions, share),
+            Intensity::Even(point.intensity),
+        );
+    }
+    for direction in scene.around.even_directions() {
+        let direction = direction.to_array();
+        scene.around.look_up(
+            &mut batch.looked_up,
+            batch.pixels.count,
+            |i| warped(&batch.pixels, scene, i, direction),
+        );
+        batch.sum.add(
+            &batch.pixels,
+            shading,
+            Incoming::From(direction),
+            Intensity::LookedUp(&batch.looked_up),
+        );
+    }
+}
+
+/// Directions to a light at `position`, and what arrives of it.
+#[inline(always)]
+fn approach(batch: &mut Batch, position: [f32; 3]) {
+    let ([x, y, z], share) = &mut batch.near;
+    for i in 0..BATCH {
+        let to = [
+            position[0] - batch.points[0][i],
+            position[1] - batch.points[1][i],
+            position[2] - batch.points[2][i],
+        ];
+        let square = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
+        // A light on the surface itself has no direction.
+        let apart = square > f32::MIN_POSITIVE;
+        let inverse = if apart { 1.0 / square } else { 0.0 };
+        let per_length = inverse.sqrt();
+        (x[i], y[i], z[i]) = (to[0] * per_length, to[1] * per_length, to[2] * per_length);
+        share[i] = inverse;
+    }
+}
+
+/// Where light from `direction` is looked up at lane `i`: warped by equation 1 of [LW], or as it is.
+#[inline(always)]
+fn warped(
+    pixels: &crate::light::batch::Pixels,
+    scene: &Scene,
+    i: usize,
+    direction: [f32; 3],
+) -> [f32; 3] {
+    if !scene.relighting.warps {
+        return direction;
+    }
+    let inverse = Warp {
+        xx: pixels.unwarp[0][i],
+        xy: pixels.unwarp[1][i],
+        yy: pixels.unwarp[2][i],
+    };
+    inverse.inverse().direction(half_vector(direction))
+}
+
+/// What the pixels show: terms by their gains, contrast, tones, coverage.
+#[inline(always)]
+fn compose(batch: &mut Batch, scene: &Scene) {
+    let material = &scene.params().material;
+    let (kd, ks) = (material.diffuse_gain, material.specular());
+    if scene.around.has_lookups() {
+        super::around::add_lookups(batch, scene, warped);
+    }
+    let scales = scene.relighting.scales;
+    let ambient = &batch.pixels.curves[AMBIENT];
+    let alpha = scene.invariant_point;
+    for i in 0..BATCH {
+        // Ambient light is 1 in the open ([RS] section 5.1), and occlusion where there is any.
+        let open = batch.occlusion[i];
+        let sigma = if scales { ambient.at(i).at(open, alpha) } else { 1.0 };
+        let even = material.ambient * open * sigma;
+        for k in 0..3 {
+            let diffuse = even + kd * batch.sum.diffuse[k][i];
+            batch.shown[k][i] = batch.albedo[k][i] * diffuse + ks * batch.sum.specular[k][i];
+        }
+    }
+    if scene.relighting.contrasts {
+        let gamma = scene.params().warping.contrast;
+        for i in 0..BATCH {
+            // The contrast of a warp is the inverse of that of its inverse.
+            let inverse = Warp {
+                xx: batch.pixels.unwarp[0][i],
+                xy: batch.pixels.unwarp[1][i],
+                yy: batch.pixels.unwarp[2][i],
+            };
+            let factor = contrast(inverse, -gamma);
+            for k in 0..3 {
+                batch.shown[k][i] *= factor;
+            }
+        }
+    }
+    if let Some(tones) = scene.tones {
+        let w = scene.luminance;
+        for i in 0..BATCH {
+            let [r, g, b] = [0, 1, 2].map(|k| batch.shown[k][i]);
+            let factor = tone_factor(w[0] * r + w[1] * g + w[2] * b, tones);
+            for k in 0..3 {
+                batch.shown[k][i] *= factor;
+            }
+        }
+    }
+    for lanes in &mut batch.shown {
+        cover(lanes, &batch.alpha);
+    }
+}
+
+/// Premultiplies, and keeps what no picture holds out of it.
+#[inline(always)]
+fn cover(lanes: &mut Lanes, alpha: &Lanes) {
+    for i in 0..BATCH {
+        lanes[i] = (lanes[i] * alpha[i]).clamp(-f32::MAX, f32::MAX);
+    }
+}
+
+pub(super) const TERMS: [usize; 2] = [DIFFUSE, SPECULAR];

@@ -1,0 +1,161 @@
+//! A batch of covered pixels, and what is known of them before any light comes: component by component,
+//! so that the loops over a batch vectorise.
+
+use super::light_warping::Warp;
+use super::radiance_scaling::ScalingCurve;
+
+/// Pixels of a batch. All its planes stay in the first-level cache.
+pub const BATCH: usize = 128;
+
+/// One number per pixel of a batch.
+pub type Lanes = [f32; BATCH];
+
+/// One vector per pixel of a batch.
+pub type Vectors = [Lanes; 3];
+
+/// A vector per pixel, and its picture under the inverse of the warp: what its scalar product with an
+/// unwarped direction takes.
+#[derive(Debug, Clone, Copy)]
+pub struct Axis {
+    /// The vector.
+    pub vector: Vectors,
+    /// Its x and y times the inverse of Lambda.
+    pub unwarped: [Lanes; 2],
+}
+
+/// The pixels of a batch.
+#[derive(Debug, Clone)]
+pub struct Pixels {
+    /// How many of the lanes are in use; the others hold finite numbers of no meaning.
+    pub count: usize,
+    /// Unit normals.
+    pub normal: Axis,
+    /// Unit directions to the eye.
+    pub to_eye: Axis,
+    /// The directions to the eye mirrored at the normal; for Phong's lobe.
+    pub mirrored: Axis,
+    /// Unit tangents along the grain, square to the normal.
+    pub along: Axis,
+    /// Unit tangents across it.
+    pub across: Axis,
+    /// Inverse of Lambda: xx, xy, yy.
+    pub unwarp: Vectors,
+    /// Its square: xx, twice xy, yy.
+    pub unwarp_squared: Vectors,
+    /// One over the determinant of Lambda.
+    pub spread: Lanes,
+    /// Hessian of the height: xx, xy, yy; convex is negative.
+    pub hessian: Vectors,
+    /// The scaling curves of ambient, diffuse and specular light.
+    pub curves: [CurveLanes; 3],
+}
+
+/// Scaling curves of a batch.
+#[derive(Debug, Clone, Copy)]
+pub struct CurveLanes {
+    /// See [`ScalingCurve::dark`].
+    pub dark: Lanes,
+    /// See [`ScalingCurve::bright`].
+    pub bright: Lanes,
+}
+
+impl CurveLanes {
+    /// Those that change nothing.
+    pub const FLAT: Self = Self {
+        dark: [1.0; BATCH],
+        bright: [1.0; BATCH],
+    };
+
+    /// The one of lane `i`.
+    #[inline(always)]
+    pub fn at(&self, i: usize) -> ScalingCurve {
+        ScalingCurve {
+            dark: self.dark[i],
+            bright: self.bright[i],
+        }
+    }
+
+    /// Sets the one of lane `i`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, curve: ScalingCurve) {
+        self.dark[i] = curve.dark;
+        self.bright[i] = curve.bright;
+    }
+}
+
+const ZERO: Lanes = [0.0; BATCH];
+
+impl Axis {
+    const NONE: Self = Self {
+        vector: [ZERO; 3],
+        unwarped: [ZERO; 2],
+    };
+
+    /// The vector of lane `i`.
+    #[inline(always)]
+    pub fn at(&self, i: usize) -> [f32; 3] {
+        [self.vector[0][i], self.vector[1][i], self.vector[2][i]]
+    }
+
+    /// Sets the vector of lane `i`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, vector: [f32; 3]) {
+        self.vector[0][i] = vector[0];
+        self.vector[1][i] = vector[1];
+        self.vector[2][i] = vector[2];
+    }
+
+    /// Follows the vectors under the inverse warps.
+    #[inline(always)]
+    pub fn unwarp(&mut self, unwarp: &Vectors) {
+        let [xx, xy, yy] = unwarp;
+        let [x, y, _] = &self.vector;
+        let [unwarped_x, unwarped_y] = &mut self.unwarped;
+        for i in 0..BATCH {
+            unwarped_x[i] = xx[i] * x[i] + xy[i] * y[i];
+            unwarped_y[i] = xy[i] * x[i] + yy[i] * y[i];
+        }
+    }
+}
+
+impl Pixels {
+    /// No pixels.
+    pub fn new() -> Self {
+        Self {
+            count: 0,
+            normal: Axis::NONE,
+            to_eye: Axis::NONE,
+            mirrored: Axis::NONE,
+            along: Axis::NONE,
+            across: Axis::NONE,
+            unwarp: [ZERO; 3],
+            unwarp_squared: [ZERO; 3],
+            spread: ZERO,
+            hessian: [ZERO; 3],
+            curves: [CurveLanes::FLAT; 3],
+        }
+    }
+
+    /// Sets the inverse warps, their squares and determinants from the Hessians, for strength `alpha`.
+    #[inline(always)]
+    pub fn warp_by(&mut self, alpha: f32) {
+        let [h_xx, h_xy, h_yy] = &self.hessian;
+        let [xx, xy, yy] = &mut self.unwarp;
+        let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;
+        for i in 0..BATCH {
+            let inverse = Warp::of([h_xx[i], h_xy[i], h_yy[i]], alpha).inverse();
+            (xx[i], xy[i], yy[i]) = (inverse.xx, inverse.xy, inverse.yy);
+            square_xx[i] = inverse.xx * inverse.xx + inverse.xy * inverse.xy;
+            square_xy[i] = 2.0 * inverse.xy * (inverse.xx + inverse.yy);
+            square_yy[i] = inverse.xy * inverse.xy + inverse.yy * inverse.yy;
+            self.spread[i] = inverse.determinant();
+        }
+        self.normal.unwarp(&self.unwarp);
+    }
+}
+
+impl Default for Pixels {
+    fn default() -> Self {
+        Self::new()
+    }
+}

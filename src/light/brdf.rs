@@ -1,0 +1,281 @@
+//! Reflectance: what share of the light from one direction leaves toward the eye.
+//!
+//! Lobes are told for lights in the unit of [`super::lights::DirectionalLight`], radiance times solid angle
+//! over pi: they are BRDF times pi times the cosine, so that a white Lambertian surface is the cosine.
+
+use crate::fast_math::{exp, ln};
+use crate::params::MaterialParams;
+
+/// The Ashikhmin-Shirley model ([RS] section 5.2; M. Ashikhmin, P. Shirley: An Anisotropic Phong BRDF
+/// Model, 2000): a diffuse base under a glossy coat, which takes from the base what it reflects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AshikhminShirley {
+    /// Exponents along and across the grain.
+    coat: [f32; 2],
+    /// Reflectance of the coat along the normal.
+    reflectance: f32,
+    /// Factor of the highlight that keeps its energy.
+    normalisation: f32,
+}
+
+/// Cosines between unit vectors: `n` the normal, `l` to the light, `e` to the eye, `h` half-way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cosines {
+    /// n . l, at least 0.
+    pub nl: f32,
+    /// n . e, at least 0.
+    pub ne: f32,
+    /// h . e, which is h . l.
+    pub he: f32,
+    /// h along the grain.
+    pub hu: f32,
+    /// h across the grain.
+    pub hv: f32,
+}
+
+/// Below this neither light nor eye is seen from the surface.
+const GRAZING: f32 = 1e-6;
+
+impl AshikhminShirley {
+    /// The model with these exponents and reflectance.
+    pub fn new(params: &MaterialParams) -> Self {
+        let [nu, nv] = params.coat;
+        Self {
+            coat: params.coat,
+            reflectance: params.reflectance,
+            normalisation: ((nu + 1.0) * (nv + 1.0)).sqrt() / 8.0,
+        }
+    }
+
+    /// The base, of albedo 1.
+    ///
+    /// Its albedo toward the eye over all lights is `(1 - R_s)(1 - (1 - n.e/2)^5)`.
+    #[inline(always)]
+    pub fn diffuse(&self, nl: f32, ne: f32) -> f32 {
+        let passed = |cosine: f32| 1.0 - fifth_power(1.0 - 0.5 * cosine);
+        28.0 / 23.0 * (1.0 - self.reflectance) * passed(nl) * passed(ne) * nl
+    }
+
+    /// The coat.
+    #[inline(always)]
+    pub fn specular(&self, c: Cosines) -> f32 {
+        let [nu, nv] = self.coat;
+        let (uu, vv) = (c.hu * c.hu, c.hv * c.hv);
+        // n.h to the power (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
+        let aside = (uu + vv).clamp(f32::MIN_POSITIVE, 1.0);
+        let exponent = 0.5 * (nu * uu + nv * vv) / aside;
+        let lobe = exp(exponent * ln(1.0 - aside).max(-f32::MAX));
+        let fresnel = self.reflectance + (1.0 - self.reflectance) * fifth_power(1.0 - c.he);
+        let seen = c.nl / (c.he.max(GRAZING) * c.nl.max(c.ne).max(GRAZING));
+        self.normalisation * lobe * fresnel * seen
+    }
+}
+
+#[inline(always)]
+fn fifth_power(x: f32) -> f32 {
+    let square = x * x;
+    square * square * x
+}
+
+/// Share of unpolarised light that a clear surface mirrors, for the cosine of incidence, 0..1, and the
+/// ratio of the indices inside to outside; 1 where all of it is.
+pub fn fresnel(cosine: f32, ior: f32) -> f32 {
+    let cosine = cosine.clamp(0.0, 1.0);
+    let inside = 1.0 - (1.0 - cosine * cosine) / (ior * ior);
+    if inside <= 0.0 {
+        return 1.0;
+    }
+    let inside = inside.sqrt();
+    let parallel = (ior * cosine - inside) / (ior * cosine + inside);
+    let across = (cosine - ior * inside) / (cosine + ior * inside);
+    0.5 * (parallel * parallel + across * across)
+}
+
+/// The direction `to_eye` mirrored at the unit normal `n`.
+#[inline(always)]
+pub fn mirrored(n: [f32; 3], to_eye: [f32; 3]) -> [f32; 3] {
+    let twice = 2.0 * (n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2]);
+    std::array::from_fn(|i| twice * n[i] - to_eye[i])
+}
+
+/// The direction in which a sight line goes on inside a surface of the relative index `ior`; `None` where
+/// all of it is mirrored.
+pub fn refracted(n: [f32; 3], to_eye: [f32; 3], ior: f32) -> Option<[f32; 3]> {
+    let cosine = n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2];
+    let inside = 1.0 - (1.0 - cosine * cosine) / (ior * ior);
+    (inside >= 0.0).then(|| {
+        // Snell: what lies across the normal shrinks by the index.
+        let along = cosine / ior - inside.sqrt();
+        std::array::from_fn(|i| along * n[i] - to_eye[i] / ior)
+    })
+}
+
+/// The sheet of glass between two parallel surfaces that each mirror the share `r`: what all rays between
+/// them add up to.
+pub fn thin_sheet(r: f32) -> f32 {
+    2.0 * r / (1.0 + r)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::RelightParams;
+    use std::f32::consts::PI;
+
+    fn model(coat: [f32; 2], reflectance: f32) -> AshikhminShirley {
+        AshikhminShirley::new(&MaterialParams {
+            coat,
+            reflectance,
+            ..RelightParams::default().material
+        })
+    }
+
+    fn unit(v: [f32; 3]) -> [f32; 3] {
+        let length = v.iter().map(|c| c * c).sum::<f32>().sqrt();
+        v.map(|c| c / length)
+    }
+
+    fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    /// Cosines for the normal z and the grain x.
+    fn cosines(l: [f32; 3], e: [f32; 3]) -> Cosines {
+        let h = unit(std::array::from_fn(|i| l[i] + e[i]));
+        Cosines {
+            nl: l[2],
+            ne: e[2],
+            he: dot(h, e),
+            hu: h[0],
+            hv: h[1],
+        }
+    }
+
+    #[test]
+    fn the_base_has_the_albedo_of_the_closed_form() {
+        // 2 pi times the integral over mu of diffuse / (pi mu) mu, here in steps of 1e-4; the integral of
+        // (1 - (1 - mu/2)^5) mu is 23/56, which 28/23 makes one half.
+        for (ne, reflectance) in [(1.0_f32, 0.0_f32), (0.7, 0.05), (0.3, 0.4), (0.05, 0.9)] {
+            let brdf = model([10.0, 1000.0], reflectance);
+            let steps = 10_000;
+            let sum: f64 = (0..steps)
+                .map(|i| f64::from(brdf.diffuse((i as f32 + 0.5) / steps as f32, ne)))
+                .sum();
+            let albedo = 2.0 * sum / f64::from(steps);
+            let expected = (1.0 - reflectance) * (1.0 - (1.0 - ne / 2.0).powi(5));
+            assert!(
+                (albedo - f64::from(expected)).abs() < 1e-5,
+                "{albedo}, not {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn light_and_eye_can_change_places() {
+        let directions = [[0.3, 0.4, 0.9], [-0.8, 0.1, 0.2], [0.0, 0.6, 0.5]].map(unit);
+        for coat in [[0.0, 0.0], [10.0, 200.0], [1000.0, 3.0]] {
+            let brdf = model(coat, 0.1);
+            for l in directions {
+                for e in directions {
+                    // A lobe is BRDF times pi times n.l.
+                    let there = brdf.specular(cosines(l, e)) / l[2];
+                    let back = brdf.specular(cosines(e, l)) / e[2];
+                    assert!((there - back).abs() <= 1e-5 * there.max(1e-3), "{there} {back}");
+                    let there = brdf.diffuse(l[2], e[2]) / l[2];
+                    let back = brdf.diffuse(e[2], l[2]) / e[2];
+                    assert!((there - back).abs() <= 1e-5 * there);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn base_and_coat_together_return_no_more_than_came() {
+        for coat in [[1.0, 1.0], [30.0, 30.0], [20.0, 300.0]] {
+            let brdf = model(coat, 0.2);
+            for e in [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.9, 0.435_889_9]] {
+                let (rings, spokes) = (400, 800);
+                let mut sum = 0.0;
+                for ring in 0..rings {
+                    for spoke in 0..spokes {
+                        let z = (ring as f32 + 0.5) / rings as f32;
+                        let azimuth = 2.0 * PI * (spoke as f32 + 0.5) / spokes as f32;
+                        let side = (1.0 - z * z).sqrt();
+                        let l = [side * azimuth.cos(), side * azimuth.sin(), z];
+                        let c = cosines(l, e);
+                        sum += f64::from(brdf.specular(c) + brdf.diffuse(c.nl, c.ne));
+                    }
+                }
+                // Equal solid angles of 2 pi / count; a lobe is pi times too large.
+                let albedo = 2.0 * sum / f64::from(rings * spokes);
+                assert!(albedo < 1.0 && albedo > 0.2, "{coat:?}: {albedo}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_highlight_of_a_round_coat_is_phong_about_the_half_vector() {
+        // (n + 1)/8 pi times (n.h)^n / (h.e) F / max(n.l, n.e), at l = e = n: (n + 1)/(8 pi) R_s.
+        let c = cosines([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
+        let brdf = model([50.0, 50.0], 0.3);
+        let expected = 51.0 / 8.0 * 0.3;
+        assert!((brdf.specular(c) - expected).abs() < 1e-5 * expected);
+        let off = unit([0.2, -0.3, 0.9]);
+        let (c, nh) = (cosines(off, [0.0, 0.0, 1.0]), ((1.0 + off[2]) / 2.0).sqrt());
+        let fresnel = 0.3 + 0.7 * (1.0 - nh).powi(5);
+        let expected = 51.0 / 8.0 * nh.powi(50) / nh * fresnel * off[2];
+        assert!((brdf.specular(c) - expected).abs() < 2e-5 * expected);
+    }
+
+    #[test]
+    fn extreme_coats_and_cosines_stay_finite() {
+        for coat in [[0.0, 0.0], [1e5, 1e5], [0.0, 1e5], [f32::MAX, 0.0]] {
+            for reflectance in [0.0, 1.0] {
+                let brdf = model(coat, reflectance);
+                for value in [0.0, 1e-20, 1e-3, 1.0] {
+                    for side in [0.0, 1e-30, 0.7, 1.0] {
+                        let c = Cosines {
+                            nl: value,
+                            ne: 1.0 - value,
+                            he: value,
+                            hu: side,
+                            hv: side,
+                        };
+                        assert!(brdf.specular(c) >= 0.0, "{coat:?} {c:?}");
+                        assert!(brdf.diffuse(value, side) >= 0.0);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn glass_mirrors_as_fresnel_says() {
+        // Straight on ((n - 1)/(n + 1))^2 = 0.04; nothing in parallel at Brewster's angle; all at grazing.
+        assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-6);
+        assert!((fresnel(0.0, 1.5) - 1.0).abs() < 1e-6);
+        let brewster = 1.0 / (1.0 + 1.5_f32 * 1.5).sqrt();
+        let across = ((1.5_f32 * 1.5 - 1.0) / (1.5 * 1.5 + 1.0)).powi(2);
+        assert!((fresnel(brewster, 1.5) - 0.5 * across).abs() < 1e-6);
+        // From the denser side past the critical angle.
+        assert_eq!(fresnel(0.5, 1.0 / 1.5), 1.0);
+        assert!((thin_sheet(0.04) - 0.08 / 1.04).abs() < 1e-7);
+    }
+
+    #[test]
+    fn sight_lines_bend_as_snell_says() {
+        let n = unit([0.3, -0.2, 0.8]);
+        let e = [0.0, 0.0, 1.0];
+        let sine = |d: [f32; 3]| (1.0 - dot(d, n).powi(2)).sqrt();
+        let inside = refracted(n, e, 1.5).unwrap();
+        assert!((dot(inside, inside) - 1.0).abs() < 1e-6);
+        assert!((sine(inside) - sine(e) / 1.5).abs() < 1e-6);
+        assert!(dot(inside, n) < 0.0);
+        // An index of 1 lets it go straight on.
+        let straight = refracted(n, e, 1.0).unwrap();
+        assert!(dot(straight, [0.0, 0.0, -1.0]) > 1.0 - 1e-6);
+        assert_eq!(refracted(unit([1.0, 0.0, 0.3]), e, 1.0 / 1.5), None);
+        let r = mirrored(n, e);
+        assert!((dot(r, n) - dot(e, n)).abs() < 1e-6 && (dot(r, r) - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,69 @@
+//! Few tones in place of many: the look of a cartoon.
+
+use crate::params::Quantisation;
+
+/// By how much to multiply a colour of luminance `y` (of which 1 is white) so that only the given tones
+/// remain.
+///
+/// Tones are evenly spaced in the square root of luminance, about as they look, from black to white and
+/// on above it; half-way between two of them lies a step whose width is `softness` of their distance.
+/// Source: [LW] section 6.2, after H. Winnemoeller, S. Olsen, B. Gooch: Real-Time Video Abstraction, 2006.
+/// Departs from it: a cubic step in place of a hyperbolic tangent, so that tones are exactly flat.
+#[inline(always)]
+pub fn tone_factor(y: f32, tones: Quantisation) -> f32 {
+    if !(y > 0.0 && y.is_finite()) {
+        return 1.0;
+    }
+    let levels = tones.levels as f32;
+    let position = y.sqrt() * levels;
+    let below = position.floor();
+    // Where between the tones: 0 before the step, 1 past it.
+    let aside = position - below - 0.5;
+    let t = if tones.softness > 0.0 {
+        (aside / tones.softness + 0.5).clamp(0.0, 1.0)
+    } else if aside < 0.0 {
+        0.0
+    } else {
+        1.0
+    };
+    let tone = (below + t * t * (3.0 - 2.0 * t)) / levels;
+    tone * tone / y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tone(y: f32, levels: u32, softness: f32) -> f32 {
+        y * tone_factor(y, Quantisation { levels, softness })
+    }
+
+    #[test]
+    fn hard_steps_leave_the_tones_alone() {
+        // Four levels: 0, 1/4, 1/2, 3/4, 1 of the square root; steps at 1/8, 3/8, 5/8, 7/8.
+        for (root, expected) in [(0.1, 0.0), (0.13, 0.25), (0.37, 0.25), (0.4, 0.5), (0.9, 1.0)] {
+            let found = tone(root * root, 4, 0.0).sqrt();
+            assert!((found - expected).abs() < 1e-6, "{root}: {found}");
+        }
+        assert!((tone(1.3 * 1.3, 4, 0.0).sqrt() - 1.25).abs() < 1e-6);
+    }
+
+    #[test]
+    fn soft_steps_rise_and_are_flat_beside() {
+        let at = |root: f32| tone(root * root, 2, 0.5).sqrt();
+        assert!((at(0.25) - 0.25).abs() < 1e-6, "half-way in the step");
+        assert!((at(0.375) - 0.5).abs() < 1e-6, "the step ends here");
+        assert!((at(0.5) - 0.5).abs() < 1e-6);
+        let values: Vec<f32> = (1..1000).map(|i| tone(i as f32 / 500.0, 5, 1.0)).collect();
+        assert!(values.windows(2).all(|pair| pair[0] <= pair[1] + 1e-6));
+    }
+
+    #[test]
+    fn what_is_no_colour_stays() {
+        for y in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert_eq!(tone_factor(y, Quantisation::default()), 1.0);
+        }
+        assert!(tone_factor(f32::MAX, Quantisation::default()).is_finite());
+        assert!(tone_factor(1e-40, Quantisation::default()).is_finite());
+    }
+}

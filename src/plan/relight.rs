@@ -1,0 +1,346 @@
+//! What relighting takes: which lights are summed, what is looked up, what of shape that asks for.
+
+use super::Available;
+use super::explain::{Decision, keep, rule, skip};
+use super::Stage;
+use crate::error::{Error, Result};
+use crate::params::{
+    AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
+};
+
+/// Which kinds of light there are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LightKinds {
+    /// Lights from one direction, area lights among them.
+    pub directional: bool,
+    /// Lights at a point.
+    pub points: bool,
+    /// An environment.
+    pub environment: bool,
+    /// Lit spheres: one, or one for convexities and one for concavities.
+    pub lit_spheres: u8,
+}
+
+/// How an environment is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EnvironmentUse {
+    /// There is none, or nothing asks for it.
+    None,
+    /// As this many lights, where most of its light is.
+    Lights(u32),
+    /// Looked up in this many even directions.
+    Lookups(u32),
+    /// Prefiltered, looked up once per lobe.
+    Prefiltered,
+    /// Itself, in the mirrored or refracted direction.
+    Mirrored,
+}
+
+/// Where the albedo comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Albedo {
+    /// A layer or file.
+    Layer,
+    /// The picture, by the shading that fits it best.
+    Estimate,
+    /// The picture as it is.
+    Picture,
+    /// White.
+    White,
+}
+
+/// How a frame is lit anew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Relighting {
+    /// What was asked for.
+    pub params: RelightParams,
+    /// Whether directions are warped: asked for, and not by 0.
+    pub warps: bool,
+    /// Whether reflected light is scaled: asked for, and not by 0.
+    pub scales: bool,
+    /// Whether concavities and convexities differ in contrast.
+    pub contrasts: bool,
+    /// Whether the mapping of curvature depends on the direction of light.
+    pub toward_light: bool,
+    /// Whether a grain follows the curvature.
+    pub grain: bool,
+    /// Whether single lights are summed.
+    pub sums: bool,
+    /// What the environment is used for.
+    pub environment: EnvironmentUse,
+    /// How many lit spheres.
+    pub lit_spheres: u8,
+    /// Where the albedo comes from.
+    pub albedo: Albedo,
+}
+
+impl Relighting {
+    /// The way to light a frame with `available` inputs by lights of these `kinds`.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for a number outside its range, no light at all, and lights or materials
+    /// that lack what they need.
+    pub(super) fn new(
+        params: RelightParams,
+        scaling: &ScalingParams,
+        kinds: LightKinds,
+        available: Available,
+    ) -> Result<Self> {
+        params.validate()?;
+        refuse_what_lacks(&params, kinds, available)?;
+        let magnitudes = scaling.magnitudes();
+        let strongest = magnitudes
+            .ambient
+            .max(magnitudes.diffuse)
+            .max(magnitudes.specular);
+        let warps = params.method.warps() && params.warping.warp > 0.0;
+        let scales = params.method.scales() && strongest > 0.0;
+        let environment = match kinds.environment && kinds.lit_spheres == 0 {
+            true => environment_use(&params, warps, scales && scaling.anisotropy != 0.0)?,
+            false => EnvironmentUse::None,
+        };
+        let lights = kinds.directional || kinds.points;
+        let sampled = matches!(
+            environment,
+            EnvironmentUse::Lights(_) | EnvironmentUse::Lookups(_)
+        );
+        let reflects = !matches!(params.material.material, Material::Mirror | Material::Glass);
+        let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
+        let coat = params.material.coat;
+        Ok(Self {
+            params,
+            warps,
+            scales,
+            contrasts: warps && params.warping.contrast != 0.0,
+            toward_light: scales && sums && scaling.anisotropy != 0.0,
+            grain: sums
+                && params.material.material == Material::AshikhminShirley
+                && params.material.tangent == Tangent::Curvature
+                && coat[0] != coat[1],
+            sums,
+            environment,
+            lit_spheres: kinds.lit_spheres,
+            albedo: albedo(&params, kinds, available)?,
+        })
+    }
+
+    /// Whether shape is asked for at all.
+    pub(super) fn needs_shape(&self) -> bool {
+        self.warps || self.scales || self.grain || self.lit_spheres == 2
+    }
+
+    /// Whether the trace of the Hessian is not enough.
+    pub(super) fn needs_hessian(&self) -> bool {
+        self.warps || self.toward_light
+    }
+
+    /// Whether curvature is mapped by a gain.
+    pub(super) fn needs_gain(&self) -> bool {
+        self.warps || self.scales || self.lit_spheres == 2
+    }
+
+    /// Whether the Jacobian of the inverse warp is needed: for lights that were sampled before.
+    pub fn has_jacobian(&self) -> bool {
+        self.warps && self.sums && !matches!(self.environment, EnvironmentUse::Lookups(_))
+    }
+
+    /// The stages of light, in the order of execution.
+    pub(super) fn decide(&self) -> Vec<Decision> {
+        let Self { params, .. } = self;
+        let no_environment = "no environment, or none that is asked for";
+        vec![
+            rule(
+                Stage::AlbedoEstimate,
+                self.albedo == Albedo::Estimate,
+                "the picture over the shading that fits it best",
+                match self.albedo {
+                    Albedo::Layer => "a layer tells it",
+                    Albedo::Picture => "the picture as it is",
+                    _ => "white",
+                },
+            ),
+            match self.environment {
+                EnvironmentUse::Lights(count) => keep(
+                    Stage::EnvironmentLights,
+                    format!("{count} lights, by median cut"),
+                ),
+                EnvironmentUse::None => skip(Stage::EnvironmentLights, no_environment),
+                _ => skip(Stage::EnvironmentLights, "the environment is looked up"),
+            },
+            match self.environment {
+                EnvironmentUse::Prefiltered => keep(
+                    Stage::EnvironmentPrefilter,
+                    "one look-up per lobe and pixel serves",
+                ),
+                EnvironmentUse::None => skip(Stage::EnvironmentPrefilter, "lights have directions"),
+                _ => skip(Stage::EnvironmentPrefilter, "sampled, or looked up as it is"),
+            },
+            rule(
+                Stage::Warping,
+                self.warps,
+                format!("strength {}", params.warping.warp),
+                match params.method.warps() {
+                    true => "--warp 0 bends nothing",
+                    false => "the method does not bend light",
+                },
+            ),
+            rule(
+                Stage::Jacobian,
+                self.has_jacobian(),
+                "lights were sampled before they were warped (equation 2)",
+                match self.warps {
+                    true => "look-ups are warped (equation 1): no density changes",
+                    false => "nothing is warped",
+                },
+            ),
+            rule(
+                Stage::LightSum,
+                self.sums,
+                self.summed(),
+                "no light has to be summed",
+            ),
+            rule(
+                Stage::LightLookups,
+                matches!(
+                    self.environment,
+                    EnvironmentUse::Prefiltered | EnvironmentUse::Mirrored
+                ) || self.lit_spheres > 0,
+                match (self.lit_spheres, self.environment) {
+                    (0, EnvironmentUse::Mirrored) => "where mirrored or refracted sight lines lead",
+                    (0, _) => "prefiltered light about the normal and the mirrored view",
+                    (1, _) => "a lit sphere, by the normal",
+                    _ => "two lit spheres, by the normal, mixed by curvature",
+                },
+                "nothing to look up",
+            ),
+            rule(
+                Stage::Contrast,
+                self.contrasts,
+                format!("{}", params.warping.contrast),
+                match params.warping.contrast == 0.0 {
+                    true => "--contrast 0",
+                    false => "it follows the warp, and there is none",
+                },
+            ),
+            match params.tones() {
+                Some(tones) => keep(
+                    Stage::Tones,
+                    format!("{} levels, softness {}", tones.levels, tones.softness),
+                ),
+                None => skip(Stage::Tones, "all tones are wanted"),
+            },
+        ]
+    }
+
+    /// What the sum is made of.
+    fn summed(&self) -> String {
+        let scaled = match (self.scales, self.toward_light) {
+            (false, _) => "",
+            (true, false) => ", each scaled by curvature",
+            (true, true) => ", each scaled by the curvature toward it",
+        };
+        match self.environment {
+            EnvironmentUse::Lookups(count) => {
+                format!("{count} even directions, looked up at every pixel{scaled}")
+            }
+            _ => format!("light by light{scaled}"),
+        }
+    }
+}
+
+fn bad(name: &'static str, found: &str, remedy: &str) -> Error {
+    Error::BadParameter {
+        name,
+        found: found.into(),
+        remedy: remedy.into(),
+    }
+}
+
+fn refuse_what_lacks(
+    params: &RelightParams,
+    kinds: LightKinds,
+    available: Available,
+) -> Result<()> {
+    let mirrors = matches!(params.material.material, Material::Mirror | Material::Glass);
+    if mirrors && !kinds.environment && kinds.lit_spheres == 0 {
+        return Err(bad(
+            "--material",
+            "mirrors what is around it, and nothing is",
+            "give --environment FILE",
+        ));
+    }
+    let any = kinds.directional || kinds.points || kinds.environment || kinds.lit_spheres > 0;
+    if !any && params.material.ambient == 0.0 {
+        return Err(bad(
+            "--light",
+            "is missing: there is no light",
+            "give --light AZ,EL, --environment FILE or --lit-sphere FILE",
+        ));
+    }
+    if kinds.points && !available.positions {
+        return Err(bad(
+            "--point-light",
+            "needs to know where the surface is",
+            "give depth and a camera, or a --light AZ,EL far away",
+        ));
+    }
+    if kinds.lit_spheres > 0 && (kinds.directional || kinds.points || kinds.environment) {
+        return Err(bad(
+            "--lit-sphere",
+            "holds all light there is",
+            "leave out the other lights",
+        ));
+    }
+    Ok(())
+}
+
+/// The cheapest way that the material and the method allow, unless another was asked for.
+fn environment_use(
+    params: &RelightParams,
+    warps: bool,
+    toward_light: bool,
+) -> Result<EnvironmentUse> {
+    let material = params.material.material;
+    if matches!(material, Material::Mirror | Material::Glass) {
+        return Ok(EnvironmentUse::Mirrored);
+    }
+    let can_prefilter = matches!(
+        material,
+        Material::Lambert | Material::Toon | Material::Phong
+    ) && !toward_light;
+    if params.samples == Samples::Fixed(0) && !can_prefilter {
+        return Err(bad(
+            "--samples",
+            "0 looks prefiltered light up, which only lambert, toon and phong without --anisotropy can",
+            "give a number, or another --material",
+        ));
+    }
+    let by_lookups = warps && params.warp_by == WarpBy::Lookups;
+    Ok(match params.samples {
+        Samples::Fixed(0) => EnvironmentUse::Prefiltered,
+        Samples::Fixed(count) if by_lookups => EnvironmentUse::Lookups(count),
+        Samples::Fixed(count) => EnvironmentUse::Lights(count),
+        Samples::Auto if by_lookups && can_prefilter => EnvironmentUse::Prefiltered,
+        Samples::Auto if by_lookups => EnvironmentUse::Lookups(AUTO_SAMPLES),
+        Samples::Auto if can_prefilter && !warps => EnvironmentUse::Prefiltered,
+        Samples::Auto => EnvironmentUse::Lights(AUTO_SAMPLES),
+    })
+}
+
+fn albedo(params: &RelightParams, kinds: LightKinds, available: Available) -> Result<Albedo> {
+    let missing = |found| bad("--albedo-from", found, "give one, or --albedo-from white");
+    let mirrors = matches!(params.material.material, Material::Mirror | Material::Glass);
+    let own_color = kinds.lit_spheres > 0 || mirrors;
+    match params.albedo {
+        AlbedoSource::White => Ok(Albedo::White),
+        AlbedoSource::Auto if available.albedo && !mirrors && kinds.lit_spheres == 0 => {
+            Ok(Albedo::Layer)
+        }
+        AlbedoSource::Auto if own_color || !available.color => Ok(Albedo::White),
+        AlbedoSource::Layer if available.albedo => Ok(Albedo::Layer),
+        AlbedoSource::Layer => Err(missing("names an albedo layer, and there is none")),
+        _ if !available.color => Err(missing("names the picture, and there is none")),
+        AlbedoSource::Picture => Ok(Albedo::Picture),
+        AlbedoSource::Auto | AlbedoSource::Estimate => Ok(Albedo::Estimate),
+    }
+}
