@@ -1,13 +1,6 @@
-//! `exp`, `ln` and `tanh` in f32 without a branch, so that a loop over a row of samples vectorises.
-//!
-//! The standard library's call the C library for one number at a time. These are polynomials between
-//! selects: each argument is reduced to a small interval, where a polynomial fitted by us (weighted
-//! minimax, computed in 40 digits) is within a fifth of a rounding, and the result is put back together
-//! by exact powers of two. Products and sums are separate on purpose: a fused multiply-add is a library
-//! call where the processor is not known to have one, and gives other bits where it is.
-//!
-//! The errors stated were measured over every f32, against double precision; an ulp is the distance
-//! between neighbouring f32.
+//! `exp`, `ln` and `tanh`, from one reduction by powers of two.
+
+use super::{polynomial, power_of_two, select};
 
 /// `e^x`; 1.03 ulp, subnormal results included. 0 from -104 down, infinite from 88.73 up; NaN gives NaN.
 #[inline(always)]
@@ -95,64 +88,10 @@ const LN: [f32; 8] = [
     -0.076_344_974,
 ];
 
-/// The polynomial with these coefficients, the constant first.
-#[inline(always)]
-fn polynomial<const N: usize>(x: f32, coefficients: [f32; N]) -> f32 {
-    let mut sum = 0.0;
-    for i in (0..N).rev() {
-        sum = sum * x + coefficients[i];
-    }
-    sum
-}
-
-/// 2^n for n from -126 to 127; no matter what outside.
-#[inline(always)]
-fn power_of_two(n: i32) -> f32 {
-    f32::from_bits((n.wrapping_add(127) << 23) as u32)
-}
-
-/// One of two values: both are computed, so that no branch is needed.
-#[inline(always)]
-fn select(condition: bool, yes: f32, no: f32) -> f32 {
-    if condition { yes } else { no }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::accuracy::{assert_within, sweep};
     use super::*;
-
-    /// Every 499th f32 between `from` and `to`, both of one sign, the ends included.
-    fn sweep(from: f32, to: f32) -> impl Iterator<Item = f32> {
-        let (a, b) = (from.to_bits(), to.to_bits());
-        (a.min(b)..=a.max(b))
-            .step_by(499)
-            .chain([a, b])
-            .map(f32::from_bits)
-    }
-
-    /// The error of `found` in units of the distance between f32 near `exact`.
-    fn ulps(found: f32, exact: f64) -> f64 {
-        let size = (exact.abs() as f32).clamp(f32::MIN_POSITIVE, f32::MAX);
-        let ulp = f64::from(size) - f64::from(size.next_down());
-        (f64::from(found) - exact).abs() / ulp
-    }
-
-    fn assert_within(
-        limit: f64,
-        arguments: impl Iterator<Item = f32>,
-        f: fn(f32) -> f32,
-        exact: fn(f64) -> f64,
-    ) {
-        let mut worst = (0.0, 0.0);
-        for x in arguments {
-            let error = ulps(f(x), exact(f64::from(x)));
-            if error > worst.0 || error.is_nan() {
-                worst = (error, x);
-            }
-        }
-        let (error, x) = worst;
-        assert!(error <= limit, "{error} ulp at {x:e}: {:e}", f(x));
-    }
 
     #[test]
     fn exp_is_within_its_error_everywhere() {

@@ -1,0 +1,99 @@
+//! `atan` and `tan`, as far as warping light asks for them.
+
+use super::{polynomial, select};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// The arc tangent of `x`, in radians; 1.93 ulp. Exactly half of pi in size at the infinities; keeps
+/// the sign of 0; NaN gives NaN.
+#[inline(always)]
+pub fn atan(x: f32) -> f32 {
+    // atan x is that of t plus that of infinity, of 1 or of 0, whichever leaves t smallest.
+    let size = x.abs();
+    let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
+    let above = select(steep, -1.0, select(middle, size - 1.0, size));
+    let below = select(steep, size, select(middle, size + 1.0, 1.0));
+    let t = above / below;
+    let whole = select(steep, FRAC_PI_2, select(middle, FRAC_PI_4, 0.0));
+    let lost = select(steep, PI_2_LOW, select(middle, 0.5 * PI_2_LOW, 0.0));
+    let square = t * t;
+    let small = square * t * polynomial(square, ATAN) + lost;
+    (whole + (small + t)).copysign(x)
+}
+
+/// The tangent of `x` radians for |x| up to a quarter of pi (an eighth of a turn); 1.1 ulp. Past that
+/// the error grows fast, with no pole at half of pi. Keeps the sign of 0; NaN gives NaN.
+#[inline(always)]
+pub fn tan_to_eighth_turn(x: f32) -> f32 {
+    let square = x * x;
+    x + square * x * polynomial(square, TAN)
+}
+
+/// Where `atan` changes from one form to the next, tan(pi/8) and its reciprocal.
+const TAN_EIGHTH_PI: f32 = 0.414_213_57;
+const COT_EIGHTH_PI: f32 = 2.414_213_7;
+
+/// Half of pi less the f32 nearest to it.
+const PI_2_LOW: f32 = -4.371_139e-8;
+
+/// (atan(t) - t) / t^3 by powers of t^2, for |t| up to tan(pi/8); 2^-30 relative to atan(t).
+const ATAN: [f32; 5] = [
+    -0.333_333_16,
+    0.199_985_28,
+    -0.142_443_91,
+    0.105_991_736,
+    -0.060_900_714,
+];
+
+/// (tan(x) - x) / x^3 by powers of x^2, for |x| up to pi/4; 2^-29 relative to tan(x).
+const TAN: [f32; 7] = [
+    0.333_333_5,
+    0.133_326_75,
+    0.054_058_913,
+    0.021_286_21,
+    0.010_827_441,
+    9.824_462e-5,
+    0.004_372_701,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::super::accuracy::{assert_within, sweep};
+    use super::*;
+
+    #[test]
+    fn atan_is_within_its_error_everywhere() {
+        assert_within(1.93, sweep(0.0, f32::MAX), atan, f64::atan);
+        assert_within(1.93, sweep(-0.0, -f32::MAX), atan, f64::atan);
+        // Where one form gives way to the next.
+        for seam in [TAN_EIGHTH_PI, COT_EIGHTH_PI] {
+            let around = (0..100_000).map(|i| f32::from_bits(seam.to_bits() - 50_000 + i));
+            assert_within(1.93, around, atan, f64::atan);
+        }
+    }
+
+    #[test]
+    fn atan_is_odd_and_ends_at_half_of_pi() {
+        for x in [1e-45, 1e-20, 0.1, 0.414_213_57, 1.0, 2.5, 1e9, f32::MAX] {
+            assert_eq!(atan(-x), -atan(x), "{x}");
+        }
+        assert_eq!(atan(f32::INFINITY), FRAC_PI_2);
+        assert_eq!(atan(f32::NEG_INFINITY), -FRAC_PI_2);
+        assert_eq!(atan(1.0), FRAC_PI_4);
+        assert_eq!(atan(0.0).to_bits(), 0.0_f32.to_bits());
+        assert_eq!(atan(-0.0).to_bits(), (-0.0_f32).to_bits());
+        // So small that the angle is its tangent.
+        for x in [f32::from_bits(1), 1e-40, f32::MIN_POSITIVE, 1e-10] {
+            assert_eq!(atan(x), x);
+        }
+        assert!(atan(f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn tan_is_within_its_error_up_to_an_eighth_of_a_turn() {
+        let tan = f64::tan;
+        assert_within(1.1, sweep(0.0, FRAC_PI_4), tan_to_eighth_turn, tan);
+        assert_within(1.1, sweep(-0.0, -FRAC_PI_4), tan_to_eighth_turn, tan);
+        assert_eq!(tan_to_eighth_turn(-0.0).to_bits(), (-0.0_f32).to_bits());
+        assert!(tan_to_eighth_turn(f32::NAN).is_nan());
+    }
+}

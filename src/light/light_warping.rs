@@ -1,0 +1,561 @@
+//! Light warping: incoming light bent by curvature.
+//!
+//! Theory: [LW] section 5 scales the stereographic coordinates `p = l_xy / (1 + l_z)` of a light's
+//! direction l along the principal directions, by factors that follow the principal curvatures: a convexity
+//! gathers what lies around the viewer's direction z, a concavity what lies around the horizon. z stays
+//! where it is.
+//!
+//! Changes: p is also `h_xy / h_z` of the half vector h between l and z. So warping is a **linear map of
+//! half vectors**, `h -> (Lambda h_xy, h_z)`, with a symmetric 2x2 matrix Lambda; its inverse is
+//! linear too, and its Jacobian a determinant over the fourth power of a length. In this form the
+//! direction -z, where p is infinite, is one like any other: the printed form is NaN in f32 within 0.014
+//! degrees of it. And Lambda needs neither an eigen-solver nor principal directions.
+//!
+//! Use: [`Warp::of`] the Hessian once per pixel. Where light is looked up by direction ([LW] equation 1),
+//! look it up at [`warped`]. Where lights are given beforehand (equation 2), take the
+//! [inverse](Warp::inverse): a light with half vector h then comes from [`Warp::direction`] of h, its
+//! intensity times [`Warp::jacobian`] at h. Half vectors of lights do not depend on the pixel.
+
+use crate::fast_math::{atan, exp, ln, tan_to_eighth_turn};
+
+/// The factor lambda, from 1/sqrt(3) to sqrt(3), by which a principal curvature `k` (concave positive)
+/// scales stereographic coordinates along its direction, at warping strength `alpha`.
+///
+/// `lambda = tan(atan(alpha k) / 6 + pi/4)`: 1 where nothing is warped, reciprocal for the opposite
+/// curvature. Source: [LW] section 5. The 6 lets the strongest warping move half of the solid angle of
+/// a hemisphere across its border. Where `alpha k` is no number, as 0 times infinity, lambda is 1.
+#[inline(always)]
+pub fn scale_factor(k: f32, alpha: f32) -> f32 {
+    let x = alpha * k;
+    let x = if x.is_nan() { 0.0 } else { x };
+    // The tangent of a sum, as tan(pi/4) is 1.
+    let t = tan_to_eighth_turn(atan(x) * (1.0 / 6.0));
+    (1.0 + t) / (1.0 - t)
+}
+
+/// A warping of directions: the symmetric matrix Lambda that acts on x and y of half vectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Warp {
+    /// From x to x.
+    pub xx: f32,
+    /// From x to y, and from y to x.
+    pub xy: f32,
+    /// From y to y.
+    pub yy: f32,
+}
+
+impl Warp {
+    /// The warping that leaves every direction alone.
+    pub const IDENTITY: Self = Self {
+        xx: 1.0,
+        xy: 0.0,
+        yy: 1.0,
+    };
+
+    /// The warping of strength `alpha` (pixels; 0 is the identity) where the `hessian` [xx, xy, yy] is
+    /// given, convex negative.
+    ///
+    /// Lambda has the Hessian's directions, and the [`scale_factor`] of each curvature: with the mean m of
+    /// the curvatures `m +- q`, it is `(lambda_u + lambda_v)/2 I + (lambda_u - lambda_v)/2 (H - m I)/q`.
+    /// Umbilics need no threshold: the last matrix is of size 1 however small q is, and its factor
+    /// goes to 0 with q. Infinite curvatures count as very large ones, and what is no number as 0.
+    #[inline(always)]
+    pub fn of(hessian: [f32; 3], alpha: f32) -> Self {
+        let [xx, xy, yy] = hessian.map(|h| {
+            if h.is_nan() {
+                0.0
+            } else {
+                h.clamp(-LARGEST, LARGEST)
+            }
+        });
+        // In units of the largest entry, so that no square overflows or vanishes.
+        let size = xx.abs().max(xy.abs()).max(yy.abs());
+        let unit = 1.0 / size.max(f32::MIN_POSITIVE);
+        let (mean, difference) = (0.5 * (xx + yy) * unit, 0.5 * (xx - yy) * unit);
+        let cross = xy * unit;
+        let spread = (difference * difference + cross * cross).sqrt();
+        let strength = alpha * size;
+        let (u, v) = (
+            scale_factor(mean + spread, strength),
+            scale_factor(mean - spread, strength),
+        );
+        let turn = 0.5 * (u - v) / spread.max(f32::MIN_POSITIVE);
+        let middle = 0.5 * (u + v);
+        Self {
+            xx: middle + turn * difference,
+            xy: turn * cross,
+            yy: middle - turn * difference,
+        }
+    }
+
+    /// The warping that takes every direction back: reciprocal factors along the same directions, as
+    /// [`Warp::of`] gives for `-alpha`.
+    #[inline(always)]
+    pub fn inverse(self) -> Self {
+        let unit = 1.0 / self.determinant();
+        Self {
+            xx: self.yy * unit,
+            xy: -self.xy * unit,
+            yy: self.xx * unit,
+        }
+    }
+
+    /// Product of the two factors, 1/3 to 3.
+    #[inline(always)]
+    pub fn determinant(self) -> f32 {
+        self.xx * self.yy - self.xy * self.xy
+    }
+
+    /// Where the direction with half vector `half` goes: a unit vector. `half` may have any length.
+    #[inline(always)]
+    pub fn direction(self, half: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = self.of_half(half);
+        let (across, along) = (x * x + y * y, z * z);
+        let unit = 1.0 / (across + along);
+        let twice = 2.0 * z * unit;
+        [twice * x, twice * y, (along - across) * unit]
+    }
+
+    /// Solid angle after this warping over solid angle before it, around the direction with the **unit**
+    /// half vector `half`: 1/3 to 3 where both factors are equal, else 1/9 to 9.
+    ///
+    /// For [LW] equation 2 ask the [inverse](Warp::inverse) warping.
+    #[inline(always)]
+    pub fn jacobian(self, half: [f32; 3]) -> f32 {
+        let [x, y, z] = self.of_half(half);
+        let squared = x * x + y * y + z * z;
+        self.determinant() / (squared * squared)
+    }
+
+    /// The half vector warped; its length is not 1.
+    #[inline(always)]
+    fn of_half(self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        [self.xx * x + self.xy * y, self.xy * x + self.yy * y, z]
+    }
+}
+
+/// Largest entry of a Hessian told apart: its reciprocal is still a normal number.
+const LARGEST: f32 = 1e37;
+
+/// Unit half vector between the unit `direction` and z; across z, along x, for -z itself. What is not
+/// finite counts as z.
+#[inline(always)]
+pub fn half_vector([x, y, z]: [f32; 3]) -> [f32; 3] {
+    let squared = x * x + y * y;
+    let (across, along) = (squared.sqrt(), 1.0 + z.abs());
+    // The half vector is (l_xy, 1 + l_z), and below the horizon, where 1 + l_z loses digits, the same
+    // times |l_xy| / (1 + l_z) = (1 - l_z) / |l_xy|.
+    let lean = along / across.max(f32::MIN_POSITIVE);
+    let (below, at_pole) = (z < 0.0, squared < f32::MIN_POSITIVE);
+    let [mut half_x, mut half_y, half_z] = if below {
+        [x * lean, y * lean, across]
+    } else {
+        [x, y, along]
+    };
+    if below & at_pole {
+        [half_x, half_y] = [along, 0.0];
+    }
+    let length_squared = along * along + squared;
+    let unit = 1.0 / length_squared.sqrt();
+    if length_squared < f32::INFINITY {
+        [half_x * unit, half_y * unit, half_z * unit]
+    } else {
+        [0.0, 0.0, 1.0]
+    }
+}
+
+/// Where a unit direction goes.
+#[inline(always)]
+pub fn warped(direction: [f32; 3], warp: Warp) -> [f32; 3] {
+    warp.direction(half_vector(direction))
+}
+
+/// Largest exponent of the contrast told apart: e^60 is far past any picture, and its square still finite.
+const MAX_EXPONENT: f32 = 60.0;
+
+/// Factor of the light reflected where the warping is `warp`: `(lambda_u lambda_v)^gamma`, 3^-|gamma| to
+/// 3^|gamma|.
+///
+/// Positive `gamma` brightens **concavities** and darkens convexities; 0 gives exactly 1. Source: [LW]
+/// equation 3, gamma from -1 to 1.
+#[inline(always)]
+pub fn contrast(warp: Warp, gamma: f32) -> f32 {
+    exp((gamma * ln(warp.determinant())).clamp(-MAX_EXPONENT, MAX_EXPONENT))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_4, PI, TAU};
+
+    /// The scale factor as printed.
+    fn exact_factor(x: f64) -> f64 {
+        (x.atan() / 6.0 + FRAC_PI_4).tan()
+    }
+
+    /// Lambda by principal curvatures and directions.
+    fn exact_warp([xx, xy, yy]: [f64; 3], alpha: f64) -> [f64; 3] {
+        let (mean, spread) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        let (s, c) = (0.5 * xy.atan2(0.5 * (xx - yy))).sin_cos();
+        let u = exact_factor(alpha * (mean + spread));
+        let v = exact_factor(alpha * (mean - spread));
+        [
+            u * c * c + v * s * s,
+            (u - v) * s * c,
+            u * s * s + v * c * c,
+        ]
+    }
+
+    /// Stereographic coordinates scaled, as printed.
+    fn exact_direction([xx, xy, yy]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [px, py] = [x / (1.0 + z), y / (1.0 + z)];
+        let [qx, qy] = [xx * px + xy * py, xy * px + yy * py];
+        let square = qx * qx + qy * qy;
+        [2.0 * qx, 2.0 * qy, 1.0 - square].map(|c| c / (1.0 + square))
+    }
+
+    fn widened(v: [f32; 3]) -> [f64; 3] {
+        v.map(f64::from)
+    }
+
+    fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Direction `angle` radians from z, at azimuth `azimuth`.
+    fn at(angle: f64, azimuth: f64) -> [f32; 3] {
+        let (s, c) = angle.sin_cos();
+        [s * azimuth.cos(), s * azimuth.sin(), c].map(|v| v as f32)
+    }
+
+    /// Hessians of every kind: umbilic, nearly so, a cylinder, a saddle, turned and not.
+    const HESSIANS: [[f32; 3]; 9] = [
+        [-0.01, 0.0, -0.01],
+        [0.01, 0.0, 0.01],
+        [0.01, 1e-9, 0.010_000_001],
+        [-0.02, 0.0, 0.0],
+        [0.0, 0.0, 0.03],
+        [0.02, 0.005, -0.015],
+        [0.01, 0.01, 0.01],
+        [0.0, -0.02, 0.0],
+        [1.0, 0.3, -0.2],
+    ];
+
+    #[test]
+    fn the_factor_is_as_printed() {
+        for i in 0..=400 {
+            let x = 10.0_f64.powf(f64::from(i) / 20.0 - 10.0);
+            let exact = exact_factor(f64::from(x as f32));
+            let [found, opposite] = [scale_factor(x as f32, 1.0), scale_factor(-x as f32, 1.0)];
+            assert!((f64::from(found) / exact - 1.0).abs() < 2e-7, "{x}");
+            assert!((found * opposite - 1.0).abs() < 2e-7, "{x}");
+        }
+    }
+
+    #[test]
+    fn the_factor_is_one_without_warping_and_saturates() {
+        for k in [0.0, 1.0, -1e30, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            assert_eq!(scale_factor(k, 0.0), 1.0);
+        }
+        assert_eq!(scale_factor(0.0, f32::INFINITY), 1.0);
+        let most = 3.0_f32.sqrt();
+        for k in [1e30, f32::MAX, f32::INFINITY] {
+            assert!((scale_factor(k, 1e3) - most).abs() < 3e-7);
+            assert!((scale_factor(-k, 1e3) - 1.0 / most).abs() < 2e-7);
+        }
+    }
+
+    #[test]
+    fn lambda_is_that_of_the_eigenvectors() {
+        for hessian in HESSIANS {
+            for alpha in [0.01, 1.0, 30.0, -30.0, 1e3, 1e5] {
+                let exact = exact_warp(widened(hessian), f64::from(alpha));
+                let Warp { xx, xy, yy } = Warp::of(hessian, alpha);
+                let error = distance(widened([xx, xy, yy]), exact);
+                assert!(error < 1e-6, "{error:e} at {hessian:?}, alpha {alpha}");
+            }
+        }
+    }
+
+    #[test]
+    fn lambda_is_the_same_in_every_unit_of_length() {
+        // Powers of two change no digit of the curvatures, and alpha takes them back.
+        for hessian in HESSIANS {
+            let plain = Warp::of(hessian, 50.0);
+            for power in [-60, 60] {
+                let unit = 2.0_f32.powi(power);
+                assert_eq!(Warp::of(hessian.map(|h| h * unit), 50.0 / unit), plain);
+            }
+        }
+    }
+
+    #[test]
+    fn no_warping_is_the_identity_to_the_bit() {
+        for hessian in HESSIANS {
+            assert_eq!(Warp::of(hessian, 0.0), Warp::IDENTITY);
+        }
+        assert_eq!(Warp::of([0.0; 3], 1e30), Warp::IDENTITY);
+        assert_eq!(Warp::of([0.0; 3], f32::INFINITY), Warp::IDENTITY);
+        assert_eq!(contrast(Warp::IDENTITY, 1.0), 1.0);
+        assert_eq!(Warp::IDENTITY.jacobian([0.6, 0.0, 0.8]), 1.0);
+    }
+
+    #[test]
+    fn the_inverse_is_the_warping_of_the_opposite_strength() {
+        for hessian in HESSIANS {
+            let (inverse, opposite) = (Warp::of(hessian, 90.0).inverse(), Warp::of(hessian, -90.0));
+            let difference = [
+                inverse.xx - opposite.xx,
+                inverse.xy - opposite.xy,
+                inverse.yy - opposite.yy,
+            ];
+            assert!(difference.iter().all(|d| d.abs() < 5e-7), "{hessian:?}");
+        }
+    }
+
+    /// A million directions: on cones of all angles, close to both poles and to the horizon.
+    fn directions() -> Vec<[f32; 3]> {
+        let mut angles: Vec<f64> = (0..700)
+            .map(|i| PI * (f64::from(i) + 0.5) / 700.0)
+            .collect();
+        for i in 0..100 {
+            // 1e-9 to 0.9 times 0.01 degree and more.
+            let tiny = 10.0_f64.powf(f64::from(i) / 12.0 - 9.0);
+            angles.extend([tiny, PI - tiny, PI / 2.0 - tiny]);
+        }
+        let mut all = vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [-0.0, -0.0, -1.0]];
+        all.extend([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1e-30, 0.0, -1.0]]);
+        for angle in angles {
+            all.extend((0..1000).map(|i| at(angle, TAU * f64::from(i) / 1000.0)));
+        }
+        all
+    }
+
+    #[test]
+    fn warping_and_back_is_the_same_direction_everywhere() {
+        // As strong as can be: convex, concave, a ridge, a saddle.
+        let hessians = [
+            [-1e3, 0.0, -1e3],
+            [1e3, 0.0, 1e3],
+            [-1e3, 0.0, 0.0],
+            [300.0, 900.0, -200.0],
+        ];
+        let directions = directions();
+        assert!(directions.len() > 1_000_000);
+        for warp in hessians.map(|h| Warp::of(h, 1e3)) {
+            let (back, exact) = (warp.inverse(), widened([warp.xx, warp.xy, warp.yy]));
+            for &l in &directions {
+                let there = warped(l, warp);
+                let error = distance(widened(warped(there, back)), widened(l));
+                assert!(error < 1e-6, "{error:e} at {l:?} by {warp:?}");
+                // The printed form has lost its digits in f64 too at the last few directions.
+                if l[2] > -1.0 + 1e-6 {
+                    let error = distance(widened(there), exact_direction(exact, exactly_unit(l)));
+                    assert!(error < 1e-6, "{error:e} from the printed form at {l:?}");
+                }
+            }
+        }
+    }
+
+    /// The direction in f64, of length 1 to its digits.
+    fn exactly_unit(l: [f32; 3]) -> [f64; 3] {
+        let l = widened(l);
+        let length = distance(l, [0.0; 3]);
+        l.map(|c| c / length)
+    }
+
+    #[test]
+    fn the_poles_stay() {
+        for hessian in HESSIANS {
+            let warp = Warp::of(hessian, 200.0);
+            assert_eq!(warped([0.0, 0.0, 1.0], warp), [0.0, 0.0, 1.0]);
+            let [x, y, z] = warped([0.0, 0.0, -1.0], warp);
+            assert!(x == 0.0 && y == 0.0 && (z + 1.0).abs() < 2e-7, "{z}");
+        }
+    }
+
+    #[test]
+    fn convexities_look_toward_the_viewer_and_concavities_away() {
+        // A light 45 degrees off, on a ball and in a bowl of radius 20.
+        let l = at(FRAC_PI_4, 0.3);
+        let [ball, bowl] = [-0.05, 0.05].map(|k| warped(l, Warp::of([k, 0.0, k], 20.0)));
+        assert!(ball[2] > l[2] + 0.1 && bowl[2] < l[2] - 0.1);
+        // The azimuth stays: the three lie in one plane with z.
+        for warped in [ball, bowl] {
+            assert!((warped[0] * l[1] - warped[1] * l[0]).abs() < 1e-7);
+        }
+        // Both by closed form: alpha k is -1 and 1, so lambda is tan(pi/4 -+ pi/24), and the angle is
+        // that of the half vector twice.
+        for (direction, factor) in [(ball, 5.0 * PI / 24.0), (bowl, 7.0 * PI / 24.0)] {
+            let angle = 2.0 * (factor.tan() * (PI / 8.0).tan()).atan();
+            assert!((f64::from(direction[2]) - angle.cos()).abs() < 3e-7);
+        }
+    }
+
+    #[test]
+    fn a_ridge_bends_light_across_it_only() {
+        // A convex ridge along y.
+        let warp = Warp::of([-0.05, 0.0, 0.0], 100.0);
+        let (across, along) = (at(1.0, 0.0), at(1.0, 0.5 * PI));
+        assert!(warped(across, warp)[2] > across[2] + 0.1);
+        assert!((warped(along, warp)[2] - along[2]).abs() < 1e-6);
+        // Mirrored in either principal direction, light is warped to the mirrored direction.
+        let [x, y, z] = warped([0.48, 0.6, 0.64], warp);
+        assert_eq!(warped([-0.48, 0.6, 0.64], warp), [-x, y, z]);
+        assert_eq!(warped([0.48, -0.6, 0.64], warp), [x, -y, z]);
+    }
+
+    #[test]
+    fn turning_commutes_with_warping() {
+        let (s, c) = 0.7_f64.sin_cos();
+        for hessian in HESSIANS {
+            let [xx, xy, yy] = widened(hessian);
+            let turned = [
+                c * c * xx - 2.0 * c * s * xy + s * s * yy,
+                c * s * (xx - yy) + (c * c - s * s) * xy,
+                s * s * xx + 2.0 * c * s * xy + c * c * yy,
+            ];
+            let (plain, turned) = (
+                Warp::of(hessian, 60.0),
+                Warp::of(turned.map(|h| h as f32), 60.0),
+            );
+            for angle in [0.1, 1.0, 2.0, 3.1] {
+                let [x, y, z] = widened(warped(at(angle, 0.4), plain));
+                let found = warped(at(angle, 0.4 + 0.7), turned);
+                let error = distance(widened(found), [c * x - s * y, s * x + c * y, z]);
+                assert!(error < 1e-6, "{error:e} at {hessian:?}, {angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_strongest_warping_moves_half_of_the_hemisphere_across_its_border() {
+        // Solid angle is even in z. Of 2000 equal parts of the hemisphere the lower half goes below.
+        let warp = Warp::of([1.0, 0.0, 1.0], 1e9);
+        let below = (0..2000)
+            .map(|i| (f64::from(i) + 0.5) / 2000.0)
+            .filter(|z| warped(at(z.acos(), 2.0), warp)[2] < 0.0)
+            .count();
+        assert_eq!(below, 1000);
+    }
+
+    #[test]
+    fn the_jacobian_is_that_of_stereographic_coordinates() {
+        for hessian in HESSIANS {
+            let warp = Warp::of(hessian, 300.0);
+            let lambda = widened([warp.xx, warp.xy, warp.yy]);
+            let determinant = lambda[0] * lambda[2] - lambda[1] * lambda[1];
+            let inverse = [lambda[2], -lambda[1], lambda[0]].map(|c| c / determinant);
+            for i in 0..300 {
+                let l = at(f64::from(i) * 0.01, f64::from(i));
+                // ((1 + |p|^2) / (1 + |q|^2))^2 / det, p of l and q = Lambda^-1 p.
+                let [x, y, z] = exactly_unit(l);
+                let [px, py] = [x / (1.0 + z), y / (1.0 + z)];
+                let qx = inverse[0] * px + inverse[1] * py;
+                let qy = inverse[1] * px + inverse[2] * py;
+                let ratio = (1.0 + px * px + py * py) / (1.0 + qx * qx + qy * qy);
+                let printed = ratio * ratio / determinant;
+                // Ours: det^-1 over the fourth power of the half vector's length.
+                let hz = (0.5 * (1.0 + z)).sqrt();
+                let (gx, gy) = (qx * hz, qy * hz);
+                let ours = 1.0 / (determinant * (gx * gx + gy * gy + hz * hz).powi(2));
+                assert!((ours / printed - 1.0).abs() < 1e-12);
+                let found = f64::from(warp.inverse().jacobian(half_vector(l)));
+                assert!((found / printed - 1.0).abs() < 2e-6, "{found} at {l:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_jacobian_keeps_the_sphere_whole() {
+        for hessian in HESSIANS {
+            let inverse = Warp::of(hessian, 100.0).inverse();
+            let (mut sum, mut least, mut most) = (0.0, f64::MAX, 0.0_f64);
+            for i in 0..500 {
+                let angle = (1.0 - (f64::from(i) + 0.5) / 250.0).acos();
+                for j in 0..500 {
+                    let l = at(angle, TAU * f64::from(j) / 500.0);
+                    let jacobian = f64::from(inverse.jacobian(half_vector(l)));
+                    sum += jacobian;
+                    (least, most) = (least.min(jacobian), most.max(jacobian));
+                }
+            }
+            let area = 4.0 * PI * sum / 250_000.0;
+            assert!((area - 4.0 * PI).abs() < 1e-4, "{area} at {hessian:?}");
+            let isotropic = hessian[0] == hessian[2] && hessian[1] == 0.0;
+            let range = if isotropic { 3.0 } else { 9.0 };
+            assert!(least * range > 1.0 - 1e-5 && most < range * (1.0 + 1e-5));
+        }
+    }
+
+    #[test]
+    fn the_jacobian_reaches_its_ends() {
+        // Isotropic lambda squared is 3: the inverse shrinks angles by it at z and widens them at -z.
+        let inverse = Warp::of([1.0, 0.0, 1.0], 1e9).inverse();
+        assert!((inverse.jacobian([0.0, 0.0, 1.0]) * 3.0 - 1.0).abs() < 1e-6);
+        assert!((inverse.jacobian([0.0, 1.0, 0.0]) - 3.0).abs() < 3e-6);
+        // A saddle's determinant is 1: beside -z, 9 where light comes along x and 1/9 along y.
+        let inverse = Warp::of([1.0, 0.0, -1.0], 1e9).inverse();
+        assert!((inverse.jacobian([1.0, 0.0, 0.0]) - 9.0).abs() < 1e-5);
+        assert!((inverse.jacobian([0.0, 1.0, 0.0]) * 9.0 - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn contrast_is_a_power_of_the_two_factors() {
+        for hessian in HESSIANS {
+            let warp = Warp::of(hessian, 300.0);
+            assert_eq!(contrast(warp, 0.0), 1.0);
+            let determinant = f64::from(warp.determinant());
+            for gamma in [-1.0, -0.3, 0.5, 1.0] {
+                let exact = determinant.powf(f64::from(gamma));
+                assert!((f64::from(contrast(warp, gamma)) / exact - 1.0).abs() < 3e-7);
+            }
+        }
+        // Saturated: 3 in a bowl, a third on a ball.
+        let [bowl, ball] = [1.0, -1.0].map(|k| contrast(Warp::of([k, 0.0, k], 1e9), 1.0));
+        assert!((bowl - 3.0).abs() < 2e-6 && (ball * 3.0 - 1.0).abs() < 1e-6);
+        for gamma in [1e3, -1e3, f32::MAX] {
+            assert!(contrast(Warp::of([1.0, 0.0, 1.0], 1e9), gamma).is_finite());
+        }
+    }
+
+    #[test]
+    fn hostile_values_give_factors_in_range_and_unit_directions() {
+        let (inf, nan, max) = (f32::INFINITY, f32::NAN, f32::MAX);
+        let values = [
+            0.0, -0.0, 1e-45, 1e-38, 1e-3, -1.0, 1e30, -max, inf, -inf, nan,
+        ];
+        let (least, most) = (1.0 / 3.0_f32.sqrt(), 3.0_f32.sqrt());
+        for (i, &xx) in values.iter().enumerate() {
+            for &xy in &values {
+                for &yy in &values[i..] {
+                    for alpha in [0.0, 1e-30, 1.0, -1e30, max, inf, nan] {
+                        let warp = Warp::of([xx, xy, yy], alpha);
+                        let [v, u] = factors(warp);
+                        assert!(
+                            least - 1e-6 < v && u < most + 1e-6,
+                            "{u}, {v} at {xx}, {xy}, {yy}, alpha {alpha}"
+                        );
+                    }
+                }
+            }
+        }
+        let warp = Warp::of([inf, 0.0, -1e30], 1e30);
+        assert!((warp.xx - most).abs() < 1e-6 && (warp.yy - least).abs() < 1e-6);
+        for &x in &values {
+            for &z in &values {
+                let to = warped([x, 1e-20, z], warp);
+                assert!(
+                    (distance(widened(to), [0.0; 3]) - 1.0).abs() < 1e-6,
+                    "{x}, {z}"
+                );
+            }
+        }
+    }
+
+    /// Eigenvalues, the smaller first; NaN where an entry is.
+    fn factors(Warp { xx, xy, yy }: Warp) -> [f32; 2] {
+        let (middle, half) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        [middle - half, middle + half]
+    }
+}
