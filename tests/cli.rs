@@ -422,7 +422,7 @@ fn mask_of(path: &Path) -> Vec<bool> {
         relievo::io::Needs {
             color: false,
             projection: true,
-            ..Needs::default()
+            ..relievo::io::Needs::default()
         },
     )
     .unwrap();

@@ -487,7 +487,7 @@ impl Render {
             io::Needs {
                 color: true,
                 projection: true,
-                ..Needs::default()
+                ..io::Needs::default()
             },
         )
         .unwrap()

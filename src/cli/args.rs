@@ -1,5 +1,6 @@
 //! The names of the contract. Every default is read from `params`.
 
+use super::relight_args::RelightArgs;
 use crate::error::Error;
 use crate::frame::NormalSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding};
@@ -31,6 +32,9 @@ pub(super) enum Command {
     /// Bring out the shape in the shading that a picture already has.
     #[command(after_help = ENHANCE_EXAMPLES)]
     Enhance(EnhanceArgs),
+    /// Light the surface anew: lights, an environment or a lit sphere, bent and scaled by curvature.
+    #[command(after_help = RELIGHT_EXAMPLES)]
+    Relight(Box<RelightArgs>),
     /// Measure error against run time, on this frame and on exact scenes: table, JSON, plots.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(ReportArgs),
@@ -55,6 +59,14 @@ Examples:
   relievo enhance render.exr -o enhanced.png
   relievo enhance render.exr -o enhanced.exr --scaling 1.5 --iterations 50
   relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg";
+
+const RELIGHT_EXAMPLES: &str = "\
+Examples:
+  relievo relight photo.jpg --normal normals.png --light 75,10 --method warp -o raking.png
+  relievo relight render.exr --light 135,40 --material phong --method scale -o lit.png
+  relievo relight render.exr --environment sky.hdr --environment-rotate 90 -o outdoors.exr
+  relievo relight render.exr --lit-sphere clay.png -o clay.png
+  relievo relight render.exr --environment sky.hdr --material toon --contrast -0.5 -o cartoon.png";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
@@ -96,6 +108,9 @@ pub(super) struct EnhanceArgs {
     pub(super) work: WorkArgs,
     #[command(flatten)]
     pub(super) scaling: ScalingFlags,
+    /// Luminance that counts as intensity 1, or auto to fit the picture.
+    #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level, allow_negative_numbers = true, help_heading = "Radiance scaling")]
+    pub(super) white_level: Adaptive,
 }
 
 #[derive(Debug, Args)]
@@ -140,9 +155,6 @@ pub(super) struct RoleArgs {
     /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     occlusion: Option<String>,
-    /// Albedo, the colour of the surface itself: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
-    albedo: Option<String>,
     /// How far each pixel is diffused, from 0, all detail, to 1, as far as asked for: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     importance: Option<String>,
@@ -191,7 +203,7 @@ impl RoleArgs {
             depth: self.depth.clone(),
             position: self.position.clone(),
             occlusion: self.occlusion.clone(),
-            albedo: self.albedo.clone(),
+            albedo: None,
             importance: self.importance.clone(),
             mask: self.mask.clone(),
             camera: self.camera.clone(),
@@ -370,9 +382,6 @@ pub(super) struct ScalingFlags {
     /// Intensity, 0..1, that stays as it is; brighter ones brighten on convexities.
     #[arg(long, value_name = "A", default_value_t = SCALING.invariant_point, allow_negative_numbers = true)]
     invariant_point: f32,
-    /// Luminance that counts as intensity 1, or auto to fit the picture.
-    #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level, allow_negative_numbers = true)]
-    white_level: Adaptive,
     /// Where lights have directions: 1 lets the curvature along the light count, -1 that across it.
     #[arg(long, value_name = "L", default_value_t = SCALING.anisotropy, allow_negative_numbers = true)]
     anisotropy: f32,
@@ -387,8 +396,8 @@ impl ScalingFlags {
             scaling_specular: self.scaling_specular,
             invariant_point: self.invariant_point,
             curvature_gain,
-            white_level: self.white_level,
             anisotropy: self.anisotropy,
+            ..*SCALING
         }
     }
 }
@@ -471,7 +480,6 @@ impl RoleArgs {
             &self.position,
             &self.color,
             &self.occlusion,
-            &self.albedo,
             &self.importance,
             &self.mask,
         ];

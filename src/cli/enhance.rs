@@ -12,9 +12,16 @@ use crate::params::ScalingParams;
 use crate::plan::Goal;
 
 pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
-    let EnhanceArgs { work, scaling } = args;
+    let EnhanceArgs {
+        work,
+        scaling,
+        white_level,
+    } = args;
     let job = Job::new(work)?;
-    let scaling = scaling.params(work.shape.curvature_gain);
+    let scaling = ScalingParams {
+        white_level: *white_level,
+        ..scaling.params(work.shape.curvature_gain)
+    };
     let done = job.run(Goal::Enhance, scaling)?;
     warn_of_dark_rims(&scaling, work.run.quiet);
 
@@ -54,7 +61,7 @@ pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
 }
 
 /// Concavities lose their order of brightness past a limit ([RS] only claims it for convexities).
-fn warn_of_dark_rims(scaling: &ScalingParams, quiet: bool) {
+pub(super) fn warn_of_dark_rims(scaling: &ScalingParams, quiet: bool) {
     let limit = monotone_limit(scaling.invariant_point);
     if scaling.scaling > limit {
         let text = format!(

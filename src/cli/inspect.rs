@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 /// The camera is worth knowing even where the normals need none.
 const EVERYTHING: Needs = Needs {
     color: false,
+    color_if_any: false,
+    albedo: false,
     projection: true,
 };
 

@@ -7,6 +7,7 @@ use crate::backend::cpu::{self, Outcome};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::exr::OutputChannel;
+use crate::io::inputs::Inputs;
 use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
 use crate::io::picture::{Picture, PictureFormat, write_picture};
 use crate::io::{self, Loaded, Needs};
@@ -27,7 +28,7 @@ pub(super) struct Job<'a> {
 pub(super) struct Done {
     pub(super) loaded: Loaded,
     pub(super) outcome: Outcome,
-    read: Duration,
+    pub(super) read: Duration,
 }
 
 impl<'a> Job<'a> {
@@ -57,16 +58,13 @@ impl<'a> Job<'a> {
         }
         shape.validate()?;
         scaling.validate()?;
-        let start = Instant::now();
         let inputs = self.args.roles.inputs(&self.args.input);
         let needs = Needs {
             color: goal == Goal::Enhance,
             projection: shape.foreshortening != 0.0 || goal == Goal::Layers,
             ..Needs::default()
         };
-        let loaded = io::load(&inputs, needs)?;
-        let read = start.elapsed();
-        self.tell_findings(&loaded);
+        let (loaded, read) = self.load(&inputs, needs)?;
         let available = Available::in_frame(&loaded.frame);
         let plan = Plan::at_scales(goal, available, shape, scaling, more_scales)?;
         self.tell_plan(&plan)?;
@@ -76,6 +74,15 @@ impl<'a> Job<'a> {
             outcome,
             read,
         })
+    }
+
+    /// Reads the frame, and says what was concluded.
+    pub(super) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<(Loaded, Duration)> {
+        let start = Instant::now();
+        let loaded = io::load(inputs, needs)?;
+        let read = start.elapsed();
+        self.tell_findings(&loaded);
+        Ok((loaded, read))
     }
 
     fn tell_findings(&self, loaded: &Loaded) {
@@ -90,7 +97,8 @@ impl<'a> Job<'a> {
         }
     }
 
-    fn tell_plan(&self, plan: &Plan) -> Result<()> {
+    /// Prints the plan, where asked to.
+    pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
         if self.args.run.explain {
             let lines = plan
                 .decisions()
@@ -144,7 +152,11 @@ impl<'a> Job<'a> {
             let white = outcome
                 .white_level
                 .map(|white| format!("white level {white:.4}, "));
-            let chosen: String = gain.into_iter().chain(white).collect();
+            let environment = outcome
+                .environment_gain
+                .map(|gain| format!("environment gain {gain:.4}, "));
+            let chosen = [gain, white, environment].into_iter().flatten();
+            let chosen: String = chosen.collect();
             let path = self.args.output.output.display();
             message::say(&format!("{path}: {chosen}{:.2} s", total.as_secs_f64()));
         }

@@ -6,6 +6,8 @@ mod inspect;
 mod job;
 mod message;
 mod output;
+mod relight;
+mod relight_args;
 mod report;
 mod shape;
 
@@ -22,6 +24,7 @@ pub fn run() -> i32 {
         Command::Inspect(args) => inspect::run(args),
         Command::Shape(args) => shape::run(args),
         Command::Enhance(args) => enhance::run(args),
+        Command::Relight(args) => relight::run(args),
         Command::Report(args) => report::run(args),
     };
     match result {

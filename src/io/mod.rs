@@ -1,6 +1,7 @@
 //! Files to frames, and planes to files.
 
 pub mod camera;
+pub mod environment;
 mod coverage;
 mod depth;
 pub mod exr;

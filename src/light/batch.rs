@@ -30,6 +30,8 @@ pub struct Pixels {
     pub count: usize,
     /// Unit normals.
     pub normal: Axis,
+    /// Which way they all face.
+    pub facing: Facing,
     /// Unit directions to the eye.
     pub to_eye: Axis,
     /// The directions to the eye mirrored at the normal; for Phong's lobe.
@@ -83,6 +85,72 @@ impl CurveLanes {
     }
 }
 
+/// A cone that holds all normals of a batch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facing {
+    axis: [f32; 3],
+    /// Sine of the half angle; 1 or more tells nothing.
+    sine: f32,
+}
+
+/// For which pixels of a batch a direction is above the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Above {
+    /// For none.
+    Nowhere,
+    /// For some, perhaps.
+    Somewhere,
+    /// For all.
+    Everywhere,
+}
+
+impl Facing {
+    /// Nothing is known.
+    pub const ANYWHERE: Self = Self {
+        axis: [0.0, 0.0, 1.0],
+        sine: 2.0,
+    };
+
+    /// Rounding that the cone leaves room for, as a sine.
+    const MARGIN: f32 = 1e-4;
+
+    /// The cone about the mean of the first `count` normals.
+    pub fn of(normals: &Vectors, count: usize) -> Self {
+        let [x, y, z] = normals;
+        let sum = [x, y, z].map(|lanes| lanes[..count].iter().sum::<f32>());
+        let length = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).sqrt();
+        if !(length > 0.0 && length.is_finite()) {
+            return Self::ANYWHERE;
+        }
+        let axis = sum.map(|c| c / length);
+        let cosine = (0..count)
+            .map(|i| axis[0] * x[i] + axis[1] * y[i] + axis[2] * z[i])
+            .fold(1.0_f32, f32::min);
+        match cosine > 0.0 {
+            true => Self {
+                axis,
+                sine: (1.0 - cosine * cosine).max(0.0).sqrt() + Self::MARGIN,
+            },
+            false => Self::ANYWHERE,
+        }
+    }
+
+    /// Where a unit direction is above the surface.
+    #[inline]
+    pub fn above(&self, direction: [f32; 3]) -> Above {
+        let [x, y, z] = self.axis;
+        let cosine = x * direction[0] + y * direction[1] + z * direction[2];
+        // A direction at 90 degrees and more from every normal of the cone.
+        if cosine <= -self.sine {
+            Above::Nowhere
+        } else if cosine >= self.sine {
+            Above::Everywhere
+        } else {
+            Above::Somewhere
+        }
+    }
+}
+
 const ZERO: Lanes = [0.0; BATCH];
 
 impl Axis {
@@ -124,6 +192,7 @@ impl Pixels {
         Self {
             count: 0,
             normal: Axis::NONE,
+            facing: Facing::ANYWHERE,
             to_eye: Axis::NONE,
             mirrored: Axis::NONE,
             along: Axis::NONE,

@@ -1,5 +1,18 @@
 //! Light made to tell of shape: pure kernels per sample.
 
+pub mod albedo;
+pub mod batch;
+pub mod brdf;
+pub mod environment;
+pub mod environment_layout;
+pub mod glossy;
+pub mod irradiance;
+pub mod light_samples;
 pub mod light_warping;
 pub mod lights;
+pub mod lit_sphere;
+pub mod median_cut;
 pub mod radiance_scaling;
+pub mod sum;
+mod texels;
+pub mod tones;

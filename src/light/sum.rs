@@ -11,7 +11,7 @@
 //!
 //! Use: [`LightSum::add`] light by light, then read the sums.
 
-use super::batch::{BATCH, CurveLanes, Lanes, Pixels};
+use super::batch::{Above, Axis, BATCH, CurveLanes, Lanes, Pixels};
 use super::brdf::{AshikhminShirley, Cosines};
 use super::light_warping::half_vector;
 use super::radiance_scaling::ScalingCurve;
@@ -141,20 +141,23 @@ impl Power {
     }
 }
 
-/// Multiplies from the highest digit of the exponent on.
+/// Multiplies from the highest digit of the exponent on, a few lanes at a time in registers.
 #[inline(always)]
 fn raise_to_whole(base: &mut Lanes, exponent: u32) {
     let digits = u32::BITS - exponent.leading_zeros();
-    let once = *base;
-    for digit in (0..digits - 1).rev() {
-        for x in base.iter_mut() {
-            *x *= *x;
-        }
-        if exponent >> digit & 1 == 1 {
-            for (x, once) in base.iter_mut().zip(&once) {
-                *x *= once;
+    for few in base.as_chunks_mut::<32>().0 {
+        let (once, mut raised) = (*few, *few);
+        for digit in (0..digits - 1).rev() {
+            for x in &mut raised {
+                *x *= *x;
+            }
+            if exponent >> digit & 1 == 1 {
+                for i in 0..32 {
+                    raised[i] *= once[i];
+                }
             }
         }
+        *few = raised;
     }
 }
 
@@ -176,33 +179,45 @@ pub enum Intensity<'a> {
     LookedUp(&'a [Lanes; 3]),
 }
 
+/// Lights whose terms wait to be added together: the sums are then read and written once for all.
+const GROUP: usize = 4;
+
 /// The sums of a batch, and the terms of the lights being added.
 #[derive(Debug, Clone)]
 pub struct LightSum {
-    /// Red, green and blue of diffusely reflected light, of albedo 1.
+    /// Red, green and blue of diffusely reflected light, of albedo 1; complete after [`LightSum::finish`].
     pub diffuse: [Lanes; 3],
-    /// Red, green and blue of specularly reflected light.
+    /// Red, green and blue of specularly reflected light, likewise.
     pub specular: [Lanes; 3],
-    terms: Terms,
+    waiting: usize,
+    colors: [[f32; 3]; GROUP],
+    terms: [Terms; GROUP],
+    scratch: Scratch,
 }
 
-/// What one light does at every pixel.
-#[derive(Debug, Clone)]
+/// Squared length below which a light lies opposite to the eye, and has no half vector with it.
+const SHORTEST: f32 = 1e-12;
+
+/// What one light does at every pixel, before its colour.
+#[derive(Debug, Clone, Copy)]
 struct Terms {
-    /// Jacobian and fall-off; 0 where the light is below the surface.
+    diffuse: Lanes,
+    specular: Lanes,
+}
+
+/// What the terms of one light are made of.
+#[derive(Debug, Clone)]
+struct Scratch {
+    /// Jacobian (but for the pixel's share of it) and fall-off; 0 where the light is below the surface.
     weight: Lanes,
-    /// n . l, at least 0.
+    /// n . l, of no meaning where the weight is 0.
     cosine: Lanes,
     /// One over |g|^2.
     inverse: Lanes,
-    /// a . l of other vectors, then intensities that are powers of them.
+    /// The intensity of the glossy lobe, 0..1.
     lobe: Lanes,
-    /// Further scalar products.
+    /// Scalar products of l and other vectors.
     products: [Lanes; 3],
-    /// What diffuse light is multiplied by.
-    diffuse: Lanes,
-    /// What specular light is multiplied by.
-    specular: Lanes,
     /// Scaling curves toward this light, where they depend on it.
     curves: [CurveLanes; 2],
 }
@@ -218,17 +233,22 @@ impl Default for LightSum {
 impl LightSum {
     /// Sums of no light.
     pub fn new() -> Self {
+        let terms = Terms {
+            diffuse: ZERO,
+            specular: ZERO,
+        };
         Self {
             diffuse: [ZERO; 3],
             specular: [ZERO; 3],
-            terms: Terms {
+            waiting: 0,
+            colors: [[0.0; 3]; GROUP],
+            terms: [terms; GROUP],
+            scratch: Scratch {
                 weight: ZERO,
                 cosine: ZERO,
                 inverse: [1.0; BATCH],
                 lobe: ZERO,
                 products: [ZERO; 3],
-                diffuse: ZERO,
-                specular: ZERO,
                 curves: [CurveLanes::FLAT; 2],
             },
         }
@@ -238,6 +258,7 @@ impl LightSum {
     pub fn clear(&mut self) {
         self.diffuse = [ZERO; 3];
         self.specular = [ZERO; 3];
+        self.waiting = 0;
     }
 
     /// Adds one light.
@@ -249,55 +270,135 @@ impl LightSum {
         incoming: Incoming,
         intensity: Intensity,
     ) {
+        let terms = &mut self.terms[self.waiting];
         match incoming {
             Incoming::From(direction) => {
+                let above = pixels.facing.above(direction);
+                if above == Above::Nowhere {
+                    return;
+                }
                 let half = half_vector(direction);
-                self.terms
-                    .reflect(pixels, shading, |_| direction, |_| half, |_| 1.0);
+                let everywhere = above == Above::Everywhere;
+                self.scratch.reflect(
+                    terms,
+                    pixels,
+                    shading,
+                    Arriving {
+                        direction: |_| direction,
+                        half: |_| half,
+                        share: |_| 1.0,
+                        everywhere,
+                    },
+                );
             }
             Incoming::Near(directions, share) => {
                 let direction = |i: usize| [directions[0][i], directions[1][i], directions[2][i]];
-                let half = |i: usize| half_vector(direction(i));
-                self.terms
-                    .reflect(pixels, shading, direction, half, |i| share[i]);
+                self.scratch.reflect(
+                    terms,
+                    pixels,
+                    shading,
+                    Arriving {
+                        direction,
+                        half: |i| half_vector(direction(i)),
+                        share: |i| share[i],
+                        everywhere: false,
+                    },
+                );
             }
         }
-        self.gather(shading.lobes.are_glossy(), intensity);
-    }
-
-    /// Adds what the terms reflect.
-    #[inline(always)]
-    fn gather(&mut self, glossy: bool, intensity: Intensity) {
-        let Self {
-            diffuse,
-            specular,
-            terms,
-        } = self;
+        let glossy = shading.lobes.are_glossy();
         match intensity {
             Intensity::Even(rgb) => {
-                add_scaled(diffuse, &terms.diffuse, |channel, _| rgb[channel]);
-                if glossy {
-                    add_scaled(specular, &terms.specular, |channel, _| rgb[channel]);
+                self.colors[self.waiting] = rgb;
+                self.waiting += 1;
+                if self.waiting == GROUP {
+                    self.gather_group(glossy);
                 }
             }
             Intensity::LookedUp(rgb) => {
-                add_scaled(diffuse, &terms.diffuse, |channel, i| rgb[channel][i]);
+                add_term(&mut self.diffuse, &terms.diffuse, |i| {
+                    [rgb[0][i], rgb[1][i], rgb[2][i]]
+                });
                 if glossy {
-                    add_scaled(specular, &terms.specular, |channel, i| rgb[channel][i]);
+                    add_term(&mut self.specular, &terms.specular, |i| {
+                        [rgb[0][i], rgb[1][i], rgb[2][i]]
+                    });
                 }
             }
         }
+    }
+
+    /// Completes the sums.
+    #[inline(always)]
+    pub fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
+        let glossy = shading.lobes.are_glossy();
+        for k in 0..self.waiting {
+            let (terms, rgb) = (&self.terms[k], self.colors[k]);
+            add_term(&mut self.diffuse, &terms.diffuse, |_| rgb);
+            if glossy {
+                add_term(&mut self.specular, &terms.specular, |_| rgb);
+            }
+        }
+        self.waiting = 0;
+        if shading.warped {
+            for sum in self.diffuse.iter_mut().chain(&mut self.specular) {
+                for i in 0..BATCH {
+                    sum[i] *= pixels.spread[i];
+                }
+            }
+        }
+    }
+
+    /// Adds a full group, light after light: the same bits as one by one.
+    #[inline(always)]
+    fn gather_group(&mut self, glossy: bool) {
+        let [a, b, c, d] = &self.terms;
+        let colors = self.colors;
+        add_group(
+            &mut self.diffuse,
+            [&a.diffuse, &b.diffuse, &c.diffuse, &d.diffuse],
+            colors,
+        );
+        if glossy {
+            add_group(
+                &mut self.specular,
+                [&a.specular, &b.specular, &c.specular, &d.specular],
+                colors,
+            );
+        }
+        self.waiting = 0;
     }
 }
 
 /// Adds `term * intensity` to the sums.
 #[inline(always)]
-fn add_scaled(sums: &mut [Lanes; 3], term: &Lanes, intensity: impl Fn(usize, usize) -> f32) {
+fn add_term(sums: &mut [Lanes; 3], term: &Lanes, intensity: impl Fn(usize) -> [f32; 3]) {
     let [r, g, b] = sums;
     for i in 0..BATCH {
-        r[i] += term[i] * intensity(0, i);
-        g[i] += term[i] * intensity(1, i);
-        b[i] += term[i] * intensity(2, i);
+        let rgb = intensity(i);
+        r[i] += term[i] * rgb[0];
+        g[i] += term[i] * rgb[1];
+        b[i] += term[i] * rgb[2];
+    }
+}
+
+/// Adds several terms, each times its colour.
+#[inline(always)]
+fn add_group(sums: &mut [Lanes; 3], terms: [&Lanes; GROUP], colors: [[f32; 3]; GROUP]) {
+    let [r, g, b] = sums;
+    let [a, c, d, e] = terms;
+    let [ca, cc, cd, ce] = colors;
+    for i in 0..BATCH {
+        let term = [a[i], c[i], d[i], e[i]];
+        let add = |sum: f32, channel: usize| {
+            let sum = sum + term[0] * ca[channel];
+            let sum = sum + term[1] * cc[channel];
+            let sum = sum + term[2] * cd[channel];
+            sum + term[3] * ce[channel]
+        };
+        r[i] = add(r[i], 0);
+        g[i] = add(g[i], 1);
+        b[i] = add(b[i], 2);
     }
 }
 
@@ -311,108 +412,118 @@ fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
-impl Terms {
-    /// Makes the diffuse and specular terms of a light that comes from `direction(i)` at pixel i, where
-    /// its half vector is `half(i)` and the share `share(i)` of it arrives.
+/// A light by lane: its direction, its half vector with z, how much of it arrives; and whether it is known
+/// to be above the surface everywhere.
+#[derive(Clone, Copy)]
+struct Arriving<D, H, S> {
+    direction: D,
+    half: H,
+    share: S,
+    everywhere: bool,
+}
+
+impl Scratch {
+    /// Makes the diffuse and specular terms of a light.
     #[inline(always)]
-    fn reflect(
+    fn reflect<D, H, S>(
         &mut self,
+        terms: &mut Terms,
         pixels: &Pixels,
         shading: &Shading,
-        direction: impl Fn(usize) -> [f32; 3] + Copy,
-        half: impl Fn(usize) -> [f32; 3] + Copy,
-        share: impl Fn(usize) -> f32 + Copy,
-    ) {
+        light: Arriving<D, H, S>,
+    ) where
+        D: Fn(usize) -> [f32; 3] + Copy,
+        H: Fn(usize) -> [f32; 3] + Copy,
+        S: Fn(usize) -> f32 + Copy,
+    {
+        let Arriving {
+            direction, half, ..
+        } = light;
         let unwarped = shading.warped.then_some(half);
-        match unwarped {
-            None => self.arrive(pixels, direction, share),
-            Some(half) => self.arrive_unwarped(pixels, direction, half, share),
+        match (shading.warped, light.everywhere) {
+            (false, _) => self.arrive(pixels, light),
+            (true, true) => self.arrive_unwarped(pixels, light, |_, _| true),
+            (true, false) => {
+                self.arrive_unwarped(pixels, light, |n, direction| dot(n, direction) > 0.0);
+            }
         }
         if let Some(toward) = shading.scaled.and_then(|scaled| scaled.toward_light) {
-            match unwarped {
-                None => self.curve_toward(pixels, toward, |_, i| {
-                    let [x, y, _] = direction(i);
-                    [x, y]
-                }),
-                Some(half) => self.curve_toward(pixels, toward, |terms, i| {
-                    let [x, y, z] = half(i);
-                    let [xx, xy, yy] = [0, 1, 2].map(|k| pixels.unwarp[k][i]);
-                    let twice = 2.0 * z * terms.inverse[i];
-                    [twice * (xx * x + xy * y), twice * (xy * x + yy * y)]
-                }),
-            }
+            self.curve_toward(pixels, toward, unwarped, direction);
         }
         match shading.lobes {
             Lobes::Diffuse { power } => {
                 if power != Power::Whole(1) {
                     power.raise(&mut self.cosine);
                 }
-                self.scale_cosine(pixels, shading);
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
             }
             Lobes::Phong { power } => {
                 self.product(&pixels.mirrored, unwarped, direction, 0);
                 for i in 0..BATCH {
-                    self.lobe[i] = positive(self.products[0][i]).min(1.0);
+                    self.lobe[i] = positive(self.products[0][i]);
                 }
                 power.raise(&mut self.lobe);
-                self.scale_cosine(pixels, shading);
-                self.scale_lobe(pixels, shading, |_, weight| weight);
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
+                self.scale_lobe(&mut terms.specular, pixels, shading, |_, weight| weight);
             }
             Lobes::BlinnPhong { power, far } => {
                 self.half_way(pixels, unwarped, direction, half, far);
                 power.raise(&mut self.lobe);
-                self.scale_cosine(pixels, shading);
-                self.scale_lobe(pixels, shading, |cosine, weight| weight * cosine);
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
+                let weigh = |cosine, weight| weight * cosine;
+                self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
             }
             Lobes::AshikhminShirley(brdf) => {
-                for (k, axis) in [&pixels.to_eye, &pixels.along, &pixels.across]
-                    .into_iter()
-                    .enumerate()
-                {
+                let axes = [&pixels.to_eye, &pixels.along, &pixels.across];
+                for (k, axis) in axes.into_iter().enumerate() {
                     self.product(axis, unwarped, direction, k);
                 }
-                self.coat(pixels, shading, &brdf);
+                self.coat(terms, pixels, shading, &brdf);
             }
         }
     }
 
     /// Weights and cosines of a light as it stands.
     #[inline(always)]
-    fn arrive(
-        &mut self,
-        pixels: &Pixels,
-        direction: impl Fn(usize) -> [f32; 3],
-        share: impl Fn(usize) -> f32,
-    ) {
+    fn arrive<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    where
+        D: Fn(usize) -> [f32; 3],
+        S: Fn(usize) -> f32,
+    {
         for i in 0..BATCH {
-            let cosine = dot(pixels.normal.at(i), direction(i));
-            self.weight[i] = if cosine > 0.0 { share(i) } else { 0.0 };
-            self.cosine[i] = positive(cosine).min(1.0);
+            let cosine = dot(pixels.normal.at(i), (light.direction)(i));
+            self.weight[i] = if cosine > 0.0 { (light.share)(i) } else { 0.0 };
+            self.cosine[i] = cosine;
         }
     }
 
-    /// The same of a light whose direction is unwarped: with its Jacobian.
+    /// The same of a light whose direction is unwarped: with its Jacobian. `above` tells of a normal and
+    /// the direction as it stands whether that is above the surface.
     #[inline(always)]
-    fn arrive_unwarped(
+    fn arrive_unwarped<D, H, S>(
         &mut self,
         pixels: &Pixels,
-        direction: impl Fn(usize) -> [f32; 3],
-        half: impl Fn(usize) -> [f32; 3],
-        share: impl Fn(usize) -> f32,
-    ) {
+        light: Arriving<D, H, S>,
+        above: impl Fn([f32; 3], [f32; 3]) -> bool,
+    ) where
+        D: Fn(usize) -> [f32; 3],
+        H: Fn(usize) -> [f32; 3],
+        S: Fn(usize) -> f32,
+    {
         let [xx, xy, yy] = &pixels.unwarp_squared;
         let [gx, gy] = &pixels.normal.unwarped;
         for i in 0..BATCH {
             let n = pixels.normal.at(i);
-            let [x, y, z] = half(i);
+            let [x, y, z] = (light.half)(i);
             let length = z * z + xx[i] * (x * x) + xy[i] * (x * y) + yy[i] * (y * y);
             let inverse = 1.0 / length;
-            let along = gx[i] * x + gy[i] * y + n[2] * z;
-            let cosine = 2.0 * z * inverse * along - n[2];
-            let above = (cosine > 0.0) & (dot(n, direction(i)) > 0.0);
-            let weight = share(i) * pixels.spread[i] * (inverse * inverse);
-            self.weight[i] = if above { weight } else { 0.0 };
-            self.cosine[i] = positive(cosine).min(1.0);
+            let twice = 2.0 * z;
+            let along = gx[i] * (twice * x) + gy[i] * (twice * y) + n[2] * (twice * z);
+            let cosine = inverse * along - n[2];
+            let weight = (light.share)(i) * (inverse * inverse);
+            let lit = (cosine > 0.0) & above(n, (light.direction)(i));
+            self.weight[i] = if lit { weight } else { 0.0 };
+            self.cosine[i] = cosine;
             self.inverse[i] = inverse;
         }
     }
@@ -421,7 +532,7 @@ impl Terms {
     #[inline(always)]
     fn product(
         &mut self,
-        axis: &super::batch::Axis,
+        axis: &Axis,
         unwarped: Option<impl Fn(usize) -> [f32; 3]>,
         direction: impl Fn(usize) -> [f32; 3],
         k: usize,
@@ -462,13 +573,13 @@ impl Terms {
                 for i in 0..BATCH {
                     let [x, y, z] = half(i);
                     let along = positive(gx[i] * x + gy[i] * y + pixels.normal.vector[2][i] * z);
-                    self.lobe[i] = (along * along * self.inverse[i]).min(1.0);
+                    self.lobe[i] = along * along * self.inverse[i];
                 }
             }
             (true, false) => {
                 for i in 0..BATCH {
                     let along = positive(dot(pixels.normal.at(i), half(i)));
-                    self.lobe[i] = (along * along).min(1.0);
+                    self.lobe[i] = along * along;
                 }
             }
             (false, _) => {
@@ -477,29 +588,42 @@ impl Terms {
                     let eye = dot(pixels.normal.at(i), pixels.to_eye.at(i));
                     let along = positive(self.cosine[i] + eye);
                     let squared = 2.0 + 2.0 * self.products[0][i];
-                    self.lobe[i] = (along * along / squared.max(f32::MIN_POSITIVE)).min(1.0);
+                    self.lobe[i] = along * along / squared.max(SHORTEST);
                 }
             }
         }
     }
 
-    /// Scaling curves toward a light whose direction has the x and y `across`.
+    /// Scaling curves toward the light.
     #[inline(always)]
     fn curve_toward(
         &mut self,
         pixels: &Pixels,
         toward: TowardLight,
-        across: impl Fn(&Self, usize) -> [f32; 2],
+        unwarped: Option<impl Fn(usize) -> [f32; 3]>,
+        direction: impl Fn(usize) -> [f32; 3],
     ) {
+        let across = &mut self.products;
         for i in 0..BATCH {
-            let hessian = [
-                pixels.hessian[0][i],
-                pixels.hessian[1][i],
-                pixels.hessian[2][i],
-            ];
-            let across = across(self, i);
-            let kappa = mapped_curvature_toward(hessian, across, toward.gain, toward.anisotropy);
-            for (curves, magnitude) in self.curves.iter_mut().zip(toward.magnitudes) {
+            let [x, y] = match &unwarped {
+                None => {
+                    let [x, y, _] = direction(i);
+                    [x, y]
+                }
+                Some(half) => {
+                    let [x, y, z] = half(i);
+                    let [xx, xy, yy] = [pixels.unwarp[0][i], pixels.unwarp[1][i], pixels.unwarp[2][i]];
+                    let twice = 2.0 * z * self.inverse[i];
+                    [twice * (xx * x + xy * y), twice * (xy * x + yy * y)]
+                }
+            };
+            (across[0][i], across[1][i]) = (x, y);
+        }
+        let [xx, xy, yy] = &pixels.hessian;
+        for (curves, magnitude) in self.curves.iter_mut().zip(toward.magnitudes) {
+            for i in 0..BATCH {
+                let (hessian, l_xy) = ([xx[i], xy[i], yy[i]], [across[0][i], across[1][i]]);
+                let kappa = mapped_curvature_toward(hessian, l_xy, toward.gain, toward.anisotropy);
                 curves.set(i, ScalingCurve::of(magnitude * kappa));
             }
         }
@@ -507,13 +631,8 @@ impl Terms {
 
     /// The diffuse term: the cosine lobe, scaled as its own intensity asks.
     #[inline(always)]
-    fn scale_cosine(&mut self, pixels: &Pixels, shading: &Shading) {
-        let Self {
-            weight,
-            cosine,
-            diffuse,
-            ..
-        } = self;
+    fn scale_cosine(&self, diffuse: &mut Lanes, pixels: &Pixels, shading: &Shading) {
+        let Self { weight, cosine, .. } = self;
         match shading.scaled {
             None => {
                 for i in 0..BATCH {
@@ -533,7 +652,8 @@ impl Terms {
     /// The specular term: `weigh(cosine, weight)` times the lobe, scaled as the lobe asks.
     #[inline(always)]
     fn scale_lobe(
-        &mut self,
+        &self,
+        specular: &mut Lanes,
         pixels: &Pixels,
         shading: &Shading,
         weigh: impl Fn(f32, f32) -> f32,
@@ -542,7 +662,6 @@ impl Terms {
             weight,
             cosine,
             lobe,
-            specular,
             ..
         } = self;
         match shading.scaled {
@@ -563,30 +682,36 @@ impl Terms {
 
     /// Both terms of the coated model, from l . e, l . u and l . v.
     #[inline(always)]
-    fn coat(&mut self, pixels: &Pixels, shading: &Shading, brdf: &AshikhminShirley) {
+    fn coat(
+        &mut self,
+        terms: &mut Terms,
+        pixels: &Pixels,
+        shading: &Shading,
+        brdf: &AshikhminShirley,
+    ) {
         for i in 0..BATCH {
             let eye = pixels.to_eye.at(i);
             let [le, lu, lv] = [0, 1, 2].map(|k| self.products[k][i]);
             // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e.
-            let inverse = 1.0 / (2.0 + 2.0 * le).max(f32::MIN_POSITIVE).sqrt();
+            let inverse = 1.0 / (2.0 + 2.0 * le).max(SHORTEST).sqrt();
             let ne = positive(dot(pixels.normal.at(i), eye)).min(1.0);
             let cosines = Cosines {
-                nl: self.cosine[i],
+                nl: positive(self.cosine[i]),
                 ne,
                 he: ((1.0 + le) * inverse).clamp(0.0, 1.0),
                 hu: (lu + dot(pixels.along.at(i), eye)) * inverse,
                 hv: (lv + dot(pixels.across.at(i), eye)) * inverse,
             };
             self.lobe[i] = ((self.cosine[i] + ne) * inverse).clamp(0.0, 1.0);
-            self.diffuse[i] = self.weight[i] * brdf.diffuse(cosines.nl, ne);
+            terms.diffuse[i] = self.weight[i] * brdf.diffuse(cosines.nl, ne);
             let specular = brdf.specular(cosines);
             // Weights are 0 below the horizon, where the lobe may be anything.
             let lit = self.weight[i] > 0.0;
-            self.specular[i] = if lit { self.weight[i] * specular } else { 0.0 };
+            terms.specular[i] = if lit { self.weight[i] * specular } else { 0.0 };
         }
         if let Some(scaled) = shading.scaled {
             let intensities = [&self.cosine, &self.lobe];
-            let terms = [&mut self.diffuse, &mut self.specular];
+            let terms = [&mut terms.diffuse, &mut terms.specular];
             for (k, (term, intensity)) in terms.into_iter().zip(intensities).enumerate() {
                 let curves = scaled.curves(pixels, &self.curves, k);
                 for i in 0..BATCH {

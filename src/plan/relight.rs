@@ -4,6 +4,7 @@ use super::Available;
 use super::explain::{Decision, keep, rule, skip};
 use super::Stage;
 use crate::error::{Error, Result};
+use crate::light::lights::Illumination;
 use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
 };
@@ -19,6 +20,18 @@ pub struct LightKinds {
     pub environment: bool,
     /// Lit spheres: one, or one for convexities and one for concavities.
     pub lit_spheres: u8,
+}
+
+impl LightKinds {
+    /// Those in some light.
+    pub fn in_light(light: &Illumination) -> Self {
+        Self {
+            directional: !light.directional.is_empty(),
+            points: !light.points.is_empty(),
+            environment: light.environment.is_some(),
+            lit_spheres: light.lit_spheres.len().min(2) as u8,
+        }
+    }
 }
 
 /// How an environment is used.

@@ -8,6 +8,7 @@ mod memory;
 mod normal_rays;
 mod passes;
 mod percentile;
+mod relight;
 mod simd;
 mod statistics;
 mod tiles;
@@ -15,7 +16,8 @@ mod wave;
 
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::params::{Adaptive, RunOptions};
-use crate::plan::{Plan, Stage};
+use crate::light::lights::Illumination;
+use crate::plan::{Goal, Plan, Stage};
 use memory::Memory;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -89,6 +91,8 @@ pub struct Outcome {
     pub gain: Option<f32>,
     /// The white level that was used.
     pub white_level: Option<f32>,
+    /// The factor of the environment's radiance that was used.
+    pub environment_gain: Option<f32>,
     /// How long each pass took, in order.
     pub timings: Vec<(&'static str, Duration)>,
 }
@@ -96,9 +100,8 @@ pub struct Outcome {
 /// Runs `plan` on `frame`, in the rayon pool of the caller.
 ///
 /// # Panics
-/// If the plan was made for other inputs than the frame holds: [`Goal::Enhance`] needs colour.
-///
-/// [`Goal::Enhance`]: crate::plan::Goal::Enhance
+/// If the plan was made for other inputs than the frame holds: [`Goal::Enhance`] needs colour,
+/// [`Goal::Relight`] the light of [`Runner::relight`].
 pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
     Runner::default().run(plan, frame)
 }
@@ -125,6 +128,26 @@ impl Runner {
     /// # Panics
     /// As [`run`] does.
     pub fn run(&self, plan: &Plan, frame: &Frame) -> Outcome {
+        assert!(
+            plan.goal != Goal::Relight,
+            "new light is run by Runner::relight"
+        );
+        self.start(plan, frame, |run| {
+            if plan.has(Stage::RadianceScaling) {
+                run.scale_radiance();
+            }
+        })
+    }
+
+    /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.
+    ///
+    /// # Panics
+    /// If the plan was made for another goal, other inputs or other kinds of light.
+    pub fn relight(&self, plan: &Plan, frame: &Frame, illumination: &Illumination) -> Outcome {
+        self.start(plan, frame, |run| run.relight(illumination))
+    }
+
+    fn start(&self, plan: &Plan, frame: &Frame, light: impl FnOnce(&mut Run)) -> Outcome {
         let mut run = Run {
             plan,
             frame,
@@ -134,9 +157,7 @@ impl Runner {
         if plan.has(Stage::Conductance) {
             run.find_shape();
         }
-        if plan.has(Stage::RadianceScaling) {
-            run.scale_radiance();
-        }
+        light(&mut run);
         run.outcome
     }
 
@@ -203,16 +224,13 @@ impl Run<'_> {
             std::iter::once(edges.gradient).chain(more).collect()
         };
         let gradient = gradients.remove(0);
-        if plan.has(Stage::Hessian) {
+        if plan.goal == Goal::Relight {
+            self.shape_for_light(&gradient, &edges.conductance);
+        } else if plan.has(Stage::Hessian) {
             self.describe(&gradient, &edges.conductance);
             self.describe_more(gradients, &edges.conductance);
         } else {
-            let trace = self.timed("trace", || {
-                let trace = passes::trace(&gradient, &edges.conductance, &frame.mask, memory);
-                per_reference_pixel(trace, plan.resolution_factor)
-            });
-            self.choose_gain(&trace, &edges.conductance);
-            self.outcome.shape.trace = Some(trace);
+            self.find_trace(&gradient, &edges.conductance);
         }
         if plan.has(Stage::CurvatureDisplay) {
             self.display(&edges.conductance);
@@ -222,6 +240,17 @@ impl Run<'_> {
         shape.crease = edges.crease;
         shape.conductance = Some(edges.conductance);
         shape.gradient = Some(gradient);
+    }
+
+    /// The sum of the curvatures, and its gain.
+    fn find_trace(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
+        let (plan, mask, memory) = (self.plan, &self.frame.mask, &self.runner.memory);
+        let trace = self.timed("trace", || {
+            let trace = passes::trace(gradient, conductance, mask, memory);
+            per_reference_pixel(trace, plan.resolution_factor)
+        });
+        self.choose_gain(&trace, conductance);
+        self.outcome.shape.trace = Some(trace);
     }
 
     /// Everything that the layers of the descriptor hold beyond gradient and weights.

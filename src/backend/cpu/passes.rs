@@ -25,6 +25,17 @@ pub(super) fn trace(
     trace
 }
 
+/// Trace of a Hessian that is there already.
+pub(super) fn sum_of_diagonal(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Plane {
+    let [trace] = map_rows(mask, memory, |y, [out]| {
+        let (xx, yy) = (hessian.xx.row(y), hessian.yy.row(y));
+        for x in mask.span(y) {
+            out[x] = xx[x] + yy[x];
+        }
+    });
+    trace
+}
+
 /// The whole Hessian.
 pub(super) fn hessian(
     gradient: &Vector2Planes,

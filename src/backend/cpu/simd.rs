@@ -8,6 +8,7 @@
 )]
 
 use super::light::{Scaler, scale_row};
+use super::relight::{Batch, Scene, light_batch};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
 use crate::shape::conductance::{conductance_row, face_conductance_row};
@@ -158,6 +159,7 @@ widened! {
         trace: &[f32],
         covered: &[bool],
     );
+    fn light_batch(batch: &mut Batch, scene: &Scene);
 }
 
 #[cfg(test)]

@@ -22,6 +22,8 @@ pub(in super::super) struct Batch {
     pub(super) sum: LightSum,
     /// Trace of the Hessian.
     pub(super) trace: Lanes,
+    /// Mapped curvature.
+    pub(super) kappa: Lanes,
     pub(super) albedo: [Lanes; 3],
     /// Ambient occlusion, 1 in the open.
     pub(super) occlusion: Lanes,
@@ -49,6 +51,7 @@ impl Batch {
             pixels: Pixels::new(),
             sum: LightSum::new(),
             trace: ZERO,
+            kappa: ZERO,
             albedo: [ONE; 3],
             occlusion: ONE,
             alpha: ONE,

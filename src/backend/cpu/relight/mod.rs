@@ -11,7 +11,7 @@ pub(super) use shade::light_batch;
 
 use super::memory::Memory;
 use super::simd::Simd;
-use super::{Run, light, normal_rays, passes, statistics};
+use super::{Run, light, normal_rays, passes};
 use crate::frame::{ColorPlanes, Frame, Plane, Projection, SightLines, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
@@ -39,6 +39,8 @@ pub(super) struct Scene<'a> {
     luminance: [f32; 3],
     /// How single lights act; `None` where none are summed.
     shading: Option<Shading>,
+    /// Whether anything adds to specular light.
+    is_glossy: bool,
     lights: Vec<DirectionalLight>,
     points: &'a [PointLight],
     sight: SightLines,
@@ -80,6 +82,7 @@ impl Run<'_> {
         let shape = std::mem::take(&mut self.outcome.shape);
         let gain = self.outcome.gain.unwrap_or(0.0);
         let eye = eye_directions(frame);
+        let shading = self.shading(relighting, gain, eye.is_none());
         let scene = Scene {
             frame,
             relighting,
@@ -96,7 +99,8 @@ impl Run<'_> {
             magnitudes: plan.scaling.magnitudes(),
             invariant_point: plan.scaling.invariant_point,
             luminance: weights,
-            shading: self.shading(relighting, gain, eye.is_none()),
+            is_glossy: around.is_mirrored() || shading.is_some_and(|s| s.lobes.are_glossy()),
+            shading,
             lights,
             points: &illumination.points,
             sight: sight_lines(frame),

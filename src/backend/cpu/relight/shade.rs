@@ -2,7 +2,7 @@
 //! that the machine has.
 
 use super::{Batch, Scene};
-use crate::light::batch::{BATCH, Lanes};
+use crate::light::batch::{BATCH, Facing, Lanes};
 use crate::light::brdf::mirrored;
 use crate::light::light_warping::{Warp, contrast, half_vector};
 use crate::light::radiance_scaling::ScalingCurve;
@@ -60,12 +60,41 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
         }
     }
     if relighting.scales {
-        let magnitudes = scene.magnitudes;
-        let terms = [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular];
-        for (curves, magnitude) in batch.pixels.curves.iter_mut().zip(terms) {
-            for i in 0..BATCH {
-                let kappa = mapped_curvature(batch.trace[i], scene.gain);
-                curves.set(i, ScalingCurve::of(magnitude * kappa));
+        set_curves(batch, scene);
+    }
+    if scene.shading.is_some() {
+        let pixels = &mut batch.pixels;
+        pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
+    }
+}
+
+/// The scaling curve of every term there is; terms of one magnitude share it.
+#[inline(always)]
+fn set_curves(batch: &mut Batch, scene: &Scene) {
+    for i in 0..BATCH {
+        batch.kappa[i] = mapped_curvature(batch.trace[i], scene.gain);
+    }
+    let magnitudes = scene.magnitudes;
+    let terms = [
+        (magnitudes.ambient, scene.params().material.ambient > 0.0),
+        (magnitudes.diffuse, true),
+        (magnitudes.specular, scene.is_glossy),
+    ];
+    let mut done: Option<(f32, usize)> = None;
+    for (term, (magnitude, used)) in terms.into_iter().enumerate() {
+        if !used {
+            continue;
+        }
+        match done {
+            Some((same, of)) if same == magnitude => {
+                batch.pixels.curves[term] = batch.pixels.curves[of];
+            }
+            _ => {
+                let curves = &mut batch.pixels.curves[term];
+                for i in 0..BATCH {
+                    curves.set(i, ScalingCurve::of(magnitude * batch.kappa[i]));
+                }
+                done = Some((magnitude, term));
             }
         }
     }
@@ -155,6 +184,7 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
             Intensity::LookedUp(&batch.looked_up),
         );
     }
+    batch.sum.finish(&batch.pixels, shading);
 }
 
 /// Directions to a light at `position`, and what arrives of it.
@@ -204,7 +234,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     if scene.around.has_lookups() {
         super::around::add_lookups(batch, scene, warped);
     }
-    let scales = scene.relighting.scales;
+    let scales = scene.relighting.scales && material.ambient > 0.0;
     let ambient = &batch.pixels.curves[AMBIENT];
     let alpha = scene.invariant_point;
     for i in 0..BATCH {

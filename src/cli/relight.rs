@@ -1,0 +1,154 @@
+//! `relievo relight`.
+
+use super::job::{Done, Job};
+use super::output::{Kind, color_channels, color_layer};
+use super::relight_args::{LightFlags, Numbers, RelightArgs};
+use crate::backend::cpu::Runner;
+use crate::error::{Error, Result};
+use crate::io::environment::{read_environment, read_lit_sphere};
+use crate::io::exr::OutputType;
+use crate::io::output::refuse_overwriting_input;
+use crate::io::picture::Picture;
+use crate::io::Needs;
+use crate::light::light_samples::light_disc;
+use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
+use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
+use crate::plan::{Available, LightKinds, Plan};
+use glam::Vec3;
+
+pub(super) fn run(args: &RelightArgs) -> Result<()> {
+    let work = &args.work;
+    let files: Vec<_> = args.files().collect();
+    let output = &work.output.output;
+    refuse_overwriting_input("-o", output, files.iter().map(|path| path.as_path()))?;
+    let job = Job::new(work)?;
+    work.shape.refuse_more_scales()?;
+    let (shape, params) = (work.shape.params(), args.params());
+    let scaling = args.scaling.params(work.shape.curvature_gain);
+    shape.validate()?;
+    scaling.validate()?;
+    params.validate()?;
+
+    let illumination = illumination(&args.light)?;
+    let mut inputs = work.roles.inputs(&work.input);
+    inputs.albedo.clone_from(&args.material.albedo);
+    let (loaded, read) = job.load(&inputs, needs(&params, shape.foreshortening, &illumination))?;
+    let available = Available::in_frame(&loaded.frame);
+    let kinds = LightKinds::in_light(&illumination);
+    let plan = Plan::relight(available, shape, scaling, params, kinds)?;
+    job.tell_plan(&plan)?;
+    if params.method.scales() {
+        super::enhance::warn_of_dark_rims(&scaling, work.run.quiet);
+    }
+    let outcome = Runner::default().relight(&plan, &loaded.frame, &illumination);
+    let done = Done {
+        loaded,
+        outcome,
+        read,
+    };
+    write(args, &job, &done)
+}
+
+/// The frame's picture is read for an albedo to be estimated, and for what lies around the surface.
+fn needs(params: &RelightParams, foreshortening: f32, illumination: &Illumination) -> Needs {
+    let own_color = params.albedo == AlbedoSource::White;
+    let diffuse = matches!(
+        params.material.material,
+        Material::Lambert | Material::Toon | Material::Sublambert
+    );
+    let near = !illumination.points.is_empty();
+    Needs {
+        color: matches!(
+            params.albedo,
+            AlbedoSource::Estimate | AlbedoSource::Picture
+        ),
+        color_if_any: true,
+        albedo: !own_color && illumination.lit_spheres.is_empty(),
+        projection: foreshortening != 0.0 || near || !diffuse,
+    }
+}
+
+fn illumination(flags: &LightFlags) -> Result<Illumination> {
+    let mut directional: Vec<DirectionalLight> = flags
+        .light
+        .iter()
+        .map(|light| {
+            let Numbers([azimuth, elevation], _) = *light;
+            DirectionalLight {
+                to_light: direction_of(azimuth, elevation),
+                intensity: light.color(),
+            }
+        })
+        .collect();
+    let samples = match flags.samples {
+        Samples::Fixed(count) if count > 0 => count,
+        _ => AUTO_SAMPLES,
+    };
+    for light in &flags.area_light {
+        directional.extend(area_light(light, samples));
+    }
+    let points = flags.point_light.iter().map(|light| PointLight {
+        position: Vec3::from_array(light.0),
+        intensity: light.color(),
+    });
+    let points: Vec<_> = points.collect();
+    if directional.len() + points.len() > MAX_LIGHTS as usize {
+        return Err(Error::BadParameter {
+            name: "--light",
+            found: format!("makes {} lights", directional.len() + points.len()),
+            remedy: format!("give at most {MAX_LIGHTS} in all"),
+        });
+    }
+    let environment = flags.environment.as_deref().map(read_environment);
+    let environment = environment.transpose()?;
+    let spheres = flags.lit_sphere.iter().map(|path| read_lit_sphere(path));
+    Ok(Illumination {
+        directional,
+        points,
+        environment: environment.map(|e| e.rotated_deg(flags.environment_rotate)),
+        lit_spheres: spheres.collect::<Result<_>>()?,
+    })
+}
+
+/// A round light as `count` lights that are as bright together as one.
+fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = DirectionalLight> + use<> {
+    let [azimuth, elevation, radius] = light.0;
+    let center = direction_of(azimuth, elevation);
+    let intensity = light.color().map(|channel| channel / count as f32);
+    let directions = light_disc(center, radius.to_radians(), count as usize);
+    directions.into_iter().map(move |to_light| DirectionalLight {
+        to_light,
+        intensity,
+    })
+}
+
+fn write(args: &RelightArgs, job: &Job, done: &Done) -> Result<()> {
+    let work = &args.work;
+    let color = done.outcome.color.as_ref().expect("light makes a picture");
+    let frame = &done.loaded.frame;
+    let alpha = frame.alpha.as_ref();
+    match job.kind {
+        Kind::Picture(format) => {
+            let sixteen = done.loaded.photo_bits == Some(16);
+            job.write_picture(
+                done,
+                format,
+                &Picture {
+                    color,
+                    alpha,
+                    bits: if sixteen { 16 } else { 8 },
+                    transform: work.output.view_transform.into(),
+                },
+            )
+        }
+        Kind::Exr => {
+            let sample_type = match work.output.depth_of_output {
+                Some(chosen) => chosen.into(),
+                None if done.loaded.color_is_half => OutputType::Half,
+                None => OutputType::Float,
+            };
+            let layer = color_layer(&work.output, &done.loaded);
+            job.write_exr(done, color_channels(layer, color, alpha, sample_type))
+        }
+    }
+}
