@@ -3,6 +3,7 @@
 pub mod camera;
 mod coverage;
 mod depth;
+pub mod environment;
 pub mod exr;
 mod fence;
 pub mod inputs;
@@ -18,5 +19,6 @@ pub mod srgb;
 mod survey;
 mod view;
 
+pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use load::{Finding, Loaded, Needs, load};
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};
