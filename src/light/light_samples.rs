@@ -18,11 +18,11 @@ pub fn uniform_directions(n: usize) -> Vec<Vec3> {
 /// The environment as `n` lights, one from each of the [`uniform_directions`], black ones left out:
 /// dense sampling of the rendering equation.
 ///
-/// Radiance is read from a map no finer than the directions, so that none of the power falls between
-/// them.
+/// Radiance is read from a map coarser than the directions, so that a small sun between them counts as
+/// much as one that a direction hits. It also grows as wide as a pixel of that map.
 pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLight> {
-    // A pixel on the horizon, (2 pi / width)^2, then has the solid angle of a direction, 4 pi / n.
-    let coarse = environment.resized((PI * n as f64).sqrt().ceil() as usize);
+    // A pixel on the horizon, (2 pi / width)^2, then has the solid angle of 4 directions, 16 pi / n.
+    let coarse = environment.resized(((PI * n as f64).sqrt() / 2.0).ceil() as usize);
     let share = 4.0 / n as f32;
     let lights = uniform_directions(n).into_iter().map(|to_light| {
         let radiance = coarse.radiance(to_light.to_array());
@@ -103,8 +103,8 @@ mod tests {
         for n in [64, 256, 4096] {
             let lights = uniform_lights(&map, n);
             let sum: f64 = lights.iter().map(|l| f64::from(l.intensity[0])).sum();
-            // One coarse pixel is met by about one direction, with bilinear weights that vary.
-            assert!((0.4..1.8).contains(&(sum / power)), "{n}: {}", sum / power);
+            // A coarse pixel is seen by some 16 directions, with bilinear weights that vary.
+            assert!((0.9..1.1).contains(&(sum / power)), "{n}: {}", sum / power);
         }
         assert!(uniform_lights(&map, 0).is_empty());
     }
