@@ -5,11 +5,11 @@ use super::output::{Kind, color_channels, color_layer};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use crate::backend::cpu::Runner;
 use crate::error::{Error, Result};
+use crate::io::Needs;
 use crate::io::environment::{read_environment, read_lit_sphere};
 use crate::io::exr::OutputType;
 use crate::io::output::refuse_overwriting_input;
 use crate::io::picture::Picture;
-use crate::io::Needs;
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
 use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
@@ -116,10 +116,12 @@ fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = Directiona
     let center = direction_of(azimuth, elevation);
     let intensity = light.color().map(|channel| channel / count as f32);
     let directions = light_disc(center, radius.to_radians(), count as usize);
-    directions.into_iter().map(move |to_light| DirectionalLight {
-        to_light,
-        intensity,
-    })
+    directions
+        .into_iter()
+        .map(move |to_light| DirectionalLight {
+            to_light,
+            intensity,
+        })
 }
 
 fn write(args: &RelightArgs, job: &Job, done: &Done) -> Result<()> {

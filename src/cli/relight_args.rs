@@ -46,7 +46,12 @@ pub(super) struct LightFlags {
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
     /// Turns the environment about the vertical.
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     pub(super) environment_rotate: f32,
     /// Factor of the environment, or auto: a white surface facing its brightest side shows 1.
     #[arg(long, value_name = "G|auto", default_value_t = RELIGHT.environment_gain, allow_negative_numbers = true)]
@@ -188,19 +193,46 @@ macro_rules! mirrored {
     };
 }
 
-mirrored!(MethodArg, Method { Plain, Warp, Scale, Both });
-mirrored!(WarpByArg, WarpBy { Auto, Lookups, Lights });
-mirrored!(AlbedoArg, AlbedoSource { Auto, Layer, Estimate, Picture, White });
-mirrored!(MaterialArg, Material {
-    Lambert,
-    Phong,
-    BlinnPhong,
-    Toon,
-    Sublambert,
-    AshikhminShirley,
-    Mirror,
-    Glass,
-});
+mirrored!(
+    MethodArg,
+    Method {
+        Plain,
+        Warp,
+        Scale,
+        Both
+    }
+);
+mirrored!(
+    WarpByArg,
+    WarpBy {
+        Auto,
+        Lookups,
+        Lights
+    }
+);
+mirrored!(
+    AlbedoArg,
+    AlbedoSource {
+        Auto,
+        Layer,
+        Estimate,
+        Picture,
+        White
+    }
+);
+mirrored!(
+    MaterialArg,
+    Material {
+        Lambert,
+        Phong,
+        BlinnPhong,
+        Toon,
+        Sublambert,
+        AshikhminShirley,
+        Mirror,
+        Glass,
+    }
+);
 
 impl RelightArgs {
     /// Everything but the lights.

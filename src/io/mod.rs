@@ -1,9 +1,9 @@
 //! Files to frames, and planes to files.
 
 pub mod camera;
-pub mod environment;
 mod coverage;
 mod depth;
+pub mod environment;
 pub mod exr;
 mod fence;
 pub mod inputs;
@@ -19,5 +19,6 @@ pub mod srgb;
 mod survey;
 mod view;
 
+pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use load::{Finding, Loaded, Needs, load};
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

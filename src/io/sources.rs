@@ -118,8 +118,7 @@ impl RoleSource {
             return Err(no_such_layer(role, name, main));
         }
         let file = Opened::open(path)?;
-        let source = Self::by_role(role, &file).or_else(|| Self::only_layer(role, &file));
-        source
+        Self::in_file(role, &file)
             .map(Some)
             .ok_or_else(|| no_such_layer(role, name, &file))
     }
@@ -138,6 +137,11 @@ impl RoleSource {
             }),
             Opened::Photo { .. } => None,
         }
+    }
+
+    /// The layer of `file` that plays `role`, or else the first that could.
+    pub(super) fn in_file(role: Role, file: &Rc<Opened>) -> Option<Self> {
+        Self::by_role(role, file).or_else(|| Self::only_layer(role, file))
     }
 
     /// A file named for a role serves it whatever its layer is called.

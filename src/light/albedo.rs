@@ -56,10 +56,13 @@ impl ShadingFit {
         let matrix = self.normal_matrix + Matrix4::from_diagonal(&ridge);
         let solution = matrix.lu().solve(&self.right_side)?;
         let coefficients = [0, 1, 2, 3].map(|i| solution[i] as f32);
-        coefficients.iter().all(|c| c.is_finite()).then_some(FittedShading {
-            coefficients,
-            floor: (DARKEST * mean) as f32,
-        })
+        coefficients
+            .iter()
+            .all(|c| c.is_finite())
+            .then_some(FittedShading {
+                coefficients,
+                floor: (DARKEST * mean) as f32,
+            })
     }
 }
 

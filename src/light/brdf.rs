@@ -180,7 +180,10 @@ mod tests {
                     // A lobe is BRDF times pi times n.l.
                     let there = brdf.specular(cosines(l, e)) / l[2];
                     let back = brdf.specular(cosines(e, l)) / e[2];
-                    assert!((there - back).abs() <= 1e-5 * there.max(1e-3), "{there} {back}");
+                    assert!(
+                        (there - back).abs() <= 1e-5 * there.max(1e-3),
+                        "{there} {back}"
+                    );
                     let there = brdf.diffuse(l[2], e[2]) / l[2];
                     let back = brdf.diffuse(e[2], l[2]) / e[2];
                     assert!((there - back).abs() <= 1e-5 * there);

@@ -612,7 +612,11 @@ impl Scratch {
                 }
                 Some(half) => {
                     let [x, y, z] = half(i);
-                    let [xx, xy, yy] = [pixels.unwarp[0][i], pixels.unwarp[1][i], pixels.unwarp[2][i]];
+                    let [xx, xy, yy] = [
+                        pixels.unwarp[0][i],
+                        pixels.unwarp[1][i],
+                        pixels.unwarp[2][i],
+                    ];
                     let twice = 2.0 * z * self.inverse[i];
                     [twice * (xx * x + xy * y), twice * (xy * x + yy * y)]
                 }

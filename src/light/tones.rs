@@ -41,7 +41,13 @@ mod tests {
     #[test]
     fn hard_steps_leave_the_tones_alone() {
         // Four levels: 0, 1/4, 1/2, 3/4, 1 of the square root; steps at 1/8, 3/8, 5/8, 7/8.
-        for (root, expected) in [(0.1, 0.0), (0.13, 0.25), (0.37, 0.25), (0.4, 0.5), (0.9, 1.0)] {
+        for (root, expected) in [
+            (0.1, 0.0),
+            (0.13, 0.25),
+            (0.37, 0.25),
+            (0.4, 0.5),
+            (0.9, 1.0),
+        ] {
             let found = tone(root * root, 4, 0.0).sqrt();
             assert!((found - expected).abs() < 1e-6, "{root}: {found}");
         }

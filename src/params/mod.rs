@@ -7,8 +7,8 @@ mod shape;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams};
 pub use relight::{
-    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation, RelightParams, Samples,
-    Tangent, WarpBy, WarpingParams,
+    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,
+    RelightParams, Samples, Tangent, WarpBy, WarpingParams,
 };
 pub use run::{RunOptions, TileSize};
 pub use shape::{MAX_DIRECTION_STEP_PX, Scale, ShapeParams, SoftThreshold, Solver};

@@ -190,7 +190,14 @@ impl Plan {
     ) -> Result<Self> {
         scaling.validate()?;
         let relighting = Relighting::new(relight, &scaling, kinds, available)?;
-        Self::made(Goal::Relight, available, shape, scaling, &[], Some(relighting))
+        Self::made(
+            Goal::Relight,
+            available,
+            shape,
+            scaling,
+            &[],
+            Some(relighting),
+        )
     }
 
     /// [`Plan::new`] whose gradient is also made at further scales, sigmas in pixels, by the same sweeps.

@@ -1,8 +1,8 @@
 //! What relighting takes: which lights are summed, what is looked up, what of shape that asks for.
 
 use super::Available;
-use super::explain::{Decision, keep, rule, skip};
 use super::Stage;
+use super::explain::{Decision, keep, rule, skip};
 use crate::error::{Error, Result};
 use crate::light::lights::Illumination;
 use crate::params::{
@@ -186,7 +186,10 @@ impl Relighting {
                     "one look-up per lobe and pixel serves",
                 ),
                 EnvironmentUse::None => skip(Stage::EnvironmentPrefilter, "lights have directions"),
-                _ => skip(Stage::EnvironmentPrefilter, "sampled, or looked up as it is"),
+                _ => skip(
+                    Stage::EnvironmentPrefilter,
+                    "sampled, or looked up as it is",
+                ),
             },
             rule(
                 Stage::Warping,

@@ -15,8 +15,8 @@ mod tiles;
 mod wave;
 
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
-use crate::params::{Adaptive, RunOptions};
 use crate::light::lights::Illumination;
+use crate::params::{Adaptive, RunOptions};
 use crate::plan::{Goal, Plan, Stage};
 use memory::Memory;
 use rayon::prelude::*;

@@ -32,7 +32,9 @@ pub(super) fn estimated(frame: &Frame, weights: [f32; 3], memory: &Memory) -> Co
     });
     // Added row after row: the same bits for any number of threads.
     let fits: Vec<ShadingFit> = rows.collect();
-    let fit = fits.into_iter().fold(ShadingFit::default(), ShadingFit::merged);
+    let fit = fits
+        .into_iter()
+        .fold(ShadingFit::default(), ShadingFit::merged);
     let shading = fit.solved();
     let albedo = |shading: FittedShading, x, y| {
         let per_light = 1.0 / shading.at(normal(x, y));

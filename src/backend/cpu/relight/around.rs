@@ -1,8 +1,8 @@
 //! What is around the surface: an environment as lights, as maps prefiltered by the lobes, or as it is;
 //! or a lit sphere in its place.
 
-use super::batch::Batch;
 use super::Scene;
+use super::batch::Batch;
 use super::shade::TERMS;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::batch::{Lanes, Pixels};
@@ -77,12 +77,17 @@ impl<'a> Around<'a> {
         let params = &relighting.params;
         let prefiltered = relighting.environment == EnvironmentUse::Prefiltered;
         let needs_irradiance = prefiltered || params.environment_gain == Adaptive::Auto;
-        let irradiance = needs_irradiance.then(|| Map::new(filtered(&irradiance_filter(environment)), weights));
+        let irradiance =
+            needs_irradiance.then(|| Map::new(filtered(&irradiance_filter(environment)), weights));
         let gain = match params.environment_gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => {
                 let largest = irradiance.as_ref().map_or(1.0, |map| map.largest);
-                if largest > f32::MIN_POSITIVE { 1.0 / largest } else { 1.0 }
+                if largest > f32::MIN_POSITIVE {
+                    1.0 / largest
+                } else {
+                    1.0
+                }
             }
         };
         let used = match relighting.environment {
@@ -184,7 +189,9 @@ impl<'a> Around<'a> {
 
 impl Map {
     fn new(environment: Environment, weights: [f32; 3]) -> Self {
-        let largest = environment.largest_luminance(weights).max(f32::MIN_POSITIVE);
+        let largest = environment
+            .largest_luminance(weights)
+            .max(f32::MIN_POSITIVE);
         Self {
             environment,
             largest,
@@ -278,7 +285,13 @@ fn seen(
     gain: f32,
 ) -> [f32; 3] {
     let radiance = map.environment.radiance(direction);
-    let sigma = sigma(batch, scene, i, term, luminance(scene, radiance) / map.largest);
+    let sigma = sigma(
+        batch,
+        scene,
+        i,
+        term,
+        luminance(scene, radiance) / map.largest,
+    );
     radiance.map(|channel| channel * (gain * sigma))
 }
 
@@ -306,7 +319,15 @@ fn reflected(
     };
     let outside = seen(batch, scene, i, 1, map, toward(r), gain * share);
     let inside = through.map_or([0.0; 3], |direction| {
-        seen(batch, scene, i, 1, map, toward(direction), gain * (1.0 - share))
+        seen(
+            batch,
+            scene,
+            i,
+            1,
+            map,
+            toward(direction),
+            gain * (1.0 - share),
+        )
     });
     [0, 1, 2].map(|k| outside[k] + inside[k])
 }
@@ -327,6 +348,8 @@ fn sphere_color(
             let (convex, concave) = (convex.color(across), concave.color(across));
             [0, 1, 2].map(|k| concave[k] + share * (convex[k] - concave[k]))
         }
-        spheres => spheres.first().map_or([0.0; 3], |sphere| sphere.color(across)),
+        spheres => spheres
+            .first()
+            .map_or([0.0; 3], |sphere| sphere.color(across)),
     }
 }

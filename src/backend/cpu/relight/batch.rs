@@ -158,8 +158,11 @@ impl Batch {
             let depth = f64::from(depth.at(x, y));
             let point = scene.sight.point(position[0], position[1], depth, kind);
             let DVec3 { x, y, z } = point;
-            (self.points[0][lane], self.points[1][lane], self.points[2][lane]) =
-                (x as f32, y as f32, z as f32);
+            (
+                self.points[0][lane],
+                self.points[1][lane],
+                self.points[2][lane],
+            ) = (x as f32, y as f32, z as f32);
         }
     }
 

@@ -12,7 +12,9 @@ pub(super) use shade::light_batch;
 use super::memory::Memory;
 use super::simd::Simd;
 use super::{Run, light, normal_rays, passes};
-use crate::frame::{ColorPlanes, Frame, Plane, Projection, SightLines, SymmetricPlanes, Vector2Planes};
+use crate::frame::{
+    ColorPlanes, Frame, Plane, Projection, SightLines, SymmetricPlanes, Vector2Planes,
+};
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
@@ -151,7 +153,9 @@ impl Run<'_> {
                 let hessian = passes::hessian(gradient, conductance, &frame.mask, memory);
                 super::hessian_at(plan.resolution_factor, hessian)
             });
-            let trace = self.timed("trace", || passes::sum_of_diagonal(&hessian, &frame.mask, memory));
+            let trace = self.timed("trace", || {
+                passes::sum_of_diagonal(&hessian, &frame.mask, memory)
+            });
             self.outcome.shape.hessian = Some(hessian);
             self.choose_gain(&trace, conductance);
             self.outcome.shape.trace = Some(trace);
@@ -218,7 +222,10 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
 }
 
 /// The next run of covered pixels within `columns`, which then begin after it.
-fn next_run(covered: &[bool], columns: &mut std::ops::Range<usize>) -> Option<std::ops::Range<usize>> {
+fn next_run(
+    covered: &[bool],
+    columns: &mut std::ops::Range<usize>,
+) -> Option<std::ops::Range<usize>> {
     let start = columns.start + covered[columns.clone()].iter().position(|&c| c)?;
     let length = covered[start..columns.end].iter().position(|&c| !c);
     let end = length.map_or(columns.end, |length| start + length);

@@ -172,11 +172,11 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     }
     for direction in scene.around.even_directions() {
         let direction = direction.to_array();
-        scene.around.look_up(
-            &mut batch.looked_up,
-            batch.pixels.count,
-            |i| warped(&batch.pixels, scene, i, direction),
-        );
+        scene
+            .around
+            .look_up(&mut batch.looked_up, batch.pixels.count, |i| {
+                warped(&batch.pixels, scene, i, direction)
+            });
         batch.sum.add(
             &batch.pixels,
             shading,
@@ -240,7 +240,11 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     for i in 0..BATCH {
         // Ambient light is 1 in the open ([RS] section 5.1), and occlusion where there is any.
         let open = batch.occlusion[i];
-        let sigma = if scales { ambient.at(i).at(open, alpha) } else { 1.0 };
+        let sigma = if scales {
+            ambient.at(i).at(open, alpha)
+        } else {
+            1.0
+        };
         let even = material.ambient * open * sigma;
         for k in 0..3 {
             let diffuse = even + kd * batch.sum.diffuse[k][i];

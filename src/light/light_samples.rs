@@ -1,0 +1,163 @@
+//! Directions that stand for a continuum of light: the whole sphere, or the disc of an area light.
+
+use super::environment::Environment;
+use super::lights::DirectionalLight;
+use glam::{DQuat, DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// The angle that never repeats: a full turn over the square of the golden ratio.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// `n` unit directions spread evenly over the sphere, each standing for 4 pi / n steradians.
+///
+/// The spherical Fibonacci lattice: heights in even steps, azimuths a golden angle apart.
+pub fn uniform_directions(n: usize) -> Vec<Vec3> {
+    spiral(PI, n).map(DVec3::as_vec3).collect()
+}
+
+/// The environment as `n` lights, one from each of the [`uniform_directions`], black ones left out:
+/// dense sampling of the rendering equation.
+///
+/// Radiance is read from a map coarser than the directions, so that a small sun between them counts as
+/// much as one that a direction hits. It also grows as wide as a pixel of that map.
+pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLight> {
+    // A pixel on the horizon, (2 pi / width)^2, then has the solid angle of 4 directions, 16 pi / n.
+    let coarse = environment.resized(((PI * n as f64).sqrt() / 2.0).ceil() as usize);
+    let share = 4.0 / n as f32;
+    let lights = uniform_directions(n).into_iter().map(|to_light| {
+        let radiance = coarse.radiance(to_light.to_array());
+        DirectionalLight {
+            to_light,
+            intensity: radiance.map(|radiance| radiance * share),
+        }
+    });
+    lights
+        .filter(|light| light.intensity.iter().any(|&i| i > 0.0))
+        .collect()
+}
+
+/// `n` unit directions spread evenly over the disc within `angular_radius` radians (0..pi) of
+/// `to_light`, each standing for the same solid angle: one n-th of 2 pi (1 - cos `angular_radius`).
+///
+/// Vogel's spiral, turned so that the mean direction is `to_light` itself, as it is for the disc.
+/// A radius that is not a number is 0, and a `to_light` of no length is +z.
+pub fn light_disc(to_light: Vec3, angular_radius: f32, n: usize) -> Vec<Vec3> {
+    let to_light = to_light.as_dvec3().try_normalize().unwrap_or(DVec3::Z);
+    let radius = f64::from(angular_radius.max(0.0)).min(PI);
+    let directions: Vec<DVec3> = spiral(radius, n).collect();
+    let mean = directions.iter().sum::<DVec3>();
+    // A whole sphere has no mean direction, and needs no turning.
+    let mean = match mean.length() > 1e-3 * n as f64 {
+        true => mean.normalize(),
+        false => DVec3::Z,
+    };
+    let turn =
+        DQuat::from_rotation_arc(DVec3::Z, to_light) * DQuat::from_rotation_arc(mean, DVec3::Z);
+    let turned = directions.into_iter().map(|d| (turn * d).normalize());
+    turned.map(DVec3::as_vec3).collect()
+}
+
+/// Directions within `radius` of +z: heights in even steps, since zones of one height have one solid
+/// angle.
+fn spiral(radius: f64, n: usize) -> impl Iterator<Item = DVec3> {
+    let depth = 1.0 - radius.cos();
+    (0..n).map(move |i| {
+        let z = 1.0 - depth * (i as f64 + 0.5) / n as f64;
+        let across = (1.0 - z * z).max(0.0).sqrt();
+        let (sin, cos) = (GOLDEN_ANGLE * i as f64).sin_cos();
+        DVec3::new(across * cos, across * sin, z)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lattice_integrates_cosines() {
+        for n in [64, 1024, 16384] {
+            let directions = uniform_directions(n);
+            assert_eq!(directions.len(), n);
+            let mean = directions.iter().map(|d| d.as_dvec3()).sum::<DVec3>() / n as f64;
+            // Twice the share of one direction in the sphere.
+            assert!(mean.length() < 2.0 / n as f64, "{n}: {mean}");
+            for normal in [DVec3::Z, DVec3::X, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y] {
+                // The integral of max(n.l, 0) / pi over the sphere is 1.
+                let cosines = directions.iter().map(|d| d.as_dvec3().dot(normal).max(0.0));
+                let integral = cosines.sum::<f64>() * 4.0 / n as f64;
+                assert!((integral - 1.0).abs() < 2.0 / n as f64, "{n}: {integral}");
+            }
+        }
+        assert!(uniform_directions(0).is_empty());
+        assert!((uniform_directions(1)[0] - Vec3::X).length() < 1e-6);
+    }
+
+    #[test]
+    fn uniform_lights_keep_what_falls_between_directions() {
+        // One pixel of 256x128 shines: 16 directions would miss it, and all of it counts.
+        let map = Environment::from_fn(256, 128, |x, y| match (x, y) {
+            (100, 60) => [1e4; 3],
+            _ => [0.0; 3],
+        });
+        let power = map.power()[0] / PI;
+        for n in [64, 256, 4096] {
+            let lights = uniform_lights(&map, n);
+            let sum: f64 = lights.iter().map(|l| f64::from(l.intensity[0])).sum();
+            // A coarse pixel is seen by some 16 directions, with bilinear weights that vary.
+            assert!((0.9..1.1).contains(&(sum / power)), "{n}: {}", sum / power);
+        }
+        assert!(uniform_lights(&map, 0).is_empty());
+    }
+
+    #[test]
+    fn a_disc_lies_around_its_light() {
+        let to_light = Vec3::new(0.6, -0.48, 0.64);
+        for n in [1, 4, 16, 256] {
+            for radius in [0.0, 0.01, 0.3, 1.5] {
+                let directions = light_disc(to_light, radius, n);
+                let mean = directions.iter().map(|d| d.as_dvec3()).sum::<DVec3>() / n as f64;
+                let mean = mean.as_vec3();
+                assert!(
+                    (mean.normalize() - to_light).length() < 1e-6,
+                    "{n}, {radius}"
+                );
+                // The mean of cosines over a cap is half way up it; the spiral has it exactly before
+                // it is turned by the length of its mean, no more than a tenth at 4 directions.
+                let middle = (1.0 + radius.cos()) / 2.0;
+                let exact = mean.length() - middle;
+                let allowed = if n == 1 {
+                    1.0
+                } else {
+                    0.12 * radius * radius / n as f32
+                };
+                assert!(exact.abs() <= allowed + 1e-6, "{n}, {radius}: {exact}");
+                let widest = directions
+                    .iter()
+                    .map(|d| d.dot(to_light).clamp(-1.0, 1.0).acos());
+                let widest = widest.fold(0.0_f32, f32::max);
+                assert!(widest <= 1.35 * radius + 1e-3, "{n}, {radius}: {widest}");
+            }
+        }
+        assert!((light_disc(to_light, 0.3, 1)[0] - to_light).length() < 1e-6);
+    }
+
+    #[test]
+    fn hostile_discs_are_unit_directions() {
+        for to_light in [
+            Vec3::ZERO,
+            Vec3::NAN,
+            Vec3::NEG_Z,
+            Vec3::splat(f32::INFINITY),
+        ] {
+            for radius in [f32::NAN, f32::INFINITY, -1.0, 4.0] {
+                for direction in light_disc(to_light, radius, 7) {
+                    assert!(
+                        (direction.length() - 1.0).abs() < 1e-5,
+                        "{to_light}, {radius}"
+                    );
+                }
+            }
+        }
+        assert!(light_disc(Vec3::Z, 0.1, 0).is_empty());
+    }
+}
