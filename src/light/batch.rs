@@ -32,7 +32,7 @@ pub struct Pixels {
     pub normal: Axis,
     /// Which way they all face.
     pub facing: Facing,
-    /// Unit directions to the eye.
+    /// Unit directions to the eye; along z unless set otherwise.
     pub to_eye: Axis,
     /// The directions to the eye mirrored at the normal; for Phong's lobe.
     pub mirrored: Axis,
@@ -115,17 +115,20 @@ impl Facing {
     const MARGIN: f32 = 1e-4;
 
     /// The cone about the mean of the first `count` normals.
+    #[inline(always)]
     pub fn of(normals: &Vectors, count: usize) -> Self {
         let [x, y, z] = normals;
-        let sum = [x, y, z].map(|lanes| lanes[..count].iter().sum::<f32>());
+        let sum = [sum(&x[..count]), sum(&y[..count]), sum(&z[..count])];
         let length = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).sqrt();
         if !(length > 0.0 && length.is_finite()) {
             return Self::ANYWHERE;
         }
-        let axis = sum.map(|c| c / length);
-        let cosine = (0..count)
-            .map(|i| axis[0] * x[i] + axis[1] * y[i] + axis[2] * z[i])
-            .fold(1.0_f32, f32::min);
+        let axis = [sum[0] / length, sum[1] / length, sum[2] / length];
+        let mut cosines = [1.0; BATCH];
+        for i in 0..count {
+            cosines[i] = axis[0] * x[i] + axis[1] * y[i] + axis[2] * z[i];
+        }
+        let cosine = least(&cosines);
         match cosine > 0.0 {
             true => Self {
                 axis,
@@ -149,6 +152,34 @@ impl Facing {
             Above::Somewhere
         }
     }
+}
+
+/// Numbers that are worked on side by side where their order does not matter.
+const SIDE_BY_SIDE: usize = 16;
+
+/// The sum, of several running ones.
+#[inline(always)]
+fn sum(values: &[f32]) -> f32 {
+    let mut sums = [0.0; SIDE_BY_SIDE];
+    let (chunks, rest) = values.as_chunks::<SIDE_BY_SIDE>();
+    for chunk in chunks {
+        for i in 0..SIDE_BY_SIDE {
+            sums[i] += chunk[i];
+        }
+    }
+    sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
+}
+
+/// The least of a batch; NaN counts as the least.
+#[inline(always)]
+fn least(values: &Lanes) -> f32 {
+    let mut least = [f32::MAX; SIDE_BY_SIDE];
+    for chunk in values.as_chunks::<SIDE_BY_SIDE>().0 {
+        for i in 0..SIDE_BY_SIDE {
+            least[i] = if chunk[i] >= least[i] { least[i] } else { chunk[i] };
+        }
+    }
+    least.iter().fold(f32::MAX, |a, &b| if b >= a { a } else { b })
 }
 
 const ZERO: Lanes = [0.0; BATCH];
@@ -193,7 +224,10 @@ impl Pixels {
             count: 0,
             normal: Axis::NONE,
             facing: Facing::ANYWHERE,
-            to_eye: Axis::NONE,
+            to_eye: Axis {
+                vector: [ZERO, ZERO, [1.0; BATCH]],
+                ..Axis::NONE
+            },
             mirrored: Axis::NONE,
             along: Axis::NONE,
             across: Axis::NONE,

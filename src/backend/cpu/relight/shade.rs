@@ -16,6 +16,9 @@ const AMBIENT: usize = 0;
 const DIFFUSE: usize = 1;
 const SPECULAR: usize = 2;
 
+/// Lights from which on it pays to know which way a batch faces.
+const WORTH_A_CONE: usize = 4;
+
 /// Lights the pixels of a batch.
 #[inline(always)]
 pub(in super::super) fn light_batch(batch: &mut Batch, scene: &Scene) {
@@ -31,8 +34,6 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     let relighting = scene.relighting;
     if scene.eye.is_some() {
         normalise_eyes(batch);
-    } else {
-        batch.pixels.to_eye.vector = [[0.0; BATCH], [0.0; BATCH], [1.0; BATCH]];
     }
     let lobes = scene.shading.map(|shading| shading.lobes);
     let phong = relighting.params.material.material == Material::Phong;
@@ -62,7 +63,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     if relighting.scales {
         set_curves(batch, scene);
     }
-    if scene.shading.is_some() {
+    if scene.lights.len() >= WORTH_A_CONE {
         let pixels = &mut batch.pixels;
         pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
     }
