@@ -7,14 +7,14 @@
 //! multiply-add is a library call where the processor is not known to have one, and gives other bits
 //! where it is.
 //!
-//! The errors stated were measured over every f32, against double precision; an ulp is the distance
-//! between neighbouring f32.
+//! The errors stated were measured over every f32 (for [`pow`], over a seventh of them at seven exponents
+//! and 3e8 scattered pairs), against double precision; an ulp is the distance between neighbouring f32.
 
 mod circular;
 mod exponential;
 
 pub use circular::{atan, tan_to_eighth_turn};
-pub use exponential::{exp, ln, tanh};
+pub use exponential::{exp, ln, pow, tanh};
 
 /// The polynomial with these coefficients, the constant first.
 #[inline(always)]
