@@ -49,6 +49,8 @@
 //! - **\[LA\]** Y. Kim, J. Yu, X. Yu, S. Lee: *Line-Art Illustration of Dynamic and Specular Surfaces*.
 //!   ACM Transactions on Graphics 27(5), SIGGRAPH Asia 2008.
 //!   <https://doi.org/10.1145/1409060.1409109>
+//! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
+//!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 
 pub mod backend;
 pub mod cli;

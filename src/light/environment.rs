@@ -3,7 +3,8 @@
 //! An environment hangs on the view: the middle of its map lies straight ahead of the viewer, behind
 //! the surface. There is no world here, and so no other way for the map to stand.
 
-use super::texels::{Texels, mixed, rgb};
+use super::arctangent::arctangent;
+use super::texels::{Texels, cell, mixed, rgb};
 use crate::frame::ColorPlanes;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -86,19 +87,17 @@ impl Environment {
     pub fn radiance(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         use std::f32::consts::{PI, TAU};
         let (width, height) = (self.width() as f32, self.height() as f32);
-        let across = x.atan2(-z) / TAU + 0.5 - self.turn;
-        let down = 0.5 - y.atan2((x * x + z * z).sqrt()) / PI;
-        let column = (across - across.floor()) * width - 0.5;
-        self.at_position(column, down * height - 0.5)
+        let across = arctangent(x, -z) / TAU + 0.5 - self.turn;
+        let across = if across < 0.0 { across + 1.0 } else { across };
+        let down = 0.5 - arctangent(y, (x * x + z * z).sqrt()) / PI;
+        self.at_position(across * width - 0.5, down * height - 0.5)
     }
 
     /// The radiance at a position of the map, from -1 to `width` and `height`, whole numbers being pixel
-    /// centres. NaN reads the first pixel.
+    /// centres. NaN reads some pixel.
     #[inline(always)]
     pub(super) fn at_position(&self, column: f32, row: f32) -> [f32; 3] {
-        let top = row.floor();
-        let down = (row - top).max(0.0);
-        let top = top as i32;
+        let (top, down) = cell(row);
         let upper = self.on_row(column, top);
         let lower = self.on_row(column, top + 1);
         rgb(mixed(upper, lower, down))
@@ -110,13 +109,13 @@ impl Environment {
         let (width, last) = (self.width(), self.height() as i32 - 1);
         let beyond_pole = y < 0 || y > last;
         let column = column + if beyond_pole { width as f32 / 2.0 } else { 0.0 };
-        let left = column.floor();
-        let across = (column - left).max(0.0);
+        let (left, across) = cell(column);
         let wrapped = |x: i32| {
             let x = if x < 0 { x + width as i32 } else { x } as usize;
-            if x >= width { x - width } else { x }
+            // A single column is its own neighbour, twice over.
+            (if x >= width { x - width } else { x }).min(width - 1)
         };
-        let (left, row) = (left as i32, self.texels.row(y.clamp(0, last) as usize));
+        let row = self.texels.row(y.clamp(0, last) as usize);
         mixed(row[wrapped(left)], row[wrapped(left + 1)], across)
     }
 
@@ -245,8 +244,9 @@ mod tests {
             for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                 let read = map.radiance(map.direction(x, y).to_array());
                 for (read, stored) in read.into_iter().zip([x as f32, y as f32, 1.0]) {
-                    // 64 columns of 6e-8 of a turn.
-                    assert!((read - stored).abs() < 1e-4, "{x}, {y}: {read}");
+                    // The angle errs by 4e-7: by 4e-6 of 64 columns, which beside the seam, where
+                    // column 63 meets column 0, counts 63-fold.
+                    assert!((read - stored).abs() < 3e-4, "{x}, {y}: {read}");
                 }
             }
         }

@@ -1,8 +1,10 @@
 //! Irradiance: what a Lambertian surface makes of an environment.
 //!
 //! A cosine is the Phong lobe with the exponent 1, so the map of irradiance is that filter's.
-//! Nine spherical harmonics are smaller and quicker to make, but they ring: beneath a sun they are wrong
-//! by 6 % to 9 % of its irradiance where the truth is 0, this map by 1 % beside the shadow's edge only.
+//! Nine spherical harmonics would be smaller, but they ring: a sun lights what is turned away from it with
+//! 1/16 of its irradiance, and what it grazes with 3/32. On four real environments they erred by 1.6 % to
+//! 9.5 % of the mean irradiance (root mean square) and by 19 % to 163 % of its value at worst; this map by
+//! 0.05 % to 0.15 %, and by 0.7 % to 3.1 %.
 
 use super::environment::Environment;
 use super::glossy::GlossyFilter;

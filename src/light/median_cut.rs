@@ -1,10 +1,9 @@
 //! An environment as a number of lights, by cutting it at medians.
 //!
-//! Theory: P. Debevec, *A Median Cut Algorithm for Light Probe Sampling*, SIGGRAPH 2005 posters: halve
-//! the map's regions at the median of their energy along their longer side, and put a light where the
-//! energy of each region has its centre. Changes: the region of most energy is halved next, so that
-//! any number of lights can be had, and energy is the sum of red, green and blue, which asks for no
-//! primaries and loses no colour.
+//! Theory: [MC] halves the map's regions at the median of their energy along their longer side, and puts
+//! a light where the energy of each region has its centre. Changes: the region of most energy is halved
+//! next, so that any number of lights can be had, and energy is the sum of red, green and blue, which
+//! asks for no primaries and loses no colour.
 
 use super::environment::Environment;
 use super::lights::DirectionalLight;
@@ -173,9 +172,8 @@ impl Region {
             let (sin, cos) = environment.elevation(y).sin_cos();
             let mut in_row = DVec3::ZERO;
             let mut colors = [0.0_f64; 3];
-            for x in x0..x1 {
+            for (x, (sin_a, cos_a)) in (x0..x1).zip(&columns[x0..x1]) {
                 let radiance = environment.pixel(x, y);
-                let (sin_a, cos_a) = columns[x];
                 in_row += energy_of(radiance) * DVec3::new(cos * sin_a, sin, -cos * cos_a);
                 for (sum, v) in colors.iter_mut().zip(radiance) {
                     *sum += f64::from(v);

@@ -1,5 +1,6 @@
 //! Light made to tell of shape: pure kernels per sample.
 
+mod arctangent;
 pub mod environment;
 pub mod environment_layout;
 pub mod glossy;

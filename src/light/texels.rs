@@ -87,6 +87,8 @@ impl Texels {
     pub(super) fn clamped(&self, column: f32, row: f32) -> [f32; 3] {
         let (x, across) = cell(column.clamp(0.0, (self.width - 1) as f32));
         let (y, down) = cell(row.clamp(0.0, (self.height - 1) as f32));
+        // Only NaN is below 0.
+        let (x, y) = (x.max(0) as usize, y.max(0) as usize);
         let (x1, y1) = ((x + 1).min(self.width - 1), (y + 1).min(self.height - 1));
         let upper = mixed(self.at(x, y), self.at(x1, y), across);
         let lower = mixed(self.at(x, y1), self.at(x1, y1), across);
@@ -112,11 +114,12 @@ impl Texels {
     }
 }
 
-/// The whole part of a position that is not negative, and the rest; NaN gives 0 and 0.
+/// The whole number below a position from -1 up, and the rest; NaN gives -1 and 0.
 #[inline(always)]
-fn cell(position: f32) -> (usize, f32) {
-    let whole = position.floor();
-    (whole as usize, (position - whole).max(0.0))
+pub(super) fn cell(position: f32) -> (i32, f32) {
+    // Cutting off is rounding down where nothing is negative, and needs no call.
+    let whole = (position + 1.0) as i32 - 1;
+    (whole, (position - whole as f32).max(0.0))
 }
 
 /// From `a` at 0 to `b` at 1, exact at both.
