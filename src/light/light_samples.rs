@@ -18,6 +18,7 @@ pub fn uniform_directions(n: usize) -> Vec<Vec3> {
 /// The environment as `n` lights, one from each of the [`uniform_directions`], black ones left out:
 /// dense sampling of the rendering equation.
 ///
+<<<<<<< HEAD
 /// Radiance is read from a map coarser than the directions, so that a small sun between them counts as
 /// much as one that a direction hits. It also grows as wide as a pixel of that map.
 pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLight> {
@@ -29,11 +30,54 @@ pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLig
         DirectionalLight {
             to_light,
             intensity: radiance.map(|radiance| radiance * share),
+=======
+/// Every pixel's power goes to the direction nearest to it, so that intensities add up to the power over
+/// pi, and a sun between directions counts in full.
+pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLight> {
+    let directions = uniform_directions(n);
+    if n == 0 {
+        return Vec::new();
+    }
+    // Some 6 pixels to a direction.
+    let map = environment.resized((2.0 * (PI * n as f64).sqrt()).ceil() as usize);
+    let mut power = vec![[0.0_f64; 3]; n];
+    for y in 0..map.height() {
+        let share = map.solid_angle(y) / PI;
+        for x in 0..map.width() {
+            let nearest = nearest(&directions, map.direction(x, y));
+            for (power, radiance) in power[nearest].iter_mut().zip(map.pixel(x, y)) {
+                *power += share * f64::from(radiance);
+            }
+>>>>>>> wt-env
         }
-    });
+    }
+    let lights = directions.into_iter().zip(power);
     lights
-        .filter(|light| light.intensity.iter().any(|&i| i > 0.0))
+        .filter(|(_, power)| power.iter().any(|&p| p > 0.0))
+        .map(|(to_light, power)| DirectionalLight {
+            to_light,
+            intensity: power.map(|p| p as f32),
+        })
         .collect()
+}
+
+/// The index of the lattice's direction that is nearest to `d`.
+fn nearest(directions: &[Vec3], d: Vec3) -> usize {
+    // Heights are in order, 2/n apart. A cell has the area of a disc of radius 2/sqrt(n), and no corner
+    // of it lies half as far out again: heights differ by less than 3/sqrt(n).
+    let n = directions.len();
+    let level = (1.0 - d.z) / 2.0 * n as f32;
+    let reach = 1.5 * (n as f32).sqrt() + 1.0;
+    let first = ((level - reach).max(0.0) as usize).min(n - 1);
+    let end = ((level + reach) as usize + 1).min(n);
+    let mut best = (first, f32::NEG_INFINITY);
+    for (i, direction) in directions[first..end].iter().enumerate() {
+        let cosine = direction.dot(d);
+        if cosine > best.1 {
+            best = (first + i, cosine);
+        }
+    }
+    best.0
 }
 
 /// `n` unit directions spread evenly over the disc within `angular_radius` radians (0..pi) of
@@ -93,20 +137,42 @@ mod tests {
     }
 
     #[test]
-    fn uniform_lights_keep_what_falls_between_directions() {
-        // One pixel of 256x128 shines: 16 directions would miss it, and all of it counts.
+    fn uniform_lights_keep_power() {
+        // One pixel of 256x128 shines, over a dim sky: most directions miss it.
         let map = Environment::from_fn(256, 128, |x, y| match (x, y) {
-            (100, 60) => [1e4; 3],
-            _ => [0.0; 3],
+            (100, 60) => [1e4, 0.0, 1.0],
+            _ => [0.01; 3],
         });
-        let power = map.power()[0] / PI;
-        for n in [64, 256, 4096] {
+        for n in [1, 2, 64, 256, 4096] {
             let lights = uniform_lights(&map, n);
+<<<<<<< HEAD
             let sum: f64 = lights.iter().map(|l| f64::from(l.intensity[0])).sum();
             // A coarse pixel is seen by some 16 directions, with bilinear weights that vary.
             assert!((0.9..1.1).contains(&(sum / power)), "{n}: {}", sum / power);
+=======
+            for (c, power) in map.power().into_iter().enumerate() {
+                let sum: f64 = lights.iter().map(|l| f64::from(l.intensity[c])).sum();
+                assert!((sum * PI / power - 1.0).abs() < 1e-5, "{n}: {sum}");
+            }
+>>>>>>> wt-env
         }
         assert!(uniform_lights(&map, 0).is_empty());
+    }
+
+    #[test]
+    fn the_nearest_direction_is_found() {
+        for n in [1, 2, 3, 10, 100, 1000] {
+            let directions = uniform_directions(n);
+            for d in uniform_directions(1777) {
+                let cosines = directions.iter().map(|l| l.dot(d));
+                let largest = cosines.fold(f32::NEG_INFINITY, f32::max);
+                assert_eq!(
+                    directions[nearest(&directions, d)].dot(d),
+                    largest,
+                    "{n}: {d}"
+                );
+            }
+        }
     }
 
     #[test]

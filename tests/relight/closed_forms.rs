@@ -13,7 +13,11 @@ fn constant() -> Environment {
     Environment::from_fn(64, 32, |_| [0.7, 0.7, 0.7])
 }
 
-fn largest_error(color: &ColorPlanes, frame: &Frame, expected: impl Fn(usize, usize) -> f64) -> f64 {
+fn largest_error(
+    color: &ColorPlanes,
+    frame: &Frame,
+    expected: impl Fn(usize, usize) -> f64,
+) -> f64 {
     covered(frame)
         .map(|(x, y)| (f64::from(color.r.at(x, y)) - expected(x, y)).abs())
         .fold(0.0, f64::max)
@@ -31,11 +35,13 @@ fn a_furnace_shows_itself() {
         (Material::Phong, 1.4),
     ];
     for (material, expected) in cases {
-        let asked = Asked::of(material, Method::Plain).in_environment(constant(), Samples::Fixed(0));
+        let asked =
+            Asked::of(material, Method::Plain).in_environment(constant(), Samples::Fixed(0));
         let error = largest_error(&asked.color(&frame), &frame, |_, _| expected);
         assert!(error < 2e-6, "{material:?}: {error:.1e}");
     }
-    let mut thin = Asked::of(Material::Glass, Method::Plain).in_environment(constant(), Samples::Auto);
+    let mut thin =
+        Asked::of(Material::Glass, Method::Plain).in_environment(constant(), Samples::Auto);
     thin.relight.material.thin = true;
     let error = largest_error(&thin.color(&frame), &frame, |_, _| 0.7);
     assert!(error < 2e-6, "thin glass: {error:.1e}");
@@ -52,7 +58,10 @@ fn a_sampled_furnace_converges() {
     };
     let errors = [16, 64, 256, 1024].map(error);
     println!("{errors:.1e?}");
-    assert!(errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0]), "{errors:?}");
+    assert!(
+        errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0]),
+        "{errors:?}"
+    );
     assert!(errors[3] < 0.02, "{errors:?}");
 }
 
@@ -62,8 +71,8 @@ fn light_without_bounds_is_warped_alike_from_both_sides() {
     // the Jacobian of W^-1. Both are sums for one integral: they meet as N grows.
     let frame = torus();
     let made = |warp_by, samples| {
-        let mut asked =
-            Asked::of(Material::Lambert, Method::Warp).in_environment(sky(), Samples::Fixed(samples));
+        let mut asked = Asked::of(Material::Lambert, Method::Warp)
+            .in_environment(sky(), Samples::Fixed(samples));
         asked.relight.warp_by = warp_by;
         asked.color(&frame)
     };
@@ -71,17 +80,24 @@ fn light_without_bounds_is_warped_alike_from_both_sides() {
         .in_environment(sky(), Samples::Fixed(4096))
         .color(&frame);
     let mean_difference = |a: &ColorPlanes, b: &ColorPlanes| {
-        let differences = covered(&frame).map(|(x, y)| f64::from((a.r.at(x, y) - b.r.at(x, y)).abs()));
+        let differences =
+            covered(&frame).map(|(x, y)| f64::from((a.r.at(x, y) - b.r.at(x, y)).abs()));
         differences.sum::<f64>() / frame.mask.count() as f64
     };
     let differences = [64, 512, 4096].map(|samples| {
-        mean_difference(&made(WarpBy::Lookups, samples), &made(WarpBy::Lights, samples))
+        mean_difference(
+            &made(WarpBy::Lookups, samples),
+            &made(WarpBy::Lights, samples),
+        )
     });
     let effect = mean_difference(&made(WarpBy::Lights, 4096), &plain);
     println!("{differences:.1e?}, the warp itself {effect:.1e}");
     // Both keep to the hemisphere of the normal by a hard edge, so the order is 1/2 to 1 in N.
     assert!(differences[1] < 0.5 * differences[0] && differences[2] < 0.5 * differences[1]);
-    assert!(differences[2] < 0.1 * effect, "{differences:?} beside {effect}");
+    assert!(
+        differences[2] < 0.1 * effect,
+        "{differences:?} beside {effect}"
+    );
 }
 
 #[test]
@@ -94,7 +110,9 @@ fn prefiltered_light_is_what_many_lights_make() {
     };
     let (prefiltered, sampled) = (with(Samples::Fixed(0)), with(Samples::Fixed(16_384)));
     let error = largest_error(&prefiltered, &frame, |x, y| sampled.r.at(x, y).into());
-    let largest = covered(&frame).map(|(x, y)| sampled.r.at(x, y)).fold(0.0, f32::max);
+    let largest = covered(&frame)
+        .map(|(x, y)| sampled.r.at(x, y))
+        .fold(0.0, f32::max);
     assert!(error < 0.01 * f64::from(largest), "{error} of {largest}");
 }
 
@@ -132,8 +150,15 @@ fn a_mirror_shows_the_environment_where_the_view_is_thrown() {
     let projection = frame.camera.unwrap().projection;
     let error = largest_error(&color, &frame, |x, y| {
         let n = &frame.normal;
-        let n = DVec3::new(n.x.at(x, y).into(), n.y.at(x, y).into(), n.z.at(x, y).into());
-        let eye = projection.to_eye(x as f64 + 0.5, y as f64 + 0.5).extend(1.0).normalize();
+        let n = DVec3::new(
+            n.x.at(x, y).into(),
+            n.y.at(x, y).into(),
+            n.z.at(x, y).into(),
+        );
+        let eye = projection
+            .to_eye(x as f64 + 0.5, y as f64 + 0.5)
+            .extend(1.0)
+            .normalize();
         let r = 2.0 * n.dot(eye) * n - eye;
         environment.radiance(r.as_vec3().to_array())[0].into()
     });
@@ -145,7 +170,10 @@ fn a_sphere_lit_by_a_light_shows_what_the_light_does() {
     // A picture of a white ball under light from (-0.6, 0.6, 0.53), 400 px wide.
     let l = Vec3::new(-0.6, 0.6, 0.53).normalize();
     let ball = Plane::from_fn(400, 400, |x, y| {
-        let (x, y) = ((x as f32 + 0.5) / 200.0 - 1.0, 1.0 - (y as f32 + 0.5) / 200.0);
+        let (x, y) = (
+            (x as f32 + 0.5) / 200.0 - 1.0,
+            1.0 - (y as f32 + 0.5) / 200.0,
+        );
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
         Vec3::new(x, y, z).normalize().dot(l).max(0.0)
     });
@@ -221,6 +249,9 @@ fn an_estimated_albedo_is_flat_where_the_picture_was_shaded_flat() {
     }
     // Within a tenth of 0.8 and 0.4, though half of the paint was dark.
     for (stripe, expected) in [0.8, 0.4].into_iter().enumerate() {
-        assert!(least[stripe] > 0.9 * expected && most[stripe] < 1.1 * expected, "{least:?} {most:?}");
+        assert!(
+            least[stripe] > 0.9 * expected && most[stripe] < 1.1 * expected,
+            "{least:?} {most:?}"
+        );
     }
 }

@@ -16,7 +16,9 @@ fn asked(material: Material, method: Method) -> Asked {
 /// Largest difference of two pictures, relative to 1.
 fn difference(a: &ColorPlanes, b: &ColorPlanes) -> f32 {
     let planes = [(&a.r, &b.r), (&a.g, &b.g), (&a.b, &b.b)];
-    let pairs = planes.into_iter().flat_map(|(a, b)| a.samples().iter().zip(b.samples()));
+    let pairs = planes
+        .into_iter()
+        .flat_map(|(a, b)| a.samples().iter().zip(b.samples()));
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
@@ -53,7 +55,10 @@ fn mirrors_and_turns_move_the_light_with_the_surface() {
             let in_mirror = turned(&asked, |l| Vec3::new(-l.x, l.y, l.z), |angle| -angle);
             let expected = each(&here, mirrored_plane);
             let error = difference(&in_mirror.color(&mirrored(&frame)), &expected);
-            assert!(error < 5e-5, "{material:?} {method:?} mirrored: {error:.1e}");
+            assert!(
+                error < 5e-5,
+                "{material:?} {method:?} mirrored: {error:.1e}"
+            );
             let a_quarter = turned(&asked, |l| Vec3::new(-l.y, l.x, l.z), |angle| angle + 90.0);
             let expected = each(&here, quarter_turned_plane);
             let error = difference(&a_quarter.color(&quarter_turned(&frame)), &expected);
@@ -111,7 +116,10 @@ fn what_lies_outside_the_mask_changes_nothing() {
         let asked = asked(material, Method::Both);
         let expected = bits(&asked.color(&frame));
         for poison in [f32::NAN, f32::INFINITY, -1e30] {
-            assert!(bits(&asked.color(&poisoned(&frame, poison))) == expected, "{material:?}");
+            assert!(
+                bits(&asked.color(&poisoned(&frame, poison))) == expected,
+                "{material:?}"
+            );
         }
     }
 }
@@ -163,7 +171,12 @@ fn extreme_settings_stay_finite() {
         x1: 31,
         y1: 31,
     });
-    for (name, frame) in [("hostile", hostile()), ("one", one), ("none", none), ("tiny", tiny)] {
+    for (name, frame) in [
+        ("hostile", hostile()),
+        ("one", one),
+        ("none", none),
+        ("tiny", tiny),
+    ] {
         for material in LIT {
             for method in METHODS {
                 for extreme in [0.0, 1.0, 1e6] {

@@ -1,9 +1,9 @@
 //! New light: against a reference in double precision that follows the papers sample by sample, closed
 //! forms, and what must change nothing.
 
+mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
-mod closed_forms;
 mod invariances;
 mod nothing_asked;
 mod reference;
@@ -130,8 +130,14 @@ const METHODS: [Method; 4] = [Method::Plain, Method::Warp, Method::Scale, Method
 /// An environment with a bright side, a dark one, and some colour.
 fn sky() -> Environment {
     Environment::from_fn(64, 32, |[x, y, z]| {
-        let glow = (0.5 + 0.5 * (0.6 * x + 0.5 * y + 0.62 * z)).max(0.0).powi(4);
-        [0.1 + 2.0 * glow, 0.15 + 1.5 * glow, 0.3 + glow + 0.2 * y.abs()]
+        let glow = (0.5 + 0.5 * (0.6 * x + 0.5 * y + 0.62 * z))
+            .max(0.0)
+            .powi(4);
+        [
+            0.1 + 2.0 * glow,
+            0.15 + 1.5 * glow,
+            0.3 + glow + 0.2 * y.abs(),
+        ]
     })
 }
 

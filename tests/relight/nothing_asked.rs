@@ -1,9 +1,9 @@
 //! Strength 0 is the plain picture, bit for bit; what has no light is refused.
 
 use crate::{Asked, LIT, bits, lights, sky, torus_in_perspective};
+use relievo::frame::{ColorPlanes, Plane};
 use relievo::light::lights::Illumination;
 use relievo::light::lit_sphere::LitSphere;
-use relievo::frame::{ColorPlanes, Plane};
 use relievo::params::{Material, Method, Samples, Tangent};
 use relievo::plan::Stage;
 
@@ -11,11 +11,19 @@ use relievo::plan::Stage;
 fn all() -> Vec<(String, Asked)> {
     let mut all = Vec::new();
     for material in LIT {
-        all.push((format!("{material:?} by a light"), Asked::of(material, Method::Plain)));
+        all.push((
+            format!("{material:?} by a light"),
+            Asked::of(material, Method::Plain),
+        ));
         let sampled = Asked::of(material, Method::Plain).in_environment(sky(), Samples::Fixed(20));
         all.push((format!("{material:?} by an environment"), sampled));
     }
-    for material in [Material::Lambert, Material::Phong, Material::Mirror, Material::Glass] {
+    for material in [
+        Material::Lambert,
+        Material::Phong,
+        Material::Mirror,
+        Material::Glass,
+    ] {
         let samples = match material {
             Material::Mirror | Material::Glass => Samples::Auto,
             _ => Samples::Fixed(0),
@@ -47,11 +55,17 @@ fn strength_0_reproduces_plain_bit_for_bit() {
             idle.relight.method = method;
             idle.relight.warping.warp = 0.0;
             idle.scaling.scaling = 0.0;
-            assert!(bits(&idle.color(&frame)) == expected, "{name}, {method:?} of 0");
+            assert!(
+                bits(&idle.color(&frame)) == expected,
+                "{name}, {method:?} of 0"
+            );
             // And the strengths do something where they are not 0.
             let mut active = plain.clone();
             active.relight.method = method;
-            assert!(bits(&active.color(&frame)) != expected, "{name}, {method:?}");
+            assert!(
+                bits(&active.color(&frame)) != expected,
+                "{name}, {method:?}"
+            );
         }
     }
 }

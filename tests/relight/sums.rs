@@ -11,7 +11,11 @@ use relievo::params::{Adaptive, Material, Quantisation, Tangent};
 const HORIZON: f64 = 1e-5;
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
-fn worst(asked: &Asked, frame: &Frame, to_lights: impl Fn(usize, usize) -> Vec<(DVec3, f64)>) -> f64 {
+fn worst(
+    asked: &Asked,
+    frame: &Frame,
+    to_lights: impl Fn(usize, usize) -> Vec<(DVec3, f64)>,
+) -> f64 {
     let outcome = asked.outcome(frame);
     let color = outcome.color.as_ref().unwrap();
     let shape = &outcome.shape;
@@ -28,7 +32,11 @@ fn worst(asked: &Asked, frame: &Frame, to_lights: impl Fn(usize, usize) -> Vec<(
     let mut differences = Vec::new();
     for (x, y) in covered(frame) {
         let at = |plane: &relievo::frame::Plane| f64::from(plane.at(x, y));
-        let normal = DVec3::new(at(&frame.normal.x), at(&frame.normal.y), at(&frame.normal.z));
+        let normal = DVec3::new(
+            at(&frame.normal.x),
+            at(&frame.normal.y),
+            at(&frame.normal.z),
+        );
         let hessian = match (&shape.hessian, &shape.trace) {
             (Some(h), _) => [at(&h.xx), at(&h.xy), at(&h.yy)],
             // Isotropic scaling sees the trace alone.
@@ -36,7 +44,10 @@ fn worst(asked: &Asked, frame: &Frame, to_lights: impl Fn(usize, usize) -> Vec<(
             (None, None) => [0.0; 3],
         };
         let projection = frame.camera.unwrap().projection;
-        let to_eye = projection.to_eye(x as f64 + 0.5, y as f64 + 0.5).extend(1.0).normalize();
+        let to_eye = projection
+            .to_eye(x as f64 + 0.5, y as f64 + 0.5)
+            .extend(1.0)
+            .normalize();
         let angle = match m.tangent {
             Tangent::Degrees(angle) => f64::from(angle).to_radians(),
             Tangent::Curvature => 0.0,
@@ -61,7 +72,11 @@ fn worst(asked: &Asked, frame: &Frame, to_lights: impl Fn(usize, usize) -> Vec<(
             differences.push((at(&color.r) - expected).abs());
         }
     }
-    assert!(differences.len() > 2000, "the horizon spares only {}", differences.len());
+    assert!(
+        differences.len() > 2000,
+        "the horizon spares only {}",
+        differences.len()
+    );
     assert!(largest > 0.1, "nothing is lit");
     differences.into_iter().fold(0.0, f64::max) / largest
 }
@@ -107,7 +122,10 @@ fn every_material_and_method_agrees_with_the_papers() {
 
 #[test]
 fn curvature_toward_the_light_agrees_with_the_paper() {
-    for method in [relievo::params::Method::Scale, relievo::params::Method::Both] {
+    for method in [
+        relievo::params::Method::Scale,
+        relievo::params::Method::Both,
+    ] {
         for anisotropy in [-1.0, 0.5, 1.0] {
             let mut asked = Asked::of(Material::Phong, method);
             asked.scaling.anisotropy = anisotropy;
