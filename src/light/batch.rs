@@ -176,10 +176,16 @@ fn least(values: &Lanes) -> f32 {
     let mut least = [f32::MAX; SIDE_BY_SIDE];
     for chunk in values.as_chunks::<SIDE_BY_SIDE>().0 {
         for i in 0..SIDE_BY_SIDE {
-            least[i] = if chunk[i] >= least[i] { least[i] } else { chunk[i] };
+            least[i] = if chunk[i] >= least[i] {
+                least[i]
+            } else {
+                chunk[i]
+            };
         }
     }
-    least.iter().fold(f32::MAX, |a, &b| if b >= a { a } else { b })
+    least
+        .iter()
+        .fold(f32::MAX, |a, &b| if b >= a { a } else { b })
 }
 
 const ZERO: Lanes = [0.0; BATCH];

@@ -18,19 +18,6 @@ pub fn uniform_directions(n: usize) -> Vec<Vec3> {
 /// The environment as `n` lights, one from each of the [`uniform_directions`], black ones left out:
 /// dense sampling of the rendering equation.
 ///
-<<<<<<< HEAD
-/// Radiance is read from a map coarser than the directions, so that a small sun between them counts as
-/// much as one that a direction hits. It also grows as wide as a pixel of that map.
-pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLight> {
-    // A pixel on the horizon, (2 pi / width)^2, then has the solid angle of 4 directions, 16 pi / n.
-    let coarse = environment.resized(((PI * n as f64).sqrt() / 2.0).ceil() as usize);
-    let share = 4.0 / n as f32;
-    let lights = uniform_directions(n).into_iter().map(|to_light| {
-        let radiance = coarse.radiance(to_light.to_array());
-        DirectionalLight {
-            to_light,
-            intensity: radiance.map(|radiance| radiance * share),
-=======
 /// Every pixel's power goes to the direction nearest to it, so that intensities add up to the power over
 /// pi, and a sun between directions counts in full.
 pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLight> {
@@ -48,7 +35,6 @@ pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLig
             for (power, radiance) in power[nearest].iter_mut().zip(map.pixel(x, y)) {
                 *power += share * f64::from(radiance);
             }
->>>>>>> wt-env
         }
     }
     let lights = directions.into_iter().zip(power);
@@ -145,16 +131,10 @@ mod tests {
         });
         for n in [1, 2, 64, 256, 4096] {
             let lights = uniform_lights(&map, n);
-<<<<<<< HEAD
-            let sum: f64 = lights.iter().map(|l| f64::from(l.intensity[0])).sum();
-            // A coarse pixel is seen by some 16 directions, with bilinear weights that vary.
-            assert!((0.9..1.1).contains(&(sum / power)), "{n}: {}", sum / power);
-=======
             for (c, power) in map.power().into_iter().enumerate() {
                 let sum: f64 = lights.iter().map(|l| f64::from(l.intensity[c])).sum();
                 assert!((sum * PI / power - 1.0).abs() < 1e-5, "{n}: {sum}");
             }
->>>>>>> wt-env
         }
         assert!(uniform_lights(&map, 0).is_empty());
     }

@@ -1,13 +1,9 @@
 //! Light made to tell of shape: pure kernels per sample.
 
-<<<<<<< HEAD
 pub mod albedo;
 mod arctangent;
 pub mod batch;
 pub mod brdf;
-=======
-mod arctangent;
->>>>>>> wt-env
 pub mod environment;
 pub mod environment_layout;
 pub mod glossy;

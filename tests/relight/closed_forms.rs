@@ -10,7 +10,7 @@ use relievo::light::lit_sphere::LitSphere;
 use relievo::params::{AlbedoSource, Material, Method, Samples, WarpBy};
 
 fn constant() -> Environment {
-    Environment::from_fn(64, 32, |_| [0.7, 0.7, 0.7])
+    Environment::from_fn(64, 32, |_, _| [0.7, 0.7, 0.7])
 }
 
 fn largest_error(
@@ -57,7 +57,7 @@ fn a_sampled_furnace_converges() {
         largest_error(&asked.color(&frame), &frame, |_, _| 0.7)
     };
     let errors = [16, 64, 256, 1024].map(error);
-    println!("{errors:.1e?}");
+    println!("{errors:?}");
     assert!(
         errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0]),
         "{errors:?}"
@@ -91,7 +91,7 @@ fn light_without_bounds_is_warped_alike_from_both_sides() {
         )
     });
     let effect = mean_difference(&made(WarpBy::Lights, 4096), &plain);
-    println!("{differences:.1e?}, the warp itself {effect:.1e}");
+    println!("{differences:?}, the warp itself {effect:.1e}");
     // Both keep to the hemisphere of the normal by a hard edge, so the order is 1/2 to 1 in N.
     assert!(differences[1] < 0.5 * differences[0] && differences[2] < 0.5 * differences[1]);
     assert!(

@@ -4,7 +4,6 @@ use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_
 use crate::{Asked, LIT, METHODS, bits, sky, torus, torus_in_perspective};
 use glam::Vec3;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
-use relievo::light::environment::Environment;
 use relievo::params::{Adaptive, Material, Method, Samples, Tangent};
 
 fn asked(material: Material, method: Method) -> Asked {
@@ -153,7 +152,7 @@ fn hostile() -> Frame {
 
 #[test]
 fn extreme_settings_stay_finite() {
-    let spike = Environment::from_fn(16, 8, |[x, y, _]| {
+    let spike = crate::surroundings(16, |[x, y, _]| {
         let bright = x > 0.8 && y.abs() < 0.3;
         [if bright { 1e6 } else { 0.0 }; 3]
     });

@@ -127,10 +127,18 @@ const LIT: [Material; 6] = [
 
 const METHODS: [Method; 4] = [Method::Plain, Method::Warp, Method::Scale, Method::Both];
 
+/// The environment of this radiance by direction.
+fn surroundings(width: usize, radiance: impl Fn([f32; 3]) -> [f32; 3]) -> Environment {
+    let blank = Environment::from_fn(width, width / 2, |_, _| [0.0; 3]);
+    Environment::from_fn(width, width / 2, |x, y| {
+        radiance(blank.direction(x, y).to_array())
+    })
+}
+
 /// An environment with a bright side, a dark one, and some colour.
 fn sky() -> Environment {
-    Environment::from_fn(64, 32, |[x, y, z]| {
-        let glow = (0.5 + 0.5 * (0.6 * x + 0.5 * y + 0.62 * z))
+    surroundings(64, |[x, y, z]| {
+        let glow = (0.5_f32 + 0.5 * (0.6 * x + 0.5 * y + 0.62 * z))
             .max(0.0)
             .powi(4);
         [
