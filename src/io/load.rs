@@ -4,6 +4,7 @@ use super::coverage::{self, Evidence};
 use super::depth::{depth_of_positions, judge_depth};
 use super::exr::ExrFile;
 use super::inputs::{Inputs, NormalEncoding};
+use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
 use super::sources::{Opened, RolePlanes, RoleSource, read_all};
@@ -69,10 +70,11 @@ impl Loaded {
 /// neither names nor data tell the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let main = Opened::open(&inputs.picture)?;
-    let sources = Sources::resolve(inputs, &main, needs.color)?;
-    let data_window = sources.common_window()?;
+    let light = LightSources::resolve(inputs, &main)?;
+    let sources = Sources::resolve(inputs, &main, needs.color, !light.is_empty())?;
+    let data_window = sources.common_window(&light)?;
     let (display_window, pixel_aspect) = shown(&main, data_window);
-    let mut planes = sources.read()?;
+    let (mut planes, light_planes) = sources.read(&light)?;
     let mut notes = Notes::about(&sources);
 
     let mut normal = planes
@@ -123,6 +125,10 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         depth = Some(made);
     }
 
+    let read = light.assemble(light_planes, color.as_ref(), &mask);
+    notes.findings.extend(read.findings);
+    notes.warnings.extend(read.warnings);
+
     let mut frame = Frame {
         data_window,
         display_window,
@@ -137,6 +143,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         importance: planes.scalar(Role::Importance),
         color,
         alpha,
+        light: read.layers,
         camera,
         source: Source {
             normal_rounding: sources.get(Role::Normal).map_or(0.0, RoleSource::rounding),
@@ -174,7 +181,12 @@ struct Sources {
 }
 
 impl Sources {
-    fn resolve(inputs: &Inputs, main: &Rc<Opened>, with_color: bool) -> Result<Self> {
+    fn resolve(
+        inputs: &Inputs,
+        main: &Rc<Opened>,
+        with_color: bool,
+        with_light: bool,
+    ) -> Result<Self> {
         let find = |role, name: &Option<String>| RoleSource::resolve(role, name.as_deref(), main);
         let normal = find(Role::Normal, &inputs.normal)?
             .ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
@@ -195,8 +207,8 @@ impl Sources {
         if with_color && color.is_none() {
             return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
         }
-        // Without depth, alpha tells coverage, so the picture is read for it.
-        if with_color || roles.iter().all(|s| s.role != Role::Depth) {
+        // Without depth, alpha tells coverage, so the picture is read for it; and light is compared to it.
+        if with_color || with_light || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(color);
         }
         roles.extend(find(Role::Mask, &inputs.mask)?);
@@ -207,10 +219,10 @@ impl Sources {
     }
 
     /// The window that all sources share.
-    fn common_window(&self) -> Result<Window> {
+    fn common_window(&self, light: &LightSources) -> Result<Window> {
         let expected = &self.roles[0];
         let window = expected.window();
-        for source in &self.roles[1..] {
+        for source in self.roles[1..].iter().chain(light.sources()) {
             if source.window() != window {
                 return Err(Error::SizeMismatch {
                     path: source.file.path().to_path_buf(),
@@ -222,11 +234,13 @@ impl Sources {
         Ok(window)
     }
 
-    fn read(&self) -> Result<Planes> {
-        let read = read_all(&self.roles)?;
-        Ok(Planes {
-            roles: self.roles.iter().map(|s| s.role).zip(read).collect(),
-        })
+    /// Reads the roles and the light layers, each file once.
+    fn read(&self, light: &LightSources) -> Result<(Planes, Vec<RolePlanes>)> {
+        let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
+        let mut read = read_all(&all)?;
+        let light = read.split_off(self.roles.len());
+        let roles = self.roles.iter().map(|s| s.role).zip(read).collect();
+        Ok((Planes { roles }, light))
     }
 
     fn get(&self, role: Role) -> Option<&RoleSource> {
@@ -234,7 +248,7 @@ impl Sources {
     }
 }
 
-fn missing(main: &Opened, role: Role, flag: &str) -> Error {
+pub(super) fn missing(main: &Opened, role: Role, flag: &str) -> Error {
     let layers = main.layer_names();
     let found = if layers.is_empty() {
         "a photo".into()
@@ -292,7 +306,7 @@ impl Planes {
 }
 
 /// Three planes of one or three: a grey picture has three equal ones.
-fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
+pub(super) fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
     let third = planes.pop().expect("a source has planes");
     match (planes.pop(), planes.pop()) {
         (Some(second), Some(first)) => [first, second, third],
@@ -301,7 +315,7 @@ fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
 }
 
 /// One plane of one or three: their mean.
-fn grey(mut planes: Vec<Plane>) -> Plane {
+pub(super) fn grey(mut planes: Vec<Plane>) -> Plane {
     if planes.len() == 1 {
         return planes.remove(0);
     }

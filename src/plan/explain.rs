@@ -1,5 +1,6 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
+use super::enhancement::{Enhancement, Subject};
 use super::{Available, Goal, Points, Stage, Sweeps};
 use crate::params::{Adaptive, ScalingParams, ShapeParams};
 use serde::Serialize;
@@ -35,6 +36,9 @@ impl Stage {
             Self::AutoWhite => "auto-white",
             Self::MappedCurvature => "mapped-curvature",
             Self::RadianceScaling => "radiance-scaling",
+            Self::LightLobes => "light-lobes",
+            Self::LightGroups => "light-groups",
+            Self::AmbientOcclusion => "ambient-occlusion",
             Self::CurvatureDisplay => "curvature-display",
         }
     }
@@ -57,8 +61,12 @@ pub(super) fn decide(
     scaling: &ScalingParams,
 ) -> Vec<Decision> {
     let factor = shape.resolution_factor(available.image_height);
-    let idle = goal == Goal::Enhance && scaling.scaling == 0.0;
+    let enhancement = Enhancement::new(available.light, scaling);
+    let idle = goal == Goal::Enhance && enhancement.is_idle();
     let all = goal == Goal::Layers;
+    let along_lights = goal == Goal::Enhance
+        && enhancement.subject == Subject::Groups
+        && scaling.anisotropy != 0.0;
     let rules = [
         silhouettes(available),
         vec![
@@ -79,7 +87,7 @@ pub(super) fn decide(
             ),
             rule(
                 Stage::Trace,
-                !all,
+                !all && !along_lights,
                 format!(
                     "only the sum of curvatures is needed{}",
                     unit(shape, factor)
@@ -88,8 +96,11 @@ pub(super) fn decide(
             ),
             rule(
                 Stage::Hessian,
-                all,
-                format!("asked for as layers{}", unit(shape, factor)),
+                all || along_lights,
+                match all {
+                    true => format!("asked for as layers{}", unit(shape, factor)),
+                    false => format!("--anisotropy {}{}", scaling.anisotropy, unit(shape, factor)),
+                },
                 "its trace is enough",
             ),
             rule(
@@ -117,7 +128,7 @@ pub(super) fn decide(
                 format!("--curvature-gain {}", scaling.curvature_gain),
             ),
         ],
-        light(goal, scaling),
+        light(goal, available, &enhancement, scaling),
     ];
     let mut decisions: Vec<Decision> = rules.into_iter().flatten().collect();
     if idle {
@@ -190,18 +201,54 @@ fn silhouettes(available: Available) -> Vec<Decision> {
     ]
 }
 
-fn light(goal: Goal, scaling: &ScalingParams) -> Vec<Decision> {
+fn light(
+    goal: Goal,
+    available: Available,
+    enhancement: &Enhancement,
+    scaling: &ScalingParams,
+) -> Vec<Decision> {
     let enhance = goal == Goal::Enhance;
     let not_light = "no light is asked for";
-    let white = if enhance {
-        format!("--white-level {}", scaling.white_level)
-    } else {
-        not_light.to_string()
+    let (subject, light) = (enhancement.subject, available.light);
+    let scaled = enhance && enhancement.magnitude > 0.0;
+    let of = |one: Subject, why_not: &str| match (enhance, subject == one) {
+        (false, _) => not_light.to_string(),
+        (true, true) => "a magnitude of 0".into(),
+        (true, false) => why_not.into(),
+    };
+    let by_layers = match subject {
+        Subject::Groups => "light groups are scaled instead",
+        _ => "its lobes are scaled instead",
+    };
+    let no_lobes = match light.diffuse || light.specular {
+        true => "light groups go before lobes",
+        false => "no lobes told apart, or one layer named",
+    };
+    let white = match subject {
+        _ if !enhance => not_light.to_string(),
+        Subject::Groups => "intensity is the cosine to the light".into(),
+        Subject::Picture if light.picture_is_occlusion => "1: the picture is occlusion".into(),
+        _ => format!("--white-level {}", scaling.white_level),
+    };
+    let has_white =
+        subject == Subject::Lobes || (subject == Subject::Picture && !light.picture_is_occlusion);
+    let no_occlusion = match scaling.scaling_ambient {
+        _ if !enhance => not_light,
+        None => "no --scaling-ambient",
+        Some(_) if light.picture_is_occlusion => "the picture is occlusion",
+        Some(0.0) => "--scaling-ambient 0",
+        Some(_) if !light.occlusion => "no occlusion layer",
+        Some(_) => "in the diffuse light from other surfaces, which is scaled by it",
+    };
+    let magnitudes = scaling.magnitudes();
+    let terms = match (scaling.scaling_ambient, light.diffuse_indirect) {
+        (Some(ambient), true) => format!(", ambient {ambient}"),
+        _ => String::new(),
     };
     vec![
         rule(
             Stage::AutoWhite,
-            enhance && scaling.white_level == Adaptive::Auto,
+            scaled && has_white && scaling.white_level == Adaptive::Auto,
             "--white-level auto",
             white,
         ),
@@ -213,9 +260,30 @@ fn light(goal: Goal, scaling: &ScalingParams) -> Vec<Decision> {
         ),
         rule(
             Stage::RadianceScaling,
-            enhance,
-            format!("magnitude {}", scaling.scaling),
-            not_light,
+            scaled && subject == Subject::Picture,
+            format!("magnitude {}", enhancement.magnitude),
+            of(Subject::Picture, by_layers),
+        ),
+        rule(
+            Stage::LightLobes,
+            scaled && subject == Subject::Lobes,
+            format!(
+                "magnitude diffuse {}, specular {}{terms}",
+                magnitudes.diffuse, magnitudes.specular
+            ),
+            of(Subject::Lobes, no_lobes),
+        ),
+        rule(
+            Stage::LightGroups,
+            scaled && subject == Subject::Groups,
+            format!("magnitude {}, by directions", enhancement.magnitude),
+            of(Subject::Groups, "no --light-group"),
+        ),
+        rule(
+            Stage::AmbientOcclusion,
+            enhance && enhancement.occlusion > 0.0,
+            format!("magnitude {}", enhancement.occlusion),
+            no_occlusion,
         ),
         rule(
             Stage::CurvatureDisplay,
@@ -258,7 +326,7 @@ fn skip(stage: Stage, reason: impl Into<String>) -> Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Plan;
+    use crate::plan::{LightAvailable, Plan};
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {
@@ -275,6 +343,7 @@ mod tests {
         image_height: 1080,
         positions: true,
         normal_rounding: 0.0,
+        light: LightAvailable::NONE,
     };
     const NOTHING: Available = Available {
         depth: false,
@@ -283,6 +352,7 @@ mod tests {
         image_height: 1080,
         positions: false,
         normal_rounding: 0.0,
+        light: LightAvailable::NONE,
     };
 
     #[test]

@@ -41,6 +41,25 @@ pub fn mapped_curvature(trace: f32, gain: f32) -> f32 {
     tanh(-gain * trace)
 }
 
+/// Mapped curvature as [`mapped_curvature`], of a Hessian [xx, xy, yy] and for light from a unit direction
+/// whose part in the picture is `l_xy` ([RS] section 4.1): `tanh(-gain [tr + 2 a (l.Hl - (tr/2) |l|^2)])`.
+///
+/// An anisotropy `a` of 0 counts both curvatures, whatever the light; at 1, light along a principal
+/// direction counts that curvature alone, twice; at -1 the other one. Light from the viewer (`l_xy` 0)
+/// prefers none. No eigen-solver is needed.
+#[inline(always)]
+pub fn mapped_curvature_toward(
+    hessian: [f32; 3],
+    l_xy: [f32; 2],
+    gain: f32,
+    anisotropy: f32,
+) -> f32 {
+    let ([xx, xy, yy], [x, y]) = (hessian, l_xy);
+    // l.Hl - (tr/2) |l|^2: how far the curvature along the light is from the mean.
+    let along = 0.5 * (xx - yy) * (x * x - y * y) + 2.0 * xy * x * y;
+    mapped_curvature(xx + yy + 2.0 * anisotropy * along, gain)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,6 +95,34 @@ mod tests {
             assert!(principal_curvatures(h).iter().all(|k| k.is_finite()));
             assert!(principal_direction(h).iter().all(|d| d.is_finite()));
         }
+    }
+
+    #[test]
+    fn light_along_a_principal_direction_counts_that_curvature_twice() {
+        // Principal curvatures 0.02 and -0.07 along 30 and 120 degrees.
+        let (c, s) = (30.0_f32.to_radians().cos(), 30.0_f32.to_radians().sin());
+        let (u, v) = (0.02, -0.07);
+        let h = [
+            u * c * c + v * s * s,
+            (u - v) * c * s,
+            u * s * s + v * c * c,
+        ];
+        let toward = |l, anisotropy| mapped_curvature_toward(h, l, 10.0, anisotropy);
+        let near = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} is not {b}");
+        near(toward([c, s], 1.0), mapped_curvature(2.0 * u, 10.0));
+        near(toward([-s, c], 1.0), mapped_curvature(2.0 * v, 10.0));
+        near(toward([c, s], -1.0), mapped_curvature(2.0 * v, 10.0));
+        near(toward([0.4, 0.1], 0.0), mapped_curvature(u + v, 10.0));
+        near(toward([0.0, 0.0], 1.0), mapped_curvature(u + v, 10.0));
+        // A direction half way between counts both; one at 60 degrees off the picture a quarter as much.
+        let half_way = std::f32::consts::FRAC_1_SQRT_2;
+        let between = [(c - s) * half_way, (c + s) * half_way];
+        near(toward(between, 1.0), mapped_curvature(u + v, 10.0));
+        let quarter = u + v + 0.25 * (u - v);
+        near(
+            toward([0.5 * c, 0.5 * s], 1.0),
+            mapped_curvature(quarter, 10.0),
+        );
     }
 
     #[test]

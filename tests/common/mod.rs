@@ -193,6 +193,7 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
                 b: plane(&c.b),
             }),
             alpha: frame.alpha.as_ref().map(plane),
+            light: frame.light.map(plane),
             camera: frame.camera.map(camera),
             source: frame.source.clone(),
         }

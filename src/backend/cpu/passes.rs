@@ -40,6 +40,18 @@ pub(super) fn hessian(
     SymmetricPlanes { xx, xy, yy }
 }
 
+/// Trace of a Hessian that is there.
+pub(super) fn trace_of(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Plane {
+    let [trace] = map_covered(mask, memory, |y| {
+        let entries = entries(hessian, y);
+        move |x| {
+            let [xx, _, yy] = entries(x);
+            [xx + yy]
+        }
+    });
+    trace
+}
+
 /// Principal and mean curvatures.
 pub(super) fn curvatures(
     hessian: &SymmetricPlanes,

@@ -8,6 +8,10 @@
 )]
 
 use super::light::{Scaler, scale_row};
+use crate::light::layers::{
+    LobeRow, TermScaling, add_change_row, add_direction_row, changed_row, group_sigma_row,
+    kappa_row, kappa_toward_row, lobe_sigma_row, occlude_row,
+};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
 use crate::shape::conductance::{conductance_row, face_conductance_row};
@@ -157,6 +161,33 @@ widened! {
         from: [&[f32]; 3],
         trace: &[f32],
         covered: &[bool],
+    );
+    fn kappa_row(kappa: &mut [f32], trace: &[f32], gain: f32);
+    fn kappa_toward_row(
+        kappa: &mut [f32],
+        hessian: [&[f32]; 3],
+        l_xy: [f32; 2],
+        gain: f32,
+        anisotropy: f32,
+    );
+    fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling);
+    fn add_direction_row(
+        plain: &mut [f32],
+        scaled: &mut [f32],
+        normal: [&[f32]; 3],
+        to_light: [f32; 3],
+        kappa: &[f32],
+        by: &TermScaling,
+    );
+    fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]);
+    fn add_change_row(change: &mut [f32], told: &mut [f32], light: [&[f32]; 3], sigma: &[f32]);
+    fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], told: &[f32], covered: &[bool]);
+    fn occlude_row(
+        color: [&mut [f32]; 3],
+        occlusion: &[f32],
+        kappa: &[f32],
+        covered: &[bool],
+        by: &TermScaling,
     );
 }
 
