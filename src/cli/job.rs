@@ -183,14 +183,14 @@ fn refuse_collisions(args: &WorkArgs) -> Result<()> {
     let inputs = args.roles.files(&args.input);
     let inputs = inputs.iter().map(PathBuf::as_path);
     refuse_inputs(args, inputs)?;
-    if let Some(timings) = &args.run.timings {
-        if timings == output {
-            return Err(Error::BadParameter {
-                name: "--timings",
-                found: format!("{} is the output too", timings.display()),
-                remedy: "write to another file".into(),
-            });
-        }
+    if let Some(timings) = &args.run.timings
+        && timings == output
+    {
+        return Err(Error::BadParameter {
+            name: "--timings",
+            found: format!("{} is the output too", timings.display()),
+            remedy: "write to another file".into(),
+        });
     }
     if args.output.no_clobber && output.exists() {
         return Err(Error::BadParameter {

@@ -264,7 +264,10 @@ impl LightSources {
                 );
                 return Ok(());
             };
-            let conclusion = format!("({sum}) x {}", color.label());
+            let conclusion = match lights.len() {
+                1 => format!("{sum} x {}", color.label()),
+                _ => format!("({sum}) x {}", color.label()),
+            };
             self.add(Use::Color(lobe), Some(color));
             conclusion
         } else {

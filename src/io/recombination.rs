@@ -77,27 +77,21 @@ mod tests {
 
     #[test]
     fn the_median_is_that_of_covered_pixels_with_light() {
-        let lobe = LobeLayers {
+        let lobes = [LobeLayers {
             lobe: Lobe::Diffuse,
             direct: Some(grey([1.0, 2.0, 9.0])),
             indirect: Some(grey([1.0, 0.0, 0.0])),
             color: Some(grey([0.5, 0.5, 0.5])),
             albedo: None,
-        };
+        }];
         let rest = [grey([0.25, 0.0, 0.0])];
         // The sum is 1.25, 1 and 4.5; the picture 1, 2 and black: 0.25 and 0.5, of which the upper is taken.
         let picture = grey([1.0, 2.0, 0.0]);
         let full = Mask::full(3, 1);
-        assert_eq!(
-            difference(&picture, &[lobe.clone()], &rest, &full),
-            Some(0.5)
-        );
+        assert_eq!(difference(&picture, &lobes, &rest, &full), Some(0.5));
         let first = Mask::new(Plane::from_samples(3, 1, vec![true, false, false]));
-        assert_eq!(
-            difference(&picture, &[lobe.clone()], &rest, &first),
-            Some(0.25)
-        );
+        assert_eq!(difference(&picture, &lobes, &rest, &first), Some(0.25));
         let last = Mask::new(Plane::from_samples(3, 1, vec![false, false, true]));
-        assert_eq!(difference(&picture, &[lobe], &rest, &last), None);
+        assert_eq!(difference(&picture, &lobes, &rest, &last), None);
     }
 }

@@ -49,9 +49,9 @@ impl LobeRow<'_> {
     #[inline(always)]
     pub fn luminance(&self, x: usize, weights: [f32; 3]) -> f32 {
         let (mut light, mut albedo) = (0.0, 0.0);
-        for i in 0..3 {
-            light += weights[i] * (self.direct[i][x] + self.indirect[i][x]);
-            albedo += weights[i] * self.albedo[i][x];
+        for (i, weight) in weights.into_iter().enumerate() {
+            light += weight * (self.direct[i][x] + self.indirect[i][x]);
+            albedo += weight * self.albedo[i][x];
         }
         light / albedo.max(MIN_ALBEDO)
     }
@@ -74,10 +74,15 @@ impl TermScaling {
     /// The scaling of a luminance.
     #[inline(always)]
     fn sigma(&self, luminance: f32, kappa: f32) -> f32 {
-        // Of a bad value the first limit makes 0.
-        let intensity = (luminance / self.white).max(0.0).min(1.0);
+        let intensity = limited(luminance / self.white, 1.0);
         scaling(intensity, self.magnitude * kappa, self.invariant_point)
     }
+}
+
+/// `value` between 0 and `most`; 0 for NaN.
+#[inline(always)]
+fn limited(value: f32, most: f32) -> f32 {
+    if value > 0.0 { value.min(most) } else { 0.0 }
 }
 
 /// A row of mapped curvature.
@@ -162,9 +167,7 @@ pub fn add_change_row(
     let (told, sigma) = (&mut told[..width], &sigma[..width]);
     let (direct, indirect, color) = (&direct[..width], &indirect[..width], &color[..width]);
     for x in 0..width {
-        let radiance = (direct[x] + indirect[x]) * color[x];
-        // Of a bad value the first limit makes 0.
-        let radiance = radiance.max(0.0).min(MAX_RADIANCE);
+        let radiance = limited((direct[x] + indirect[x]) * color[x], MAX_RADIANCE);
         change[x] += (sigma[x] - 1.0) * radiance;
         told[x] += radiance;
     }
@@ -209,5 +212,106 @@ pub fn occlude_row(
             if changes { scaled } else { c }
         };
         (r[x], g[x], b[x]) = (scaled(r[x]), scaled(g[x]), scaled(b[x]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::radiance_scaling::scaling;
+
+    const GREY: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+    fn by(magnitude: f32, white: f32) -> TermScaling {
+        TermScaling {
+            magnitude,
+            invariant_point: 0.25,
+            white,
+            weights: GREY,
+        }
+    }
+
+    #[test]
+    fn a_dark_surface_in_bright_light_counts_as_bright() {
+        let row = |v: f32| [v; 2];
+        let (light, none, dark, seen) = (row(0.8), row(0.0), row(0.1), row(0.08));
+        let ones = row(1.0);
+        let kappa = [0.7, -0.4];
+        let sigma = |direct: &[f32], color: &[f32], albedo: &[f32]| {
+            let lobe = LobeRow {
+                direct: [direct; 3],
+                indirect: [&none; 3],
+                color: [color; 3],
+                albedo: [albedo; 3],
+            };
+            let mut sigma = [0.0; 2];
+            lobe_sigma_row(&mut sigma, &lobe, &kappa, &by(1.0, 1.0));
+            sigma
+        };
+        // Light 0.8 on an albedo of 0.1, told apart or together: intensity 0.8 both times.
+        let expected = kappa.map(|k| scaling(0.8, k, 0.25));
+        let near = |a: [f32; 2]| assert!(a.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5));
+        near(sigma(&light, &dark, &ones));
+        near(sigma(&seen, &ones, &dark));
+    }
+
+    #[test]
+    fn an_area_light_is_scaled_by_its_samples() {
+        // n = z; samples at cosines 0.8 and 0.6, and one below the horizon that has no say.
+        let normal: [&[f32]; 3] = [&[0.0], &[0.0], &[1.0]];
+        let (mut plain, mut scaled, mut sigma) = ([0.0], [0.0], [0.0]);
+        for to_light in [[0.6, 0.0, 0.8], [0.0, 0.8, 0.6], [0.6, 0.0, -0.8]] {
+            let term = by(1.5, 1.0);
+            add_direction_row(&mut plain, &mut scaled, normal, to_light, &[0.5], &term);
+        }
+        group_sigma_row(&mut sigma, &plain, &scaled);
+        let of = |d: f32| d * scaling(d, 0.75, 0.25);
+        let expected = (of(0.8) + of(0.6)) / 1.4;
+        assert!(
+            (sigma[0] - expected).abs() < 1e-6,
+            "{} is not {expected}",
+            sigma[0]
+        );
+        group_sigma_row(&mut sigma, &[0.0], &[0.0]);
+        assert_eq!(sigma, [1.0]);
+    }
+
+    #[test]
+    fn layers_brighter_than_the_picture_take_no_more_than_there_is() {
+        // A picture of 0.5 whose layers tell of 2, all to be taken away: nothing is left, not -1.5.
+        let made = |from: f32, change: f32, told: f32| {
+            let mut out = [f32::NAN];
+            changed_row(&mut out, &[from], &[change], &[told], &[true]);
+            out[0]
+        };
+        assert_eq!(made(0.5, -2.0, 2.0), 0.0);
+        assert_eq!(made(0.5, -1.0, 2.0), 0.25);
+        // Layers that tell of less are taken at their word, black and below it stay.
+        assert_eq!(made(0.5, 0.25, 0.25), 0.75);
+        assert_eq!(made(0.0, 3.0, 2.0), 0.0);
+        assert_eq!(made(-0.5, 3.0, 2.0), -0.5);
+        // Nothing to change: not even the sign of 0.
+        assert_eq!(made(-0.0, 0.0, 1.0).to_bits(), (-0.0_f32).to_bits());
+    }
+
+    #[test]
+    fn bad_light_is_no_light() {
+        for bad in [f32::NAN, f32::NEG_INFINITY, -1.0] {
+            let (mut change, mut told) = ([0.0], [0.0]);
+            add_change_row(&mut change, &mut told, [&[bad], &[0.0], &[1.0]], &[3.0]);
+            assert_eq!((change, told), ([0.0], [0.0]));
+        }
+        let (mut change, mut told, mut out) = ([0.0], [0.0], [0.0]);
+        let most = scaling(1.0, 1e9, 0.25);
+        for _ in 0..3 {
+            add_change_row(
+                &mut change,
+                &mut told,
+                [&[f32::INFINITY], &[0.0], &[1.0]],
+                &[most],
+            );
+        }
+        changed_row(&mut out, &[2.0], &change, &told, &[true]);
+        assert!(out[0].is_finite(), "{}", out[0]);
     }
 }

@@ -273,7 +273,41 @@ mod tests {
             simd.add_terms_row(&mut out_x, terms[0], [0.7, -0.2]);
             results.extend([out_x, out_y]);
         }
+        results.extend(made_of_light(simd, &gx, &gy));
         results
+    }
+
+    /// What the kernels of light layers make of some rows.
+    fn made_of_light(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
+        let [a, b] = [a, b].map(|rows| [&rows[0][..WIDTH], &rows[1][..WIDTH], &rows[2][..WIDTH]]);
+        let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();
+        let by = TermScaling {
+            magnitude: 1.3,
+            invariant_point: 0.25,
+            white: 0.8,
+            weights: [0.2, 0.7, 0.1],
+        };
+        let blank = || vec![0.0; WIDTH];
+        let [mut kappa, mut toward, mut lobe, mut group] = [blank(), blank(), blank(), blank()];
+        let [mut plain, mut scaled, mut change, mut told] = [blank(), blank(), blank(), blank()];
+        simd.kappa_row(&mut kappa, a[0], -3.0);
+        simd.kappa_toward_row(&mut toward, a, [0.6, -0.3], 2.0, 0.7);
+        let row = LobeRow {
+            direct: a,
+            indirect: b,
+            color: a,
+            albedo: b,
+        };
+        simd.lobe_sigma_row(&mut lobe, &row, &kappa, &by);
+        simd.add_direction_row(&mut plain, &mut scaled, a, [0.6, 0.0, -0.8], &toward, &by);
+        simd.group_sigma_row(&mut group, &plain, &scaled);
+        simd.add_change_row(&mut change, &mut told, a, &lobe);
+        let mut out = blank();
+        simd.changed_row(&mut out, b[0], &change, &told, &covered);
+        let [mut red, mut green, mut blue] = b.map(<[f32]>::to_vec);
+        let color = [&mut red[..], &mut green[..], &mut blue[..]];
+        simd.occlude_row(color, a[1], &kappa, &covered, &by);
+        vec![toward, plain, scaled, group, out, red, green, blue]
     }
 
     #[test]
