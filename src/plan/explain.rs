@@ -133,7 +133,10 @@ pub(super) fn decide(
     let mut decisions: Vec<Decision> = rules.into_iter().flatten().collect();
     if idle {
         for decision in &mut decisions {
-            *decision = skip(decision.stage, "--scaling 0 leaves the picture as it is");
+            *decision = skip(
+                decision.stage,
+                "a magnitude of 0 leaves the picture as it is",
+            );
         }
     }
     decisions

@@ -3,6 +3,7 @@
 use super::ROWS_PER_TASK;
 use super::light::luminance_weights;
 use super::memory::Memory;
+use super::passes::map_rows;
 use super::percentile::percentile;
 use super::simd::Simd;
 use super::statistics::WHITE_PERCENTILE;
@@ -96,15 +97,21 @@ impl Term<'_> {
     }
 
     /// A high percentile of the luminance of this light where there is any; 1 where there is none.
-    fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent) -> f32 {
-        let luminances = |y| {
-            let (row, covered) = (self.row(y, absent), mask.row(y));
-            mask.span(y)
-                .filter(|&x| covered[x])
-                .map(move |x| row.luminance(x, weights))
-                .filter(|&luminance| luminance > 0.0)
+    fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
+        let simd = Simd::widest();
+        let [luminance] = map_rows(mask, memory, |y, [out]| {
+            simd.lobe_luminance_row(out, &self.row(y, absent), weights);
+        });
+        let lit = |y| {
+            let span = mask.span(y);
+            let (row, covered) = (&luminance.row(y)[span.clone()], &mask.row(y)[span]);
+            let lit = row.iter().zip(covered);
+            lit.filter(|&(&luminance, &covered)| covered && luminance > 0.0)
+                .map(|(&luminance, _)| luminance)
         };
-        percentile(mask.height(), WHITE_PERCENTILE, luminances).unwrap_or(1.0)
+        let white = percentile(mask.height(), WHITE_PERCENTILE, lit).unwrap_or(1.0);
+        memory.take_back([luminance]);
+        white
     }
 }
 
@@ -113,11 +120,12 @@ pub(super) fn white_levels(
     terms: &[Term],
     frame: &Frame,
     white: Adaptive,
+    memory: &Memory,
 ) -> Vec<(&'static str, f32)> {
     let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
     let level = |term: &Term| match white {
         Adaptive::Fixed(level) => level,
-        Adaptive::Auto => term.white_level(weights, &frame.mask, &absent),
+        Adaptive::Auto => term.white_level(weights, &frame.mask, &absent, memory),
     };
     terms.iter().map(|term| (term.name, level(term))).collect()
 }

@@ -110,7 +110,7 @@ pub(super) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
 }
 
 /// Planes whose rows are filled by `fill(y, rows)`, which has to write all that is covered; 0 elsewhere.
-fn map_rows<const N: usize>(
+pub(super) fn map_rows<const N: usize>(
     mask: &Mask,
     memory: &Memory,
     fill: impl Fn(usize, [&mut [f32]; N]) + Sync,

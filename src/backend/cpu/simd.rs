@@ -10,7 +10,7 @@
 use super::light::{Scaler, scale_row};
 use crate::light::layers::{
     LobeRow, TermScaling, add_change_row, add_direction_row, changed_row, group_sigma_row,
-    kappa_row, kappa_toward_row, lobe_sigma_row, occlude_row,
+    kappa_row, kappa_toward_row, lobe_luminance_row, lobe_sigma_row, occlude_row,
 };
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
@@ -170,6 +170,7 @@ widened! {
         gain: f32,
         anisotropy: f32,
     );
+    fn lobe_luminance_row(luminance: &mut [f32], lobe: &LobeRow, weights: [f32; 3]);
     fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling);
     fn add_direction_row(
         plain: &mut [f32],
@@ -307,7 +308,11 @@ mod tests {
         let [mut red, mut green, mut blue] = b.map(<[f32]>::to_vec);
         let color = [&mut red[..], &mut green[..], &mut blue[..]];
         simd.occlude_row(color, a[1], &kappa, &covered, &by);
-        vec![toward, plain, scaled, group, out, red, green, blue]
+        let mut luminance = blank();
+        simd.lobe_luminance_row(&mut luminance, &row, by.weights);
+        vec![
+            luminance, toward, plain, scaled, group, out, red, green, blue,
+        ]
     }
 
     #[test]
