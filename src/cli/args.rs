@@ -1,11 +1,14 @@
 //! The names of the contract. Every default is read from `params`.
 
+use super::light_layers::LightLayerFlags;
 use super::relight_args::RelightArgs;
 use crate::error::Error;
 use crate::frame::NormalSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding};
 use crate::io::picture::ViewTransform;
-use crate::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver};
+use crate::params::{
+    Adaptive, Magnitudes, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver,
+};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -58,6 +61,8 @@ const ENHANCE_EXAMPLES: &str = "\
 Examples:
   relievo enhance render.exr -o enhanced.png
   relievo enhance render.exr -o enhanced.exr --scaling 1.5 --iterations 50
+  relievo enhance passes.exr -o enhanced.exr --scaling-diffuse 2 --scaling-specular 0.5
+  relievo enhance passes.exr -o enhanced.exr --light-group key=135,40 --light-group fill=10,20
   relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg";
 
 const RELIGHT_EXAMPLES: &str = "\
@@ -81,6 +86,12 @@ pub(super) struct InspectArgs {
     pub(super) files: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) roles: RoleArgs,
+    /// Scaling magnitude that is planned: warn where it is too much.
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    pub(super) scaling: Option<f32>,
+    /// Invariant point that is planned with it.
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    pub(super) invariant_point: Option<f32>,
     /// Print one JSON array instead of text.
     #[arg(long)]
     pub(super) json: bool,
@@ -106,6 +117,8 @@ pub(super) struct WorkArgs {
 pub(super) struct EnhanceArgs {
     #[command(flatten)]
     pub(super) work: WorkArgs,
+    #[command(flatten)]
+    pub(super) light: LightLayerFlags,
     #[command(flatten)]
     pub(super) scaling: ScalingFlags,
     /// Luminance that counts as intensity 1, or auto to fit the picture.
@@ -218,6 +231,7 @@ impl RoleArgs {
                 EncodingArg::Unsigned => Some(NormalEncoding::Unsigned),
             },
             normal_flip: self.normal_flip,
+            light: None,
         }
     }
 }
@@ -388,6 +402,16 @@ pub(super) struct ScalingFlags {
 }
 
 impl ScalingFlags {
+    /// The magnitude of every term.
+    pub(super) fn magnitudes(&self) -> Magnitudes {
+        self.params(Adaptive::Auto).magnitudes()
+    }
+
+    /// The magnitude of ambient light, where it was given.
+    pub(super) fn ambient(&self) -> Option<f32> {
+        self.scaling_ambient
+    }
+
     pub(super) fn params(&self, curvature_gain: Adaptive) -> ScalingParams {
         ScalingParams {
             scaling: self.scaling,

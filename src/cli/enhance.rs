@@ -1,29 +1,38 @@
 //! `relievo enhance`.
 
 use super::args::EnhanceArgs;
-use super::job::Job;
+use super::job::{Job, refuse_inputs};
 use super::message;
 use super::output::{Kind, color_channels, color_layer};
 use crate::error::Result;
+use crate::frame::LightLayers;
 use crate::io::exr::OutputType;
 use crate::io::picture::Picture;
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
-use crate::plan::Goal;
+use crate::plan::{Goal, LightAvailable};
+use std::path::PathBuf;
 
 pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
     let EnhanceArgs {
         work,
+        light,
         scaling,
         white_level,
     } = args;
+    let light_files: Vec<_> = light.files().collect();
+    refuse_inputs(work, light_files.iter().map(PathBuf::as_path))?;
     let job = Job::new(work)?;
+    let light = light.inputs(scaling);
     let scaling = ScalingParams {
         white_level: *white_level,
         ..scaling.params(work.shape.curvature_gain)
     };
-    let done = job.run(Goal::Enhance, scaling)?;
-    warn_of_dark_rims(&scaling, work.run.quiet);
+    let done = job.run_on_light(Goal::Enhance, scaling, Some(light))?;
+    let told = dark_rims(&scaling).into_iter();
+    for warning in told.chain(idle_magnitudes(&scaling, &done.loaded.frame.light)) {
+        message::warning(work.run.quiet, &warning);
+    }
 
     let (loaded, frame) = (&done.loaded, &done.loaded.frame);
     // A plan with nothing to do leaves the picture as it came.
@@ -61,14 +70,53 @@ pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
 }
 
 /// Concavities lose their order of brightness past a limit ([RS] only claims it for convexities).
-pub(super) fn warn_of_dark_rims(scaling: &ScalingParams, quiet: bool) {
+pub(super) fn dark_rims(scaling: &ScalingParams) -> Vec<String> {
     let limit = monotone_limit(scaling.invariant_point);
-    if scaling.scaling > limit {
-        let text = format!(
-            "--scaling {} is past {limit:.2}: deep concavities may show new dark rims; lower it or \
-             --invariant-point",
-            scaling.scaling
-        );
-        message::warning(quiet, &text);
-    }
+    let magnitudes = [
+        ("--scaling", Some(scaling.scaling)),
+        ("--scaling-ambient", scaling.scaling_ambient),
+        ("--scaling-diffuse", scaling.scaling_diffuse),
+        ("--scaling-specular", scaling.scaling_specular),
+    ];
+    let past = magnitudes
+        .into_iter()
+        .filter_map(|(name, magnitude)| Some((name, magnitude.filter(|&g| g > limit)?)));
+    past.map(|(name, magnitude)| {
+        format!(
+            "{name} {magnitude} is past {limit:.2}: deep concavities may show new dark rims; lower it or \
+             --invariant-point"
+        )
+    })
+    .collect()
+}
+
+/// Magnitudes that were asked for and have no light to scale.
+fn idle_magnitudes(scaling: &ScalingParams, light: &LightLayers) -> Vec<String> {
+    let available = LightAvailable::of(light);
+    let LightAvailable {
+        groups,
+        occlusion,
+        picture_is_occlusion,
+        ..
+    } = available;
+    let ambient = occlusion || picture_is_occlusion || (available.diffuse_indirect && !groups);
+    let terms = [
+        ("--scaling-ambient", scaling.scaling_ambient, ambient),
+        (
+            "--scaling-diffuse",
+            scaling.scaling_diffuse,
+            available.diffuse || groups,
+        ),
+        (
+            "--scaling-specular",
+            scaling.scaling_specular,
+            available.specular && !groups,
+        ),
+    ];
+    let idle = terms.into_iter().filter(|&(_, magnitude, used)| {
+        // A magnitude of 0 is at peace with nothing to scale.
+        magnitude.is_some_and(|g| g > 0.0) && !used
+    });
+    idle.map(|(name, ..)| format!("{name} changes nothing: no layer of such light is scaled here"))
+        .collect()
 }

@@ -1,9 +1,12 @@
 //! `relievo inspect`.
 
 use super::args::InspectArgs;
+use super::enhance::dark_rims;
 use super::message;
 use crate::error::{Error, Result};
+use crate::io::inputs::LightInputs;
 use crate::io::{self, Finding, Needs, PartSurvey, Survey};
+use crate::params::ScalingParams;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -53,17 +56,33 @@ pub(super) fn run(args: &InspectArgs) -> Result<()> {
 
 fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
     let survey = io::survey(file)?;
-    let (findings, warnings, problem) = match io::load(&args.roles.inputs(file), EVERYTHING) {
+    let mut inputs = args.roles.inputs(file);
+    inputs.light = Some(LightInputs::default());
+    let (findings, mut warnings, problem) = match io::load(&inputs, EVERYTHING) {
         Ok(loaded) => (loaded.findings, loaded.warnings, None),
         Err(Error::Damaged { path, found }) => return Err(Error::Damaged { path, found }),
         Err(error) => (Vec::new(), Vec::new(), Some(error.to_string())),
     };
+    warnings.extend(planned_dark_rims(args));
     Ok(Inspection {
         file: file.to_path_buf(),
         survey,
         findings,
         warnings,
         problem,
+    })
+}
+
+/// What the magnitude that is planned would do to concavities; nothing where none was told.
+fn planned_dark_rims(args: &InspectArgs) -> Vec<String> {
+    let usual = ScalingParams::default();
+    if args.scaling.or(args.invariant_point).is_none() {
+        return Vec::new();
+    }
+    dark_rims(&ScalingParams {
+        scaling: args.scaling.unwrap_or(usual.scaling),
+        invariant_point: args.invariant_point.unwrap_or(usual.invariant_point),
+        ..usual
     })
 }
 

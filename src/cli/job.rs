@@ -7,13 +7,13 @@ use crate::backend::cpu::{self, Outcome};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::exr::OutputChannel;
-use crate::io::inputs::Inputs;
+use crate::io::inputs::{Inputs, LightInputs};
 use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
 use crate::io::picture::{Picture, PictureFormat, write_picture};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, Plan};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// A run that has been given a go.
@@ -51,6 +51,16 @@ impl<'a> Job<'a> {
 
     /// Reads the frame, plans and runs, and says on the way what was asked for.
     pub(super) fn run(&self, goal: Goal, scaling: ScalingParams) -> Result<Done> {
+        self.run_on_light(goal, scaling, None)
+    }
+
+    /// [`Job::run`] that also reads these layers of light.
+    pub(super) fn run_on_light(
+        &self,
+        goal: Goal,
+        scaling: ScalingParams,
+        light: Option<LightInputs>,
+    ) -> Result<Done> {
         let shape = self.args.shape.params();
         let more_scales = self.args.shape.more_scales();
         if goal != Goal::Layers {
@@ -58,7 +68,8 @@ impl<'a> Job<'a> {
         }
         shape.validate()?;
         scaling.validate()?;
-        let inputs = self.args.roles.inputs(&self.args.input);
+        let mut inputs = self.args.roles.inputs(&self.args.input);
+        inputs.light = light;
         let needs = Needs {
             color: goal == Goal::Enhance,
             projection: shape.foreshortening != 0.0 || goal == Goal::Layers,
@@ -152,15 +163,29 @@ impl<'a> Job<'a> {
             let white = outcome
                 .white_level
                 .map(|white| format!("white level {white:.4}, "));
+            let whites = outcome.term_white_levels.iter();
+            let whites = whites.map(|(term, white)| format!("white level {term} {white:.4}, "));
             let environment = outcome
                 .environment_gain
                 .map(|gain| format!("environment gain {gain:.4}, "));
-            let chosen = [gain, white, environment].into_iter().flatten();
-            let chosen: String = chosen.collect();
+            let chosen = gain.into_iter().chain(white).chain(whites);
+            let chosen: String = chosen.chain(environment).collect();
             let path = self.args.output.output.display();
             message::say(&format!("{path}: {chosen}{:.2} s", total.as_secs_f64()));
         }
         Ok(())
+    }
+}
+
+/// No output may be one of `inputs`.
+pub(super) fn refuse_inputs<'a>(
+    args: &WorkArgs,
+    inputs: impl Iterator<Item = &'a Path> + Clone,
+) -> Result<()> {
+    refuse_overwriting_input("-o", &args.output.output, inputs.clone())?;
+    match &args.run.timings {
+        Some(timings) => refuse_overwriting_input("--timings", timings, inputs),
+        None => Ok(()),
     }
 }
 
@@ -169,16 +194,15 @@ fn refuse_collisions(args: &WorkArgs) -> Result<()> {
     let output = &args.output.output;
     let inputs = args.roles.files(&args.input);
     let inputs = inputs.iter().map(PathBuf::as_path);
-    refuse_overwriting_input("-o", output, inputs.clone())?;
-    if let Some(timings) = &args.run.timings {
-        refuse_overwriting_input("--timings", timings, inputs)?;
-        if timings == output {
-            return Err(Error::BadParameter {
-                name: "--timings",
-                found: format!("{} is the output too", timings.display()),
-                remedy: "write to another file".into(),
-            });
-        }
+    refuse_inputs(args, inputs)?;
+    if let Some(timings) = &args.run.timings
+        && timings == output
+    {
+        return Err(Error::BadParameter {
+            name: "--timings",
+            found: format!("{} is the output too", timings.display()),
+            remedy: "write to another file".into(),
+        });
     }
     if args.output.no_clobber && output.exists() {
         return Err(Error::BadParameter {

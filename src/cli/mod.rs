@@ -4,6 +4,7 @@ mod args;
 mod enhance;
 mod inspect;
 mod job;
+mod light_layers;
 mod message;
 mod output;
 mod relight;

@@ -1,6 +1,8 @@
 //! `relievo relight`.
 
-use super::job::{Done, Job};
+use super::enhance::dark_rims;
+use super::job::{Done, Job, refuse_inputs};
+use super::message;
 use super::output::{Kind, color_channels, color_layer};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use crate::backend::cpu::Runner;
@@ -8,19 +10,19 @@ use crate::error::{Error, Result};
 use crate::io::Needs;
 use crate::io::environment::{read_environment, read_lit_sphere};
 use crate::io::exr::OutputType;
-use crate::io::output::refuse_overwriting_input;
+use crate::io::inputs::{LightInputs, LobeChoice};
 use crate::io::picture::Picture;
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
 use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
 use crate::plan::{Available, LightKinds, Plan};
 use glam::Vec3;
+use std::path::PathBuf;
 
 pub(super) fn run(args: &RelightArgs) -> Result<()> {
     let work = &args.work;
     let files: Vec<_> = args.files().collect();
-    let output = &work.output.output;
-    refuse_overwriting_input("-o", output, files.iter().map(|path| path.as_path()))?;
+    refuse_inputs(work, files.iter().map(PathBuf::as_path))?;
     let job = Job::new(work)?;
     work.shape.refuse_more_scales()?;
     let (shape, params) = (work.shape.params(), args.params());
@@ -32,13 +34,20 @@ pub(super) fn run(args: &RelightArgs) -> Result<()> {
     let illumination = illumination(&args.light)?;
     let mut inputs = work.roles.inputs(&work.input);
     inputs.albedo.clone_from(&args.material.albedo);
+    inputs.light = Some(LightInputs {
+        lobes: LobeChoice::Off,
+        occlusion: args.dims_by_occlusion(),
+        ..LightInputs::default()
+    });
     let (loaded, read) = job.load(&inputs, needs(&params, shape.foreshortening, &illumination))?;
     let available = Available::in_frame(&loaded.frame);
     let kinds = LightKinds::in_light(&illumination);
     let plan = Plan::relight(available, shape, scaling, params, kinds)?;
     job.tell_plan(&plan)?;
     if params.method.scales() {
-        super::enhance::warn_of_dark_rims(&scaling, work.run.quiet);
+        for warning in dark_rims(&scaling) {
+            message::warning(work.run.quiet, &warning);
+        }
     }
     let outcome = Runner::default().relight(&plan, &loaded.frame, &illumination);
     let done = Done {

@@ -279,6 +279,11 @@ impl RelightArgs {
         }
     }
 
+    /// Whether there is light that comes from all around, and less of it in corners.
+    pub(super) fn dims_by_occlusion(&self) -> bool {
+        self.light.environment.is_some() || self.light.ambient > 0.0
+    }
+
     /// Files that only this command reads.
     pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
         let albedo = self.material.albedo.as_ref().map(PathBuf::from);

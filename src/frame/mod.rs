@@ -1,11 +1,13 @@
 //! The data everything passes around: planes, the mask, windows, the camera.
 
+mod light_layers;
 mod mask;
 mod plane;
 mod sight;
 mod space;
 mod window;
 
+pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayers};
 pub use mask::Mask;
 pub use plane::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes};
 pub use sight::SightLines;
@@ -45,6 +47,8 @@ pub struct Frame {
     pub albedo: Option<ColorPlanes>,
     /// Coverage of the picture, 0..1; colour is premultiplied by it.
     pub alpha: Option<Plane>,
+    /// The light that the picture is the sum of, as far as it is told apart and was asked for.
+    pub light: LightLayers,
     /// The camera, where it is known.
     pub camera: Option<Camera>,
     /// What the frame was read from.
@@ -95,6 +99,7 @@ impl Frame {
             color: self.color.as_ref().map(colors),
             albedo: self.albedo.as_ref().map(colors),
             alpha: self.alpha.as_ref().map(plane),
+            light: self.light.map(plane),
             source: self.source.clone(),
             ..*self
         }

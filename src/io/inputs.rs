@@ -1,6 +1,7 @@
 //! What a user may say about the inputs; everything left out is found from names and data.
 
 use crate::frame::NormalSpace;
+use glam::Vec3;
 use std::path::PathBuf;
 
 /// Which files and layers a frame is made of, and how they are to be read.
@@ -35,6 +36,50 @@ pub struct Inputs {
     pub normal_encoding: Option<NormalEncoding>,
     /// Axes of the normals that point the wrong way.
     pub normal_flip: Flip,
+    /// Light layers; read only where they are asked for here.
+    pub light: Option<LightInputs>,
+}
+
+/// Which layers of light are wanted. A lobe that is not named is found by its layers' names.
+#[derive(Debug, Clone, Default)]
+pub struct LightInputs {
+    /// Whether lobes are wanted.
+    pub lobes: LobeChoice,
+    /// Leaves out lobes of diffuse light, whatever they are called.
+    pub without_diffuse: bool,
+    /// Leaves out all other lobes.
+    pub without_specular: bool,
+    /// Diffuse light, the surface's colour included.
+    pub diffuse: Option<String>,
+    /// Specular light, the surface's colour included.
+    pub specular: Option<String>,
+    /// The surface's diffuse colour.
+    pub albedo: Option<String>,
+    /// Light groups; where there are any, lobes are not read.
+    pub groups: Vec<GroupInput>,
+    /// Whether ambient occlusion is wanted.
+    pub occlusion: bool,
+}
+
+/// Whether the lobes of a picture's light are used.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum LobeChoice {
+    /// Where there are any, unless a layer was named for the picture and none for a lobe.
+    #[default]
+    Auto,
+    /// Yes: it is an error if there are none.
+    On,
+    /// No.
+    Off,
+}
+
+/// A light group and where its light comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupInput {
+    /// Its name, without the renderer's prefix.
+    pub name: String,
+    /// Unit directions in view space to its lights.
+    pub to_light: Vec<Vec3>,
 }
 
 /// How a normal's components were stored.

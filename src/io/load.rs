@@ -4,6 +4,7 @@ use super::coverage::{self, Evidence};
 use super::depth::{depth_of_positions, judge_depth};
 use super::exr::ExrFile;
 use super::inputs::{Inputs, NormalEncoding};
+use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
 use super::sources::{Opened, RolePlanes, RoleSource, read_all};
@@ -73,10 +74,11 @@ impl Loaded {
 /// neither names nor data tell the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let main = Opened::open(&inputs.picture)?;
-    let sources = Sources::resolve(inputs, &main, needs)?;
-    let data_window = sources.common_window()?;
+    let light = LightSources::resolve(inputs, &main)?;
+    let sources = Sources::resolve(inputs, &main, needs, !light.is_empty())?;
+    let data_window = sources.common_window(&light)?;
     let (display_window, pixel_aspect) = shown(&main, data_window);
-    let mut planes = sources.read()?;
+    let (mut planes, light_planes) = sources.read(&light)?;
     let mut notes = Notes::about(&sources);
 
     let mut normal = planes
@@ -85,7 +87,10 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let encoding = notes.encoding(inputs, &sources, &normal);
     normals::decode(&mut normal, encoding, inputs.normal_flip);
     let (color, alpha) = planes.color(Role::Color, &mut notes);
-    let (albedo, _) = planes.color(Role::DiffuseColor, &mut notes);
+    let albedos = [Role::Albedo, Role::DiffuseColor];
+    let albedo = albedos
+        .into_iter()
+        .find_map(|role| planes.color(role, &mut notes).0);
     let mut depth = planes.scalar(Role::Depth);
     let mask = coverage::coverage(&Evidence {
         normal: &normal,
@@ -128,6 +133,10 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         depth = Some(made);
     }
 
+    let read = light.assemble(light_planes, color.as_ref(), &mask);
+    notes.findings.extend(read.findings);
+    notes.warnings.extend(read.warnings);
+
     let mut frame = Frame {
         data_window,
         display_window,
@@ -143,6 +152,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         color,
         albedo,
         alpha,
+        light: read.layers,
         camera,
         source: Source {
             normal_rounding: sources.get(Role::Normal).map_or(0.0, RoleSource::rounding),
@@ -180,7 +190,7 @@ struct Sources {
 }
 
 impl Sources {
-    fn resolve(inputs: &Inputs, main: &Rc<Opened>, needs: Needs) -> Result<Self> {
+    fn resolve(inputs: &Inputs, main: &Rc<Opened>, needs: Needs, with_light: bool) -> Result<Self> {
         let find = |role, name: &Option<String>| RoleSource::resolve(role, name.as_deref(), main);
         let normal = find(Role::Normal, &inputs.normal)?
             .ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
@@ -201,12 +211,15 @@ impl Sources {
         if needs.color && color.is_none() {
             return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
         }
-        // Without depth, alpha tells coverage, so the picture is read for it.
-        if needs.color || needs.color_if_any || roles.iter().all(|s| s.role != Role::Depth) {
+        // Without depth, alpha tells coverage, so the picture is read for it; and light is compared to it.
+        let with_color = needs.color || needs.color_if_any || with_light;
+        if with_color || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(color);
         }
         if needs.albedo {
-            roles.extend(find(Role::DiffuseColor, &inputs.albedo)?);
+            let albedo = find(Role::Albedo, &inputs.albedo)?;
+            let by_name = || RoleSource::resolve(Role::DiffuseColor, None, main);
+            roles.extend(albedo.map_or_else(by_name, |albedo| Ok(Some(albedo)))?);
         }
         roles.extend(find(Role::Mask, &inputs.mask)?);
         if inputs.importance.is_some() {
@@ -216,10 +229,10 @@ impl Sources {
     }
 
     /// The window that all sources share.
-    fn common_window(&self) -> Result<Window> {
+    fn common_window(&self, light: &LightSources) -> Result<Window> {
         let expected = &self.roles[0];
         let window = expected.window();
-        for source in &self.roles[1..] {
+        for source in self.roles[1..].iter().chain(light.sources()) {
             if source.window() != window {
                 return Err(Error::SizeMismatch {
                     path: source.file.path().to_path_buf(),
@@ -231,11 +244,13 @@ impl Sources {
         Ok(window)
     }
 
-    fn read(&self) -> Result<Planes> {
-        let read = read_all(&self.roles)?;
-        Ok(Planes {
-            roles: self.roles.iter().map(|s| s.role).zip(read).collect(),
-        })
+    /// Reads the roles and the light layers, each file once.
+    fn read(&self, light: &LightSources) -> Result<(Planes, Vec<RolePlanes>)> {
+        let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
+        let mut read = read_all(&all)?;
+        let light = read.split_off(self.roles.len());
+        let roles = self.roles.iter().map(|s| s.role).zip(read).collect();
+        Ok((Planes { roles }, light))
     }
 
     fn get(&self, role: Role) -> Option<&RoleSource> {
@@ -243,7 +258,7 @@ impl Sources {
     }
 }
 
-fn missing(main: &Opened, role: Role, flag: &str) -> Error {
+pub(super) fn missing(main: &Opened, role: Role, flag: &str) -> Error {
     let layers = main.layer_names();
     let found = if layers.is_empty() {
         "a photo".into()
@@ -301,7 +316,7 @@ impl Planes {
 }
 
 /// Three planes of one or three: a grey picture has three equal ones.
-fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
+pub(super) fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
     let third = planes.pop().expect("a source has planes");
     match (planes.pop(), planes.pop()) {
         (Some(second), Some(first)) => [first, second, third],
@@ -310,7 +325,7 @@ fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
 }
 
 /// One plane of one or three: their mean.
-fn grey(mut planes: Vec<Plane>) -> Plane {
+pub(super) fn grey(mut planes: Vec<Plane>) -> Plane {
     if planes.len() == 1 {
         return planes.remove(0);
     }

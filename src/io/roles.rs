@@ -24,12 +24,29 @@ pub enum Role {
     DiffuseDirect,
     DiffuseIndirect,
     DiffuseColor,
+    Diffuse,
+    Albedo,
     GlossyDirect,
     GlossyIndirect,
     GlossyColor,
+    Specular,
     TransmissionDirect,
     TransmissionIndirect,
     TransmissionColor,
+    Transmission,
+    SubsurfaceDirect,
+    SubsurfaceIndirect,
+    SubsurfaceColor,
+    Subsurface,
+    CoatDirect,
+    CoatIndirect,
+    Coat,
+    SheenDirect,
+    SheenIndirect,
+    Sheen,
+    VolumeDirect,
+    VolumeIndirect,
+    Volume,
     Emission,
     Environment,
     Shadow,
@@ -73,32 +90,48 @@ const RULES: &[Rule] = &[
     (
         Role::DiffuseDirect,
         Arity::Color,
-        &["diffusedirect", "diffdir"],
+        &[
+            "diffusedirect",
+            "diffdir",
+            "directdiffuse",
+            "diffuselighting",
+        ],
     ),
     (
         Role::DiffuseIndirect,
         Arity::Color,
-        &["diffuseindirect", "diffind"],
+        &["diffuseindirect", "diffind", "indirectdiffuse"],
     ),
     (
         Role::DiffuseColor,
         Arity::Color,
-        &["diffusecolor", "diffcol", "albedo"],
+        &["diffusecolor", "diffcol"],
+    ),
+    (Role::Diffuse, Arity::Color, &["diffuse", "combineddiffuse"]),
+    (
+        Role::Albedo,
+        Arity::Color,
+        &["diffusealbedo", "albedo", "diffusefilter"],
     ),
     (
         Role::GlossyDirect,
         Arity::Color,
-        &["glossydirect", "glossdir"],
+        &["glossydirect", "glossdir", "speculardirect"],
     ),
     (
         Role::GlossyIndirect,
         Arity::Color,
-        &["glossyindirect", "glossind"],
+        &["glossyindirect", "glossind", "specularindirect"],
     ),
     (
         Role::GlossyColor,
         Arity::Color,
         &["glossycolor", "glosscol"],
+    ),
+    (
+        Role::Specular,
+        Arity::Color,
+        &["specular", "glossyreflection"],
     ),
     (
         Role::TransmissionDirect,
@@ -115,8 +148,46 @@ const RULES: &[Rule] = &[
         Arity::Color,
         &["transmissioncolor", "transcol"],
     ),
+    (Role::Transmission, Arity::Color, &["transmission"]),
+    (
+        Role::SubsurfaceDirect,
+        Arity::Color,
+        &["subsurfacedirect", "subsurfacedir", "sssdirect"],
+    ),
+    (
+        Role::SubsurfaceIndirect,
+        Arity::Color,
+        &["subsurfaceindirect", "subsurfaceind", "sssindirect"],
+    ),
+    (
+        Role::SubsurfaceColor,
+        Arity::Color,
+        &["subsurfacecolor", "subsurfacecol"],
+    ),
+    (Role::Subsurface, Arity::Color, &["sss"]),
+    (Role::CoatDirect, Arity::Color, &["coatdirect"]),
+    (Role::CoatIndirect, Arity::Color, &["coatindirect"]),
+    (Role::Coat, Arity::Color, &["coat"]),
+    (Role::SheenDirect, Arity::Color, &["sheendirect"]),
+    (Role::SheenIndirect, Arity::Color, &["sheenindirect"]),
+    (Role::Sheen, Arity::Color, &["sheen"]),
+    (
+        Role::VolumeDirect,
+        Arity::Color,
+        &["volumedirect", "volumedir"],
+    ),
+    (
+        Role::VolumeIndirect,
+        Arity::Color,
+        &["volumeindirect", "volumeind"],
+    ),
+    (Role::Volume, Arity::Color, &["volume"]),
     (Role::Emission, Arity::Color, &["emission", "emit"]),
-    (Role::Environment, Arity::Color, &["environment", "env"]),
+    (
+        Role::Environment,
+        Arity::Color,
+        &["environment", "env", "background"],
+    ),
     (Role::Shadow, Arity::Color, &["shadow"]),
     (
         Role::Motion,
@@ -144,6 +215,12 @@ impl Role {
             Ok(serde_json::Value::String(name)) => name,
             _ => unreachable!("a unit variant serialises to its name"),
         }
+    }
+
+    /// Whether the role is seen: a colour or light, rather than data. The names of light mean light.
+    pub(super) fn is_seen(self) -> bool {
+        use Role::{Color, DiffuseDirect, Environment};
+        self == Color || (DiffuseDirect..=Environment).contains(&self)
     }
 
     fn arity(self) -> Arity {
@@ -221,15 +298,20 @@ fn split_component(channel: &str) -> (&str, String) {
     (channel, String::new())
 }
 
+/// The last word of a layer's name, the eye of a stereo pair left out.
+pub(super) fn last_word(name: &str) -> &str {
+    let mut words: Vec<&str> = name.split('.').collect();
+    if words.len() > 1 && matches!(words.last(), Some(&"left" | &"right")) {
+        words.pop();
+    }
+    words.last().copied().unwrap_or_default()
+}
+
 impl Layer {
-    /// The word the table knows the layer by: the last of its name, the eye of a stereo pair left
-    /// out, in lower case without punctuation.
+    /// The word the table knows the layer by: the last of its name in lower case, without
+    /// punctuation.
     fn key(&self) -> String {
-        let mut words: Vec<&str> = self.name.split('.').collect();
-        if words.len() > 1 && matches!(words.last(), Some(&"left" | &"right")) {
-            words.pop();
-        }
-        let last = words.last().copied().unwrap_or_default();
+        let last = last_word(&self.name);
         last.chars()
             .filter(char::is_ascii_alphanumeric)
             .collect::<String>()

@@ -104,14 +104,8 @@ impl RoleSource {
         let Some(name) = named else {
             return Ok(Self::by_role(role, main));
         };
-        if let Opened::Exr { layers, .. } = main.as_ref()
-            && let Some(layer) = roles::named(layers, name, role)
-        {
-            return Ok(Some(Self {
-                role,
-                file: main.clone(),
-                layer: Some(layer),
-            }));
+        if let Some(source) = Self::layer(role, name, main) {
+            return Ok(Some(source));
         }
         let path = Path::new(name);
         if !path.exists() {
@@ -155,6 +149,33 @@ impl RoleSource {
             file: file.clone(),
             layer,
         })
+    }
+
+    /// The layer of `main` with this name, for `role`.
+    pub(super) fn layer(role: Role, name: &str, main: &Rc<Opened>) -> Option<Self> {
+        let Opened::Exr { layers, .. } = main.as_ref() else {
+            return None;
+        };
+        roles::named(layers, name, role).map(|layer| Self {
+            role,
+            file: main.clone(),
+            layer: Some(layer),
+        })
+    }
+
+    /// The same without its coverage.
+    pub(super) fn without_alpha(mut self) -> Self {
+        if let Some(layer) = &mut self.layer {
+            layer.alpha = None;
+        }
+        self
+    }
+
+    /// Whether this is the same layer of the same file as `other`.
+    pub(super) fn is_layer_of(&self, other: &Self) -> bool {
+        let place = |layer: &Match| (layer.part, layer.channels.clone());
+        let places = [self, other].map(|source| source.layer.as_ref().map(place));
+        Rc::ptr_eq(&self.file, &other.file) && places[0].is_some() && places[0] == places[1]
     }
 
     /// What messages call this source.
@@ -288,15 +309,15 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
     Ok(planes.into_iter().flatten().collect())
 }
 
-/// A photo is colour only where colour is wanted: then it is linear and multiplied by its alpha, as a
+/// A photo is colour only where colour or light is wanted: then it is linear and multiplied by its alpha, as a
 /// frame's picture is. As data its values are taken as they are.
 fn photo_planes(photo: &Photo, role: Role) -> RolePlanes {
-    let mut planes = if role == Role::Color {
+    let mut planes = if role.is_seen() {
         photo.to_linear()
     } else {
         photo.channels.clone()
     };
-    if let (Role::Color, Some(alpha)) = (role, &photo.alpha) {
+    if let (true, Some(alpha)) = (role.is_seen(), &photo.alpha) {
         for plane in &mut planes {
             let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
             samples.for_each(|(sample, alpha)| *sample *= alpha);

@@ -8,6 +8,7 @@ pub mod environment;
 pub mod environment_layout;
 pub mod glossy;
 pub mod irradiance;
+pub mod layers;
 pub mod light_samples;
 pub mod light_warping;
 pub mod lights;

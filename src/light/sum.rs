@@ -342,8 +342,8 @@ impl LightSum {
         self.waiting = 0;
         if shading.warped {
             for sum in self.diffuse.iter_mut().chain(&mut self.specular) {
-                for i in 0..BATCH {
-                    sum[i] *= pixels.spread[i];
+                for (sum, spread) in sum.iter_mut().zip(&pixels.spread) {
+                    *sum *= spread;
                 }
             }
         }
@@ -412,6 +412,11 @@ fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
+#[inline(always)]
+fn at_most_1(x: f32) -> f32 {
+    if x < 1.0 { x } else { 1.0 }
+}
+
 /// A light by lane: its direction, its half vector with z, how much of it arrives; and whether it is known
 /// to be above the surface everywhere.
 #[derive(Clone, Copy)]
@@ -460,7 +465,7 @@ impl Scratch {
             Lobes::Phong { power } => {
                 self.product(&pixels.mirrored, unwarped, direction, 0);
                 for i in 0..BATCH {
-                    self.lobe[i] = positive(self.products[0][i]);
+                    self.lobe[i] = at_most_1(positive(self.products[0][i]));
                 }
                 power.raise(&mut self.lobe);
                 self.scale_cosine(&mut terms.diffuse, pixels, shading);
@@ -573,13 +578,13 @@ impl Scratch {
                 for i in 0..BATCH {
                     let [x, y, z] = half(i);
                     let along = positive(gx[i] * x + gy[i] * y + pixels.normal.vector[2][i] * z);
-                    self.lobe[i] = along * along * self.inverse[i];
+                    self.lobe[i] = at_most_1(along * along * self.inverse[i]);
                 }
             }
             (true, false) => {
                 for i in 0..BATCH {
                     let along = positive(dot(pixels.normal.at(i), half(i)));
-                    self.lobe[i] = along * along;
+                    self.lobe[i] = at_most_1(along * along);
                 }
             }
             (false, _) => {
@@ -588,7 +593,7 @@ impl Scratch {
                     let eye = dot(pixels.normal.at(i), pixels.to_eye.at(i));
                     let along = positive(self.cosine[i] + eye);
                     let squared = 2.0 + 2.0 * self.products[0][i];
-                    self.lobe[i] = along * along / squared.max(SHORTEST);
+                    self.lobe[i] = at_most_1(along * along / squared.max(SHORTEST));
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
+use super::enhancement::{Enhancement, Subject};
 use super::{Available, Goal, Points, Relighting, Stage, Sweeps};
 use crate::params::{Adaptive, ScalingParams, ShapeParams};
 use serde::Serialize;
@@ -48,6 +49,9 @@ impl Stage {
             Self::AutoWhite => "auto-white",
             Self::MappedCurvature => "mapped-curvature",
             Self::RadianceScaling => "radiance-scaling",
+            Self::LightLobes => "light-lobes",
+            Self::LightGroups => "light-groups",
+            Self::AmbientOcclusion => "ambient-occlusion",
             Self::CurvatureDisplay => "curvature-display",
             Self::AlbedoEstimate => "albedo-estimate",
             Self::EnvironmentLights => "environment-lights",
@@ -82,19 +86,25 @@ pub(super) struct Request<'a> {
 
 /// Decides every stage, in the order of execution.
 pub(super) fn decide(request: &Request) -> Vec<Decision> {
-    let mut decisions = of_shape(request);
+    let enhancement = Enhancement::new(request.available.light, request.scaling);
+    let mut decisions = of_shape(request, &enhancement);
     let no_shape = match (request.goal, request.relighting) {
-        (Goal::Enhance, _) if request.scaling.scaling == 0.0 => {
-            Some("--scaling 0 leaves the picture as it is")
+        (Goal::Enhance, _) if enhancement.is_idle() => {
+            Some("a magnitude of 0 leaves the picture as it is")
         }
         (_, Some(relighting)) if !relighting.needs_shape() => {
             Some("light that is not altered asks nothing of shape")
         }
         _ => None,
     };
-    decisions.extend(light(request.goal, request.scaling));
+    decisions.extend(light(
+        request.goal,
+        request.available,
+        &enhancement,
+        request.scaling,
+    ));
     if let Some(reason) = no_shape {
-        for decision in decisions.iter_mut().filter(|d| d.kept) {
+        for decision in &mut decisions {
             *decision = skip(decision.stage, reason);
         }
     }
@@ -109,7 +119,7 @@ pub(super) fn decide(request: &Request) -> Vec<Decision> {
 }
 
 /// The stages of shape.
-fn of_shape(request: &Request) -> Vec<Decision> {
+fn of_shape(request: &Request, enhancement: &Enhancement) -> Vec<Decision> {
     let Request {
         goal,
         shape,
@@ -120,7 +130,10 @@ fn of_shape(request: &Request) -> Vec<Decision> {
     } = *request;
     let factor = shape.resolution_factor(request.available.image_height);
     let all = goal == Goal::Layers;
-    let hessian = all || relighting.is_some_and(|r| r.needs_hessian());
+    let along_lights = goal == Goal::Enhance
+        && enhancement.subject == Subject::Groups
+        && scaling.anisotropy != 0.0;
+    let hessian = all || along_lights || relighting.is_some_and(|r| r.needs_hessian());
     let gain = relighting.is_none_or(|r| r.needs_gain());
     let grain = relighting.is_some_and(|r| r.grain);
     let mut decisions = silhouettes(request.available);
@@ -267,18 +280,54 @@ fn silhouettes(available: Available) -> Vec<Decision> {
     ]
 }
 
-fn light(goal: Goal, scaling: &ScalingParams) -> Vec<Decision> {
+fn light(
+    goal: Goal,
+    available: Available,
+    enhancement: &Enhancement,
+    scaling: &ScalingParams,
+) -> Vec<Decision> {
     let enhance = goal == Goal::Enhance;
     let not_light = "no light is asked for";
-    let white = if enhance {
-        format!("--white-level {}", scaling.white_level)
-    } else {
-        not_light.to_string()
+    let (subject, light) = (enhancement.subject, available.light);
+    let scaled = enhance && enhancement.magnitude > 0.0;
+    let of = |one: Subject, why_not: &str| match (enhance, subject == one) {
+        (false, _) => not_light.to_string(),
+        (true, true) => "a magnitude of 0".into(),
+        (true, false) => why_not.into(),
+    };
+    let by_layers = match subject {
+        Subject::Groups => "light groups are scaled instead",
+        _ => "its lobes are scaled instead",
+    };
+    let no_lobes = match light.diffuse || light.specular {
+        true => "light groups go before lobes",
+        false => "no lobes told apart, or one layer named",
+    };
+    let white = match subject {
+        _ if !enhance => not_light.to_string(),
+        Subject::Groups => "intensity is the cosine to the light".into(),
+        Subject::Picture if light.picture_is_occlusion => "1: the picture is occlusion".into(),
+        _ => format!("--white-level {}", scaling.white_level),
+    };
+    let has_white =
+        subject == Subject::Lobes || (subject == Subject::Picture && !light.picture_is_occlusion);
+    let no_occlusion = match scaling.scaling_ambient {
+        _ if !enhance => not_light,
+        None => "no --scaling-ambient",
+        Some(_) if light.picture_is_occlusion => "the picture is occlusion",
+        Some(0.0) => "--scaling-ambient 0",
+        Some(_) if !light.occlusion => "no occlusion layer",
+        Some(_) => "in the diffuse light from other surfaces, which is scaled by it",
+    };
+    let magnitudes = scaling.magnitudes();
+    let terms = match (scaling.scaling_ambient, light.diffuse_indirect) {
+        (Some(ambient), true) => format!(", ambient {ambient}"),
+        _ => String::new(),
     };
     vec![
         rule(
             Stage::AutoWhite,
-            enhance && scaling.white_level == Adaptive::Auto,
+            scaled && has_white && scaling.white_level == Adaptive::Auto,
             "--white-level auto",
             white,
         ),
@@ -290,9 +339,30 @@ fn light(goal: Goal, scaling: &ScalingParams) -> Vec<Decision> {
         ),
         rule(
             Stage::RadianceScaling,
-            enhance,
-            format!("magnitude {}", scaling.scaling),
-            not_light,
+            scaled && subject == Subject::Picture,
+            format!("magnitude {}", enhancement.magnitude),
+            of(Subject::Picture, by_layers),
+        ),
+        rule(
+            Stage::LightLobes,
+            scaled && subject == Subject::Lobes,
+            format!(
+                "magnitude diffuse {}, specular {}{terms}",
+                magnitudes.diffuse, magnitudes.specular
+            ),
+            of(Subject::Lobes, no_lobes),
+        ),
+        rule(
+            Stage::LightGroups,
+            scaled && subject == Subject::Groups,
+            format!("magnitude {}, by directions", enhancement.magnitude),
+            of(Subject::Groups, "no --light-group"),
+        ),
+        rule(
+            Stage::AmbientOcclusion,
+            enhance && enhancement.occlusion > 0.0,
+            format!("magnitude {}", enhancement.occlusion),
+            no_occlusion,
         ),
         rule(
             Stage::CurvatureDisplay,
@@ -335,7 +405,7 @@ pub(super) fn skip(stage: Stage, reason: impl Into<String>) -> Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Plan;
+    use crate::plan::{LightAvailable, Plan};
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {
@@ -354,6 +424,7 @@ mod tests {
         image_height: 1080,
         positions: true,
         normal_rounding: 0.0,
+        light: LightAvailable::NONE,
     };
     const NOTHING: Available = Available {
         depth: false,
@@ -364,6 +435,7 @@ mod tests {
         image_height: 1080,
         positions: false,
         normal_rounding: 0.0,
+        light: LightAvailable::NONE,
     };
 
     #[test]

@@ -1,10 +1,12 @@
 //! What to compute, in what order, and why: from the products asked for and the inputs present, the
 //! stages needed and no others. A plan touches no pixel.
 
+mod enhancement;
 mod explain;
 mod relight;
 mod sweeps;
 
+pub use enhancement::LightAvailable;
 pub use explain::Decision;
 pub use relight::{Albedo, EnvironmentUse, LightKinds, Relighting};
 pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
@@ -65,6 +67,12 @@ pub enum Stage {
     MappedCurvature,
     /// Radiance scaling of the picture.
     RadianceScaling,
+    /// Radiance scaling of each lobe of the picture's light.
+    LightLobes,
+    /// Radiance scaling of light groups by the directions of their lights.
+    LightGroups,
+    /// Radiance scaling by ambient occlusion.
+    AmbientOcclusion,
     /// Coloured curvature display.
     CurvatureDisplay,
     /// Albedo, from the picture.
@@ -106,6 +114,8 @@ pub struct Available {
     pub positions: bool,
     /// Largest rounding error of a component of the normals.
     pub normal_rounding: f32,
+    /// Light layers to scale.
+    pub light: LightAvailable,
 }
 
 /// What tells where the surface seen at a pixel lies.
@@ -132,6 +142,7 @@ impl Available {
                 && frame.camera.is_some()
                 && frame.source.depth_kind != DepthKind::Relative,
             normal_rounding: frame.source.normal_rounding,
+            light: LightAvailable::of(&frame.light),
         }
     }
 }

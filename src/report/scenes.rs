@@ -4,7 +4,7 @@
 //! diffusion it is told; it tells the error of the whole method, grid and all, beside which the error of
 //! a solver is to be judged.
 
-use crate::frame::{Frame, Mask, Plane, Source, Vector3Planes, Window};
+use crate::frame::{Frame, LightLayers, Mask, Plane, Source, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -261,6 +261,7 @@ fn frame(width: usize, height: usize, at: impl Fn(usize, usize) -> Option<(DVec3
         color: None,
         albedo: None,
         alpha: None,
+        light: LightLayers::default(),
         camera: None,
         source: Source::default(),
     }

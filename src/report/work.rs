@@ -55,6 +55,11 @@ pub fn of_stage(name: &str, shape: &ShapeParams, sweeps: &Sweeps) -> Option<Work
         "auto-gain" => planes(2, 0, 6.0),
         "display" => planes(2, 3, FUNCTION + 20.0),
         "radiance-scaling" => planes(4, 3, 2.0 * FUNCTION + 25.0),
+        // Of two lobes with direct light, indirect light and colour: 18 planes, the picture and the trace.
+        "light-lobes" => planes(22, 3, 3.0 * FUNCTION + 90.0),
+        // Of two groups of one direction: 6 planes, the picture, the normal and the trace.
+        "light-groups" => planes(13, 3, 3.0 * FUNCTION + 70.0),
+        "ambient-occlusion" => planes(5, 3, 2.0 * FUNCTION + 20.0),
         "auto-white" => planes(3, 0, 8.0),
         _ => return None,
     })

@@ -195,6 +195,7 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
             color: frame.color.as_ref().map(colors),
             albedo: frame.albedo.as_ref().map(colors),
             alpha: frame.alpha.as_ref().map(plane),
+            light: frame.light.map(plane),
             camera: frame.camera.map(camera),
             source: frame.source.clone(),
         }

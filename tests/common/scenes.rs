@@ -9,7 +9,7 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use relievo::frame::{
-    Camera, ColorPlanes, Frame, Mask, Plane, Projection, Source, Vector3Planes, Window,
+    Camera, ColorPlanes, Frame, LightLayers, Mask, Plane, Projection, Source, Vector3Planes, Window,
 };
 use std::f64::consts::PI;
 
@@ -684,6 +684,7 @@ impl Scene {
             }),
             albedo: None,
             alpha: Some(plane(|_| 1.0)),
+            light: LightLayers::default(),
             camera: Some(Camera {
                 view_from_world: DAffine3::IDENTITY,
                 projection: self.projection,

@@ -226,7 +226,7 @@ fn an_estimated_albedo_is_flat_where_the_picture_was_shaded_flat() {
         0.3 + 0.1 * n.x.at(x, y) + 0.2 * n.y.at(x, y) + 0.2 * n.z.at(x, y)
     };
     // Two stripes of paint, 0.8 and 0.4.
-    let paint = |x: usize| if x / 8 % 2 == 0 { 0.8 } else { 0.4 };
+    let paint = |x: usize| if (x / 8).is_multiple_of(2) { 0.8 } else { 0.4 };
     let plane = Plane::from_fn(97, 94, |x, y| paint(x) * shade(x, y));
     let painted = Frame {
         color: Some(ColorPlanes {

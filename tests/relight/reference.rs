@@ -5,22 +5,22 @@ use glam::{DMat2, DVec2, DVec3};
 use relievo::params::{Material, MaterialParams, Method, ScalingParams};
 
 /// What is known of a pixel.
-pub struct Pixel {
-    pub normal: DVec3,
-    pub to_eye: DVec3,
+pub(crate) struct Pixel {
+    pub(crate) normal: DVec3,
+    pub(crate) to_eye: DVec3,
     /// Tangent along the grain.
-    pub along: DVec3,
+    pub(crate) along: DVec3,
     /// [xx, xy, yy], convex negative.
-    pub hessian: [f64; 3],
+    pub(crate) hessian: [f64; 3],
 }
 
-pub struct Settings<'a> {
-    pub method: Method,
+pub(crate) struct Settings<'a> {
+    pub(crate) method: Method,
     /// Strength of the warp: alpha of [LW].
-    pub alpha: f64,
-    pub gain: f64,
-    pub scaling: &'a ScalingParams,
-    pub material: &'a MaterialParams,
+    pub(crate) alpha: f64,
+    pub(crate) gain: f64,
+    pub(crate) scaling: &'a ScalingParams,
+    pub(crate) material: &'a MaterialParams,
 }
 
 /// Lambda of [LW] section 5 by its eigenvectors.
@@ -35,7 +35,7 @@ fn lambda(h: [f64; 3], alpha: f64) -> DMat2 {
 }
 
 /// W with the matrix `lambda`, in stereographic coordinates as printed.
-pub fn warp(l: DVec3, lambda: DMat2) -> DVec3 {
+pub(crate) fn warp(l: DVec3, lambda: DMat2) -> DVec3 {
     let p = lambda * (l.truncate() / (1.0 + l.z));
     let square = p.length_squared();
     DVec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - square) / (1.0 + square)
@@ -68,7 +68,7 @@ fn kappa(h: [f64; 3], l: DVec3, gain: f64, anisotropy: f64) -> f64 {
 }
 
 /// What a light of 1 from `light` adds: diffusely, specularly.
-pub fn reflected(pixel: &Pixel, light: DVec3, s: &Settings) -> [f64; 2] {
+pub(crate) fn reflected(pixel: &Pixel, light: DVec3, s: &Settings) -> [f64; 2] {
     let lambda = match s.method.warps() {
         true => lambda(pixel.hessian, s.alpha),
         false => DMat2::IDENTITY,

@@ -140,24 +140,32 @@ fn curvature_toward_the_light_agrees_with_the_paper() {
 #[test]
 fn a_point_light_is_a_direction_and_a_fall_off_for_every_pixel() {
     let frame = torus_in_perspective();
-    let position = Vec3::new(3.0, 8.0, -20.0);
     let projection = frame.camera.unwrap().projection;
     let sight = relievo::frame::SightLines::new(projection);
+    let depth = frame.depth.clone().unwrap();
+    // Some 70 units in front of a point of the ring.
+    let (x, y) = covered(&frame).next().unwrap();
+    let near = sight.point(
+        x as f64,
+        y as f64,
+        depth.at(x, y).into(),
+        frame.source.depth_kind,
+    );
+    let position = near.as_vec3() + Vec3::new(-20.0, 30.0, 60.0);
     for method in METHODS {
         let mut asked = Asked::of(Material::BlinnPhong, method);
         asked.light = relievo::light::lights::Illumination {
             points: vec![PointLight {
                 position,
-                intensity: [500.0; 3],
+                intensity: [5000.0; 3],
             }],
             ..Default::default()
         };
-        let depth = frame.depth.clone().unwrap();
         let error = worst(&asked, &frame, |x, y| {
             let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
             let point = sight.point(px, py, depth.at(x, y).into(), frame.source.depth_kind);
             let to = position.as_dvec3() - point;
-            vec![(to.normalize(), 500.0 / to.length_squared())]
+            vec![(to.normalize(), 5000.0 / to.length_squared())]
         });
         assert!(error < 5e-5, "{method:?}: {error:.1e}");
     }

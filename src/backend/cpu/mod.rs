@@ -4,6 +4,7 @@ mod diffusion;
 mod direction_fill;
 mod edges;
 mod light;
+mod light_layers;
 mod memory;
 mod normal_rays;
 mod passes;
@@ -15,9 +16,11 @@ mod tiles;
 mod wave;
 
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::{Goal, Plan, Stage};
+use light_layers::Curvature;
 use memory::Memory;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -93,6 +96,8 @@ pub struct Outcome {
     pub white_level: Option<f32>,
     /// The factor of the environment's radiance that was used.
     pub environment_gain: Option<f32>,
+    /// The white levels that were used where each term of the light has its own, with the terms' names.
+    pub term_white_levels: Vec<(&'static str, f32)>,
     /// How long each pass took, in order.
     pub timings: Vec<(&'static str, Duration)>,
 }
@@ -135,6 +140,15 @@ impl Runner {
         self.start(plan, frame, |run| {
             if plan.has(Stage::RadianceScaling) {
                 run.scale_radiance();
+            }
+            if plan.has(Stage::LightLobes) {
+                run.scale_lobes();
+            }
+            if plan.has(Stage::LightGroups) {
+                run.scale_groups();
+            }
+            if plan.has(Stage::AmbientOcclusion) {
+                run.scale_by_occlusion();
             }
         })
     }
@@ -224,13 +238,16 @@ impl Run<'_> {
             std::iter::once(edges.gradient).chain(more).collect()
         };
         let gradient = gradients.remove(0);
-        if plan.goal == Goal::Relight {
-            self.shape_for_light(&gradient, &edges.conductance);
-        } else if plan.has(Stage::Hessian) {
+        if plan.has(Stage::Curvatures) {
             self.describe(&gradient, &edges.conductance);
             self.describe_more(gradients, &edges.conductance);
-        } else {
+        } else if plan.has(Stage::Hessian) {
+            self.find_hessian(&gradient, &edges.conductance);
+        } else if plan.has(Stage::Trace) {
             self.find_trace(&gradient, &edges.conductance);
+        }
+        if plan.goal == Goal::Relight && plan.has(Stage::NormalRays) {
+            self.find_grain(&edges.conductance);
         }
         if plan.has(Stage::CurvatureDisplay) {
             self.display(&edges.conductance);
@@ -251,6 +268,20 @@ impl Run<'_> {
         });
         self.choose_gain(&trace, conductance);
         self.outcome.shape.trace = Some(trace);
+    }
+
+    /// The Hessian where the direction of light counts, and its trace for the gain.
+    fn find_hessian(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let (hessian, trace) = self.timed("hessian", || {
+            let hessian = passes::hessian(gradient, conductance, &frame.mask, memory);
+            let hessian = hessian_at(plan.resolution_factor, hessian);
+            let trace = passes::trace_of(&hessian, &frame.mask, memory);
+            (hessian, trace)
+        });
+        self.choose_gain(&trace, conductance);
+        self.outcome.shape.trace = Some(trace);
+        self.outcome.shape.hessian = Some(hessian);
     }
 
     /// Everything that the layers of the descriptor hold beyond gradient and weights.
@@ -343,8 +374,15 @@ impl Run<'_> {
             .as_ref()
             .expect("radiance scaling needs a picture");
         let weights = light::luminance_weights(frame);
-        let white = match plan.scaling.white_level {
+        let is_occlusion = frame.light.picture_is_occlusion;
+        let mut params = plan.scaling;
+        if is_occlusion {
+            params.scaling = params.magnitudes().ambient;
+        }
+        let white = match params.white_level {
             Adaptive::Fixed(level) => level,
+            // What arrives of ambient light is a share of 1.
+            Adaptive::Auto if is_occlusion => 1.0,
             Adaptive::Auto => self.timed("auto-white", || {
                 statistics::white_level(color, weights, &frame.mask)
             }),
@@ -361,7 +399,7 @@ impl Run<'_> {
             .expect("scaling needs the trace");
         let scaled = self.timed("radiance-scaling", || {
             let scaler = light::Scaler {
-                params: plan.scaling,
+                params,
                 gain,
                 white,
                 weights,
@@ -371,5 +409,65 @@ impl Run<'_> {
         self.outcome.shape.trace = Some(trace);
         self.outcome.white_level = Some(white);
         self.outcome.color = Some(scaled);
+    }
+
+    fn scale_lobes(&mut self) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let terms = light_layers::terms(&frame.light.lobes, &plan.scaling);
+        let levels = || light_layers::white_levels(&terms, frame, plan.scaling.white_level, memory);
+        let whites = match plan.has(Stage::AutoWhite) {
+            true => self.timed("auto-white", levels),
+            false => levels(),
+        };
+        self.with_curvature("light-lobes", |_, curvature| {
+            light_layers::scale_lobes(&terms, &whites, frame, &plan.scaling, curvature, memory)
+        });
+        self.outcome.term_white_levels = whites;
+    }
+
+    fn scale_groups(&mut self) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        self.with_curvature("light-groups", |_, curvature| {
+            light_layers::scale_groups(frame, &plan.scaling, curvature, memory)
+        });
+    }
+
+    /// Scales the picture, enhanced or not, by its ambient occlusion.
+    fn scale_by_occlusion(&mut self) {
+        let (plan, frame) = (self.plan, self.frame);
+        let occlusion = frame.light.occlusion.as_ref();
+        let occlusion = occlusion.expect("the plan has seen occlusion");
+        let by = TermScaling {
+            magnitude: plan.scaling.magnitudes().ambient,
+            invariant_point: plan.scaling.invariant_point,
+            white: 1.0,
+            weights: light::luminance_weights(frame),
+        };
+        self.with_curvature("ambient-occlusion", |made, curvature| {
+            let color = made.or_else(|| frame.color.clone());
+            let color = color.expect("radiance scaling needs a picture");
+            light_layers::scale_by_occlusion(color, occlusion, &frame.mask, curvature, by)
+        });
+    }
+
+    /// Makes the picture anew of the one made so far, by curvature.
+    fn with_curvature(
+        &mut self,
+        name: &'static str,
+        pass: impl FnOnce(Option<ColorPlanes>, Curvature) -> ColorPlanes,
+    ) {
+        let start = Instant::now();
+        let shape = &self.outcome.shape;
+        let curvature = Curvature {
+            trace: shape.trace.as_ref().expect("scaling needs the trace"),
+            hessian: shape.hessian.as_ref(),
+            gain: self
+                .outcome
+                .gain
+                .expect("the gain is chosen before scaling"),
+        };
+        let made = pass(self.outcome.color.take(), curvature);
+        self.outcome.color = Some(made);
+        self.outcome.timings.push((name, start.elapsed()));
     }
 }

@@ -25,17 +25,6 @@ pub(super) fn trace(
     trace
 }
 
-/// Trace of a Hessian that is there already.
-pub(super) fn sum_of_diagonal(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Plane {
-    let [trace] = map_rows(mask, memory, |y, [out]| {
-        let (xx, yy) = (hessian.xx.row(y), hessian.yy.row(y));
-        for x in mask.span(y) {
-            out[x] = xx[x] + yy[x];
-        }
-    });
-    trace
-}
-
 /// The whole Hessian.
 pub(super) fn hessian(
     gradient: &Vector2Planes,
@@ -49,6 +38,18 @@ pub(super) fn hessian(
         simd.hessian_row(out, &gx, &gy, &c, mask.span(y));
     });
     SymmetricPlanes { xx, xy, yy }
+}
+
+/// Trace of a Hessian that is there.
+pub(super) fn trace_of(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Plane {
+    let [trace] = map_covered(mask, memory, |y| {
+        let entries = entries(hessian, y);
+        move |x| {
+            let [xx, _, yy] = entries(x);
+            [xx + yy]
+        }
+    });
+    trace
 }
 
 /// Principal and mean curvatures.
@@ -109,7 +110,7 @@ pub(super) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
 }
 
 /// Planes whose rows are filled by `fill(y, rows)`, which has to write all that is covered; 0 elsewhere.
-fn map_rows<const N: usize>(
+pub(super) fn map_rows<const N: usize>(
     mask: &Mask,
     memory: &Memory,
     fill: impl Fn(usize, [&mut [f32]; N]) + Sync,

@@ -9,6 +9,10 @@
 
 use super::light::{Scaler, scale_row};
 use super::relight::{Batch, Scene, light_batch};
+use crate::light::layers::{
+    LobeRow, TermScaling, add_change_row, add_direction_row, changed_row, group_sigma_row,
+    kappa_row, kappa_toward_row, lobe_luminance_row, lobe_sigma_row, occlude_row,
+};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
 use crate::shape::conductance::{conductance_row, face_conductance_row};
@@ -160,6 +164,34 @@ widened! {
         covered: &[bool],
     );
     fn light_batch(batch: &mut Batch, scene: &Scene);
+    fn kappa_row(kappa: &mut [f32], trace: &[f32], gain: f32);
+    fn kappa_toward_row(
+        kappa: &mut [f32],
+        hessian: [&[f32]; 3],
+        l_xy: [f32; 2],
+        gain: f32,
+        anisotropy: f32,
+    );
+    fn lobe_luminance_row(luminance: &mut [f32], lobe: &LobeRow, weights: [f32; 3]);
+    fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling);
+    fn add_direction_row(
+        plain: &mut [f32],
+        scaled: &mut [f32],
+        normal: [&[f32]; 3],
+        to_light: [f32; 3],
+        kappa: &[f32],
+        by: &TermScaling,
+    );
+    fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]);
+    fn add_change_row(change: &mut [f32], told: &mut [f32], light: [&[f32]; 3], sigma: &[f32]);
+    fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], told: &[f32], covered: &[bool]);
+    fn occlude_row(
+        color: [&mut [f32]; 3],
+        occlusion: &[f32],
+        kappa: &[f32],
+        covered: &[bool],
+        by: &TermScaling,
+    );
 }
 
 #[cfg(test)]
@@ -244,7 +276,45 @@ mod tests {
             simd.add_terms_row(&mut out_x, terms[0], [0.7, -0.2]);
             results.extend([out_x, out_y]);
         }
+        results.extend(made_of_light(simd, &gx, &gy));
         results
+    }
+
+    /// What the kernels of light layers make of some rows.
+    fn made_of_light(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
+        let [a, b] = [a, b].map(|rows| [&rows[0][..WIDTH], &rows[1][..WIDTH], &rows[2][..WIDTH]]);
+        let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();
+        let by = TermScaling {
+            magnitude: 1.3,
+            invariant_point: 0.25,
+            white: 0.8,
+            weights: [0.2, 0.7, 0.1],
+        };
+        let blank = || vec![0.0; WIDTH];
+        let [mut kappa, mut toward, mut lobe, mut group] = [blank(), blank(), blank(), blank()];
+        let [mut plain, mut scaled, mut change, mut told] = [blank(), blank(), blank(), blank()];
+        simd.kappa_row(&mut kappa, a[0], -3.0);
+        simd.kappa_toward_row(&mut toward, a, [0.6, -0.3], 2.0, 0.7);
+        let row = LobeRow {
+            direct: a,
+            indirect: b,
+            color: a,
+            albedo: b,
+        };
+        simd.lobe_sigma_row(&mut lobe, &row, &kappa, &by);
+        simd.add_direction_row(&mut plain, &mut scaled, a, [0.6, 0.0, -0.8], &toward, &by);
+        simd.group_sigma_row(&mut group, &plain, &scaled);
+        simd.add_change_row(&mut change, &mut told, a, &lobe);
+        let mut out = blank();
+        simd.changed_row(&mut out, b[0], &change, &told, &covered);
+        let [mut red, mut green, mut blue] = b.map(<[f32]>::to_vec);
+        let color = [&mut red[..], &mut green[..], &mut blue[..]];
+        simd.occlude_row(color, a[1], &kappa, &covered, &by);
+        let mut luminance = blank();
+        simd.lobe_luminance_row(&mut luminance, &row, by.weights);
+        vec![
+            luminance, toward, plain, scaled, group, out, red, green, blue,
+        ]
     }
 
     #[test]

@@ -15,7 +15,7 @@ const TYPICAL_KAPPA: f32 = 0.35;
 const MAX_GAIN: f32 = 200.0;
 
 /// Share of the surface that the white level leaves below it.
-const WHITE_PERCENTILE: f64 = 0.98;
+pub(super) const WHITE_PERCENTILE: f64 = 0.98;
 
 /// Surfaces that turn by less than this many radians over the whole picture are flat to the eye and
 /// have no say: a room is mostly walls. An angle, it is the same at every resolution.

@@ -1,7 +1,7 @@
 //! The small frames that the cases are made of: straight, and through a file.
 
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Mask, NormalSpace, Plane, Source, Vector3Planes, Window};
+use crate::frame::{Frame, LightLayers, Mask, NormalSpace, Plane, Source, Vector3Planes, Window};
 use crate::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use crate::io::inputs::Inputs;
 use crate::io::{self, Loaded, Needs};
@@ -25,6 +25,7 @@ pub(super) fn relief(width: usize, height: usize) -> Frame {
         color: None,
         albedo: None,
         alpha: None,
+        light: LightLayers::default(),
         camera: None,
         source: Source::default(),
     }

@@ -162,27 +162,34 @@ impl<'a> Around<'a> {
     /// Ambient occlusion, which dims prefiltered and ambient light.
     pub(super) fn occlusion<'f>(&self, frame: &'f Frame) -> Option<&'f Plane> {
         let even = matches!(self.used, Used::Nothing | Used::Prefiltered { .. });
-        None.filter(|_| even && frame.mask.count() > 0)
+        frame.light.occlusion.as_ref().filter(|_| even)
     }
 
-    /// Intensities of one of the even directions, looked up where `direction` says.
+    /// Intensities of one of the even directions, looked up where `warped` says; dark where that is below
+    /// the surface.
     #[inline(always)]
     pub(super) fn look_up(
         &self,
         out: &mut [Lanes; 3],
-        count: usize,
-        direction: impl Fn(usize) -> [f32; 3],
+        pixels: &Pixels,
+        warped: impl Fn(usize) -> [f32; 3],
     ) {
         let Used::Lookups(directions, environment) = &self.used else {
             return;
         };
         // Each stands for 4 pi / n; intensities are over pi.
         let share = self.gain.unwrap_or(1.0) * 4.0 / directions.len() as f32;
-        for i in 0..count {
-            let radiance = environment.radiance(direction(i));
-            for k in 0..3 {
-                out[k][i] = share * radiance[k];
-            }
+        let [r, g, b] = out;
+        for i in 0..pixels.count {
+            let (n, direction) = (pixels.normal.at(i), warped(i));
+            let above = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2] > 0.0;
+            let share = if above { share } else { 0.0 };
+            let radiance = environment.radiance(direction);
+            (r[i], g[i], b[i]) = (
+                share * radiance[0],
+                share * radiance[1],
+                share * radiance[2],
+            );
         }
     }
 }
@@ -252,10 +259,10 @@ pub(super) fn add_lookups(
                 [color.map(|c| c * sigma * share), [0.0; 3]]
             }
         };
-        for k in 0..3 {
-            batch.sum.diffuse[k][i] += found[0][k];
-            batch.sum.specular[k][i] += found[1][k];
-        }
+        let [base, coat] = found;
+        let sums = batch.sum.diffuse.iter_mut().zip(base);
+        let sums = sums.chain(batch.sum.specular.iter_mut().zip(coat));
+        sums.for_each(|(sum, found)| sum[i] += found);
     }
 }
 

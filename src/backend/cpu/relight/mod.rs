@@ -11,14 +11,14 @@ pub(super) use shade::light_batch;
 
 use super::memory::Memory;
 use super::simd::Simd;
-use super::{Run, light, normal_rays, passes};
+use super::{Run, light, normal_rays};
 use crate::frame::{
     ColorPlanes, Frame, Plane, Projection, SightLines, SymmetricPlanes, Vector2Planes,
 };
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
-use crate::plan::{Albedo, EnvironmentUse, Relighting, Stage};
+use crate::plan::{Albedo, EnvironmentUse, Relighting};
 use rayon::prelude::*;
 
 /// Rows that one task lights: few, so that threads end together, and enough to fill batches.
@@ -139,29 +139,13 @@ impl Run<'_> {
         })
     }
 
-    /// What of the shape new light asks for: curvature with its gain, a grain.
-    pub(super) fn shape_for_light(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
+    /// The direction of the curvature, which a grain follows.
+    pub(super) fn find_grain(&mut self, conductance: &Plane) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        if plan.has(Stage::NormalRays) {
-            let direction = self.timed("normal-rays", || {
-                normal_rays::directions(plan, frame, conductance, memory)
-            });
-            self.outcome.shape.direction = Some(direction);
-        }
-        if plan.has(Stage::Hessian) {
-            let hessian = self.timed("hessian", || {
-                let hessian = passes::hessian(gradient, conductance, &frame.mask, memory);
-                super::hessian_at(plan.resolution_factor, hessian)
-            });
-            let trace = self.timed("trace", || {
-                passes::sum_of_diagonal(&hessian, &frame.mask, memory)
-            });
-            self.outcome.shape.hessian = Some(hessian);
-            self.choose_gain(&trace, conductance);
-            self.outcome.shape.trace = Some(trace);
-        } else if plan.has(Stage::Trace) {
-            self.find_trace(gradient, conductance);
-        }
+        let direction = self.timed("normal-rays", || {
+            normal_rays::directions(plan, frame, conductance, memory)
+        });
+        self.outcome.shape.direction = Some(direction);
     }
 }
 

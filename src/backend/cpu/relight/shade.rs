@@ -173,11 +173,10 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     }
     for direction in scene.around.even_directions() {
         let direction = direction.to_array();
-        scene
-            .around
-            .look_up(&mut batch.looked_up, batch.pixels.count, |i| {
-                warped(&batch.pixels, scene, i, direction)
-            });
+        let pixels = &batch.pixels;
+        scene.around.look_up(&mut batch.looked_up, pixels, |i| {
+            warped(pixels, scene, i, direction)
+        });
         batch.sum.add(
             &batch.pixels,
             shading,

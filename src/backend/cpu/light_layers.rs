@@ -1,0 +1,309 @@
+//! Radiance scaling of the light layers of a frame: all terms of a row at a time, rows in parallel.
+
+use super::ROWS_PER_TASK;
+use super::light::luminance_weights;
+use super::memory::Memory;
+use super::passes::map_rows;
+use super::percentile::percentile;
+use super::simd::Simd;
+use super::statistics::WHITE_PERCENTILE;
+use crate::frame::{ColorPlanes, Frame, LobeLayers, Mask, Plane, SymmetricPlanes};
+use crate::light::layers::{ColorRow, LobeRow, TermScaling};
+use crate::params::{Adaptive, ScalingParams};
+use rayon::prelude::*;
+
+/// The curvature that light is scaled by.
+#[derive(Clone, Copy)]
+pub(super) struct Curvature<'a> {
+    pub(super) trace: &'a Plane,
+    /// The whole Hessian, where the direction of light counts.
+    pub(super) hessian: Option<&'a SymmetricPlanes>,
+    pub(super) gain: f32,
+}
+
+/// A lobe, or a part of it, that is scaled by itself.
+pub(super) struct Term<'a> {
+    name: &'static str,
+    direct: Option<&'a ColorPlanes>,
+    indirect: Option<&'a ColorPlanes>,
+    color: Option<&'a ColorPlanes>,
+    albedo: Option<&'a ColorPlanes>,
+    magnitude: f32,
+}
+
+/// The terms of the lobes that are scaled by anything. Where ambient light has a magnitude of its own it
+/// rules the diffuse light from other surfaces.
+pub(super) fn terms<'a>(lobes: &'a [LobeLayers], params: &ScalingParams) -> Vec<Term<'a>> {
+    let magnitudes = params.magnitudes();
+    let of_lobe = |layers: &'a LobeLayers| {
+        let term = |name, direct, indirect, magnitude| Term {
+            name,
+            direct,
+            indirect,
+            color: layers.color.as_ref(),
+            albedo: layers.albedo.as_ref(),
+            magnitude,
+        };
+        let (direct, indirect) = (layers.direct.as_ref(), layers.indirect.as_ref());
+        let diffuse = layers.lobe.is_diffuse();
+        let name = layers.lobe.name();
+        let magnitude = if diffuse {
+            magnitudes.diffuse
+        } else {
+            magnitudes.specular
+        };
+        if diffuse && params.scaling_ambient.is_some() {
+            let apart = [
+                term(name, direct, None, magnitude),
+                term("ambient", None, indirect, magnitudes.ambient),
+            ];
+            return apart.into_iter().collect::<Vec<_>>();
+        }
+        vec![term(name, direct, indirect, magnitude)]
+    };
+    let all = lobes.iter().flat_map(of_lobe);
+    all.filter(|term| term.magnitude > 0.0)
+        .filter(|term| term.direct.or(term.indirect).is_some())
+        .collect()
+}
+
+/// Rows that stand for absent layers.
+struct Absent {
+    zeros: Vec<f32>,
+    ones: Vec<f32>,
+}
+
+impl Absent {
+    fn new(width: usize) -> Self {
+        Self {
+            zeros: vec![0.0; width],
+            ones: vec![1.0; width],
+        }
+    }
+}
+
+impl Term<'_> {
+    fn row<'b>(&'b self, y: usize, absent: &'b Absent) -> LobeRow<'b> {
+        let row = |planes: Option<&'b ColorPlanes>, absent: &'b [f32]| match planes {
+            Some(planes) => color_row(planes, y),
+            None => [absent; 3],
+        };
+        LobeRow {
+            direct: row(self.direct, &absent.zeros),
+            indirect: row(self.indirect, &absent.zeros),
+            color: row(self.color, &absent.ones),
+            albedo: row(self.albedo, &absent.ones),
+        }
+    }
+
+    /// A high percentile of the luminance of this light where there is any; 1 where there is none.
+    fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
+        let simd = Simd::widest();
+        let [luminance] = map_rows(mask, memory, |y, [out]| {
+            simd.lobe_luminance_row(out, &self.row(y, absent), weights);
+        });
+        let lit = |y| {
+            let span = mask.span(y);
+            let (row, covered) = (&luminance.row(y)[span.clone()], &mask.row(y)[span]);
+            let lit = row.iter().zip(covered);
+            lit.filter(|&(&luminance, &covered)| covered && luminance > 0.0)
+                .map(|(&luminance, _)| luminance)
+        };
+        let white = percentile(mask.height(), WHITE_PERCENTILE, lit).unwrap_or(1.0);
+        memory.take_back([luminance]);
+        white
+    }
+}
+
+/// The white levels of all terms, with the terms' names.
+pub(super) fn white_levels(
+    terms: &[Term],
+    frame: &Frame,
+    white: Adaptive,
+    memory: &Memory,
+) -> Vec<(&'static str, f32)> {
+    let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
+    let level = |term: &Term| match white {
+        Adaptive::Fixed(level) => level,
+        Adaptive::Auto => term.white_level(weights, &frame.mask, &absent, memory),
+    };
+    terms.iter().map(|term| (term.name, level(term))).collect()
+}
+
+/// The picture with its lobes scaled one by one.
+pub(super) fn scale_lobes(
+    terms: &[Term],
+    whites: &[(&'static str, f32)],
+    frame: &Frame,
+    params: &ScalingParams,
+    curvature: Curvature,
+    memory: &Memory,
+) -> ColorPlanes {
+    let simd = Simd::widest();
+    let absent = Absent::new(frame.mask.width());
+    let weights = luminance_weights(frame);
+    let scalings: Vec<_> = terms
+        .iter()
+        .zip(whites)
+        .map(|(term, &(_, white))| TermScaling {
+            magnitude: term.magnitude,
+            invariant_point: params.invariant_point,
+            white,
+            weights,
+        })
+        .collect();
+    changed(frame, memory, |y, scratch| {
+        let trace = curvature.trace.row(y);
+        simd.kappa_row(&mut scratch.kappa, trace, curvature.gain);
+        for (term, by) in terms.iter().zip(&scalings) {
+            let row = term.row(y, &absent);
+            simd.lobe_sigma_row(&mut scratch.sigma, &row, &scratch.kappa, by);
+            scratch.add_changes(simd, [row.direct, row.indirect, row.color]);
+        }
+    })
+}
+
+/// The picture with its light groups scaled by the directions of their lights.
+pub(super) fn scale_groups(
+    frame: &Frame,
+    params: &ScalingParams,
+    curvature: Curvature,
+    memory: &Memory,
+) -> ColorPlanes {
+    let simd = Simd::widest();
+    let absent = Absent::new(frame.mask.width());
+    let by = TermScaling {
+        magnitude: params.magnitudes().diffuse,
+        invariant_point: params.invariant_point,
+        white: 1.0,
+        weights: luminance_weights(frame),
+    };
+    let normal = [&frame.normal.x, &frame.normal.y, &frame.normal.z];
+    changed(frame, memory, |y, scratch| {
+        let normal = normal.map(|plane| plane.row(y));
+        if curvature.hessian.is_none() {
+            simd.kappa_row(&mut scratch.kappa, curvature.trace.row(y), curvature.gain);
+        }
+        for group in &frame.light.groups {
+            scratch.plain.fill(0.0);
+            scratch.scaled.fill(0.0);
+            for to_light in &group.to_light {
+                if let Some(hessian) = curvature.hessian {
+                    let hessian = [&hessian.xx, &hessian.xy, &hessian.yy].map(|plane| plane.row(y));
+                    let l_xy = [to_light.x, to_light.y];
+                    let kappa = &mut scratch.kappa;
+                    simd.kappa_toward_row(kappa, hessian, l_xy, curvature.gain, params.anisotropy);
+                }
+                let (plain, scaled) = (&mut scratch.plain, &mut scratch.scaled);
+                let to_light = to_light.to_array();
+                simd.add_direction_row(plain, scaled, normal, to_light, &scratch.kappa, &by);
+            }
+            simd.group_sigma_row(&mut scratch.sigma, &scratch.plain, &scratch.scaled);
+            let (zeros, ones) = ([&absent.zeros[..]; 3], [&absent.ones[..]; 3]);
+            scratch.add_changes(simd, [color_row(&group.light, y), zeros, ones]);
+        }
+    })
+}
+
+/// The colours scaled by ambient occlusion.
+pub(super) fn scale_by_occlusion(
+    mut color: ColorPlanes,
+    occlusion: &Plane,
+    mask: &Mask,
+    curvature: Curvature,
+    by: TermScaling,
+) -> ColorPlanes {
+    let (width, simd) = (mask.width(), Simd::widest());
+    rows_of(&mut color)
+        .enumerate()
+        .with_min_len(ROWS_PER_TASK)
+        .for_each_init(
+            || vec![0.0; width],
+            |kappa, (y, rows)| {
+                simd.kappa_row(kappa, curvature.trace.row(y), curvature.gain);
+                simd.occlude_row(rows, occlusion.row(y), kappa, mask.row(y), &by);
+            },
+        );
+    color
+}
+
+/// Rows in the cache, of one task.
+struct Scratch {
+    kappa: Vec<f32>,
+    sigma: Vec<f32>,
+    /// Sums over the directions of a group: of n.l, and of n.l scaled.
+    plain: Vec<f32>,
+    scaled: Vec<f32>,
+    /// What the terms so far change of each channel, and the light they change.
+    change: [Vec<f32>; 3],
+    told: [Vec<f32>; 3],
+}
+
+impl Scratch {
+    fn new(width: usize) -> Self {
+        let row = || vec![0.0; width];
+        Self {
+            kappa: row(),
+            sigma: row(),
+            plain: row(),
+            scaled: row(),
+            change: [row(), row(), row()],
+            told: [row(), row(), row()],
+        }
+    }
+
+    /// Adds what `sigma` changes of a light: direct, indirect and the colour of both.
+    fn add_changes(&mut self, simd: Simd, light: [ColorRow; 3]) {
+        for (i, (change, told)) in self.change.iter_mut().zip(&mut self.told).enumerate() {
+            simd.add_change_row(change, told, light.map(|row| row[i]), &self.sigma);
+        }
+    }
+}
+
+/// The picture with the changes that `add(y, scratch)` gathers of each row.
+fn changed(
+    frame: &Frame,
+    memory: &Memory,
+    add: impl Fn(usize, &mut Scratch) + Sync,
+) -> ColorPlanes {
+    let (mask, simd) = (&frame.mask, Simd::widest());
+    let color = frame.color.as_ref().expect("scaling needs a picture");
+    let [r, g, b] = [(); 3].map(|()| memory.plane(mask));
+    let mut made = ColorPlanes { r, g, b };
+    rows_of(&mut made)
+        .enumerate()
+        .with_min_len(ROWS_PER_TASK)
+        .for_each_init(
+            || Scratch::new(mask.width()),
+            |scratch, (y, rows)| {
+                let from = color_row(color, y);
+                if mask.span(y).is_empty() {
+                    for (out, from) in rows.into_iter().zip(from) {
+                        out.copy_from_slice(from);
+                    }
+                    return;
+                }
+                for sum in scratch.change.iter_mut().chain(&mut scratch.told) {
+                    sum.fill(0.0);
+                }
+                add(y, scratch);
+                for (i, out) in rows.into_iter().enumerate() {
+                    let (change, told) = (&scratch.change[i], &scratch.told[i]);
+                    simd.changed_row(out, from[i], change, told, mask.row(y));
+                }
+            },
+        );
+    made
+}
+
+fn color_row(color: &ColorPlanes, y: usize) -> ColorRow<'_> {
+    [&color.r, &color.g, &color.b].map(|plane| plane.row(y))
+}
+
+/// The rows of a picture, to be written.
+fn rows_of(color: &mut ColorPlanes) -> impl IndexedParallelIterator<Item = [&mut [f32]; 3]> {
+    let width = color.r.width();
+    let [r, g, b] = [&mut color.r, &mut color.g, &mut color.b]
+        .map(|plane| plane.samples_mut().par_chunks_mut(width));
+    r.zip(g).zip(b).map(|((r, g), b)| [r, g, b])
+}

@@ -1,0 +1,137 @@
+//! The flags of `enhance` that name layers of light.
+
+use super::args::ScalingFlags;
+use crate::io::inputs::{GroupInput, LightInputs, LobeChoice};
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Which layers of light are scaled one by one.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Light layers")]
+pub(super) struct LightLayerFlags {
+    /// Scale each lobe of the light by itself, where the file has light passes: diffuse, specular and others.
+    /// auto does so unless --color names what is to be scaled.
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = LobesArg::Auto)]
+    lobes: LobesArg,
+    /// Diffuse light, the surface's colour included: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    diffuse: Option<String>,
+    /// Specular light, the surface's colour included: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    specular: Option<String>,
+    /// The surface's diffuse colour, by which diffuse light is judged: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    albedo: Option<String>,
+    /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees
+    /// counterclockwise from the right of the picture, and from the picture plane toward the viewer.
+    /// Again for another group, or for another direction of one: an area light is a set of them.
+    #[arg(long, value_name = "NAME=AZ,EL")]
+    light_group: Vec<GroupDirection>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum LobesArg {
+    Auto,
+    On,
+    Off,
+}
+
+/// A light group and one direction to its light.
+#[derive(Debug, Clone, PartialEq)]
+struct GroupDirection {
+    name: String,
+    to_light: Vec3,
+}
+
+impl FromStr for GroupDirection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = "expected NAME=AZ,EL in degrees, as in key=135,40";
+        let (name, angles) = text.rsplit_once('=').ok_or(expected)?;
+        let (azimuth, elevation) = angles.split_once(',').ok_or(expected)?;
+        let angle = |text: &str| text.trim().parse().ok().filter(|a: &f32| a.is_finite());
+        let (azimuth, elevation) = angle(azimuth).zip(angle(elevation)).ok_or(expected)?;
+        if name.is_empty() {
+            return Err(expected.into());
+        }
+        if !(-90.0..=90.0).contains(&elevation) {
+            return Err("an elevation is -90 to 90 degrees".into());
+        }
+        let ((ys, xs), (zs, flat)) = (
+            azimuth.to_radians().sin_cos(),
+            elevation.to_radians().sin_cos(),
+        );
+        Ok(Self {
+            name: name.into(),
+            to_light: Vec3::new(flat * xs, flat * ys, zs),
+        })
+    }
+}
+
+impl LightLayerFlags {
+    /// What light to read, of which only that is wanted which `scaling` changes.
+    pub(super) fn inputs(&self, scaling: &ScalingFlags) -> LightInputs {
+        let magnitudes = scaling.magnitudes();
+        let ambient = scaling.ambient().is_some_and(|g| g > 0.0);
+        let mut groups: Vec<GroupInput> = Vec::new();
+        for GroupDirection { name, to_light } in &self.light_group {
+            match groups.iter_mut().find(|group| group.name == *name) {
+                Some(group) => group.to_light.push(*to_light),
+                None => groups.push(GroupInput {
+                    name: name.clone(),
+                    to_light: vec![*to_light],
+                }),
+            }
+        }
+        LightInputs {
+            lobes: match self.lobes {
+                LobesArg::Auto => LobeChoice::Auto,
+                LobesArg::On => LobeChoice::On,
+                LobesArg::Off => LobeChoice::Off,
+            },
+            without_diffuse: magnitudes.diffuse == 0.0 && !ambient,
+            without_specular: magnitudes.specular == 0.0,
+            diffuse: self.diffuse.clone(),
+            specular: self.specular.clone(),
+            albedo: self.albedo.clone(),
+            groups,
+            occlusion: ambient,
+        }
+    }
+
+    /// Every input that is a file of its own.
+    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let named = [&self.diffuse, &self.specular, &self.albedo];
+        let named = named.into_iter().flatten().map(PathBuf::from);
+        named.filter(|path| path.exists())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_turn_counterclockwise_and_rise_toward_the_viewer() {
+        let toward = |text: &str| text.parse::<GroupDirection>().unwrap();
+        let near = |text, x, y, z| {
+            let group = toward(text);
+            assert_eq!(group.name, "key");
+            assert!(
+                group.to_light.abs_diff_eq(Vec3::new(x, y, z), 1e-6),
+                "{group:?}"
+            );
+        };
+        near("key=0,0", 1.0, 0.0, 0.0);
+        near("key=90,0", 0.0, 1.0, 0.0);
+        near("key=17,90", 0.0, 0.0, 1.0);
+        // 60 degrees up: half of it is left in the picture plane.
+        near("key=180,60", -0.5, 0.0, 0.75_f32.sqrt());
+        for bad in ["key", "key=1", "=1,2", "key=1,x", "key=1,nan", "key=0,91"] {
+            assert!(bad.parse::<GroupDirection>().is_err(), "{bad}");
+        }
+    }
+}

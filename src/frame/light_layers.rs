@@ -1,0 +1,109 @@
+//! The light that a picture is the sum of, where its file tells it apart.
+
+use super::{ColorPlanes, Plane};
+use glam::Vec3;
+
+/// The ways a surface sends light on that shape is read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Lobe {
+    /// Reflected into all directions.
+    Diffuse,
+    /// Mirrored, sharp or blurred.
+    Specular,
+    /// Refracted through the surface.
+    Transmission,
+    /// Scattered beneath the surface.
+    Subsurface,
+    /// Mirrored by a clear coat.
+    Coat,
+    /// Mirrored by fibres.
+    Sheen,
+}
+
+impl Lobe {
+    /// The lobe as messages call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Diffuse => "diffuse",
+            Self::Specular => "specular",
+            Self::Transmission => "transmission",
+            Self::Subsurface => "subsurface",
+            Self::Coat => "coat",
+            Self::Sheen => "sheen",
+        }
+    }
+
+    /// Whether its light has lost the direction it came from; else it is the mirrored or refracted world.
+    pub fn is_diffuse(self) -> bool {
+        matches!(self, Self::Diffuse | Self::Subsurface)
+    }
+}
+
+/// The layers of one lobe. Its radiance is `(direct + indirect) * color`; a layer that is absent is 0,
+/// an absent colour 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LobeLayers {
+    /// Which lobe.
+    pub lobe: Lobe,
+    /// Light that comes from lights, or all there is where the file does not tell.
+    pub direct: Option<ColorPlanes>,
+    /// Light that comes from other surfaces.
+    pub indirect: Option<ColorPlanes>,
+    /// The surface's own colour, where the light is told without it.
+    pub color: Option<ColorPlanes>,
+    /// The surface's own colour, where the light holds it already: what the light is to be judged by.
+    pub albedo: Option<ColorPlanes>,
+}
+
+/// The part of the picture that some lights make.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightGroup {
+    /// Its name.
+    pub name: String,
+    /// Its share of the picture.
+    pub light: ColorPlanes,
+    /// Unit directions in view space to its lights, or to samples of an area light.
+    pub to_light: Vec<Vec3>,
+}
+
+/// Everything that is told of the light in a picture. Empty where nothing is, or nothing was asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LightLayers {
+    /// Lobes, at most one entry each.
+    pub lobes: Vec<LobeLayers>,
+    /// Light groups whose directions are known.
+    pub groups: Vec<LightGroup>,
+    /// Ambient occlusion, 1 where the surface is open.
+    pub occlusion: Option<Plane>,
+    /// Whether the picture is itself ambient occlusion.
+    pub picture_is_occlusion: bool,
+}
+
+impl LightLayers {
+    /// The same layers with every plane made anew by `plane`.
+    pub fn map(&self, plane: impl Fn(&Plane) -> Plane) -> Self {
+        let color = |c: &ColorPlanes| ColorPlanes {
+            r: plane(&c.r),
+            g: plane(&c.g),
+            b: plane(&c.b),
+        };
+        let lobe = |layers: &LobeLayers| LobeLayers {
+            lobe: layers.lobe,
+            direct: layers.direct.as_ref().map(color),
+            indirect: layers.indirect.as_ref().map(color),
+            color: layers.color.as_ref().map(color),
+            albedo: layers.albedo.as_ref().map(color),
+        };
+        let group = |group: &LightGroup| LightGroup {
+            name: group.name.clone(),
+            light: color(&group.light),
+            to_light: group.to_light.clone(),
+        };
+        Self {
+            lobes: self.lobes.iter().map(lobe).collect(),
+            groups: self.groups.iter().map(group).collect(),
+            occlusion: self.occlusion.as_ref().map(&plane),
+            picture_is_occlusion: self.picture_is_occlusion,
+        }
+    }
+}

@@ -1,0 +1,446 @@
+//! Which layers tell the light of a picture apart, by lobes or light groups, and what they hold.
+
+use super::coverage::sanitise;
+use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
+use super::load::{Finding, grey, three};
+use super::recombination::difference;
+use super::roles::{Role, last_word};
+use super::sources::{Opened, RolePlanes, RoleSource};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayers, Mask};
+use std::rc::Rc;
+
+/// Passes that differ from their picture by more than this, in the median, do not recombine to it: lossy
+/// compression stays well below.
+const RECOMBINES: f32 = 0.05;
+
+/// A lobe with the roles of its layers: direct, indirect, colour, and all of its light in one layer.
+type Rule = (Lobe, [Option<Role>; 4]);
+
+const LOBES: [Rule; 6] = [
+    (
+        Lobe::Diffuse,
+        [
+            Some(Role::DiffuseDirect),
+            Some(Role::DiffuseIndirect),
+            Some(Role::DiffuseColor),
+            Some(Role::Diffuse),
+        ],
+    ),
+    (
+        Lobe::Specular,
+        [
+            Some(Role::GlossyDirect),
+            Some(Role::GlossyIndirect),
+            Some(Role::GlossyColor),
+            Some(Role::Specular),
+        ],
+    ),
+    (
+        Lobe::Transmission,
+        [
+            Some(Role::TransmissionDirect),
+            Some(Role::TransmissionIndirect),
+            Some(Role::TransmissionColor),
+            Some(Role::Transmission),
+        ],
+    ),
+    (
+        Lobe::Subsurface,
+        [
+            Some(Role::SubsurfaceDirect),
+            Some(Role::SubsurfaceIndirect),
+            Some(Role::SubsurfaceColor),
+            Some(Role::Subsurface),
+        ],
+    ),
+    (
+        Lobe::Coat,
+        [
+            Some(Role::CoatDirect),
+            Some(Role::CoatIndirect),
+            None,
+            Some(Role::Coat),
+        ],
+    ),
+    (
+        Lobe::Sheen,
+        [
+            Some(Role::SheenDirect),
+            Some(Role::SheenIndirect),
+            None,
+            Some(Role::Sheen),
+        ],
+    ),
+];
+
+/// Light that curvature has no say in; it counts where lobes are compared to the picture.
+const REST: [Role; 4] = [
+    Role::VolumeDirect,
+    Role::VolumeIndirect,
+    Role::Emission,
+    Role::Environment,
+];
+
+/// What a layer is of the light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Use {
+    Direct(Lobe),
+    Indirect(Lobe),
+    Color(Lobe),
+    Albedo(Lobe),
+    Rest,
+    Group,
+    Occlusion,
+}
+
+/// The layers of light that a run reads.
+#[derive(Default)]
+pub(super) struct LightSources {
+    uses: Vec<Use>,
+    sources: Vec<RoleSource>,
+    groups: Vec<GroupInput>,
+    /// Lobes that there are and that nobody wants.
+    unread: Vec<Lobe>,
+    findings: Vec<Finding>,
+    /// Whether all the light there is was asked for, so that it can be compared to the picture.
+    whole: bool,
+    picture_is_occlusion: bool,
+}
+
+/// What was read, and what is to be said of it.
+pub(super) struct LightRead {
+    pub(super) layers: LightLayers,
+    pub(super) findings: Vec<Finding>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl LightSources {
+    pub(super) fn resolve(inputs: &Inputs, main: &Rc<Opened>) -> Result<Self> {
+        let mut found = Self::default();
+        let Some(light) = &inputs.light else {
+            return Ok(found);
+        };
+        found.picture_is_occlusion = picture_is_occlusion(inputs, main)?;
+        if light.occlusion && !found.picture_is_occlusion {
+            let occlusion =
+                RoleSource::resolve(Role::Occlusion, inputs.occlusion.as_deref(), main)?;
+            found.add(Use::Occlusion, occlusion);
+        }
+        let named = light.diffuse.is_some() || light.specular.is_some();
+        let wanted = match light.lobes {
+            LobeChoice::Auto => inputs.color.is_none() || named,
+            LobeChoice::On => true,
+            LobeChoice::Off => false,
+        };
+        if !light.groups.is_empty() {
+            return found.with_groups(light, main);
+        }
+        if wanted {
+            found.find_lobes(light, main)?;
+            if light.lobes == LobeChoice::On && !found.has_lobes() {
+                return Err(no_lobes(main));
+            }
+        }
+        Ok(found)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    pub(super) fn sources(&self) -> &[RoleSource] {
+        &self.sources
+    }
+
+    fn has_lobes(&self) -> bool {
+        let read = |u: &Use| matches!(u, Use::Direct(_) | Use::Indirect(_));
+        !self.unread.is_empty() || self.uses.iter().any(read)
+    }
+
+    fn add(&mut self, as_what: Use, source: Option<RoleSource>) {
+        if let Some(source) = source {
+            self.uses.push(as_what);
+            self.sources.push(source.without_alpha());
+        }
+    }
+
+    fn with_groups(mut self, light: &LightInputs, main: &Rc<Opened>) -> Result<Self> {
+        for group in &light.groups {
+            let names = ["Combined_", "RGBA_", ""].map(|prefix| format!("{prefix}{}", group.name));
+            let layer = |name: &String| RoleSource::layer(Role::Color, name, main);
+            let source = names.iter().find_map(layer);
+            let source = source.ok_or_else(|| no_group(main, &group.name))?;
+            let directions = match group.to_light.len() {
+                1 => "1 direction".into(),
+                count => format!("{count} directions"),
+            };
+            self.findings.push(Finding {
+                subject: format!("light group {}", group.name),
+                conclusion: format!("{}, {directions}", source.label()),
+                evidence: "as told; lobes are left alone".into(),
+                flag: "--light-group NAME=AZ,EL".into(),
+            });
+            self.add(Use::Group, Some(source));
+            self.groups.push(group.clone());
+        }
+        Ok(self)
+    }
+
+    fn find_lobes(&mut self, light: &LightInputs, main: &Rc<Opened>) -> Result<()> {
+        for (lobe, roles) in LOBES {
+            self.find_lobe(lobe, roles, light, main)?;
+        }
+        self.whole = self.has_lobes() && self.unread.is_empty();
+        if self.whole {
+            for role in REST {
+                self.add(Use::Rest, RoleSource::resolve(role, None, main)?);
+            }
+            if !self.sources.iter().any(|s| REST[..2].contains(&s.role)) {
+                self.add(Use::Rest, RoleSource::resolve(Role::Volume, None, main)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The layers of one lobe: the one named, else those of direct and indirect light, else that of both.
+    fn find_lobe(
+        &mut self,
+        lobe: Lobe,
+        [direct, indirect, color, all]: [Option<Role>; 4],
+        light: &LightInputs,
+        main: &Rc<Opened>,
+    ) -> Result<()> {
+        let (named, named_albedo) = match lobe {
+            Lobe::Diffuse => (&light.diffuse, &light.albedo),
+            Lobe::Specular => (&light.specular, &None),
+            _ => (&None, &None),
+        };
+        let find = |role: Option<Role>, name: &Option<String>| match role {
+            Some(role) => RoleSource::resolve(role, name.as_deref(), main),
+            None => Ok(None),
+        };
+        let mut parts = [None, None];
+        if named.is_none() {
+            parts = [find(direct, &None)?, find(indirect, &None)?];
+        }
+        if parts.iter().all(Option::is_none) {
+            parts[0] = find(all, named)?;
+        }
+        let lights: Vec<&RoleSource> = parts.iter().flatten().collect();
+        if lights.is_empty() {
+            return Ok(());
+        }
+        let label = |source: &RoleSource| source.label().to_string();
+        let sum = lights
+            .iter()
+            .map(|s| label(s))
+            .collect::<Vec<_>>()
+            .join(" + ");
+        let skipped = match lobe.is_diffuse() {
+            true => light.without_diffuse,
+            false => light.without_specular,
+        };
+        if skipped {
+            self.unread.push(lobe);
+            self.tell(lobe, format!("{sum}: not read, its magnitude is 0"), named);
+            return Ok(());
+        }
+        let without_color = named.is_none() && lights.iter().any(|s| is_without_color(s.label()));
+        let named_albedo = match named_albedo {
+            Some(name) => RoleSource::resolve(Role::Albedo, Some(name), main)?,
+            None => None,
+        };
+        let own_color = match named {
+            Some(_) => None,
+            None => find(color, &None)?,
+        };
+        let conclusion = if without_color || own_color.is_some() {
+            let Some(color) = named_albedo.or(own_color) else {
+                self.tell(
+                    lobe,
+                    format!("{sum}: not scaled, its color layer is missing"),
+                    named,
+                );
+                return Ok(());
+            };
+            let conclusion = match lights.len() {
+                1 => format!("{sum} x {}", color.label()),
+                _ => format!("({sum}) x {}", color.label()),
+            };
+            self.add(Use::Color(lobe), Some(color));
+            conclusion
+        } else {
+            let albedo = match (lobe, named_albedo) {
+                (Lobe::Diffuse, None) => RoleSource::resolve(Role::Albedo, None, main)?,
+                (_, named) => named,
+            };
+            let judged = albedo
+                .as_ref()
+                .map(|a| format!(", albedo {} included", a.label()));
+            self.add(Use::Albedo(lobe), albedo);
+            format!("{sum}{}", judged.unwrap_or_default())
+        };
+        self.tell(lobe, conclusion, named);
+        let [direct, indirect] = parts;
+        self.add(Use::Direct(lobe), direct);
+        self.add(Use::Indirect(lobe), indirect);
+        Ok(())
+    }
+
+    fn tell(&mut self, lobe: Lobe, conclusion: String, named: &Option<String>) {
+        let evidence = match named {
+            Some(_) => "as told",
+            None => "from names",
+        };
+        let flag = match lobe {
+            Lobe::Diffuse => "--diffuse NAME|FILE",
+            Lobe::Specular => "--specular NAME|FILE",
+            _ => "--lobes on|off",
+        };
+        self.findings.push(Finding {
+            subject: format!("{} lobe", lobe.name()),
+            conclusion,
+            evidence: evidence.into(),
+            flag: flag.into(),
+        });
+    }
+
+    /// Layers of the planes that were read of [`LightSources::sources`].
+    pub(super) fn assemble(
+        self,
+        read: Vec<RolePlanes>,
+        picture: Option<&ColorPlanes>,
+        mask: &Mask,
+    ) -> LightRead {
+        let mut layers = LightLayers {
+            picture_is_occlusion: self.picture_is_occlusion,
+            ..LightLayers::default()
+        };
+        let (mut findings, mut warnings) = (self.findings, Vec::new());
+        let (mut rest, mut replaced) = (Vec::new(), 0);
+        for lobe in self.unread {
+            layers_of(&mut layers, lobe);
+        }
+        let mut groups = self.groups.into_iter();
+        for (as_what, RolePlanes { mut planes, .. }) in self.uses.into_iter().zip(read) {
+            replaced += planes.iter_mut().map(sanitise).sum::<usize>();
+            if as_what == Use::Occlusion {
+                layers.occlusion = Some(grey(planes));
+                continue;
+            }
+            let [r, g, b] = three(planes);
+            let light = ColorPlanes { r, g, b };
+            match as_what {
+                Use::Direct(lobe) => layers_of(&mut layers, lobe).direct = Some(light),
+                Use::Indirect(lobe) => layers_of(&mut layers, lobe).indirect = Some(light),
+                Use::Color(lobe) => layers_of(&mut layers, lobe).color = Some(light),
+                Use::Albedo(lobe) => layers_of(&mut layers, lobe).albedo = Some(light),
+                Use::Rest => rest.push(light),
+                Use::Group => {
+                    let GroupInput { name, to_light } =
+                        groups.next().expect("each group has its layer");
+                    layers.groups.push(LightGroup {
+                        name,
+                        light,
+                        to_light,
+                    });
+                }
+                Use::Occlusion => unreachable!("taken above"),
+            }
+        }
+        if replaced > 0 {
+            warnings.push(format!(
+                "{replaced} samples of light were not finite: NaN became 0, infinity 65504"
+            ));
+        }
+        let compared = picture.filter(|_| self.whole);
+        let difference = compared.and_then(|p| difference(p, &layers.lobes, &rest, mask));
+        if let Some(difference) = difference {
+            tell_difference(difference, &mut findings, &mut warnings);
+        }
+        LightRead {
+            layers,
+            findings,
+            warnings,
+        }
+    }
+}
+
+fn tell_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut Vec<String>) {
+    let percent = format!("{:.2} %", 100.0 * difference);
+    let recombine = difference <= RECOMBINES;
+    findings.push(Finding {
+        subject: "light passes".into(),
+        conclusion: match recombine {
+            true => "recombine to the picture".into(),
+            false => "do not recombine to the picture".into(),
+        },
+        evidence: format!("differ from it by {percent} in the median"),
+        flag: "--lobes on|off".into(),
+    });
+    if !recombine {
+        warnings.push(format!(
+            "the light passes differ from the picture by {percent} in the median: what they do not tell \
+             stays as it is; --lobes off scales the picture as a whole"
+        ));
+    }
+}
+
+fn layers_of(layers: &mut LightLayers, lobe: Lobe) -> &mut LobeLayers {
+    let at = layers.lobes.iter().position(|l| l.lobe == lobe);
+    let at = at.unwrap_or_else(|| {
+        layers.lobes.push(LobeLayers {
+            lobe,
+            direct: None,
+            indirect: None,
+            color: None,
+            albedo: None,
+        });
+        layers.lobes.len() - 1
+    });
+    &mut layers.lobes[at]
+}
+
+/// Blender's names of light that the surface's colour is not yet in, `DiffDir` or `Diffuse Direct`; Arnold's
+/// `diffuse_direct` holds it.
+fn is_without_color(label: &str) -> bool {
+    let word = last_word(label);
+    word.contains(' ') || word.ends_with("Dir") || word.ends_with("Ind")
+}
+
+/// Whether a layer that was named for the picture is the one of ambient occlusion.
+fn picture_is_occlusion(inputs: &Inputs, main: &Rc<Opened>) -> Result<bool> {
+    let Some(name) = &inputs.color else {
+        return Ok(false);
+    };
+    let occlusion = RoleSource::resolve(Role::Occlusion, inputs.occlusion.as_deref(), main)?;
+    let picture = RoleSource::layer(Role::Color, name, main);
+    Ok(occlusion
+        .zip(picture)
+        .is_some_and(|(o, p)| o.is_layer_of(&p)))
+}
+
+fn no_lobes(main: &Opened) -> Error {
+    Error::MissingAov {
+        path: main.path().to_path_buf(),
+        found: format!("has no light passes (found {})", found(main)),
+        remedy: "name them with --diffuse and --specular, or leave out --lobes on".into(),
+    }
+}
+
+fn no_group(main: &Opened, name: &str) -> Error {
+    Error::MissingAov {
+        path: main.path().to_path_buf(),
+        found: format!("no light group called {name} (found {})", found(main)),
+        remedy: "give --light-group the NAME of a layer Combined_NAME or RGBA_NAME".into(),
+    }
+}
+
+fn found(main: &Opened) -> String {
+    let layers = main.layer_names();
+    match layers.is_empty() {
+        true => "no layers".into(),
+        false => layers.join(", "),
+    }
+}

@@ -1,0 +1,97 @@
+//! Whether light layers add up to the picture they are said to be of.
+
+use crate::frame::{ColorPlanes, LobeLayers, Mask};
+
+/// A median needs no more pixels than this.
+const ENOUGH_PIXELS: usize = 1 << 16;
+
+/// Pixels darker than this have no relative difference to speak of.
+const MIN_LIGHT: f32 = 1e-4;
+
+/// Median over the covered pixels of `|sum - picture| / picture`, channels taken together, where the sum is
+/// of all lobes, `(direct + indirect) * color` each, and of `rest`. `None` where the picture is dark.
+pub(super) fn difference(
+    picture: &ColorPlanes,
+    lobes: &[LobeLayers],
+    rest: &[ColorPlanes],
+    mask: &Mask,
+) -> Option<f32> {
+    let every = mask.count().div_ceil(ENOUGH_PIXELS).max(1);
+    let covered = (0..mask.height()).flat_map(|y| {
+        let row = mask.row(y);
+        mask.span(y).filter(|&x| row[x]).map(move |x| (x, y))
+    });
+    let mut differences: Vec<f32> = covered
+        .step_by(every)
+        .filter_map(|at| {
+            let shown = rgb(picture, at);
+            let told = sum(lobes, rest, at);
+            let size: f32 = shown.iter().map(|c| c.abs()).sum();
+            let apart: f32 = shown.iter().zip(told).map(|(c, t)| (c - t).abs()).sum();
+            (size > MIN_LIGHT).then(|| apart / size)
+        })
+        .collect();
+    let middle = differences.len() / 2;
+    (!differences.is_empty()).then(|| *differences.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
+fn rgb(planes: &ColorPlanes, (x, y): (usize, usize)) -> [f32; 3] {
+    [planes.r.at(x, y), planes.g.at(x, y), planes.b.at(x, y)]
+}
+
+fn sum(lobes: &[LobeLayers], rest: &[ColorPlanes], at: (usize, usize)) -> [f32; 3] {
+    let mut sum = [0.0; 3];
+    let or = |planes: &Option<ColorPlanes>, absent| {
+        planes
+            .as_ref()
+            .map_or([absent; 3], |planes| rgb(planes, at))
+    };
+    for lobe in lobes {
+        let (direct, indirect) = (or(&lobe.direct, 0.0), or(&lobe.indirect, 0.0));
+        let color = or(&lobe.color, 1.0);
+        for i in 0..3 {
+            sum[i] += (direct[i] + indirect[i]) * color[i];
+        }
+    }
+    for layer in rest {
+        for (sum, light) in sum.iter_mut().zip(rgb(layer, at)) {
+            *sum += light;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Lobe, Plane};
+
+    fn grey(values: [f32; 3]) -> ColorPlanes {
+        let plane = Plane::from_samples(3, 1, values.to_vec());
+        ColorPlanes {
+            r: plane.clone(),
+            g: plane.clone(),
+            b: plane,
+        }
+    }
+
+    #[test]
+    fn the_median_is_that_of_covered_pixels_with_light() {
+        let lobes = [LobeLayers {
+            lobe: Lobe::Diffuse,
+            direct: Some(grey([1.0, 2.0, 9.0])),
+            indirect: Some(grey([1.0, 0.0, 0.0])),
+            color: Some(grey([0.5, 0.5, 0.5])),
+            albedo: None,
+        }];
+        let rest = [grey([0.25, 0.0, 0.0])];
+        // The sum is 1.25, 1 and 4.5; the picture 1, 2 and black: 0.25 and 0.5, of which the upper is taken.
+        let picture = grey([1.0, 2.0, 0.0]);
+        let full = Mask::full(3, 1);
+        assert_eq!(difference(&picture, &lobes, &rest, &full), Some(0.5));
+        let first = Mask::new(Plane::from_samples(3, 1, vec![true, false, false]));
+        assert_eq!(difference(&picture, &lobes, &rest, &first), Some(0.25));
+        let last = Mask::new(Plane::from_samples(3, 1, vec![false, false, true]));
+        assert_eq!(difference(&picture, &lobes, &rest, &last), None);
+    }
+}
