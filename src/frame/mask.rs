@@ -51,6 +51,18 @@ impl Mask {
         self.spans[y].clone()
     }
 
+    /// The runs of covered pixels in row `y`, left to right.
+    pub fn runs(&self, y: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        let (row, span) = (self.row(y), self.span(y));
+        let mut from = span.start;
+        std::iter::from_fn(move || {
+            let start = from + length_of(&row[from..span.end], false);
+            let end = start + length_of(&row[start..span.end], true);
+            from = end;
+            (end > start).then_some(start..end)
+        })
+    }
+
     /// Whether the pixel at column `x` of row `y` is covered.
     pub fn at(&self, x: usize, y: usize) -> bool {
         self.covered.at(x, y)
@@ -72,9 +84,49 @@ impl Mask {
     }
 }
 
+/// How many pixels from the first on are covered, or not.
+fn length_of(row: &[bool], covered: bool) -> usize {
+    const AT_ONCE: usize = 32;
+    let (chunks, _) = row.as_chunks::<AT_ONCE>();
+    let whole = chunks.iter().position(|chunk| *chunk != [covered; AT_ONCE]);
+    let skipped = whole.unwrap_or(chunks.len()) * AT_ONCE;
+    let rest = &row[skipped..];
+    skipped
+        + rest
+            .iter()
+            .position(|&c| c != covered)
+            .unwrap_or(rest.len())
+}
+
 fn covered_span(row: &[bool]) -> Range<usize> {
     match row.iter().position(|&c| c) {
         None => 0..0,
         Some(first) => first..row.iter().rposition(|&c| c).map_or(first, |last| last + 1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_what_is_covered() {
+        // Runs and gaps of every length around the 32 pixels that are looked at together.
+        for gap in 0..40 {
+            for length in 1..70 {
+                let row: Vec<bool> = (0..200).map(|x| x % (gap + length) >= gap).collect();
+                let mask = Mask::new(Plane::from_samples(200, 1, row.clone()));
+                let mut found = vec![false; 200];
+                let mut last = 0;
+                for run in mask.runs(0) {
+                    assert!(run.start >= last && !run.is_empty());
+                    assert!(run.end == 200 || !row[run.end]);
+                    last = run.end + 1;
+                    found[run].fill(true);
+                }
+                assert_eq!(found, row);
+            }
+        }
+        assert_eq!(Mask::new(Plane::filled(5, 1, false)).runs(0).count(), 0);
     }
 }

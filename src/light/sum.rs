@@ -445,12 +445,19 @@ impl Scratch {
             direction, half, ..
         } = light;
         let unwarped = shading.warped.then_some(half);
-        match (shading.warped, light.everywhere) {
-            (false, _) => self.arrive(pixels, light),
-            (true, true) => self.arrive_unwarped(pixels, light, |_, _| true),
-            (true, false) => {
-                self.arrive_unwarped(pixels, light, |n, direction| dot(n, direction) > 0.0);
+        let far = matches!(shading.lobes, Lobes::BlinnPhong { far: true, .. });
+        match (shading.warped, far) {
+            (false, false) => self.arrive(pixels, light),
+            (false, true) => {
+                self.arrive(pixels, light);
+                self.half_vector_lobe(pixels, half);
             }
+            (true, false) => self.arrive_unwarped(pixels, light, |_, _, _| 0.0),
+            // For an eye on the axis g is the half vector, but for its length.
+            (true, true) => self.arrive_unwarped(pixels, light, |along, inverse, z| {
+                let half = positive(along) * (0.5 / z.max(SHORTEST));
+                at_most_1(half * half * inverse)
+            }),
         }
         if let Some(toward) = shading.scaled.and_then(|scaled| scaled.toward_light) {
             self.curve_toward(pixels, toward, unwarped, direction);
@@ -472,11 +479,22 @@ impl Scratch {
                 self.scale_lobe(&mut terms.specular, pixels, shading, |_, weight| weight);
             }
             Lobes::BlinnPhong { power, far } => {
-                self.half_way(pixels, unwarped, direction, half, far);
+                if !far {
+                    self.half_way(pixels, unwarped, direction);
+                }
                 power.raise(&mut self.lobe);
                 self.scale_cosine(&mut terms.diffuse, pixels, shading);
-                let weigh = |cosine, weight| weight * cosine;
-                self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
+                match shading.scaled {
+                    None => {
+                        for i in 0..BATCH {
+                            terms.specular[i] = terms.diffuse[i] * self.lobe[i];
+                        }
+                    }
+                    Some(_) => {
+                        let weigh = |cosine, weight| weight * cosine;
+                        self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
+                    }
+                }
             }
             Lobes::AshikhminShirley(brdf) => {
                 let axes = [&pixels.to_eye, &pixels.along, &pixels.across];
@@ -502,13 +520,44 @@ impl Scratch {
         }
     }
 
-    /// The same of a light whose direction is unwarped: with its Jacobian. `above` tells of a normal and
-    /// the direction as it stands whether that is above the surface.
+    /// The square of n . h as lobe, for an eye on the axis.
+    #[inline(always)]
+    fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
+        for i in 0..BATCH {
+            let along = positive(dot(pixels.normal.at(i), half(i)));
+            self.lobe[i] = at_most_1(along * along);
+        }
+    }
+
+    /// [`Scratch::arrive`] for a light whose direction is unwarped, with its Jacobian. `lobe` makes a lobe of
+    /// `2 h_z n . g`, `1 / |g|^2` and `h_z`.
     #[inline(always)]
     fn arrive_unwarped<D, H, S>(
         &mut self,
         pixels: &Pixels,
         light: Arriving<D, H, S>,
+        lobe: impl Fn(f32, f32, f32) -> f32 + Copy,
+    ) where
+        D: Fn(usize) -> [f32; 3],
+        H: Fn(usize) -> [f32; 3],
+        S: Fn(usize) -> f32,
+    {
+        if light.everywhere {
+            self.arrive_above(pixels, light, lobe, |_, _| true);
+        } else {
+            let above = |n, direction| dot(n, direction) > 0.0;
+            self.arrive_above(pixels, light, lobe, above);
+        }
+    }
+
+    /// [`Scratch::arrive_unwarped`], where `above` tells of a normal and the direction as it stands whether
+    /// that is above the surface.
+    #[inline(always)]
+    fn arrive_above<D, H, S>(
+        &mut self,
+        pixels: &Pixels,
+        light: Arriving<D, H, S>,
+        lobe: impl Fn(f32, f32, f32) -> f32,
         above: impl Fn([f32; 3], [f32; 3]) -> bool,
     ) where
         D: Fn(usize) -> [f32; 3],
@@ -530,6 +579,7 @@ impl Scratch {
             self.weight[i] = if lit { weight } else { 0.0 };
             self.cosine[i] = cosine;
             self.inverse[i] = inverse;
+            self.lobe[i] = lobe(along, inverse, z);
         }
     }
 
@@ -561,41 +611,20 @@ impl Scratch {
         }
     }
 
-    /// The square of n . h as lobe, h half-way between light and eye.
+    /// The square of n . h as lobe, h half-way between light and an eye that is not on the axis.
     #[inline(always)]
     fn half_way(
         &mut self,
         pixels: &Pixels,
-        unwarped: Option<impl Fn(usize) -> [f32; 3] + Copy>,
-        direction: impl Fn(usize) -> [f32; 3] + Copy,
-        half: impl Fn(usize) -> [f32; 3],
-        far: bool,
+        unwarped: Option<impl Fn(usize) -> [f32; 3]>,
+        direction: impl Fn(usize) -> [f32; 3],
     ) {
-        match (far, unwarped.is_some()) {
-            // For an eye on the axis g is the half vector itself, up to its length.
-            (true, true) => {
-                let [gx, gy] = &pixels.normal.unwarped;
-                for i in 0..BATCH {
-                    let [x, y, z] = half(i);
-                    let along = positive(gx[i] * x + gy[i] * y + pixels.normal.vector[2][i] * z);
-                    self.lobe[i] = at_most_1(along * along * self.inverse[i]);
-                }
-            }
-            (true, false) => {
-                for i in 0..BATCH {
-                    let along = positive(dot(pixels.normal.at(i), half(i)));
-                    self.lobe[i] = at_most_1(along * along);
-                }
-            }
-            (false, _) => {
-                self.product(&pixels.to_eye, unwarped, direction, 0);
-                for i in 0..BATCH {
-                    let eye = dot(pixels.normal.at(i), pixels.to_eye.at(i));
-                    let along = positive(self.cosine[i] + eye);
-                    let squared = 2.0 + 2.0 * self.products[0][i];
-                    self.lobe[i] = at_most_1(along * along / squared.max(SHORTEST));
-                }
-            }
+        self.product(&pixels.to_eye, unwarped, direction, 0);
+        for i in 0..BATCH {
+            let eye = dot(pixels.normal.at(i), pixels.to_eye.at(i));
+            let along = positive(self.cosine[i] + eye);
+            let squared = 2.0 + 2.0 * self.products[0][i];
+            self.lobe[i] = at_most_1(along * along / squared.max(SHORTEST));
         }
     }
 

@@ -3,12 +3,23 @@
 use crate::reference::{Pixel, Settings, reflected};
 use crate::{Asked, LIT, METHODS, covered, lights, torus, torus_in_perspective};
 use glam::{DVec3, Vec3};
-use relievo::frame::Frame;
+use relievo::frame::{Frame, SymmetricPlanes};
 use relievo::light::lights::PointLight;
 use relievo::params::{Adaptive, Material, Quantisation, Tangent};
+use relievo::plan::{Available, Goal, Plan};
 
 /// Where a pixel's cosine is this close to 0 single precision may see the light on the other side.
 const HORIZON: f64 = 1e-5;
+
+/// The Hessian by itself, as `shape` writes it.
+fn hessian(asked: &Asked, frame: &Frame) -> SymmetricPlanes {
+    let available = Available::in_frame(frame);
+    let plan = Plan::new(Goal::Layers, available, asked.shape, asked.scaling).unwrap();
+    relievo::backend::cpu::run(&plan, frame)
+        .shape
+        .hessian
+        .unwrap()
+}
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
 fn worst(
@@ -18,7 +29,7 @@ fn worst(
 ) -> f64 {
     let outcome = asked.outcome(frame);
     let color = outcome.color.as_ref().unwrap();
-    let shape = &outcome.shape;
+    let shape = hessian(asked, frame);
     let gain = outcome.gain.unwrap_or(0.0);
     let m = &asked.relight.material;
     let settings = Settings {
@@ -37,12 +48,7 @@ fn worst(
             at(&frame.normal.y),
             at(&frame.normal.z),
         );
-        let hessian = match (&shape.hessian, &shape.trace) {
-            (Some(h), _) => [at(&h.xx), at(&h.xy), at(&h.yy)],
-            // Isotropic scaling sees the trace alone.
-            (None, Some(trace)) => [at(trace), 0.0, 0.0],
-            (None, None) => [0.0; 3],
-        };
+        let hessian = [at(&shape.xx), at(&shape.xy), at(&shape.yy)];
         let projection = frame.camera.unwrap().projection;
         let to_eye = projection
             .to_eye(x as f64 + 0.5, y as f64 + 0.5)

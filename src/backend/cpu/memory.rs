@@ -28,6 +28,15 @@ impl Memory {
         Plane::from_samples(width, height, samples)
     }
 
+    /// A plane of the size of `mask` whose samples are of no meaning, and all have to be written.
+    pub(super) fn unwritten(&self, mask: &Mask) -> Plane {
+        let (width, height) = (mask.width(), mask.height());
+        match self.spare_of(width * height) {
+            Some(samples) => Plane::from_samples(width, height, samples),
+            None => Plane::filled(width, height, 0.0),
+        }
+    }
+
     /// Two planes as [`Memory::plane`] gives them.
     pub(super) fn vectors(&self, mask: &Mask) -> Vector2Planes {
         Vector2Planes {

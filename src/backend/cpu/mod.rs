@@ -241,13 +241,12 @@ impl Run<'_> {
         if plan.has(Stage::Curvatures) {
             self.describe(&gradient, &edges.conductance);
             self.describe_more(gradients, &edges.conductance);
+        } else if plan.goal == Goal::Relight {
+            self.prepare_light(&gradient, &edges.conductance);
         } else if plan.has(Stage::Hessian) {
             self.find_hessian(&gradient, &edges.conductance);
-        } else if plan.has(Stage::Trace) {
+        } else {
             self.find_trace(&gradient, &edges.conductance);
-        }
-        if plan.goal == Goal::Relight && plan.has(Stage::NormalRays) {
-            self.find_grain(&edges.conductance);
         }
         if plan.has(Stage::CurvatureDisplay) {
             self.display(&edges.conductance);

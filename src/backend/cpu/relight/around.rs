@@ -16,7 +16,6 @@ use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
 use crate::params::{Adaptive, Material};
 use crate::plan::{EnvironmentUse, Relighting};
-use crate::shape::curvature::mapped_curvature;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -252,7 +251,7 @@ pub(super) fn add_lookups(
             }
             Used::Mirrored(map) => [[0.0; 3], reflected(batch, scene, i, map, toward, gain)],
             Used::LitSpheres(spheres, largest) => {
-                let color = sphere_color(batch, scene, i, spheres, toward(n));
+                let color = sphere_color(batch, i, spheres, toward(n));
                 let sigma = sigma(batch, scene, i, 0, luminance(scene, color) / largest);
                 // A lit sphere holds its own gains and colours.
                 let share = 1.0 / scene.params().material.diffuse_gain.max(f32::MIN_POSITIVE);
@@ -340,18 +339,11 @@ fn reflected(
 }
 
 /// The colour of the lit sphere, or of both mixed by curvature.
-fn sphere_color(
-    batch: &Batch,
-    scene: &Scene,
-    i: usize,
-    spheres: &[LitSphere],
-    normal: [f32; 3],
-) -> [f32; 3] {
+fn sphere_color(batch: &Batch, i: usize, spheres: &[LitSphere], normal: [f32; 3]) -> [f32; 3] {
     let across = [normal[0], normal[1]];
     match spheres {
         [convex, concave] => {
-            let kappa = mapped_curvature(batch.trace[i], scene.gain);
-            let share = 0.5 + 0.5 * kappa;
+            let share = 0.5 + 0.5 * batch.kappa[i];
             let (convex, concave) = (convex.color(across), concave.color(across));
             [0, 1, 2].map(|k| concave[k] + share * (convex[k] - concave[k]))
         }

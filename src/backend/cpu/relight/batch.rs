@@ -1,6 +1,7 @@
 //! Gathering covered pixels from the planes, and scattering what they show.
 
 use super::Scene;
+use super::curvature::{CurvatureRow, Kind};
 use crate::frame::{DepthKind, Plane};
 use crate::light::batch::{BATCH, Lanes, Pixels};
 use crate::light::sum::LightSum;
@@ -67,6 +68,7 @@ impl Batch {
     pub(super) fn take_run(
         &mut self,
         scene: &Scene,
+        curvature: &CurvatureRow,
         y: usize,
         mut columns: Range<usize>,
         mut full: impl FnMut(&mut Self),
@@ -75,7 +77,7 @@ impl Batch {
             let count = columns.len().min(BATCH - self.pixels.count);
             let piece = columns.start..columns.start + count;
             columns.start += count;
-            self.gather(scene, y, piece);
+            self.gather(scene, curvature, y, piece);
             if self.pixels.count == BATCH {
                 full(self);
                 self.empty();
@@ -97,25 +99,26 @@ impl Batch {
     }
 
     /// Copies what is known of the pixels at `columns` of row `y` to the next lanes.
-    fn gather(&mut self, scene: &Scene, y: usize, columns: Range<usize>) {
+    fn gather(&mut self, scene: &Scene, curvature: &CurvatureRow, y: usize, columns: Range<usize>) {
         let lane = self.pixels.count;
         let lanes = lane..lane + columns.len();
-        let copy = |to: &mut Lanes, from: &Plane| {
-            to[lanes.clone()].copy_from_slice(&from.row(y)[columns.clone()]);
+        let copy_row = |to: &mut Lanes, from: &[f32]| {
+            to[lanes.clone()].copy_from_slice(&from[columns.clone()]);
         };
+        let copy = |to: &mut Lanes, from: &Plane| copy_row(to, from.row(y));
         let frame = scene.frame;
         let [x_lanes, y_lanes, z_lanes] = &mut self.pixels.normal.vector;
         copy(x_lanes, &frame.normal.x);
         copy(y_lanes, &frame.normal.y);
         copy(z_lanes, &frame.normal.z);
-        if let Some(hessian) = scene.hessian {
-            let [xx, xy, yy] = &mut self.pixels.hessian;
-            copy(xx, &hessian.xx);
-            copy(xy, &hessian.xy);
-            copy(yy, &hessian.yy);
-        }
-        if let Some(trace) = scene.trace {
-            copy(&mut self.trace, trace);
+        match scene.curvature.as_ref().map(|curvature| &curvature.kind) {
+            Some(Kind::Hessian) => {
+                for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
+                    copy_row(lanes, curvature.entry(k));
+                }
+            }
+            Some(Kind::Trace | Kind::Made(_)) => copy_row(&mut self.trace, curvature.entry(0)),
+            None => {}
         }
         if let Some(color) = scene.albedo {
             let [r, g, b] = &mut self.albedo;

@@ -3,6 +3,7 @@
 mod albedo;
 mod around;
 mod batch;
+mod curvature;
 mod shade;
 
 pub(super) use around::Around;
@@ -11,14 +12,13 @@ pub(super) use shade::light_batch;
 
 use super::memory::Memory;
 use super::simd::Simd;
-use super::{Run, light, normal_rays};
-use crate::frame::{
-    ColorPlanes, Frame, Plane, Projection, SightLines, SymmetricPlanes, Vector2Planes,
-};
+use super::{Run, Shape, light, normal_rays};
+use crate::frame::{ColorPlanes, Frame, Plane, Projection, SightLines, Vector2Planes};
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
-use crate::params::{Magnitudes, Quantisation, RelightParams};
-use crate::plan::{Albedo, EnvironmentUse, Relighting};
+use crate::params::{Adaptive, Magnitudes, Quantisation, RelightParams};
+use crate::plan::{Albedo, EnvironmentUse, Relighting, Stage};
+use curvature::{Curvature, CurvatureRow, Kind};
 use rayon::prelude::*;
 
 /// Rows that one task lights: few, so that threads end together, and enough to fill batches.
@@ -28,9 +28,8 @@ const ROWS_PER_TASK: usize = 8;
 pub(super) struct Scene<'a> {
     frame: &'a Frame,
     relighting: &'a Relighting,
-    /// What curvature there is.
-    hessian: Option<&'a SymmetricPlanes>,
-    trace: Option<&'a Plane>,
+    /// Curvature, where it is needed.
+    curvature: Option<Curvature<'a>>,
     /// Grain in the picture, where it follows the curvature.
     grain: Option<&'a Vector2Planes>,
     albedo: Option<&'a ColorPlanes>,
@@ -88,8 +87,7 @@ impl Run<'_> {
         let scene = Scene {
             frame,
             relighting,
-            hessian: shape.hessian.as_ref(),
-            trace: shape.trace.as_ref(),
+            curvature: self.curvature(&shape),
             grain: shape.direction.as_ref().filter(|_| relighting.grain),
             albedo: match relighting.albedo {
                 Albedo::Layer => frame.albedo.as_ref(),
@@ -119,6 +117,23 @@ impl Run<'_> {
         self.outcome.color = Some(color);
     }
 
+    /// What curvature is made of, where it is needed.
+    fn curvature<'s>(&self, shape: &'s Shape) -> Option<Curvature<'s>> {
+        let kind = match &shape.trace {
+            _ if self.plan.has(Stage::Hessian) => Kind::Hessian,
+            Some(trace) => Kind::Made(trace),
+            None if self.plan.has(Stage::Trace) => Kind::Trace,
+            None => return None,
+        };
+        let shape_is_there = "curvature is planned with its gradient";
+        Some(Curvature {
+            gradient: shape.gradient.as_ref().expect(shape_is_there),
+            conductance: shape.conductance.as_ref().expect(shape_is_there),
+            factor: self.plan.resolution_factor as f32,
+            kind,
+        })
+    }
+
     /// How single lights act, where any are summed.
     fn shading(&self, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
         let scaling = &self.plan.scaling;
@@ -139,13 +154,23 @@ impl Run<'_> {
         })
     }
 
-    /// The direction of the curvature, which a grain follows.
-    pub(super) fn find_grain(&mut self, conductance: &Plane) {
+    /// What of the shape has to be there before any light comes: a gain that is chosen from the frame, the
+    /// direction that a grain follows. Curvature itself is made row by row, where it is used.
+    pub(super) fn prepare_light(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let direction = self.timed("normal-rays", || {
-            normal_rays::directions(plan, frame, conductance, memory)
-        });
-        self.outcome.shape.direction = Some(direction);
+        if plan.has(Stage::AutoGain) {
+            self.find_trace(gradient, conductance);
+        } else if let Adaptive::Fixed(gain) = plan.scaling.curvature_gain
+            && (plan.has(Stage::Hessian) || plan.has(Stage::Trace))
+        {
+            self.outcome.gain = Some(gain);
+        }
+        if plan.has(Stage::NormalRays) {
+            let direction = self.timed("normal-rays", || {
+                normal_rays::directions(plan, frame, conductance, memory)
+            });
+            self.outcome.shape.direction = Some(direction);
+        }
     }
 }
 
@@ -174,22 +199,23 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
     let mask = &scene.frame.mask;
     let width = mask.width();
     let simd = Simd::widest();
-    let mut planes = [(); 3].map(|()| memory.plane(mask));
+    let mut planes = [(); 3].map(|()| memory.unwritten(mask));
     let [r, g, b] = planes
         .each_mut()
         .map(|plane| plane.samples_mut().par_chunks_mut(width * ROWS_PER_TASK));
     r.zip(g).zip(b).enumerate().for_each_init(
-        || Box::new(Batch::new()),
-        |batch, (task, ((r, g), b))| {
+        || (Box::new(Batch::new()), CurvatureRow::new(width)),
+        |(batch, curvature), (task, ((r, g), b))| {
             let first = task * ROWS_PER_TASK;
             let mut rows = [r, g, b];
             keep_uncovered(scene, first, &mut rows);
             let count = rows[0].len() / width;
             for y in first..first + count {
-                let covered = mask.row(y);
-                let mut columns = mask.span(y);
-                while let Some(run) = next_run(covered, &mut columns) {
-                    batch.take_run(scene, y, run, |batch| {
+                if let Some(made_of) = &scene.curvature {
+                    curvature.make(made_of, scene.frame, y, simd);
+                }
+                for run in mask.runs(y) {
+                    batch.take_run(scene, curvature, y, run, |batch| {
                         simd.light_batch(batch, scene);
                         batch.scatter(&mut rows, first, width);
                     });
@@ -205,34 +231,23 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
     ColorPlanes { r, g, b }
 }
 
-/// The next run of covered pixels within `columns`, which then begin after it.
-fn next_run(
-    covered: &[bool],
-    columns: &mut std::ops::Range<usize>,
-) -> Option<std::ops::Range<usize>> {
-    let start = columns.start + covered[columns.clone()].iter().position(|&c| c)?;
-    let length = covered[start..columns.end].iter().position(|&c| !c);
-    let end = length.map_or(columns.end, |length| start + length);
-    columns.start = end;
-    Some(start..end)
-}
-
-/// Copies the picture of the frame to where no surface is.
+/// Fills what shows no surface: with the picture of the frame where there is one, else black.
 fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
-    let Some(color) = &scene.frame.color else {
-        return;
-    };
     let mask = &scene.frame.mask;
     let width = mask.width();
-    for (rows, plane) in rows.iter_mut().zip([&color.r, &color.g, &color.b]) {
+    let color = scene.frame.color.as_ref();
+    let planes = color.map(|color| [&color.r, &color.g, &color.b]);
+    for (k, rows) in rows.iter_mut().enumerate() {
         for (i, row) in rows.chunks_mut(width).enumerate() {
-            let covered = mask.row(first + i);
-            if covered.iter().all(|&c| c) {
-                continue;
-            }
-            for ((to, &from), &covered) in row.iter_mut().zip(plane.row(first + i)).zip(covered) {
-                if !covered {
-                    *to = from;
+            let y = first + i;
+            let mut end = 0;
+            // What lies before each run, and after the last.
+            for run in mask.runs(y).chain(std::iter::once(width..width)) {
+                let gap = end..run.start;
+                end = run.end;
+                match planes {
+                    Some(planes) => row[gap.clone()].copy_from_slice(&planes[k].row(y)[gap]),
+                    None => row[gap].fill(0.0),
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Lighting one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors
 //! that the machine has.
 
+use super::curvature::{Curvature, Kind};
 use super::{Batch, Scene};
 use crate::light::batch::{BATCH, Facing, Lanes};
 use crate::light::brdf::mirrored;
@@ -62,6 +63,8 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     }
     if relighting.scales {
         set_curves(batch, scene);
+    } else if relighting.lit_spheres == 2 {
+        find_kappa(batch, scene);
     }
     if scene.lights.len() >= WORTH_A_CONE {
         let pixels = &mut batch.pixels;
@@ -69,12 +72,36 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     }
 }
 
+/// Mapped curvature.
+#[inline(always)]
+fn find_kappa(batch: &mut Batch, scene: &Scene) {
+    let Batch {
+        pixels,
+        trace,
+        kappa,
+        ..
+    } = batch;
+    if matches!(
+        scene.curvature,
+        Some(Curvature {
+            kind: Kind::Hessian,
+            ..
+        })
+    ) {
+        let [xx, _, yy] = &pixels.hessian;
+        for i in 0..BATCH {
+            trace[i] = xx[i] + yy[i];
+        }
+    }
+    for i in 0..BATCH {
+        kappa[i] = mapped_curvature(trace[i], scene.gain);
+    }
+}
+
 /// The scaling curve of every term there is; terms of one magnitude share it.
 #[inline(always)]
 fn set_curves(batch: &mut Batch, scene: &Scene) {
-    for i in 0..BATCH {
-        batch.kappa[i] = mapped_curvature(batch.trace[i], scene.gain);
-    }
+    find_kappa(batch, scene);
     let magnitudes = scene.magnitudes;
     let terms = [
         (magnitudes.ambient, scene.params().material.ambient > 0.0),
