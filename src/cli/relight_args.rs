@@ -53,7 +53,7 @@ pub(super) struct LightFlags {
         allow_negative_numbers = true
     )]
     pub(super) environment_rotate: f32,
-    /// Factor of the environment, or auto: a white surface facing its brightest side shows 1.
+    /// Factor of the environment, or auto: the brightest white surface that faces the viewer shows 1.
     #[arg(long, value_name = "G|auto", default_value_t = RELIGHT.environment_gain, allow_negative_numbers = true)]
     environment_gain: Adaptive,
     /// Lights that stand for the environment, and for each area light; 0 looks prefiltered light up; auto

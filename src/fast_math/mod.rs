@@ -13,7 +13,7 @@
 mod circular;
 mod exponential;
 
-pub use circular::{atan, tan_to_eighth_turn};
+pub use circular::{atan, atan2, tan_to_eighth_turn};
 pub use exponential::{exp, ln, pow, tanh};
 
 /// The polynomial with these coefficients, the constant first.

@@ -3,8 +3,8 @@
 //! An environment hangs on the view: the middle of its map lies straight ahead of the viewer, behind
 //! the surface. There is no world here, and so no other way for the map to stand.
 
-use super::arctangent::arctangent;
 use super::texels::{Texels, cell, mixed, rgb};
+use crate::fast_math::atan2;
 use crate::frame::ColorPlanes;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -87,9 +87,9 @@ impl Environment {
     pub fn radiance(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         use std::f32::consts::{PI, TAU};
         let (width, height) = (self.width() as f32, self.height() as f32);
-        let across = arctangent(x, -z) / TAU + 0.5 - self.turn;
+        let across = atan2(x, -z) / TAU + 0.5 - self.turn;
         let across = if across < 0.0 { across + 1.0 } else { across };
-        let down = 0.5 - arctangent(y, (x * x + z * z).sqrt()) / PI;
+        let down = 0.5 - atan2(y, (x * x + z * z).sqrt()) / PI;
         self.at_position(across * width - 0.5, down * height - 0.5)
     }
 

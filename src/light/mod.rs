@@ -1,7 +1,6 @@
 //! Light made to tell of shape: pure kernels per sample.
 
 pub mod albedo;
-mod arctangent;
 pub mod batch;
 pub mod brdf;
 pub mod environment;

@@ -232,8 +232,8 @@ pub struct RelightParams {
     pub quantisation: Option<Quantisation>,
     /// How many samples stand for an environment.
     pub samples: Samples,
-    /// Factor of the environment; `Auto` makes a white diffuse surface that faces its brightest side
-    /// show 1.
+    /// Factor of the environment; `Auto` makes a white diffuse surface show 1 where it is brightest and
+    /// still faces the viewer.
     pub environment_gain: Adaptive,
 }
 

@@ -2,6 +2,7 @@
 //! forms, and what must change nothing.
 
 mod closed_forms;
+mod command;
 #[path = "../common/mod.rs"]
 mod common;
 mod invariances;

@@ -76,8 +76,8 @@ impl<'a> Around<'a> {
         let params = &relighting.params;
         let prefiltered = relighting.environment == EnvironmentUse::Prefiltered;
         let needs_irradiance = prefiltered || params.environment_gain == Adaptive::Auto;
-        let irradiance =
-            needs_irradiance.then(|| Map::new(filtered(&irradiance_filter(environment)), weights));
+        let irradiance = needs_irradiance
+            .then(|| Map::of_normals(filtered(&irradiance_filter(environment)), weights));
         let gain = match params.environment_gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => {
@@ -194,6 +194,20 @@ impl<'a> Around<'a> {
 }
 
 impl Map {
+    /// A map by normal, of which only those that face the viewer are looked up.
+    fn of_normals(environment: Environment, weights: [f32; 3]) -> Self {
+        let pixels =
+            (0..environment.height()).flat_map(|y| (0..environment.width()).map(move |x| (x, y)));
+        let seen = pixels.filter(|&(x, y)| environment.direction(x, y).z >= 0.0);
+        let largest = seen
+            .map(|(x, y)| super::super::light::luminance(environment.pixel(x, y), weights))
+            .fold(f32::MIN_POSITIVE, f32::max);
+        Self {
+            environment,
+            largest,
+        }
+    }
+
     fn new(environment: Environment, weights: [f32; 3]) -> Self {
         let largest = environment
             .largest_luminance(weights)

@@ -1,0 +1,148 @@
+//! What the lights of a run act through: lobes, their powers, warping and scaling.
+
+use crate::fast_math::{exp, ln};
+use crate::light::batch::Lanes;
+use crate::light::brdf::AshikhminShirley;
+use crate::params::{Material, MaterialParams};
+
+/// How lights act on the pixels of a run: everything that all batches share.
+#[derive(Debug, Clone, Copy)]
+pub struct Shading {
+    /// Whether directions are warped.
+    pub warped: bool,
+    /// Radiance scaling, where there is any.
+    pub scaled: Option<Scaled>,
+    /// The lobes.
+    pub lobes: Lobes,
+}
+
+/// Radiance scaling inside the sum.
+#[derive(Debug, Clone, Copy)]
+pub struct Scaled {
+    /// Scaling-invariant point.
+    pub invariant_point: f32,
+    /// The mapping of curvature, where it depends on the direction of light.
+    pub toward_light: Option<TowardLight>,
+}
+
+/// A mapping of curvature that depends on the direction of light ([RS] section 4.1).
+#[derive(Debug, Clone, Copy)]
+pub struct TowardLight {
+    /// Curvature gain, in pixels.
+    pub gain: f32,
+    /// Anisotropy lambda.
+    pub anisotropy: f32,
+    /// Magnitudes of diffuse and specular light.
+    pub magnitudes: [f32; 2],
+}
+
+/// The lobes of a material under lights.
+#[derive(Debug, Clone, Copy)]
+pub enum Lobes {
+    /// The cosine to a power: 1 is Lambert.
+    Diffuse {
+        /// The power zeta.
+        power: Power,
+    },
+    /// Lambert, and Phong's lobe about the mirrored view.
+    Phong {
+        /// The power eta.
+        power: Power,
+    },
+    /// Lambert, and Blinn's lobe about the normal.
+    BlinnPhong {
+        /// The power eta, halved: of the square of the cosine.
+        power: Power,
+        /// Whether the viewer is far away, along z at every pixel.
+        far: bool,
+    },
+    /// See [`AshikhminShirley`].
+    AshikhminShirley(AshikhminShirley),
+}
+
+impl Lobes {
+    /// Those of a material that lights can be summed on; `None` for a mirror and for glass.
+    pub fn of(params: &MaterialParams, far: bool) -> Option<Self> {
+        match params.material {
+            Material::Lambert | Material::Toon => Some(Self::Diffuse {
+                power: Power::of(1.0),
+            }),
+            Material::Sublambert => Some(Self::Diffuse {
+                power: Power::of(params.flatness),
+            }),
+            Material::Phong => Some(Self::Phong {
+                power: Power::of(params.shininess),
+            }),
+            Material::BlinnPhong => Some(Self::BlinnPhong {
+                power: Power::of(0.5 * params.shininess),
+                far,
+            }),
+            Material::AshikhminShirley => {
+                Some(Self::AshikhminShirley(AshikhminShirley::new(params)))
+            }
+            Material::Mirror | Material::Glass => None,
+        }
+    }
+
+    /// Whether there is more than the diffuse lobe.
+    pub fn are_glossy(&self) -> bool {
+        !matches!(self, Self::Diffuse { .. })
+    }
+}
+
+/// An exponent: whole ones that are not large take multiplications alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Power {
+    /// A whole number from 1 on.
+    Whole(u32),
+    /// Any number from 0 on.
+    Any(f32),
+}
+
+impl Power {
+    /// Largest whole exponent that is reached by multiplying: ten squarings, as dear as a logarithm.
+    const MOST: f32 = 1024.0;
+
+    /// The power with this exponent, at least 0.
+    pub fn of(exponent: f32) -> Self {
+        if (1.0..=Self::MOST).contains(&exponent) && exponent.fract() == 0.0 {
+            Self::Whole(exponent as u32)
+        } else {
+            Self::Any(exponent)
+        }
+    }
+
+    /// Raises numbers from 0 to 1 to this power; 0 stays 0.
+    #[inline(always)]
+    pub(super) fn raise(self, base: &mut Lanes) {
+        match self {
+            Self::Whole(exponent) => raise_to_whole(base, exponent),
+            Self::Any(exponent) => {
+                for x in base.iter_mut() {
+                    let raised = exp(exponent * ln(x.max(f32::MIN_POSITIVE)));
+                    *x = if *x > 0.0 { raised } else { 0.0 };
+                }
+            }
+        }
+    }
+}
+
+/// Multiplies from the highest digit of the exponent on, a few lanes at a time in registers.
+#[inline(always)]
+fn raise_to_whole(base: &mut Lanes, exponent: u32) {
+    let digits = u32::BITS - exponent.leading_zeros();
+    for few in base.as_chunks_mut::<32>().0 {
+        let (once, mut raised) = (*few, *few);
+        for digit in (0..digits - 1).rev() {
+            for x in &mut raised {
+                *x *= *x;
+            }
+            if exponent >> digit & 1 == 1 {
+                for i in 0..32 {
+                    raised[i] *= once[i];
+                }
+            }
+        }
+        *few = raised;
+    }
+}
