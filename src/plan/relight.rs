@@ -368,3 +368,34 @@ fn albedo(params: &RelightParams, kinds: LightKinds, available: Available) -> Re
         AlbedoSource::Auto | AlbedoSource::Estimate => Ok(Albedo::Estimate),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The even light that is left, of 0.1 asked for.
+    fn even_light(material: Material, kinds: LightKinds) -> f32 {
+        let mut params = RelightParams::default();
+        params.material.material = material;
+        params.material.ambient = 0.1;
+        let scaling = ScalingParams::default();
+        let made = Relighting::new(params, &scaling, kinds, Available::default()).unwrap();
+        made.params.material.ambient
+    }
+
+    #[test]
+    fn what_shows_all_light_gets_no_even_light() {
+        let around = LightKinds {
+            environment: true,
+            ..LightKinds::default()
+        };
+        let sphere = LightKinds {
+            lit_spheres: 1,
+            ..LightKinds::default()
+        };
+        assert_eq!(even_light(Material::Mirror, around), 0.0);
+        assert_eq!(even_light(Material::Glass, around), 0.0);
+        assert_eq!(even_light(Material::Lambert, sphere), 0.0);
+        assert_eq!(even_light(Material::Lambert, around), 0.1);
+    }
+}
