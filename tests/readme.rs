@@ -86,30 +86,90 @@ fn the_camera_of_the_readme_is_read() {
     );
 }
 
-#[test]
-fn the_defaults_are_those_of_the_program() {
+/// The help of a command.
+fn help_of(command: &str) -> String {
     let help = Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(["enhance", "--help"])
+        .args([command, "--help"])
         .output()
         .unwrap();
-    let help = String::from_utf8(help.stdout).unwrap();
+    String::from_utf8(help.stdout).unwrap()
+}
+
+/// What `help` says of `option`: its line, and the lines after it up to the next option.
+fn entry_of(help: &str, option: &str) -> Option<String> {
+    let named = format!("{option} ");
+    let mut lines = help
+        .lines()
+        .map(str::trim)
+        .skip_while(|line| !line.starts_with(&named));
+    let first = lines.next()?;
+    let rest = lines.take_while(|line| !line.is_empty() && !line.starts_with('-'));
+    Some(rest.fold(first.into(), |entry, line| entry + " " + line))
+}
+
+/// The README's table rows of options: the option and its default.
+fn option_rows() -> Vec<(String, String)> {
     let rows = README.lines().filter(|line| line.starts_with("| `--"));
-    let mut checked = 0;
-    for row in rows {
+    rows.map(|row| {
         // `| `--name VALUE` | default | meaning |`; a bar inside the first cell is escaped.
         let row = row.replace("\\|", "/");
         let cells: Vec<_> = row.split('|').map(str::trim).collect();
         let option = cells[1].trim_matches('`').split(' ').next().unwrap();
-        let line = help
-            .lines()
-            .find(|line| line.trim_start().starts_with(option))
-            .unwrap();
-        let expected = format!("[default: {}]", cells[2]);
-        assert!(
-            line.contains(&expected),
-            "README says {expected} of {option}; help: {line}"
-        );
-        checked += 1;
+        (option.into(), cells[2].into())
+    })
+    .collect()
+}
+
+#[test]
+fn the_defaults_are_those_of_the_program() {
+    // An option that several commands have means the same in all: params hold its default once.
+    let helps = ["enhance", "relight"].map(help_of);
+    let rows = option_rows();
+    for (option, default) in &rows {
+        let expected = format!("[default: {default}]");
+        let entries = helps.iter().filter_map(|help| entry_of(help, option));
+        let entries: Vec<_> = entries.collect();
+        assert!(!entries.is_empty(), "no command has {option}");
+        for entry in entries {
+            assert!(
+                entry.contains(&expected),
+                "README says {expected} of {option}; help: {entry}"
+            );
+        }
     }
-    assert!(checked >= 8, "only {checked} options in the README's table");
+    assert!(
+        rows.len() >= 25,
+        "only {} options in the README's tables",
+        rows.len()
+    );
+}
+
+#[test]
+fn every_option_of_new_light_is_explained() {
+    let help = help_of("relight");
+    // Light, Light warping, Radiance scaling, Material: all that `relight` adds, to the end of the options.
+    let own = help.split("\nLight:").nth(1).unwrap();
+    let own = own.split("\nExamples:").next().unwrap();
+    let options = own.lines().filter_map(|line| {
+        let option = line.trim_start().split(' ').next()?;
+        option.starts_with("--").then_some(option)
+    });
+    let options: Vec<_> = options.collect();
+    assert!(options.len() >= 30, "{options:?}");
+    let in_table: Vec<_> = option_rows()
+        .into_iter()
+        .map(|(option, _)| option)
+        .collect();
+    for option in options {
+        let explained = ["`", " "].map(|end| format!("`{option}{end}"));
+        assert!(
+            explained.iter().any(|text| README.contains(text)),
+            "the README does not explain {option}"
+        );
+        let has_default = entry_of(own, option).unwrap().contains("[default: ");
+        assert!(
+            !has_default || in_table.iter().any(|row| row == option),
+            "{option} has a default and no row"
+        );
+    }
 }

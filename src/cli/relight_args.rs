@@ -63,7 +63,7 @@ pub(super) struct LightFlags {
     /// A picture of a lit sphere in place of all light; or one for convexities and one for concavities.
     #[arg(long, value_name = "FILE[,FILE]", value_delimiter = ',', num_args = 1..=2)]
     pub(super) lit_sphere: Vec<PathBuf>,
-    /// Even light on everything.
+    /// Even light on everything but mirrors, glass and lit spheres.
     #[arg(long, value_name = "A", default_value_t = RELIGHT.material.ambient, allow_negative_numbers = true)]
     ambient: f32,
     /// How light is altered.

@@ -175,7 +175,8 @@ pub enum Material {
 pub struct MaterialParams {
     /// The kind.
     pub material: Material,
-    /// Light that reaches everything alike, as a share of a light of 1.
+    /// Light that reaches everything alike, as a share of a light of 1. `Mirror`, `Glass` and lit spheres
+    /// do not show it.
     pub ambient: f32,
     /// Factor of diffuse light, 0 or more.
     pub diffuse_gain: f32,

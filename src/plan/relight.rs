@@ -65,7 +65,7 @@ pub enum Albedo {
 /// How a frame is lit anew.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relighting {
-    /// What was asked for.
+    /// What was asked for. Mirrors, glass and lit spheres get no even light: what they show holds all light.
     pub params: RelightParams,
     /// Whether directions are warped: asked for, and not by 0.
     pub warps: bool,
@@ -94,13 +94,16 @@ impl Relighting {
     /// [`Error::BadParameter`] for a number outside its range, no light at all, and lights or materials
     /// that lack what they need.
     pub(super) fn new(
-        params: RelightParams,
+        mut params: RelightParams,
         scaling: &ScalingParams,
         kinds: LightKinds,
         available: Available,
     ) -> Result<Self> {
         params.validate()?;
         refuse_what_lacks(&params, kinds, available)?;
+        if shows_all_light(params.material.material, kinds) {
+            params.material.ambient = 0.0;
+        }
         let magnitudes = scaling.magnitudes();
         let strongest = magnitudes
             .ambient
@@ -117,7 +120,7 @@ impl Relighting {
             environment,
             EnvironmentUse::Lights(_) | EnvironmentUse::Lookups(_)
         );
-        let reflects = !matches!(params.material.material, Material::Mirror | Material::Glass);
+        let reflects = !mirrors(params.material.material);
         let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
         let coat = params.material.coat;
         Ok(Self {
@@ -272,13 +275,21 @@ fn bad(name: &'static str, found: &str, remedy: &str) -> Error {
     }
 }
 
+fn mirrors(material: Material) -> bool {
+    matches!(material, Material::Mirror | Material::Glass)
+}
+
+/// Whether what is looked up is the whole of what is shown.
+fn shows_all_light(material: Material, kinds: LightKinds) -> bool {
+    mirrors(material) || kinds.lit_spheres > 0
+}
+
 fn refuse_what_lacks(
     params: &RelightParams,
     kinds: LightKinds,
     available: Available,
 ) -> Result<()> {
-    let mirrors = matches!(params.material.material, Material::Mirror | Material::Glass);
-    if mirrors && !kinds.environment && kinds.lit_spheres == 0 {
+    if mirrors(params.material.material) && !kinds.environment && kinds.lit_spheres == 0 {
         return Err(bad(
             "--material",
             "mirrors what is around it, and nothing is",
@@ -317,7 +328,7 @@ fn environment_use(
     toward_light: bool,
 ) -> Result<EnvironmentUse> {
     let material = params.material.material;
-    if matches!(material, Material::Mirror | Material::Glass) {
+    if mirrors(material) {
         return Ok(EnvironmentUse::Mirrored);
     }
     let can_prefilter = matches!(
@@ -345,18 +356,46 @@ fn environment_use(
 
 fn albedo(params: &RelightParams, kinds: LightKinds, available: Available) -> Result<Albedo> {
     let missing = |found| bad("--albedo-from", found, "give one, or --albedo-from white");
-    let mirrors = matches!(params.material.material, Material::Mirror | Material::Glass);
-    let own_color = kinds.lit_spheres > 0 || mirrors;
+    let own_color = shows_all_light(params.material.material, kinds);
     match params.albedo {
         AlbedoSource::White => Ok(Albedo::White),
-        AlbedoSource::Auto if available.albedo && !mirrors && kinds.lit_spheres == 0 => {
-            Ok(Albedo::Layer)
-        }
+        AlbedoSource::Auto if available.albedo && !own_color => Ok(Albedo::Layer),
         AlbedoSource::Auto if own_color || !available.color => Ok(Albedo::White),
         AlbedoSource::Layer if available.albedo => Ok(Albedo::Layer),
         AlbedoSource::Layer => Err(missing("names an albedo layer, and there is none")),
         _ if !available.color => Err(missing("names the picture, and there is none")),
         AlbedoSource::Picture => Ok(Albedo::Picture),
         AlbedoSource::Auto | AlbedoSource::Estimate => Ok(Albedo::Estimate),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The even light that is left, of 0.1 asked for.
+    fn even_light(material: Material, kinds: LightKinds) -> f32 {
+        let mut params = RelightParams::default();
+        params.material.material = material;
+        params.material.ambient = 0.1;
+        let scaling = ScalingParams::default();
+        let made = Relighting::new(params, &scaling, kinds, Available::default()).unwrap();
+        made.params.material.ambient
+    }
+
+    #[test]
+    fn what_shows_all_light_gets_no_even_light() {
+        let around = LightKinds {
+            environment: true,
+            ..LightKinds::default()
+        };
+        let sphere = LightKinds {
+            lit_spheres: 1,
+            ..LightKinds::default()
+        };
+        assert_eq!(even_light(Material::Mirror, around), 0.0);
+        assert_eq!(even_light(Material::Glass, around), 0.0);
+        assert_eq!(even_light(Material::Lambert, sphere), 0.0);
+        assert_eq!(even_light(Material::Lambert, around), 0.1);
     }
 }

@@ -1,0 +1,67 @@
+//! Cartoons of warped light: [LW] figure 10.
+//!
+//! Top: light warping with more contrast, in natural light and in that of a single lamp. Bottom: the same in few
+//! tones. Concavities darken, so that they read as lines.
+//!
+//! `cargo run --release --example cartoon -- IN.exr OUT.png [ENVIRONMENT]`
+
+mod common;
+
+use relievo::io::environment::read_environment;
+use relievo::light::lights::Illumination;
+use relievo::params::{Method, Quantisation, RelightParams, Samples, ScalingParams, WarpingParams};
+use std::error::Error;
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    common::exit(run())
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [picture, output, environment @ ..] = arguments.as_slice() else {
+        return Err("usage: cartoon IN.exr OUT.png [ENVIRONMENT]".into());
+    };
+    let frame = common::load(picture, None)?;
+    let natural = Illumination {
+        environment: Some(match environment.first() {
+            Some(path) => read_environment(Path::new(path))?,
+            None => common::room::room(256),
+        }),
+        ..Illumination::default()
+    };
+    let minimal = common::light_from(120.0, 40.0);
+    let few = Quantisation {
+        levels: 3,
+        softness: 0.1,
+    };
+    let mut cells = Vec::new();
+    for tones in [None, Some(few)] {
+        for light in [&natural, &minimal] {
+            let params = exaggerated(tones);
+            cells.push(common::relit(
+                &frame,
+                light,
+                params,
+                ScalingParams::default(),
+            )?);
+        }
+    }
+    common::write(output, &common::grid(&cells, 2))?;
+    Ok(())
+}
+
+/// Strong warping and contrast; many samples, as tones show every step between them.
+fn exaggerated(quantisation: Option<Quantisation>) -> RelightParams {
+    RelightParams {
+        method: Method::Warp,
+        warping: WarpingParams {
+            warp: 6.0,
+            contrast: -0.7,
+        },
+        quantisation,
+        samples: Samples::Fixed(500),
+        ..RelightParams::default()
+    }
+}

@@ -1,0 +1,48 @@
+//! What the two numbers of radiance scaling do: the parameter grid of [RS] figure 3.
+//!
+//! Columns: no scaling, then invariant points of 0.5, 0.01 and 0.99. At 0.5 convexities and concavities
+//! gain alike; near 0 convexities only brighten; near 1 they only darken, and gradients turn round. Rows: scaling of 1 and of
+//! 2. The paper's 10 and 20 are for curvature per pixel as it is; the automatic gain makes 1 plain to see and 2 harsh.
+//!
+//! `cargo run --release --example scaling_grid -- IN OUT.png [NORMALS]`
+
+mod common;
+
+use relievo::params::{Method, RelightParams, ScalingParams};
+use std::error::Error;
+use std::process::ExitCode;
+
+const SCALINGS: [f32; 2] = [1.0, 2.0];
+const INVARIANT_POINTS: [f32; 3] = [0.5, 0.01, 0.99];
+
+fn main() -> ExitCode {
+    common::exit(run())
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [picture, output, normal @ ..] = arguments.as_slice() else {
+        return Err("usage: scaling_grid IN OUT.png [NORMALS]".into());
+    };
+    let frame = common::load(picture, normal.first().map(String::as_str))?;
+    let light = common::light_from(120.0, 45.0);
+    let relight = RelightParams {
+        method: Method::Scale,
+        ..RelightParams::default()
+    };
+    let mut cells = Vec::new();
+    for scaling in SCALINGS {
+        let plain = (0.0, ScalingParams::default().invariant_point);
+        let scaled = INVARIANT_POINTS.map(|invariant_point| (scaling, invariant_point));
+        for (scaling, invariant_point) in std::iter::once(plain).chain(scaled) {
+            let params = ScalingParams {
+                scaling,
+                invariant_point,
+                ..ScalingParams::default()
+            };
+            cells.push(common::relit(&frame, &light, relight, params)?);
+        }
+    }
+    common::write(output, &common::grid(&cells, 1 + INVARIANT_POINTS.len()))?;
+    Ok(())
+}
