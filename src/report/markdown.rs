@@ -1,5 +1,9 @@
 //! The report as a page of Markdown.
 
+mod light;
+
+pub use light::plot_names as light_plot_names;
+
 use super::Report;
 use super::advice::{BUDGETS, cheapest, milliseconds, rounded, scientific, sentence};
 use super::compare::Errors;
@@ -37,6 +41,7 @@ pub fn page(report: &Report) -> String {
         precision(report),
         directions(report),
         rim(report),
+        light::section(&report.light),
         stability(&report.stability),
     ];
     for section in sections {

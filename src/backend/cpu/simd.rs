@@ -9,6 +9,7 @@
 
 use super::light::{Scaler, scale_row};
 use super::relight::{Batch, Scene, light_batch};
+use crate::fast_math::{Function, map_row};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
 use crate::shape::conductance::{conductance_row, face_conductance_row};
@@ -66,6 +67,17 @@ impl Simd {
         *Self::available()
             .last()
             .expect("the baseline is always there")
+    }
+
+    /// Bits of its vectors.
+    pub(super) fn bits(self) -> u32 {
+        match self.0 {
+            Level::Baseline => 128,
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => 256,
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => 512,
+        }
     }
 }
 
@@ -160,6 +172,7 @@ widened! {
         covered: &[bool],
     );
     fn light_batch(batch: &mut Batch, scene: &Scene);
+    fn map_row(function: Function, out: &mut [f32], x: &[f32]);
 }
 
 #[cfg(test)]
