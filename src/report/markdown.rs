@@ -499,7 +499,10 @@ fn outcome(verdict: &Verdict) -> (&'static str, String) {
     };
     match verdict {
         Verdict::Bounded(bounds) => ("bounded", values(bounds)),
-        Verdict::Warned { message, .. } => ("warned", message.clone()),
+        Verdict::Lit { largest, bound } => ("lit", format!("{largest:.3e} of {bound:.3e}")),
+        Verdict::Warned { message, .. } | Verdict::Told { message, .. } => {
+            ("warned", message.clone())
+        }
         Verdict::Refused { message } => ("refused", message.clone()),
         Verdict::Failed { what } => ("failed", what.clone()),
     }
