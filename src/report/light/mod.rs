@@ -199,7 +199,8 @@ mod tests {
         let part = middle(&frame, [100, 80]);
         assert_eq!((part.mask.width(), part.mask.height()), (100, 80));
         assert_eq!(part.mask.count(), 8000);
-        assert_eq!((part.data_window.x0, part.data_window.y0), (190, 139));
+        // Its middle lies at 240.3, 179.8: in pixel 239.8, 179.3 as they are counted.
+        assert_eq!((part.data_window.x0, part.data_window.y0), (189, 139));
         let whole = middle(&frame, [1000, 1000]);
         assert_eq!(whole.mask.count(), frame.mask.count());
     }
