@@ -1,14 +1,25 @@
-//! Error against run time of the shape stages, on a surface whose curvature is known.
+//! Error against run time of the stages of shape and of light, on a surface whose curvature is known.
 //!
 //! `cargo run --release --example measure -- [WIDTH HEIGHT [REPEATS]]`
 //!
 //! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N
-//! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too.
+//! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too. Light is
+//! held against double precision at some hundred pixels.
 
-use relievo::backend::cpu::Outcome;
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane};
-use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
-use relievo::plan::{Available, Goal, Plan};
+use relievo::backend::cpu::{Outcome, Runner};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes};
+use relievo::light::irradiance::irradiance;
+use relievo::light::lights::{DirectionalLight, Illumination};
+use relievo::light::median_cut::median_cut;
+use relievo::params::{
+    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples, Scale,
+    ScalingParams, ShapeParams, Solver, Tangent,
+};
+use relievo::plan::{Available, Goal, LightKinds, Plan};
+use relievo::report::light::{environment, lit::some_covered};
+use relievo::report::light_reference::{
+    Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
+};
 use relievo::report::scenes::{HEIGHT, Scene, WAVE};
 use relievo::report::timing::{Effort, Timed, Times, measure};
 use std::time::Duration;
@@ -65,7 +76,192 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (_, timed) = run(&covered_in_part(frame, 0.1), shape, repeats)?;
     let label = "50, 10 % covered | Chebyshev | | ";
     print_stages(label, &timed, width * height);
-    Ok(())
+    print_light(&Scene::waves(width, height).frame, repeats)
+}
+
+/// The time of new light beside its error.
+fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
+    println!(
+        "\n| light | method | largest error | light min ms | median ms | environment ms | Mpix/s |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let environment = environment();
+    let one = [DirectionalLight {
+        to_light: glam::Vec3::new(-0.6, 0.6, 0.53).normalize(),
+        intensity: [1.0; 3],
+    }];
+    let many = median_cut(&environment, 54);
+    use Method::{Both, Plain, Scale, Warp};
+    for (lights, material, method) in [
+        (&one[..], Material::Phong, Plain),
+        (&one, Material::Phong, Scale),
+        (&many, Material::BlinnPhong, Plain),
+        (&many, Material::BlinnPhong, Warp),
+        (&many, Material::BlinnPhong, Both),
+        (&many, Material::AshikhminShirley, Warp),
+    ] {
+        let light = Illumination {
+            directional: lights.to_vec(),
+            ..Illumination::default()
+        };
+        let lighting = Lighting {
+            frame,
+            light,
+            params: white(material, method, Samples::Auto),
+        };
+        let name = match lights.len() {
+            1 => format!("1 light, {material:?}"),
+            count => format!("{count} lights, {material:?}"),
+        };
+        lighting.print(&name, repeats, |pixel, settings| {
+            lit(pixel, lights, settings)
+        })?;
+    }
+    let prefiltered = Lighting {
+        frame,
+        light: Illumination {
+            environment: Some(environment.clone()),
+            ..Illumination::default()
+        },
+        params: white(Material::Lambert, Scale, Samples::Fixed(0)),
+    };
+    let largest = largest_irradiance(&environment);
+    let exact = |pixel: &Pixel, s: &Settings| {
+        let shown = exact_irradiance(&environment, pixel.normal);
+        let trace = pixel.hessian[0] + pixel.hessian[2];
+        let x = f64::from(s.scaling.scaling) * (-s.gain * trace).tanh();
+        let d = luminance(shown) / largest;
+        Some(shown.map(|c| c * sigma(d, x, s.scaling.invariant_point.into())))
+    };
+    prefiltered.print("environment, prefiltered, Lambert", repeats, exact)
+}
+
+/// White of one material, without ambient light.
+fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
+    let base = RelightParams::default();
+    RelightParams {
+        method,
+        samples,
+        albedo: AlbedoSource::White,
+        environment_gain: Adaptive::Fixed(1.0),
+        material: MaterialParams {
+            material,
+            ambient: 0.0,
+            tangent: Tangent::Degrees(0.0),
+            ..base.material
+        },
+        ..base
+    }
+}
+
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// The luminance of the brightest pixel of the map of irradiance, found in single precision and then told
+/// in double.
+fn largest_irradiance(environment: &relievo::light::environment::Environment) -> f64 {
+    let map = irradiance(environment);
+    let pixels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
+    // Only what faces the viewer is seen.
+    let pixels = pixels.filter(|&(x, y)| map.direction(x, y).z >= 0.0);
+    let at = |(x, y): (usize, usize)| luminance(map.pixel(x, y).map(f64::from));
+    let brightest = pixels.max_by(|a, b| at(*a).total_cmp(&at(*b)));
+    let (x, y) = brightest.expect("a map has pixels");
+    luminance(exact_irradiance(
+        environment,
+        map.direction(x, y).as_dvec3(),
+    ))
+}
+
+/// Pixels at which light is held against double precision.
+const CHECKED: usize = 300;
+
+struct Lighting<'a> {
+    frame: &'a Frame,
+    light: Illumination,
+    params: RelightParams,
+}
+
+impl Lighting<'_> {
+    /// Prints the times of light and its largest error relative to the largest value, at some pixels.
+    fn print(
+        &self,
+        name: &str,
+        repeats: usize,
+        exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]>,
+    ) -> Result<(), Box<dyn std::error::Error>> {
+        let (frame, scaling) = (self.frame, ScalingParams::default());
+        let shape = ShapeParams::default();
+        let kinds = LightKinds::in_light(&self.light);
+        let available = Available::in_frame(frame);
+        let plan = Plan::relight(available, shape, scaling, self.params, kinds)?;
+        let runner = Runner::default();
+        let mut outcome = runner.relight(&plan, frame, &self.light);
+        let (mut times, mut once) = (Vec::new(), Vec::new());
+        for _ in 0..repeats {
+            runner.take_back(outcome);
+            outcome = runner.relight(&plan, frame, &self.light);
+            let stage = |name: &str| {
+                let mut timings = outcome.timings.iter();
+                timings
+                    .find(|(stage, _)| *stage == name)
+                    .map(|(_, time)| time.as_secs_f64())
+            };
+            times.extend(stage("relight"));
+            once.extend(stage("environment"));
+        }
+        let error = self.error(&outcome, &hessian(frame, shape)?, &scaling, exact);
+        let times = Times::of(times);
+        let once = match once.is_empty() {
+            true => String::new(),
+            false => format!("{:.1}", 1e3 * Times::of(once).min),
+        };
+        let pixels = frame.mask.width() * frame.mask.height();
+        println!(
+            "| {name} | {:?} | {error:.1e} | {:.2} | {:.2} | {once} | {:.1} |",
+            self.params.method,
+            1e3 * times.min,
+            1e3 * times.median,
+            times.megapixels_per_second(pixels)
+        );
+        Ok(())
+    }
+
+    fn error(
+        &self,
+        outcome: &Outcome,
+        hessian: &SymmetricPlanes,
+        scaling: &ScalingParams,
+        exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]>,
+    ) -> f64 {
+        let gain = outcome.gain.unwrap_or(0.0);
+        let settings = Settings {
+            method: self.params.method,
+            alpha: f64::from(self.params.warping.warp * gain),
+            gain: gain.into(),
+            scaling,
+            material: &self.params.material,
+        };
+        let color = outcome.color.as_ref().expect("light makes a picture");
+        let diffuse = match self.light.environment {
+            Some(_) => f64::from(self.params.material.diffuse_gain),
+            None => 1.0,
+        };
+        let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+        for at in some_covered(&self.frame.mask, CHECKED) {
+            let pixel = Pixel::of(self.frame, hessian, at, 0.0);
+            let Some(exact) = exact(&pixel, &settings) else {
+                continue;
+            };
+            for (plane, exact) in [&color.r, &color.g, &color.b].into_iter().zip(exact) {
+                let exact = diffuse * exact;
+                worst = worst.max((f64::from(plane.at(at[0], at[1])) - exact).abs());
+                largest = largest.max(exact);
+            }
+        }
+        worst / largest
+    }
 }
 
 fn run(

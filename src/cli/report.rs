@@ -115,6 +115,11 @@ fn files(report: &Report) -> Vec<(String, String)> {
         markdown::RIM_PLOT.into(),
         plots::error_near_the_rim(&report.rim_of_ball),
     ));
+    for subject in &report.light.subjects {
+        let [samples, equations] = markdown::light_plot_names(subject);
+        files.push((samples, plots::error_against_lights(subject)));
+        files.push((equations, plots::both_equations(subject)));
+    }
     files.push((NUMBERS.into(), json(report)));
     files.push((PAGE.into(), markdown::page(report)));
     files
@@ -145,8 +150,9 @@ fn summary(report: &Report, directory: &Path) -> String {
     };
     let path = directory.join(PAGE);
     format!(
-        "{}\n{stability}\n{}\n",
+        "{}\n{}\n{stability}\n{}\n",
         advice::sentence(report),
+        advice::of_light(&report.light),
         path.display()
     )
 }

@@ -12,9 +12,11 @@
 
 mod circular;
 mod exponential;
+mod rows;
 
 pub use circular::{atan, atan2, tan_to_eighth_turn};
 pub use exponential::{exp, ln, pow, tanh};
+pub use rows::{Function, map_row};
 
 /// The polynomial with these coefficients, the constant first.
 #[inline(always)]

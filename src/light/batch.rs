@@ -1,7 +1,7 @@
 //! A batch of covered pixels, and what is known of them before any light comes: component by component,
 //! so that the loops over a batch vectorise.
 
-use super::light_warping::Warp;
+use super::light_warping::{MOST_BRIGHTENED, Warp};
 use super::radiance_scaling::ScalingCurve;
 
 /// Pixels of a batch. All its planes stay in the first-level cache.
@@ -89,8 +89,9 @@ impl CurveLanes {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facing {
     axis: [f32; 3],
-    /// Sine of the half angle; 1 or more tells nothing.
+    /// Sine and cosine of the half angle; a sine above 1 tells nothing.
     sine: f32,
+    cosine: f32,
 }
 
 /// For which pixels of a batch a direction is above the surface.
@@ -100,7 +101,7 @@ pub enum Above {
     Nowhere,
     /// For some, perhaps.
     Somewhere,
-    /// For all.
+    /// For all, and by far: no warp can brighten it too much.
     Everywhere,
 }
 
@@ -109,10 +110,14 @@ impl Facing {
     pub const ANYWHERE: Self = Self {
         axis: [0.0, 0.0, 1.0],
         sine: 2.0,
+        cosine: 0.0,
     };
 
     /// Rounding that the cone leaves room for, as a sine.
     const MARGIN: f32 = 1e-4;
+
+    /// Cosines from here on are never held back by [`MOST_BRIGHTENED`], as no cosine exceeds 1.
+    const HIGH: f32 = 1.0 / MOST_BRIGHTENED + Self::MARGIN;
 
     /// The cone about the mean of the first `count` normals.
     #[inline(always)]
@@ -133,6 +138,7 @@ impl Facing {
             true => Self {
                 axis,
                 sine: (1.0 - cosine * cosine).max(0.0).sqrt() + Self::MARGIN,
+                cosine,
             },
             false => Self::ANYWHERE,
         }
@@ -143,10 +149,12 @@ impl Facing {
     pub fn above(&self, direction: [f32; 3]) -> Above {
         let [x, y, z] = self.axis;
         let cosine = x * direction[0] + y * direction[1] + z * direction[2];
-        // A direction at 90 degrees and more from every normal of the cone.
+        let aside = (1.0 - cosine * cosine).max(0.0).sqrt();
+        // The least cosine with any normal of the cone; a direction at 90 degrees and more from all of them.
+        let least = cosine * self.cosine - aside * self.sine;
         if cosine <= -self.sine {
             Above::Nowhere
-        } else if cosine >= self.sine {
+        } else if least >= Self::HIGH {
             Above::Everywhere
         } else {
             Above::Somewhere

@@ -84,19 +84,27 @@ impl Environment {
     /// `direction` points away from the surface; its length, from 1e-15 to 1e15, does not matter.
     /// Whatever it holds, the result is finite.
     #[inline]
-    pub fn radiance(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    pub fn radiance(&self, direction: [f32; 3]) -> [f32; 3] {
+        let [column, row] = self.position(direction);
+        self.at_position(column, row)
+    }
+
+    /// Column and row of the map that `direction` falls on, whole numbers being pixel centres. Without a
+    /// branch, so that a loop over directions vectorises.
+    #[inline(always)]
+    pub fn position(&self, [x, y, z]: [f32; 3]) -> [f32; 2] {
         use std::f32::consts::{PI, TAU};
         let (width, height) = (self.width() as f32, self.height() as f32);
         let across = atan2(x, -z) / TAU + 0.5 - self.turn;
         let across = if across < 0.0 { across + 1.0 } else { across };
         let down = 0.5 - atan2(y, (x * x + z * z).sqrt()) / PI;
-        self.at_position(across * width - 0.5, down * height - 0.5)
+        [across * width - 0.5, down * height - 0.5]
     }
 
     /// The radiance at a position of the map, from -1 to `width` and `height`, whole numbers being pixel
     /// centres. NaN reads some pixel.
     #[inline(always)]
-    pub(super) fn at_position(&self, column: f32, row: f32) -> [f32; 3] {
+    pub fn at_position(&self, column: f32, row: f32) -> [f32; 3] {
         let (top, down) = cell(row);
         let upper = self.on_row(column, top);
         let lower = self.on_row(column, top + 1);

@@ -33,6 +33,13 @@ pub fn scale_factor(k: f32, alpha: f32) -> f32 {
     (1.0 + t) / (1.0 - t)
 }
 
+/// How many times the cosine that a light has as it stands it may have as unwarped, at the most.
+///
+/// [LW] section 6.1 lets a light count only where both its directions are above the surface. A hard edge
+/// there tears the terminator of a raking light into shreds; with the smaller of the unwarped cosine and
+/// this many times the other one the light fades as it sets. Smaller values damp the warp itself.
+pub const MOST_BRIGHTENED: f32 = 4.0;
+
 /// A warping of directions: the symmetric matrix Lambda that acts on x and y of half vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Warp {

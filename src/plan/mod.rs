@@ -308,7 +308,9 @@ impl Plan {
         } else {
             0
         };
-        EDGE_REACH + curvature.max(rays)
+        // Of new light pixels that are covered in part take some from their neighbours.
+        let rim = usize::from(self.goal == Goal::Relight);
+        EDGE_REACH + curvature.max(rays) + rim
     }
 
     /// Every stage there is, kept or left out, and why.

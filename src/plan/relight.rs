@@ -296,6 +296,13 @@ fn refuse_what_lacks(
             "give --environment FILE",
         ));
     }
+    if mirrors(params.material.material) && (kinds.directional || kinds.points) {
+        return Err(bad(
+            "--light",
+            "is no larger than a point: mirrors and glass do not show it",
+            "leave it out, or choose another --material",
+        ));
+    }
     let any = kinds.directional || kinds.points || kinds.environment || kinds.lit_spheres > 0;
     if !any && params.material.ambient == 0.0 {
         return Err(bad(

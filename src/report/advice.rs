@@ -1,6 +1,9 @@
 //! What is enough: the cheapest setting within a given error, in words.
 
 use super::Report;
+use super::light::LightReport;
+use super::light::lit::Surface;
+use super::light::samples::Sweep;
 use super::sweeps::solver::{Row, ScaleSweep};
 use crate::params::Solver;
 
@@ -57,6 +60,49 @@ pub fn sentence(report: &Report) -> String {
             format!("{start}; nothing tried is faster by 5 % and right to half a grey level.")
         }
         None => format!("{start}; nothing tried is right to half a grey level."),
+    }
+}
+
+/// How many samples of an environment are enough for the frame, and whether prefiltered maps serve.
+pub fn of_light(light: &LightReport) -> String {
+    let subject = &light.subjects[0];
+    if subject.covered == 0 {
+        return "Nothing is covered that light could fall on.".into();
+    }
+    let enough = |sweep: &Sweep| {
+        let altered = match sweep.method.warps() {
+            true => "warped",
+            false => "plain",
+        };
+        let number = match sweep.enough {
+            Some(count) => format!("{count} lights"),
+            None => "more than were tried".into(),
+        };
+        format!("{number} for {altered} {}", noun(sweep.surface))
+    };
+    let numbers: Vec<_> = subject.samples.iter().map(enough).collect();
+    let plain = |surface| {
+        let mut rows = subject.prefiltered.iter();
+        rows.find(|row| row.surface == surface && !row.method.warps())
+    };
+    let prefiltered = Surface::ALL.into_iter().filter_map(plain).map(|row| {
+        let serves = if row.serves { "serves" } else { "does not" };
+        let off = scientific(row.difference.errors.p99);
+        format!("for {} {serves} ({off})", noun(row.surface))
+    });
+    let prefiltered: Vec<_> = prefiltered.collect();
+    format!(
+        "Of the report's environment, 99 pixels in 100 are within 1/255 of white by {}; a prefiltered map, unwarped, {}.",
+        numbers.join(", "),
+        prefiltered.join(" and "),
+    )
+}
+
+/// What is lit, in words.
+pub fn noun(surface: Surface) -> &'static str {
+    match surface {
+        Surface::Lambert => "diffuse light",
+        Surface::Glossy => "highlights",
     }
 }
 

@@ -1,5 +1,9 @@
 //! The report as a page of Markdown.
 
+mod light;
+
+pub use light::plot_names as light_plot_names;
+
 use super::Report;
 use super::advice::{BUDGETS, cheapest, milliseconds, rounded, scientific, sentence};
 use super::compare::Errors;
@@ -37,6 +41,7 @@ pub fn page(report: &Report) -> String {
         precision(report),
         directions(report),
         rim(report),
+        light::section(&report.light),
         stability(&report.stability),
     ];
     for section in sections {
@@ -494,7 +499,10 @@ fn outcome(verdict: &Verdict) -> (&'static str, String) {
     };
     match verdict {
         Verdict::Bounded(bounds) => ("bounded", values(bounds)),
-        Verdict::Warned { message, .. } => ("warned", message.clone()),
+        Verdict::Lit { largest, bound } => ("lit", format!("{largest:.3e} of {bound:.3e}")),
+        Verdict::Warned { message, .. } | Verdict::Told { message, .. } => {
+            ("warned", message.clone())
+        }
         Verdict::Refused { message } => ("refused", message.clone()),
         Verdict::Failed { what } => ("failed", what.clone()),
     }

@@ -6,6 +6,8 @@
 
 pub mod advice;
 pub mod compare;
+pub mod light;
+pub mod light_reference;
 pub mod machine;
 pub mod markdown;
 pub mod pareto;
@@ -80,6 +82,8 @@ pub struct Report {
     pub rim_of_ball: Vec<rim::BallRow>,
     /// The same on the frame.
     pub rim_of_frame: Vec<rim::FrameRow>,
+    /// Light.
+    pub light: light::LightReport,
     /// Stiff and extreme cases.
     pub stability: Vec<CaseResult>,
 }
@@ -139,6 +143,7 @@ pub fn run(
     let directions = directions::sweep(&Scene::ellipsoid(width, height), effort)?;
     progress(&format!("{name}: foreshortening and min_nz"));
     let (rim_of_ball, rim_of_frame) = (rim::on_ball()?, rim::on_frame(frame, &shape)?);
+    let light = light::run(name, frame, shape, extent, progress)?;
     progress("stiff and extreme cases");
     Ok(Report {
         version: env!("CARGO_PKG_VERSION"),
@@ -154,6 +159,7 @@ pub fn run(
         directions,
         rim_of_ball,
         rim_of_frame,
+        light,
         stability: stability::all().iter().map(stability::Case::run).collect(),
     })
 }

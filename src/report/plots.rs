@@ -197,6 +197,10 @@ fn ticks(range: &Range<f64>, of: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+mod light;
+
+pub use light::{both_equations, error_against_lights};
+
 fn solver_panel(area: &Area, sweep: &ScaleSweep, errors: Range<f64>) -> Drawn {
     let rows: Vec<_> = sweep.rows.iter().filter(|row| drawable(row)).collect();
     let times = rows.iter().map(|row| 1e3 * row.diffusion.min);

@@ -25,7 +25,11 @@ pub struct Times {
 }
 
 impl Times {
-    fn of(mut seconds: Vec<f64>) -> Self {
+    /// Of runs that took so many seconds each.
+    ///
+    /// # Panics
+    /// If there was none.
+    pub fn of(mut seconds: Vec<f64>) -> Self {
         seconds.sort_by(f64::total_cmp);
         Self {
             min: seconds[0],

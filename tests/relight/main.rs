@@ -7,7 +7,6 @@ mod command;
 mod common;
 mod invariances;
 mod nothing_asked;
-mod reference;
 mod sums;
 
 use common::scenes::{Scene, Surface};

@@ -1,25 +1,11 @@
 //! The sum over lights against the reference, for every material and method.
 
-use crate::reference::{Pixel, Settings, reflected};
 use crate::{Asked, LIT, METHODS, covered, lights, torus, torus_in_perspective};
 use glam::{DVec3, Vec3};
-use relievo::frame::{Frame, SymmetricPlanes};
+use relievo::frame::Frame;
 use relievo::light::lights::PointLight;
 use relievo::params::{Adaptive, Material, Quantisation, Tangent};
-use relievo::plan::{Available, Goal, Plan};
-
-/// Where a pixel's cosine is this close to 0 single precision may see the light on the other side.
-const HORIZON: f64 = 1e-5;
-
-/// The Hessian by itself, as `shape` writes it.
-fn hessian(asked: &Asked, frame: &Frame) -> SymmetricPlanes {
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Layers, available, asked.shape, asked.scaling).unwrap();
-    relievo::backend::cpu::run(&plan, frame)
-        .shape
-        .hessian
-        .unwrap()
-}
+use relievo::report::light_reference::{HORIZON, Pixel, Settings, hessian, reflected};
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
 fn worst(
@@ -29,7 +15,7 @@ fn worst(
 ) -> f64 {
     let outcome = asked.outcome(frame);
     let color = outcome.color.as_ref().unwrap();
-    let shape = hessian(asked, frame);
+    let hessian = hessian(frame, asked.shape).unwrap();
     let gain = outcome.gain.unwrap_or(0.0);
     let m = &asked.relight.material;
     let settings = Settings {
@@ -43,35 +29,18 @@ fn worst(
     let mut differences = Vec::new();
     for (x, y) in covered(frame) {
         let at = |plane: &relievo::frame::Plane| f64::from(plane.at(x, y));
-        let normal = DVec3::new(
-            at(&frame.normal.x),
-            at(&frame.normal.y),
-            at(&frame.normal.z),
-        );
-        let hessian = [at(&shape.xx), at(&shape.xy), at(&shape.yy)];
-        let projection = frame.camera.unwrap().projection;
-        let to_eye = projection
-            .to_eye(x as f64 + 0.5, y as f64 + 0.5)
-            .extend(1.0)
-            .normalize();
         let angle = match m.tangent {
-            Tangent::Degrees(angle) => f64::from(angle).to_radians(),
+            Tangent::Degrees(angle) => f64::from(angle),
             Tangent::Curvature => 0.0,
         };
-        let grain = DVec3::new(angle.cos(), angle.sin(), 0.0);
-        let pixel = Pixel {
-            normal,
-            to_eye,
-            along: (grain - normal * grain.dot(normal)).normalize(),
-            hessian,
-        };
+        let pixel = Pixel::of(frame, &hessian, [x, y], angle);
         let mut expected = 0.0;
         let mut on_horizon = false;
         for (light, intensity) in to_lights(x, y) {
             let [diffuse, specular] = reflected(&pixel, light, &settings);
             let gains = (f64::from(m.diffuse_gain), f64::from(m.specular()));
             expected += intensity * (gains.0 * diffuse + gains.1 * specular);
-            on_horizon |= normal.dot(light).abs() < HORIZON;
+            on_horizon |= pixel.normal.dot(light).abs() < HORIZON;
         }
         if !on_horizon {
             largest = largest.max(expected);

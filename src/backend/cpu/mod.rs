@@ -15,6 +15,7 @@ mod statistics;
 mod tiles;
 mod wave;
 
+use crate::fast_math::Function;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
@@ -109,6 +110,16 @@ pub struct Outcome {
 /// [`Goal::Relight`] the light of [`Runner::relight`].
 pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
     Runner::default().run(plan, frame)
+}
+
+/// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.
+pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
+    simd::Simd::widest().map_row(function, out, x);
+}
+
+/// Bits of the widest vectors that this machine has.
+pub fn vector_bits() -> u32 {
+    simd::Simd::widest().bits()
 }
 
 /// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,

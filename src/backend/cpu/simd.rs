@@ -9,6 +9,7 @@
 
 use super::light::{Scaler, scale_row};
 use super::relight::{Batch, Scene, light_batch};
+use crate::fast_math::{Function, map_row};
 use crate::light::layers::{
     LobeRow, TermScaling, add_change_row, add_direction_row, changed_row, group_sigma_row,
     kappa_row, kappa_toward_row, lobe_luminance_row, lobe_sigma_row, occlude_row,
@@ -70,6 +71,17 @@ impl Simd {
         *Self::available()
             .last()
             .expect("the baseline is always there")
+    }
+
+    /// Bits of its vectors.
+    pub(super) fn bits(self) -> u32 {
+        match self.0 {
+            Level::Baseline => 128,
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => 256,
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => 512,
+        }
     }
 }
 
@@ -164,6 +176,7 @@ widened! {
         covered: &[bool],
     );
     fn light_batch(batch: &mut Batch, scene: &Scene);
+    fn map_row(function: Function, out: &mut [f32], x: &[f32]);
     fn kappa_row(kappa: &mut [f32], trace: &[f32], gain: f32);
     fn kappa_toward_row(
         kappa: &mut [f32],

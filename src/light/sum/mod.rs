@@ -7,7 +7,7 @@
 //! the scalar product of one with a vector a is `2 h_z (a . g) / |g|^2 - a_z`. What of this belongs to the
 //! pixel alone is prepared once ([`Pixels`]); what is left per light is some twenty operations and a
 //! division. A light counts only where it is above the surface both as it stands and as unwarped ([LW]
-//! section 6.1).
+//! section 6.1), and fades toward that edge ([`super::light_warping::MOST_BRIGHTENED`]).
 //!
 //! Use: [`LightSum::add`] light by light, then read the sums.
 

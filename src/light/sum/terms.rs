@@ -3,6 +3,7 @@
 use super::shading::{Lobes, Power, Scaled, Shading, TowardLight};
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{AshikhminShirley, Cosines};
+use crate::light::light_warping::MOST_BRIGHTENED;
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::shape::curvature::mapped_curvature_toward;
 
@@ -192,22 +193,23 @@ impl Scratch {
         S: Fn(usize) -> f32,
     {
         if light.everywhere {
-            self.arrive_above(pixels, light, lobe, |_, _| true);
+            self.arrive_below(pixels, light, lobe, |_, _| f32::MAX);
         } else {
-            let above = |n, direction| dot(n, direction) > 0.0;
-            self.arrive_above(pixels, light, lobe, above);
+            self.arrive_below(pixels, light, lobe, |n, direction| {
+                MOST_BRIGHTENED * dot(n, direction)
+            });
         }
     }
 
-    /// [`Scratch::arrive_unwarped`], where `above` tells of a normal and the direction as it stands whether
-    /// that is above the surface.
+    /// [`Scratch::arrive_unwarped`], where `most` tells of a normal and the direction as it stands how large
+    /// the cosine may be.
     #[inline(always)]
-    fn arrive_above<D, H, S>(
+    fn arrive_below<D, H, S>(
         &mut self,
         pixels: &Pixels,
         light: Arriving<D, H, S>,
         lobe: impl Fn(f32, f32, f32) -> f32,
-        above: impl Fn([f32; 3], [f32; 3]) -> bool,
+        most: impl Fn([f32; 3], [f32; 3]) -> f32,
     ) where
         D: Fn(usize) -> [f32; 3],
         H: Fn(usize) -> [f32; 3],
@@ -223,9 +225,10 @@ impl Scratch {
             let twice = 2.0 * z;
             let along = gx[i] * (twice * x) + gy[i] * (twice * y) + n[2] * (twice * z);
             let cosine = inverse * along - n[2];
+            let most = most(n, (light.direction)(i));
+            let cosine = if cosine < most { cosine } else { most };
             let weight = (light.share)(i) * (inverse * inverse);
-            let lit = (cosine > 0.0) & above(n, (light.direction)(i));
-            self.weight[i] = if lit { weight } else { 0.0 };
+            self.weight[i] = if cosine > 0.0 { weight } else { 0.0 };
             self.cosine[i] = cosine;
             self.inverse[i] = inverse;
             self.lobe[i] = lobe(along, inverse, z);
@@ -265,13 +268,15 @@ impl Scratch {
     fn half_way(
         &mut self,
         pixels: &Pixels,
-        unwarped: Option<impl Fn(usize) -> [f32; 3]>,
-        direction: impl Fn(usize) -> [f32; 3],
+        unwarped: Option<impl Fn(usize) -> [f32; 3] + Copy>,
+        direction: impl Fn(usize) -> [f32; 3] + Copy,
     ) {
         self.product(&pixels.to_eye, unwarped, direction, 0);
+        // The cosine may be held back, and is not here.
+        self.product(&pixels.normal, unwarped, direction, 1);
         for i in 0..BATCH {
             let eye = dot(pixels.normal.at(i), pixels.to_eye.at(i));
-            let along = positive(self.cosine[i] + eye);
+            let along = positive(self.products[1][i] + eye);
             let squared = 2.0 + 2.0 * self.products[0][i];
             self.lobe[i] = at_most_1(along * along / squared.max(SHORTEST));
         }
@@ -389,7 +394,9 @@ impl Scratch {
                 hu: (lu + dot(pixels.along.at(i), eye)) * inverse,
                 hv: (lv + dot(pixels.across.at(i), eye)) * inverse,
             };
-            self.lobe[i] = ((self.cosine[i] + ne) * inverse).clamp(0.0, 1.0);
+            // n . h, of what h has beside its parts along and across the grain.
+            let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
+            self.lobe[i] = positive(1.0 - aside).sqrt();
             terms.diffuse[i] = self.weight[i] * brdf.diffuse(cosines.nl, ne);
             let specular = brdf.specular(cosines);
             // Weights are 0 below the horizon, where the lobe may be anything.

@@ -1,4 +1,4 @@
-//! The list of cases: everything that shape analysis could stumble over.
+//! The list of cases: everything that shape analysis could stumble over, and what light adds.
 
 use super::frames::{
     gentle, masked, noise, normals, relief, rough, through_a_file, with_conductance, with_depth,
@@ -21,11 +21,12 @@ pub fn all() -> Vec<Case> {
         size_cases(),
         time_cases(),
         rim_cases(),
+        super::light_cases::all(),
     ];
     groups.into_iter().flatten().collect()
 }
 
-fn case(
+pub(super) fn case(
     name: &'static str,
     done: &'static str,
     expected: Expected,

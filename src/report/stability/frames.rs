@@ -103,7 +103,7 @@ pub(super) fn with_conductance(open: impl Fn(usize, usize) -> bool) -> Frame {
     }
 }
 
-/// The frame as it is read from an EXR that holds its normals and depth as floats.
+/// The frame as it is read from an EXR that holds its normals, depth and picture as floats.
 pub(super) fn through_a_file(frame: &Frame) -> Result<Loaded> {
     let channel = |name: &str, plane| OutputChannel {
         name: name.into(),
@@ -116,6 +116,10 @@ pub(super) fn through_a_file(frame: &Frame) -> Result<Loaded> {
         channel("N.y", &normal.y),
         channel("N.z", &normal.z),
     ];
+    if let Some(color) = &frame.color {
+        let colors = [("R", &color.r), ("G", &color.g), ("B", &color.b)];
+        channels.extend(colors.map(|(name, plane)| channel(name, plane)));
+    }
     channels.extend(frame.depth.as_ref().map(|depth| channel("Z", depth)));
     let part = OutputPart {
         name: "main".into(),
@@ -139,7 +143,7 @@ pub(super) fn through_a_file(frame: &Frame) -> Result<Loaded> {
     io::load(
         &inputs,
         Needs {
-            color: false,
+            color: frame.color.is_some(),
             projection: false,
             ..Needs::default()
         },

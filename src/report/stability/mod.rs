@@ -3,6 +3,8 @@
 
 mod cases;
 mod frames;
+mod light_cases;
+mod lit;
 
 pub use cases::all;
 
@@ -21,6 +23,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub enum Expected {
     /// A result within its bounds, nothing to be said.
     Bounded,
+    /// A picture under new light within its bound, nothing to be said.
+    Lit,
     /// A result within its bounds, and a word to the user.
     Warned,
     /// No result, but the reason.
@@ -51,7 +55,24 @@ pub struct Bounds {
 pub enum Verdict {
     /// Every value is a number within its bounds.
     Bounded(Bounds),
+    /// Every value of a picture is a number from 0 to its bound.
+    Lit {
+        /// The largest value.
+        largest: f64,
+        /// What all light together could give.
+        bound: f64,
+    },
     /// The same, and the user is told something.
+    #[serde(rename = "warned")]
+    Told {
+        /// What the user is told.
+        message: String,
+        /// The largest value.
+        largest: f64,
+        /// What it may be at most.
+        bound: f64,
+    },
+    /// Every value of a descriptor is a number within its bounds, and the user is told something.
     Warned {
         /// What the user is told.
         message: String,
@@ -75,7 +96,8 @@ impl Verdict {
     pub fn is(&self, expected: Expected) -> bool {
         match self {
             Self::Bounded(_) => expected == Expected::Bounded,
-            Self::Warned { .. } => expected == Expected::Warned,
+            Self::Lit { .. } => expected == Expected::Lit,
+            Self::Told { .. } | Self::Warned { .. } => expected == Expected::Warned,
             Self::Refused { .. } => expected == Expected::Refused,
             Self::Failed { .. } => false,
         }

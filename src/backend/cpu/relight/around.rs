@@ -3,18 +3,19 @@
 
 use super::Scene;
 use super::batch::Batch;
-use super::shade::TERMS;
+use super::shade::Term;
 use crate::frame::{ColorPlanes, Frame, Plane};
-use crate::light::batch::{Lanes, Pixels};
+use crate::light::batch::{BATCH, Vectors};
 use crate::light::brdf::{fresnel, refracted, thin_sheet};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;
 use crate::light::irradiance::irradiance_filter;
 use crate::light::light_samples::uniform_directions;
+use crate::light::light_warping::{Warp, half_vector};
 use crate::light::lights::{DirectionalLight, Illumination};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
-use crate::params::{Adaptive, Material};
+use crate::params::{Adaptive, Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -164,31 +165,16 @@ impl<'a> Around<'a> {
         frame.light.occlusion.as_ref().filter(|_| even)
     }
 
-    /// Intensities of one of the even directions, looked up where `warped` says; dark where that is below
-    /// the surface.
-    #[inline(always)]
-    pub(super) fn look_up(
-        &self,
-        out: &mut [Lanes; 3],
-        pixels: &Pixels,
-        warped: impl Fn(usize) -> [f32; 3],
-    ) {
-        let Used::Lookups(directions, environment) = &self.used else {
-            return;
-        };
-        // Each stands for 4 pi / n; intensities are over pi.
-        let share = self.gain.unwrap_or(1.0) * 4.0 / directions.len() as f32;
-        let [r, g, b] = out;
-        for i in 0..pixels.count {
-            let (n, direction) = (pixels.normal.at(i), warped(i));
-            let above = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2] > 0.0;
-            let share = if above { share } else { 0.0 };
-            let radiance = environment.radiance(direction);
-            (r[i], g[i], b[i]) = (
-                share * radiance[0],
-                share * radiance[1],
-                share * radiance[2],
-            );
+    /// The environment that the even directions are looked up in, and the intensity that radiance of 1 has
+    /// from each of them.
+    pub(super) fn looked_up(&self) -> Option<(&Environment, f32)> {
+        match &self.used {
+            // Each stands for 4 pi / n; intensities are over pi.
+            Used::Lookups(directions, environment) => {
+                let share = 4.0 / directions.len() as f32;
+                Some((environment, self.gain.unwrap_or(1.0) * share))
+            }
+            _ => None,
         }
     }
 }
@@ -241,128 +227,160 @@ fn filtered(filter: &GlossyFilter) -> Environment {
     filter.finish(ColorPlanes { r, g, b })
 }
 
-/// Adds what is looked up once per pixel to the sums; `warped` tells where a direction is looked up.
+/// Looks `map` up where `toward` says: first where that is, all lanes at once, then the samples there.
 #[inline(always)]
-pub(super) fn add_lookups(
-    batch: &mut Batch,
-    scene: &Scene,
-    warped: impl Fn(&Pixels, &Scene, usize, [f32; 3]) -> [f32; 3],
-) {
+pub(super) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, count: usize) {
+    let [x, y, z] = toward;
+    let mut positions = [[0.0; BATCH]; 2];
+    let [columns, rows] = &mut positions;
+    for i in 0..BATCH {
+        [columns[i], rows[i]] = map.position([x[i], y[i], z[i]]);
+    }
+    let [r, g, b] = found;
+    for i in 0..count {
+        [r[i], g[i], b[i]] = map.at_position(columns[i], rows[i]);
+    }
+}
+
+/// Adds what is looked up once per pixel to the sums.
+#[inline(always)]
+pub(super) fn add_lookups(batch: &mut Batch, scene: &Scene) {
     let gain = scene.around.gain.unwrap_or(1.0);
-    for i in 0..batch.pixels.count {
-        let n = batch.pixels.normal.at(i);
-        let toward = |direction| warped(&batch.pixels, scene, i, direction);
-        let found = match &scene.around.used {
-            Used::Nothing | Used::Lights(_) | Used::Lookups(..) => return,
-            Used::Prefiltered { diffuse, specular } => {
-                let open = gain * batch.occlusion[i];
-                let base = seen(batch, scene, i, 0, diffuse, toward(n), open);
-                let coat = specular.as_ref().map_or([0.0; 3], |map| {
-                    let r = batch.pixels.mirrored.at(i);
-                    seen(batch, scene, i, 1, map, toward(r), gain)
-                });
-                [base, coat]
+    match &scene.around.used {
+        Used::Nothing | Used::Lights(_) | Used::Lookups(..) => {}
+        Used::Prefiltered { diffuse, specular } => {
+            for i in 0..BATCH {
+                batch.share[i] = gain * batch.occlusion[i];
             }
-            Used::Mirrored(map) => [[0.0; 3], reflected(batch, scene, i, map, toward, gain)],
-            Used::LitSpheres(spheres, largest) => {
-                let color = sphere_color(batch, i, spheres, toward(n));
-                let sigma = sigma(batch, scene, i, 0, luminance(scene, color) / largest);
-                // A lit sphere holds its own gains and colours.
-                let share = 1.0 / scene.params().material.diffuse_gain.max(f32::MIN_POSITIVE);
-                [color.map(|c| c * sigma * share), [0.0; 3]]
+            batch.toward = batch.pixels.normal.vector;
+            add_seen(batch, scene, Term::Diffuse, diffuse);
+            if let Some(map) = specular {
+                // The lobe of a sum over lights is 1 at its brightest; the map's holds as much as a cosine.
+                let lobe = 2.0 / (scene.params().material.shininess + 1.0);
+                batch.share = [gain * lobe; BATCH];
+                batch.toward = batch.pixels.mirrored.vector;
+                add_seen(batch, scene, Term::Specular, map);
             }
-        };
-        let [base, coat] = found;
-        let sums = batch.sum.diffuse.iter_mut().zip(base);
-        let sums = sums.chain(batch.sum.specular.iter_mut().zip(coat));
-        sums.for_each(|(sum, found)| sum[i] += found);
-    }
-}
-
-fn luminance(scene: &Scene, rgb: [f32; 3]) -> f32 {
-    super::light::luminance(rgb, scene.luminance)
-}
-
-/// sigma of a diffuse (0) or specular (1) intensity at lane `i`; 1 where nothing is scaled.
-#[inline(always)]
-fn sigma(batch: &Batch, scene: &Scene, i: usize, term: usize, intensity: f32) -> f32 {
-    if !scene.relighting.scales {
-        return 1.0;
-    }
-    let curves = &batch.pixels.curves[TERMS[term]];
-    curves.at(i).at(intensity, scene.invariant_point)
-}
-
-/// What a map shows in a direction, scaled by its own brightness ([RS] section 5.3), times `gain`.
-#[inline(always)]
-fn seen(
-    batch: &Batch,
-    scene: &Scene,
-    i: usize,
-    term: usize,
-    map: &Map,
-    direction: [f32; 3],
-    gain: f32,
-) -> [f32; 3] {
-    let radiance = map.environment.radiance(direction);
-    let sigma = sigma(
-        batch,
-        scene,
-        i,
-        term,
-        luminance(scene, radiance) / map.largest,
-    );
-    radiance.map(|channel| channel * (gain * sigma))
-}
-
-/// What a mirror or clear glass shows.
-fn reflected(
-    batch: &Batch,
-    scene: &Scene,
-    i: usize,
-    map: &Map,
-    toward: impl Fn([f32; 3]) -> [f32; 3],
-    gain: f32,
-) -> [f32; 3] {
-    let r = batch.pixels.mirrored.at(i);
-    let material = &scene.params().material;
-    if material.material == Material::Mirror {
-        return seen(batch, scene, i, 1, map, toward(r), gain);
-    }
-    let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
-    let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
-    let one_surface = fresnel(cosine, material.ior);
-    let (share, through) = if material.thin {
-        (thin_sheet(one_surface), Some(eye.map(|c| -c)))
-    } else {
-        (one_surface, refracted(n, eye, material.ior))
-    };
-    let outside = seen(batch, scene, i, 1, map, toward(r), gain * share);
-    let inside = through.map_or([0.0; 3], |direction| {
-        seen(
-            batch,
-            scene,
-            i,
-            1,
-            map,
-            toward(direction),
-            gain * (1.0 - share),
-        )
-    });
-    [0, 1, 2].map(|k| outside[k] + inside[k])
-}
-
-/// The colour of the lit sphere, or of both mixed by curvature.
-fn sphere_color(batch: &Batch, i: usize, spheres: &[LitSphere], normal: [f32; 3]) -> [f32; 3] {
-    let across = [normal[0], normal[1]];
-    match spheres {
-        [convex, concave] => {
-            let share = 0.5 + 0.5 * batch.kappa[i];
-            let (convex, concave) = (convex.color(across), concave.color(across));
-            [0, 1, 2].map(|k| concave[k] + share * (convex[k] - concave[k]))
         }
-        spheres => spheres
-            .first()
-            .map_or([0.0; 3], |sphere| sphere.color(across)),
+        Used::Mirrored(map) => {
+            let material = scene.params().material;
+            batch.share = [gain; BATCH];
+            if material.material == Material::Glass {
+                add_refracted(batch, scene, map, &material);
+            }
+            batch.toward = batch.pixels.mirrored.vector;
+            add_seen(batch, scene, Term::Specular, map);
+        }
+        Used::LitSpheres(spheres, largest) => add_spheres(batch, scene, spheres, *largest),
+    }
+}
+
+/// Adds what `map` shows toward `batch.toward`, warped, times `batch.share`, scaled by its own brightness
+/// ([RS] section 5.3).
+#[inline(always)]
+fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
+    warp_lookups(batch, scene);
+    look_up(
+        &mut batch.looked_up,
+        &map.environment,
+        &batch.toward,
+        batch.pixels.count,
+    );
+    let [r, g, b] = &batch.looked_up;
+    let w = scene.luminance;
+    if scene.relighting.scales {
+        let curves = &batch.pixels.curves[term as usize];
+        for i in 0..BATCH {
+            let luminance = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
+            let sigma = curves
+                .at(i)
+                .at(luminance / map.largest, scene.invariant_point);
+            batch.share[i] *= sigma;
+        }
+    }
+    let sums = match term {
+        Term::Specular => &mut batch.sum.specular,
+        _ => &mut batch.sum.diffuse,
+    };
+    for (sum, found) in sums.iter_mut().zip([r, g, b]) {
+        for i in 0..BATCH {
+            sum[i] += found[i] * batch.share[i];
+        }
+    }
+}
+
+/// Adds what is seen through glass, and leaves the share that it mirrors.
+#[inline(always)]
+fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &MaterialParams) {
+    let mut mirrored = [0.0; BATCH];
+    let all = batch.share;
+    for i in 0..batch.pixels.count {
+        let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
+        let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
+        let one_surface = fresnel(cosine, material.ior);
+        let straight_on = [-eye[0], -eye[1], -eye[2]];
+        let (share, through) = match material.thin {
+            true => (thin_sheet(one_surface), Some(straight_on)),
+            false => (one_surface, refracted(n, eye, material.ior)),
+        };
+        let [x, y, z] = through.unwrap_or(straight_on);
+        (batch.toward[0][i], batch.toward[1][i], batch.toward[2][i]) = (x, y, z);
+        mirrored[i] = if through.is_some() { share } else { 1.0 };
+        batch.share[i] = all[i] * (1.0 - mirrored[i]);
+    }
+    add_seen(batch, scene, Term::Specular, map);
+    for i in 0..BATCH {
+        batch.share[i] = all[i] * mirrored[i];
+    }
+}
+
+/// Adds the colours of the lit sphere, or of both mixed by curvature. They hold their own gains.
+#[inline(always)]
+fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest: f32) {
+    let own = 1.0 / scene.params().material.diffuse_gain.max(f32::MIN_POSITIVE);
+    batch.toward = batch.pixels.normal.vector;
+    warp_lookups(batch, scene);
+    for i in 0..batch.pixels.count {
+        let across = [batch.toward[0][i], batch.toward[1][i]];
+        let color = match spheres {
+            [convex, concave] => {
+                let share = 0.5 + 0.5 * batch.kappa[i];
+                let (convex, concave) = (convex.color(across), concave.color(across));
+                [0, 1, 2].map(|k| concave[k] + share * (convex[k] - concave[k]))
+            }
+            spheres => spheres
+                .first()
+                .map_or([0.0; 3], |sphere| sphere.color(across)),
+        };
+        let sigma = match scene.relighting.scales {
+            true => {
+                let luminance = super::super::light::luminance(color, scene.luminance);
+                let curves = &batch.pixels.curves[Term::Diffuse as usize];
+                curves.at(i).at(luminance / largest, scene.invariant_point)
+            }
+            false => 1.0,
+        };
+        for (sum, color) in batch.sum.diffuse.iter_mut().zip(color) {
+            sum[i] += color * sigma * own;
+        }
+    }
+}
+
+/// Warps the directions of look-ups ([LW] equation 1).
+#[inline(always)]
+pub(super) fn warp_lookups(batch: &mut Batch, scene: &Scene) {
+    if !scene.relighting.warps {
+        return;
+    }
+    let [xx, xy, yy] = &batch.pixels.unwarp;
+    let [x, y, z] = &mut batch.toward;
+    for i in 0..BATCH {
+        let inverse = Warp {
+            xx: xx[i],
+            xy: xy[i],
+            yy: yy[i],
+        };
+        let half = half_vector([x[i], y[i], z[i]]);
+        [x[i], y[i], z[i]] = inverse.inverse().direction(half);
     }
 }

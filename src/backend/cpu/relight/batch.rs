@@ -3,7 +3,7 @@
 use super::Scene;
 use super::curvature::{CurvatureRow, Kind};
 use crate::frame::{DepthKind, Plane};
-use crate::light::batch::{BATCH, Lanes, Pixels};
+use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
 use crate::light::sum::LightSum;
 use glam::DVec3;
 use std::ops::Range;
@@ -36,6 +36,10 @@ pub(in super::super) struct Batch {
     pub(super) points: [Lanes; 3],
     /// Directions to a light near the surface, and the share that arrives.
     pub(super) near: ([Lanes; 3], Lanes),
+    /// Where something is looked up.
+    pub(super) toward: Vectors,
+    /// The share of it that counts.
+    pub(super) share: Lanes,
     /// What was looked up.
     pub(super) looked_up: [Lanes; 3],
     /// What the pixels show.
@@ -59,6 +63,8 @@ impl Batch {
             grain: [ZERO; 2],
             points: [ZERO; 3],
             near: ([ZERO; 3], ZERO),
+            toward: [ZERO; 3],
+            share: ZERO,
             looked_up: [ZERO; 3],
             shown: [ZERO; 3],
         }

@@ -4,6 +4,7 @@ mod albedo;
 mod around;
 mod batch;
 mod curvature;
+mod rim;
 mod shade;
 
 pub(super) use around::Around;
@@ -228,7 +229,13 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
         },
     );
     let [r, g, b] = planes;
-    ColorPlanes { r, g, b }
+    let mut color = ColorPlanes { r, g, b };
+    if let Some(alpha) = &scene.frame.alpha
+        && mask.count() < alpha.samples().len()
+    {
+        rim::light_rims(&mut color, alpha, mask);
+    }
+    color
 }
 
 /// Fills what shows no surface: with the picture of the frame where there is one, else black.

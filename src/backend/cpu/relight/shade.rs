@@ -1,21 +1,26 @@
 //! Lighting one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors
 //! that the machine has.
 
+use super::around::{add_lookups, look_up, warp_lookups};
 use super::curvature::{Curvature, Kind};
 use super::{Batch, Scene};
 use crate::light::batch::{BATCH, Facing, Lanes};
 use crate::light::brdf::mirrored;
-use crate::light::light_warping::{Warp, contrast, half_vector};
+use crate::light::environment::Environment;
+use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::sum::{Incoming, Intensity, Lobes};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::shape::curvature::mapped_curvature;
 
-/// Which curve of [`crate::light::batch::Pixels::curves`] a term has.
-const AMBIENT: usize = 0;
-const DIFFUSE: usize = 1;
-const SPECULAR: usize = 2;
+/// Which of [`crate::light::batch::Pixels::curves`] scales a term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Term {
+    Ambient,
+    Diffuse,
+    Specular,
+}
 
 /// Lights from which on it pays to know which way a batch faces.
 const WORTH_A_CONE: usize = 4;
@@ -198,18 +203,17 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
             Intensity::Even(point.intensity),
         );
     }
-    for direction in scene.around.even_directions() {
-        let direction = direction.to_array();
-        let pixels = &batch.pixels;
-        scene.around.look_up(&mut batch.looked_up, pixels, |i| {
-            warped(pixels, scene, i, direction)
-        });
-        batch.sum.add(
-            &batch.pixels,
-            shading,
-            Incoming::From(direction),
-            Intensity::LookedUp(&batch.looked_up),
-        );
+    if let Some((environment, share)) = scene.around.looked_up() {
+        for direction in scene.around.even_directions() {
+            let direction = direction.to_array();
+            look_even_up(batch, scene, environment, direction, share);
+            batch.sum.add(
+                &batch.pixels,
+                shading,
+                Incoming::From(direction),
+                Intensity::LookedUp(&batch.looked_up),
+            );
+        }
     }
     batch.sum.finish(&batch.pixels, shading);
 }
@@ -234,23 +238,39 @@ fn approach(batch: &mut Batch, position: [f32; 3]) {
     }
 }
 
-/// Where light from `direction` is looked up at lane `i`: warped by equation 1 of [LW], or as it is.
+/// The intensities of one of the even directions, looked up where it is warped to ([LW] equation 1), and held
+/// back there as [`MOST_BRIGHTENED`] says.
 #[inline(always)]
-fn warped(
-    pixels: &crate::light::batch::Pixels,
+fn look_even_up(
+    batch: &mut Batch,
     scene: &Scene,
-    i: usize,
+    environment: &Environment,
     direction: [f32; 3],
-) -> [f32; 3] {
-    if !scene.relighting.warps {
-        return direction;
+    share: f32,
+) {
+    for (lanes, component) in batch.toward.iter_mut().zip(direction) {
+        lanes.fill(component);
     }
-    let inverse = Warp {
-        xx: pixels.unwarp[0][i],
-        xy: pixels.unwarp[1][i],
-        yy: pixels.unwarp[2][i],
-    };
-    inverse.inverse().direction(half_vector(direction))
+    warp_lookups(batch, scene);
+    let count = batch.pixels.count;
+    look_up(&mut batch.looked_up, environment, &batch.toward, count);
+    let [x, y, z] = &batch.toward;
+    let [r, g, b] = &mut batch.looked_up;
+    for i in 0..BATCH {
+        let n = batch.pixels.normal.at(i);
+        let cosine = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2];
+        let warped = n[0] * x[i] + n[1] * y[i] + n[2] * z[i];
+        let held = (MOST_BRIGHTENED * warped).max(0.0);
+        let counts = if held < cosine { held / cosine } else { 1.0 };
+        let share = if scene.relighting.warps {
+            share * counts
+        } else {
+            share
+        };
+        r[i] *= share;
+        g[i] *= share;
+        b[i] *= share;
+    }
 }
 
 /// What the pixels show: terms by their gains, contrast, tones, coverage.
@@ -259,10 +279,10 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     let material = &scene.params().material;
     let (kd, ks) = (material.diffuse_gain, material.specular());
     if scene.around.has_lookups() {
-        super::around::add_lookups(batch, scene, warped);
+        add_lookups(batch, scene);
     }
     let scales = scene.relighting.scales && material.ambient > 0.0;
-    let ambient = &batch.pixels.curves[AMBIENT];
+    let ambient = &batch.pixels.curves[Term::Ambient as usize];
     let alpha = scene.invariant_point;
     for i in 0..BATCH {
         // Ambient light is 1 in the open ([RS] section 5.1), and occlusion where there is any.
@@ -272,10 +292,22 @@ fn compose(batch: &mut Batch, scene: &Scene) {
         } else {
             1.0
         };
-        let even = material.ambient * open * sigma;
-        for k in 0..3 {
-            let diffuse = even + kd * batch.sum.diffuse[k][i];
-            batch.shown[k][i] = batch.albedo[k][i] * diffuse + ks * batch.sum.specular[k][i];
+        batch.share[i] = material.ambient * open * sigma;
+    }
+    for (shown, diffuse) in batch.shown.iter_mut().zip(&batch.sum.diffuse) {
+        for i in 0..BATCH {
+            shown[i] = batch.share[i] + kd * diffuse[i];
+        }
+    }
+    // A cartoon has few tones of light; other few tones are of what is seen.
+    let is_toon = material.material == Material::Toon;
+    if is_toon {
+        keep_few_tones(batch, scene);
+    }
+    for k in 0..3 {
+        for i in 0..BATCH {
+            let specular = ks * batch.sum.specular[k][i];
+            batch.shown[k][i] = batch.albedo[k][i] * batch.shown[k][i] + specular;
         }
     }
     if scene.relighting.contrasts {
@@ -293,18 +325,27 @@ fn compose(batch: &mut Batch, scene: &Scene) {
             }
         }
     }
-    if let Some(tones) = scene.tones {
-        let w = scene.luminance;
-        for i in 0..BATCH {
-            let [r, g, b] = [0, 1, 2].map(|k| batch.shown[k][i]);
-            let factor = tone_factor(w[0] * r + w[1] * g + w[2] * b, tones);
-            for k in 0..3 {
-                batch.shown[k][i] *= factor;
-            }
-        }
+    if !is_toon {
+        keep_few_tones(batch, scene);
     }
     for lanes in &mut batch.shown {
         cover(lanes, &batch.alpha);
+    }
+}
+
+/// Quantises what is shown so far, where few tones are asked for.
+#[inline(always)]
+fn keep_few_tones(batch: &mut Batch, scene: &Scene) {
+    let Some(tones) = scene.tones else {
+        return;
+    };
+    let w = scene.luminance;
+    let [r, g, b] = &mut batch.shown;
+    for i in 0..BATCH {
+        let factor = tone_factor(w[0] * r[i] + w[1] * g[i] + w[2] * b[i], tones);
+        r[i] *= factor;
+        g[i] *= factor;
+        b[i] *= factor;
     }
 }
 
@@ -315,5 +356,3 @@ fn cover(lanes: &mut Lanes, alpha: &Lanes) {
         lanes[i] = (lanes[i] * alpha[i]).clamp(-f32::MAX, f32::MAX);
     }
 }
-
-pub(super) const TERMS: [usize; 2] = [DIFFUSE, SPECULAR];

@@ -1,0 +1,40 @@
+//! A function over a row of numbers.
+
+use super::{atan, exp, ln, pow, tan_to_eighth_turn, tanh};
+
+/// A function of this module.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Function {
+    /// [`exp`].
+    Exp,
+    /// [`ln`].
+    Ln,
+    /// [`tanh`].
+    Tanh,
+    /// [`atan`].
+    Atan,
+    /// [`tan_to_eighth_turn`].
+    Tan,
+    /// [`pow`] with this exponent.
+    Pow(f32),
+}
+
+/// Sets every number of `out` to the function of that of `x`; as many as the shorter has.
+#[inline(always)]
+pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
+    match function {
+        Function::Exp => map(out, x, exp),
+        Function::Ln => map(out, x, ln),
+        Function::Tanh => map(out, x, tanh),
+        Function::Atan => map(out, x, atan),
+        Function::Tan => map(out, x, tan_to_eighth_turn),
+        Function::Pow(exponent) => map(out, x, |x| pow(x, exponent)),
+    }
+}
+
+#[inline(always)]
+fn map(out: &mut [f32], x: &[f32], function: impl Fn(f32) -> f32) {
+    for (out, &x) in out.iter_mut().zip(x) {
+        *out = function(x);
+    }
+}

@@ -1,0 +1,189 @@
+//! What lighting costs by the number of lights, and by the share of the frame that is covered.
+
+use super::lit::Bench;
+use crate::Result;
+use crate::frame::{Frame, Mask, Plane};
+use crate::light::environment::Environment;
+use crate::light::light_samples::uniform_directions;
+use crate::light::lights::{DirectionalLight, Illumination};
+use crate::params::{AUTO_SAMPLES, AlbedoSource, Material, MaterialParams, Method, RelightParams};
+use crate::params::{ShapeParams, WarpBy};
+use crate::report::timing::{Effort, Times};
+use serde::Serialize;
+
+/// Numbers of lights tried.
+pub const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
+
+/// What one number of lights takes.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Row {
+    /// Lights, in even directions.
+    pub lights: usize,
+    /// Time of lighting.
+    pub relight: Times,
+    /// Nanoseconds per covered pixel and light, of all threads together.
+    pub nanoseconds: f64,
+}
+
+/// A straight line through times.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Line {
+    /// Seconds without any light.
+    pub start: f64,
+    /// Seconds per light.
+    pub slope: f64,
+    /// Share of the variance that the line tells of (R squared).
+    pub told: f64,
+}
+
+/// What a part of the frame takes.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct CoveredRow {
+    /// Share of the frame that is covered.
+    pub share: f64,
+    /// Pixels that are.
+    pub pixels: usize,
+    /// Time of lighting.
+    pub relight: Times,
+    /// Nanoseconds per covered pixel and light.
+    pub nanoseconds: f64,
+}
+
+/// Cost of Blinn-Phong under a warp.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cost {
+    /// Columns of the frame.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// By number of lights.
+    pub rows: Vec<Row>,
+    /// The least-squares line through the least times.
+    pub line: Line,
+    /// Lights of the rows below.
+    pub lights: usize,
+    /// By the share that is covered.
+    pub covered: Vec<CoveredRow>,
+}
+
+/// Lights `frame`, all of it covered, by ever more lights, and by [`AUTO_SAMPLES`] with less and less of it
+/// covered.
+///
+/// # Errors
+/// None for the parameters tried here.
+pub fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Result<Cost> {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let time = |frame: &Frame, lights: usize| -> Result<(Times, f64)> {
+        let bench = Bench::new(frame, ShapeParams::default(), environment, effort);
+        let relight = bench.timed(params(), &even(lights))?.relight;
+        let each = 1e9 * relight.min / (frame.mask.count().max(1) * lights) as f64;
+        Ok((relight, each))
+    };
+    let rows = COUNTS.into_iter().map(|lights| {
+        let (relight, nanoseconds) = time(frame, lights)?;
+        Ok(Row {
+            lights,
+            relight,
+            nanoseconds,
+        })
+    });
+    let rows = rows.collect::<Result<Vec<Row>>>()?;
+    let points: Vec<_> = rows
+        .iter()
+        .map(|row| [row.lights as f64, row.relight.min])
+        .collect();
+    let lights = AUTO_SAMPLES as usize;
+    let covered = [1.0, 0.1].into_iter().map(|share| {
+        let part = covered_in_part(frame, share);
+        let (relight, nanoseconds) = time(&part, lights)?;
+        Ok(CoveredRow {
+            share,
+            pixels: part.mask.count(),
+            relight,
+            nanoseconds,
+        })
+    });
+    Ok(Cost {
+        width,
+        height,
+        covered: covered.collect::<Result<_>>()?,
+        lights,
+        line: line(&points),
+        rows,
+    })
+}
+
+fn params() -> RelightParams {
+    let base = RelightParams::default();
+    RelightParams {
+        method: Method::Warp,
+        warp_by: WarpBy::Lights,
+        albedo: AlbedoSource::White,
+        material: MaterialParams {
+            material: Material::BlinnPhong,
+            ..base.material
+        },
+        ..base
+    }
+}
+
+/// Lights that together are 1.
+fn even(count: usize) -> Illumination {
+    let lights = uniform_directions(count).into_iter();
+    Illumination {
+        directional: lights
+            .map(|to_light| DirectionalLight {
+                to_light,
+                intensity: [1.0 / count as f32; 3],
+            })
+            .collect(),
+        ..Illumination::default()
+    }
+}
+
+/// The frame with a disc in its middle covered that takes `share` of it; all of it for 1.
+fn covered_in_part(frame: &Frame, share: f64) -> Frame {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let radius = (share * (width * height) as f64 / std::f64::consts::PI).sqrt();
+    let inside = |x: usize, y: usize| {
+        let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
+        share >= 1.0 || (x - 0.5 * width as f64).hypot(y - 0.5 * height as f64) < radius
+    };
+    Frame {
+        mask: Mask::new(Plane::from_fn(width, height, inside)),
+        ..frame.clone()
+    }
+}
+
+/// The line of least squares through `points`, of which no two share their first coordinate.
+fn line(points: &[[f64; 2]]) -> Line {
+    let count = points.len() as f64;
+    let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / count;
+    let middle = [mean(0), mean(1)];
+    let product = |i: usize, j: usize| -> f64 {
+        let around = |p: &[f64; 2]| (p[i] - middle[i]) * (p[j] - middle[j]);
+        points.iter().map(around).sum()
+    };
+    let slope = product(0, 1) / product(0, 0);
+    Line {
+        start: middle[1] - slope * middle[0],
+        slope,
+        told: product(0, 1).powi(2) / (product(0, 0) * product(1, 1)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_found_again() {
+        let exact = [[1.0, 5.0], [4.0, 11.0], [16.0, 35.0]];
+        let found = line(&exact);
+        assert!((found.start - 3.0).abs() < 1e-12 && (found.slope - 2.0).abs() < 1e-12);
+        assert!((found.told - 1.0).abs() < 1e-12);
+        // 0, 1, 0 at -1, 0, 1: no slope, and nothing told.
+        let none = line(&[[-1.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
+        assert!(none.slope.abs() < 1e-12 && none.told.abs() < 1e-12);
+    }
+}

@@ -1,0 +1,197 @@
+//! The crate's elementary functions beside those of the standard library: errors over a dense sweep, and
+//! time per number of a loop over a row.
+//!
+//! Ours run in the widest vectors that the machine has, as the stages do; those of the standard library
+//! are calls, one number at a time, whatever the vectors.
+
+use crate::backend::cpu;
+use crate::fast_math::Function;
+use crate::report::Extent;
+use serde::Serialize;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// Errors of one function and its time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Measured {
+    /// Largest error relative to the exact value, where that is a normal number.
+    pub relative: f64,
+    /// Largest error in distances between neighbouring f32.
+    pub ulp: f64,
+    /// Nanoseconds per number, least of several runs.
+    pub nanoseconds: f64,
+}
+
+/// One function, ours and the standard library's.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub name: &'static str,
+    /// Least and largest argument.
+    pub domain: [f32; 2],
+    /// Arguments tried: that many f32, evenly spaced in the order of f32.
+    pub arguments: usize,
+    /// Ours.
+    pub fast: Measured,
+    /// The standard library's.
+    pub std: Measured,
+}
+
+/// The vectors that ours run in.
+pub fn vectors() -> String {
+    format!("{} bits", cpu::vector_bits())
+}
+
+/// Length of the row that is timed: in the first-level cache.
+const ROW: usize = 2048;
+
+/// The exponent that `pow` is tried with: that of a display.
+const EXPONENT: f32 = 2.2;
+
+/// Every function.
+pub fn measured(extent: Extent) -> Vec<Row> {
+    let effort = match extent {
+        Extent::Full => (4_000_000, Duration::from_millis(60)),
+        Extent::Quick => (120_000, Duration::from_millis(4)),
+    };
+    let quarter = std::f32::consts::FRAC_PI_4;
+    let power = Function::Pow(EXPONENT);
+    let std_power = |x: f32| x.powf(EXPONENT);
+    let exact_power = |x: f64| x.powf(EXPONENT.into());
+    let row = |name, domain, function, std: fn(f32) -> f32, exact: fn(f64) -> f64| {
+        measure(name, domain, effort, function, std, exact)
+    };
+    vec![
+        row("exp", [-87.0, 88.0], Function::Exp, f32::exp, f64::exp),
+        row("ln", [1e-37, 1e38], Function::Ln, f32::ln, f64::ln),
+        row("tanh", [-10.0, 10.0], Function::Tanh, f32::tanh, f64::tanh),
+        row("atan", [-1e9, 1e9], Function::Atan, f32::atan, f64::atan),
+        row(
+            "tan",
+            [-quarter, quarter],
+            Function::Tan,
+            f32::tan,
+            f64::tan,
+        ),
+        row("pow 2.2", [1e-16, 1e16], power, std_power, exact_power),
+    ]
+}
+
+fn measure(
+    name: &'static str,
+    domain: [f32; 2],
+    (arguments, limit): (usize, Duration),
+    function: Function,
+    std: fn(f32) -> f32,
+    exact: fn(f64) -> f64,
+) -> Row {
+    let ours = |out: &mut [f32], x: &[f32]| cpu::map_row(function, out, x);
+    let theirs = |out: &mut [f32], x: &[f32]| {
+        for (out, &x) in out.iter_mut().zip(x) {
+            *out = std(x);
+        }
+    };
+    let all = sweep(domain, arguments);
+    let inputs = sweep(domain, ROW);
+    Row {
+        name,
+        domain,
+        arguments: all.len(),
+        fast: measured_of(&all, &inputs, limit, ours, exact),
+        std: measured_of(&all, &inputs, limit, theirs, exact),
+    }
+}
+
+fn measured_of(
+    all: &[f32],
+    inputs: &[f32],
+    limit: Duration,
+    map: impl Fn(&mut [f32], &[f32]),
+    exact: fn(f64) -> f64,
+) -> Measured {
+    let mut found = vec![0.0; all.len()];
+    map(&mut found, all);
+    let (relative, ulp) = errors(all, &found, exact);
+    Measured {
+        relative,
+        ulp,
+        nanoseconds: time(inputs, limit, map),
+    }
+}
+
+/// About `count` numbers of `domain`, both ends among them, evenly spaced in the order of f32.
+fn sweep([from, to]: [f32; 2], count: usize) -> Vec<f32> {
+    let [first, last] = [from, to].map(ordered);
+    let steps = count.max(2) as i64 - 1;
+    let at = |i: i64| unordered(first + (last - first) * i / steps);
+    (0..=steps).map(at).collect()
+}
+
+/// The place of `x` among all f32.
+fn ordered(x: f32) -> i64 {
+    let size = i64::from(x.abs().to_bits());
+    if x.is_sign_negative() { -size } else { size }
+}
+
+fn unordered(place: i64) -> f32 {
+    let size = f32::from_bits(place.unsigned_abs() as u32);
+    if place < 0 { -size } else { size }
+}
+
+/// Largest relative error, and largest in ulp.
+fn errors(arguments: &[f32], found: &[f32], exact: impl Fn(f64) -> f64) -> (f64, f64) {
+    let mut worst = (0.0_f64, 0.0_f64);
+    // Not f64::max, which would drop a NaN.
+    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+    for (&x, &found) in arguments.iter().zip(found) {
+        let exact = exact(x.into());
+        let error = (f64::from(found) - exact).abs();
+        let size = exact.abs() as f32;
+        if size >= f32::MIN_POSITIVE {
+            worst.0 = larger(error / exact.abs(), worst.0);
+        }
+        let size = size.clamp(f32::MIN_POSITIVE, f32::MAX);
+        let ulp = f64::from(size) - f64::from(size.next_down());
+        worst.1 = larger(error / ulp, worst.1);
+    }
+    worst
+}
+
+/// Nanoseconds per number: the least of as many rounds as fit into `limit`, three at least.
+fn time(inputs: &[f32], limit: Duration, map: impl Fn(&mut [f32], &[f32])) -> f64 {
+    let mut out = vec![0.0; inputs.len()];
+    let start = Instant::now();
+    let (mut least, mut rounds) = (Duration::MAX, 0);
+    while rounds < 3 || start.elapsed() < limit {
+        let begun = Instant::now();
+        map(black_box(&mut out), black_box(inputs));
+        black_box(&mut out);
+        least = least.min(begun.elapsed());
+        rounds += 1;
+    }
+    1e9 * least.as_secs_f64() / inputs.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sweep_reaches_both_ends_in_order() {
+        for domain in [[-1.0, 2.0], [1e-37, 1e38], [-1e9, 1e9]] {
+            let numbers = sweep(domain, 1000);
+            assert_eq!([numbers[0], numbers[999]], domain);
+            assert!(numbers.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+    }
+
+    #[test]
+    fn errors_of_known_functions() {
+        // One distance off, of 2^-23 between 1 and 2.
+        let off = [1.5_f32, 1.75].map(|x| f32::from_bits(x.to_bits() + 1));
+        let (relative, ulp) = errors(&[1.5, 1.75], &off, |x| x);
+        assert!((ulp - 1.0).abs() < 1e-9, "{ulp}");
+        assert!((relative - 2.0_f64.powi(-23) / 1.5).abs() < 1e-12);
+        assert!(errors(&[1.0, 2.0], &[f32::NAN, 2.0], |x| x).1.is_nan());
+    }
+}

@@ -1,0 +1,340 @@
+//! Pictures under the report's environment, timed, and compared with one under many lights.
+
+use crate::Result;
+use crate::backend::cpu::{Outcome, Runner};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane};
+use crate::light::environment::Environment;
+use crate::light::light_samples::uniform_lights;
+use crate::light::lights::Illumination;
+use crate::params::{
+    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples,
+    ScalingParams, ShapeParams, WarpBy,
+};
+use crate::plan::{Available, LightKinds, Plan};
+use crate::report::compare::{Errors, Tally, compare};
+use crate::report::light_reference::{Pixel, Settings, hessian, lit};
+use crate::report::timing::{Effort, Times};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// The materials that are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Surface {
+    /// White and diffuse.
+    Lambert,
+    /// Phong's lobe alone, of exponent eta = 32, (eta + 1) / 2 times as bright as it comes: a constant
+    /// environment then shows as itself.
+    Glossy,
+}
+
+impl Surface {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Lambert, Self::Glossy];
+
+    /// Its material.
+    fn material(self) -> MaterialParams {
+        let base = MaterialParams {
+            ambient: 0.0,
+            ..RelightParams::default().material
+        };
+        match self {
+            Self::Lambert => MaterialParams {
+                material: Material::Lambert,
+                diffuse_gain: 1.0,
+                ..base
+            },
+            Self::Glossy => MaterialParams {
+                material: Material::Phong,
+                diffuse_gain: 0.0,
+                specular_gain: Some(0.5 * (base.shininess + 1.0)),
+                ..base
+            },
+        }
+    }
+
+    /// All that relighting is told.
+    pub fn params(self, method: Method, warp_by: WarpBy, samples: u32) -> RelightParams {
+        RelightParams {
+            method,
+            warp_by,
+            material: self.material(),
+            albedo: AlbedoSource::White,
+            samples: Samples::Fixed(samples),
+            environment_gain: Adaptive::Fixed(1.0),
+            ..RelightParams::default()
+        }
+    }
+}
+
+/// A frame under an environment, to be lit again and again in the same memory.
+pub struct Bench<'a> {
+    /// The frame.
+    pub frame: &'a Frame,
+    shape: ShapeParams,
+    environment: Illumination,
+    effort: Effort,
+    runner: Runner,
+}
+
+/// A picture, and what it took.
+pub struct Picture {
+    /// The picture.
+    pub color: ColorPlanes,
+    /// Time of lighting, its environment being ready.
+    pub relight: Times,
+    /// Time of making the environment ready: once for a sequence.
+    pub environment: Option<Times>,
+}
+
+impl<'a> Bench<'a> {
+    /// The bench of `frame`, whose shape is found by `shape`.
+    pub fn new(
+        frame: &'a Frame,
+        shape: ShapeParams,
+        environment: &Environment,
+        effort: Effort,
+    ) -> Self {
+        Self {
+            frame,
+            shape,
+            environment: Illumination {
+                environment: Some(environment.clone()),
+                ..Illumination::default()
+            },
+            effort,
+            runner: Runner::default(),
+        }
+    }
+
+    /// The frame under the environment.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] for a parameter outside its range.
+    pub fn in_environment(&self, params: RelightParams) -> Result<Picture> {
+        self.timed(params, &self.environment)
+    }
+
+    /// The frame under `light`.
+    ///
+    /// # Errors
+    /// As [`Bench::in_environment`].
+    pub fn timed(&self, params: RelightParams, light: &Illumination) -> Result<Picture> {
+        let plan = self.plan(params, light)?;
+        let (mut relight, mut environment) = (Vec::new(), Vec::new());
+        let start = Instant::now();
+        loop {
+            let mut outcome = self.runner.relight(&plan, self.frame, light);
+            let stage = |name: &str| {
+                let timings = outcome.timings.iter();
+                let mut of = timings.filter(|(stage, _)| *stage == name);
+                of.next().map(|(_, time)| time.as_secs_f64())
+            };
+            relight.push(stage("relight").expect("light is a stage"));
+            environment.extend(stage("environment"));
+            let enough = relight.len() > self.effort.runs || start.elapsed() > self.effort.limit;
+            if enough {
+                let color = outcome.color.take().expect("light makes a picture");
+                self.runner.take_back(outcome);
+                return Ok(Picture {
+                    color,
+                    relight: warm(relight),
+                    environment: Some(environment).filter(|e| !e.is_empty()).map(warm),
+                });
+            }
+            self.runner.take_back(outcome);
+        }
+    }
+
+    fn plan(&self, params: RelightParams, light: &Illumination) -> Result<Plan> {
+        Plan::relight(
+            Available::in_frame(self.frame),
+            self.shape,
+            ScalingParams::default(),
+            params,
+            LightKinds::in_light(light),
+        )
+    }
+
+    fn outcome(&self, params: RelightParams, light: &Illumination) -> Result<Outcome> {
+        let plan = self.plan(params, light)?;
+        Ok(self.runner.relight(&plan, self.frame, light))
+    }
+}
+
+/// Times without the warming run, where there is another.
+fn warm(mut seconds: Vec<f64>) -> Times {
+    if seconds.len() > 1 {
+        seconds.remove(0);
+    }
+    Times::of(seconds)
+}
+
+/// A picture under many lights that others are compared with.
+pub struct Reference {
+    /// What it shows.
+    pub surface: Surface,
+    /// How light is altered.
+    pub method: Method,
+    planes: [Plane<f64>; 3],
+    /// The luminance that 98 pixels in 100 stay below: errors are relative to it.
+    pub white: f64,
+    /// Time of lighting.
+    pub relight: Times,
+    /// Largest error of its own sums against double precision, at some pixels, relative to the same.
+    pub rounding: f64,
+}
+
+/// The references of both surfaces, plain and warped.
+pub struct References(Vec<Reference>);
+
+/// Weights of linear red, green and blue in luminance, Rec. 709.
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Pixels at which a reference is held against double precision.
+const CHECKED: usize = 16;
+
+impl References {
+    /// Lights the bench's frame by many lights.
+    ///
+    /// # Errors
+    /// As [`Bench::in_environment`].
+    pub fn new(bench: &Bench) -> Result<Self> {
+        let environment = bench.environment.environment.as_ref();
+        let environment = environment.expect("a bench has an environment");
+        let light = Illumination {
+            directional: uniform_lights(environment, super::REFERENCE_LIGHTS),
+            ..Illumination::default()
+        };
+        let cases = Surface::ALL.map(|s| [(s, Method::Plain), (s, Method::Warp)]);
+        let references = cases.into_iter().flatten().map(|(surface, method)| {
+            let params = surface.params(method, WarpBy::Lights, 1);
+            let picture = bench.timed(params, &light)?;
+            let ColorPlanes { r, g, b } = &picture.color;
+            let planes = [r, g, b].map(|plane| plane.map(f64::from));
+            let white = white(&planes, &bench.frame.mask);
+            let off = rounding(bench, params, &light)?;
+            Ok(Reference {
+                surface,
+                method,
+                planes,
+                white,
+                relight: picture.relight,
+                rounding: off / white,
+            })
+        });
+        Ok(Self(references.collect::<Result<_>>()?))
+    }
+
+    /// All four.
+    pub fn all(&self) -> &[Reference] {
+        &self.0
+    }
+
+    /// That of one surface and method.
+    pub fn of(&self, surface: Surface, method: Method) -> &Reference {
+        let mut all = self.0.iter();
+        let found = all.find(|r| (r.surface, r.method) == (surface, method));
+        found.expect("every case has its reference")
+    }
+}
+
+/// The luminance that 98 covered pixels in 100 stay below; 1 where nothing is lit.
+fn white([r, g, b]: &[Plane<f64>; 3], mask: &Mask) -> f64 {
+    let mut tally = Tally::default();
+    for y in 0..mask.height() {
+        for x in mask.span(y).filter(|&x| mask.at(x, y)) {
+            let [wr, wg, wb] = LUMINANCE;
+            tally.add([x, y], wr * r.at(x, y) + wg * g.at(x, y) + wb * b.at(x, y));
+        }
+    }
+    let white = tally.quantile(0.98);
+    if white > 0.0 && white.is_finite() {
+        white
+    } else {
+        1.0
+    }
+}
+
+/// The largest error of sums over lights at some covered pixels.
+fn rounding(bench: &Bench, params: RelightParams, light: &Illumination) -> Result<f64> {
+    let outcome = bench.outcome(params, light)?;
+    let color = outcome.color.as_ref().expect("light makes a picture");
+    let gain = outcome.gain.unwrap_or(0.0);
+    let (scaling, material) = (ScalingParams::default(), params.material);
+    let settings = Settings {
+        method: params.method,
+        alpha: f64::from(params.warping.warp * gain),
+        gain: gain.into(),
+        scaling: &scaling,
+        material: &material,
+    };
+    let hessian = hessian(bench.frame, bench.shape)?;
+    let off = |at: [usize; 2]| {
+        let pixel = Pixel::of(bench.frame, &hessian, at, 0.0);
+        // Of so many lights one may be on the horizon, where the glossy lobe ends in a step.
+        let exact = lit(&pixel, &light.directional, &settings)?;
+        let found = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(at[0], at[1])));
+        Some(
+            (0..3)
+                .map(|c| (found[c] - exact[c]).abs())
+                .fold(0.0, f64::max),
+        )
+    };
+    let pixels = some_covered(&bench.frame.mask, CHECKED);
+    let largest = pixels.into_par_iter().filter_map(off);
+    Ok(largest.reduce(|| 0.0, f64::max))
+}
+
+/// Up to `count` covered pixels, spread evenly in the order of rows.
+pub fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
+    let rows = (0..mask.height()).flat_map(|y| mask.span(y).map(move |x| [x, y]));
+    let covered = rows.filter(|&[x, y]| mask.at(x, y));
+    let step = mask.count().div_ceil(count.max(1)).max(1);
+    covered.skip(step / 2).step_by(step).collect()
+}
+
+/// How far a picture is from its reference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Difference {
+    /// Errors of the worst channel, relative to the reference's 98th percentile of luminance.
+    pub errors: Errors,
+    /// What 99 pixels in 100 stay below in steps of 8 bits, where that luminance shows as white.
+    pub grey_p99: f64,
+    /// The largest of them.
+    pub grey_max: f64,
+}
+
+impl Reference {
+    /// How far `color` is from it.
+    pub fn difference(&self, color: &ColorPlanes, frame: &Frame) -> Difference {
+        let (mask, found) = (&frame.mask, [&color.r, &color.g, &color.b]);
+        let exact = self.planes.each_ref();
+        let errors = compare(found, exact, mask, self.white).in_window(frame.data_window);
+        let shown = |v: f64| 255.0 * srgb((v / self.white).clamp(0.0, 1.0));
+        let mut steps = Tally::default();
+        for y in 0..mask.height() {
+            for x in mask.span(y).filter(|&x| mask.at(x, y)) {
+                let off = |c: usize| shown(found[c].at(x, y).into()) - shown(exact[c].at(x, y));
+                // A NaN is told apart by the errors.
+                steps.add([x, y], (0..3).map(|c| off(c).abs()).fold(0.0, f64::max));
+            }
+        }
+        let steps = steps.errors();
+        Difference {
+            errors,
+            grey_p99: steps.p99,
+            grey_max: steps.max,
+        }
+    }
+}
+
+/// The curve of sRGB, from linear 0..1 to shown 0..1 (IEC 61966-2-1).
+fn srgb(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}

@@ -1,0 +1,218 @@
+//! Light: error against time for the number of samples of an environment, for both equations of light
+//! warping and for prefiltered maps; the errors and times of the elementary functions; cost by lights.
+//!
+//! Everything is seen under one environment that is a formula ([`environment`]), so that nothing more is
+//! asked for and nothing is random. The reference is a picture under [`REFERENCE_LIGHTS`] even lights
+//! ([LW] equation 2 where it is warped), itself held against double precision ([`super::light_reference`]).
+
+pub mod cost;
+pub mod equations;
+pub mod functions;
+pub mod lit;
+pub mod prefiltered;
+pub mod samples;
+
+use super::Extent;
+use super::scenes::Scene;
+use super::timing::Effort;
+use crate::Result;
+use crate::frame::{Frame, Window};
+use crate::light::environment::Environment;
+use crate::params::ShapeParams;
+use glam::Vec3;
+use lit::Bench;
+use serde::Serialize;
+use std::time::Duration;
+
+/// Even lights of the reference.
+pub const REFERENCE_LIGHTS: usize = 16_384;
+
+/// Columns of the environment: some 6 pixels to each light of the reference.
+const COLUMNS: usize = 512;
+
+/// What cannot be seen: a step of 8 bits of the luminance that shows as white.
+pub const ENOUGH: f64 = 1.0 / 255.0;
+
+/// What the environment shows, in words.
+pub const ENVIRONMENT: &str = "a blue sky with a warm bright side to the upper right and a sun of 6 degrees to the upper left";
+
+/// A bright side, a small sun, some colour, a dark ground.
+pub fn environment() -> Environment {
+    let (side, sun) = (Vec3::new(0.6, 0.5, 0.62), Vec3::new(-0.5, 0.6, 0.62));
+    let (side, sun) = (side.normalize(), sun.normalize());
+    let blank = Environment::from_fn(COLUMNS, COLUMNS / 2, |_, _| [0.0; 3]);
+    Environment::from_fn(COLUMNS, COLUMNS / 2, |x, y| {
+        let direction = blank.direction(x, y);
+        let glow = (0.5 + 0.5 * direction.dot(side)).powi(4);
+        // 1 - cos is half the square of the angle: a bell of 0.05 radians' deviation.
+        let disc = 80.0 * ((direction.dot(sun) - 1.0) / (0.05 * 0.05)).exp();
+        let up = 0.1 * (1.0 + direction.y);
+        [
+            0.05 + up + 1.2 * glow + disc,
+            0.06 + 1.5 * up + 0.9 * glow + 0.9 * disc,
+            0.08 + 2.5 * up + 0.5 * glow + 0.7 * disc,
+        ]
+    })
+}
+
+/// What was measured of one frame.
+#[derive(Debug, Clone, Serialize)]
+pub struct Subject {
+    /// Its name.
+    pub name: String,
+    /// Columns of the part that was lit, around the middle of what is covered.
+    pub width: usize,
+    /// Rows of that part.
+    pub height: usize,
+    /// Pixels of it that show a surface.
+    pub covered: usize,
+    /// Number of samples, by material and method.
+    pub samples: Vec<samples::Sweep>,
+    /// The two equations of light warping, by material.
+    pub equations: Vec<equations::Sweep>,
+    /// Prefiltered maps.
+    pub prefiltered: Vec<prefiltered::Row>,
+}
+
+/// Everything that was measured of light.
+#[derive(Debug, Clone, Serialize)]
+pub struct LightReport {
+    /// What the environment shows.
+    pub environment: &'static str,
+    /// The frame, and in a full report a scene.
+    pub subjects: Vec<Subject>,
+    /// Elementary functions.
+    pub functions: Vec<functions::Row>,
+    /// Cost by number of lights, and by covered share.
+    pub cost: cost::Cost,
+}
+
+/// Measures light on `frame`, called `name`.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn run(
+    name: &str,
+    frame: &Frame,
+    shape: ShapeParams,
+    extent: Extent,
+    progress: &dyn Fn(&str),
+) -> Result<LightReport> {
+    let (most, effort) = match extent {
+        Extent::Full => ([128, 96], effort(5, 150)),
+        Extent::Quick => ([80, 60], effort(3, 20)),
+    };
+    let environment = environment();
+    let most_lookups = match extent {
+        Extent::Full => 4096,
+        Extent::Quick => 256,
+    };
+    let part = middle(frame, most);
+    let bench = Bench::new(&part, shape, &environment, effort);
+    let mut subjects = vec![subject(name, &bench, most_lookups, progress)?];
+    let (width, height) = super::scene_size(extent);
+    let waves = Scene::waves(width, height).frame;
+    if extent == Extent::Full {
+        let waves = middle(&waves, most);
+        let shape = ShapeParams::default();
+        let bench = Bench::new(&waves, shape, &environment, effort);
+        subjects.push(subject("waves", &bench, 1024, progress)?);
+    }
+    progress("light: elementary functions");
+    let functions = functions::measured(extent);
+    progress("light: number of lights");
+    let cost = cost::measured(&waves, &environment, effort)?;
+    Ok(LightReport {
+        environment: ENVIRONMENT,
+        subjects,
+        functions,
+        cost,
+    })
+}
+
+fn effort(runs: usize, limit_ms: u64) -> Effort {
+    Effort {
+        runs,
+        limit: Duration::from_millis(limit_ms),
+    }
+}
+
+fn subject(
+    name: &str,
+    bench: &Bench,
+    most_lookups: u32,
+    progress: &dyn Fn(&str),
+) -> Result<Subject> {
+    progress(&format!("{name}: samples of an environment"));
+    let references = lit::References::new(bench)?;
+    let samples = samples::sweeps(bench, &references)?;
+    progress(&format!("{name}: both equations of light warping"));
+    let equations = equations::sweeps(bench, &references, &samples, most_lookups)?;
+    progress(&format!("{name}: prefiltered light"));
+    let prefiltered = prefiltered::rows(bench, &references)?;
+    let frame = bench.frame;
+    Ok(Subject {
+        name: name.into(),
+        width: frame.mask.width(),
+        height: frame.mask.height(),
+        covered: frame.mask.count(),
+        samples,
+        equations,
+        prefiltered,
+    })
+}
+
+/// At most `most` columns and rows of `frame` around the middle of what is covered, without pictures:
+/// surfaces are white.
+fn middle(frame: &Frame, most: [usize; 2]) -> Frame {
+    let (mask, data) = (&frame.mask, frame.data_window);
+    let [mut sum_x, mut sum_y] = [0, 0];
+    for y in 0..mask.height() {
+        for x in mask.span(y).filter(|&x| mask.at(x, y)) {
+            (sum_x, sum_y) = (sum_x + x, sum_y + y);
+        }
+    }
+    let count = mask.count().max(1);
+    let start = |sum: usize, size: usize, part: usize| {
+        (sum / count).saturating_sub(part / 2).min(size - part) as i32
+    };
+    let (width, height) = (mask.width().min(most[0]), mask.height().min(most[1]));
+    let x0 = data.x0 + start(sum_x, mask.width(), width);
+    let y0 = data.y0 + start(sum_y, mask.height(), height);
+    Frame {
+        color: None,
+        albedo: None,
+        alpha: None,
+        importance: None,
+        ..frame.crop(Window::at(x0, y0, width, height))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_is_that_of_what_is_covered() {
+        // A ball around 240, 180 fills 0.9 of 360: all of a part of 100 by 80 in its middle is covered.
+        let frame = Scene::ball(480, 360).frame;
+        let part = middle(&frame, [100, 80]);
+        assert_eq!((part.mask.width(), part.mask.height()), (100, 80));
+        assert_eq!(part.mask.count(), 8000);
+        // Its middle lies at 240.3, 179.8: in pixel 239.8, 179.3 as they are counted.
+        assert_eq!((part.data_window.x0, part.data_window.y0), (189, 139));
+        let whole = middle(&frame, [1000, 1000]);
+        assert_eq!(whole.mask.count(), frame.mask.count());
+    }
+
+    #[test]
+    fn the_environment_has_a_sun_and_a_side() {
+        let map = environment();
+        let at = |d: [f32; 3]| map.radiance(d)[1];
+        assert!(at([-0.5, 0.6, 0.62]) > 60.0 && at([0.6, 0.5, 0.62]) > 1.0);
+        assert!(at([0.0, -1.0, 0.0]) < 0.2);
+        // Its power over pi is 1.5 to 3: the sun's 2 pi 80 0.05^2 is 1.26 of it before the division.
+        let power = map.power()[1] / std::f64::consts::PI;
+        assert!((1.0..3.0).contains(&power), "{power}");
+    }
+}
