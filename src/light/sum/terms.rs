@@ -68,6 +68,72 @@ impl Terms {
     };
 }
 
+/// An unwarped light at one pixel.
+struct Unwarped {
+    /// Jacobian, but for the pixel's share of it, and fall-off.
+    weight: f32,
+    /// n . l, at most [`MOST_BRIGHTENED`] times that of the light as it stands.
+    cosine: f32,
+    /// 1 / |g|^2.
+    inverse: f32,
+    /// The square of n . h for an eye on the axis: there g is the half vector, but for its length.
+    lobe: f32,
+}
+
+/// Calls `each` for every lane with the unwarped light there.
+#[inline(always)]
+fn each_unwarped<D, H, S>(
+    pixels: &Pixels,
+    light: Arriving<D, H, S>,
+    each: impl FnMut(usize, Unwarped),
+) where
+    D: Fn(usize) -> [f32; 3],
+    H: Fn(usize) -> [f32; 3],
+    S: Fn(usize) -> f32,
+{
+    if light.everywhere {
+        each_below(pixels, light, |_, _| f32::MAX, each);
+    } else {
+        let most = |n, direction| MOST_BRIGHTENED * dot(n, direction);
+        each_below(pixels, light, most, each);
+    }
+}
+
+/// [`each_unwarped`], where `most` tells of a normal and the direction as it stands how large the cosine may
+/// be.
+#[inline(always)]
+fn each_below<D, H, S>(
+    pixels: &Pixels,
+    light: Arriving<D, H, S>,
+    most: impl Fn([f32; 3], [f32; 3]) -> f32,
+    mut each: impl FnMut(usize, Unwarped),
+) where
+    D: Fn(usize) -> [f32; 3],
+    H: Fn(usize) -> [f32; 3],
+    S: Fn(usize) -> f32,
+{
+    let [xx, xy, yy] = &pixels.unwarp_squared;
+    let [gx, gy] = &pixels.normal.unwarped;
+    for i in 0..BATCH {
+        let n = pixels.normal.at(i);
+        let [x, y, z] = (light.half)(i);
+        let length = z * z + xx[i] * (x * x) + xy[i] * (x * y) + yy[i] * (y * y);
+        let inverse = 1.0 / length;
+        let twice = 2.0 * z;
+        let along = gx[i] * (twice * x) + gy[i] * (twice * y) + n[2] * (twice * z);
+        let cosine = inverse * along - n[2];
+        let most = most(n, (light.direction)(i));
+        let half = positive(along) * (0.5 / z.max(SHORTEST));
+        let unwarped = Unwarped {
+            weight: (light.share)(i) * (inverse * inverse),
+            cosine: if cosine < most { cosine } else { most },
+            inverse,
+            lobe: at_most_1(half * half * inverse),
+        };
+        each(i, unwarped);
+    }
+}
+
 impl Scratch {
     pub(super) const NONE: Self = Self {
         weight: ZERO,
@@ -95,19 +161,19 @@ impl Scratch {
             direction, half, ..
         } = light;
         let unwarped = shading.warped.then_some(half);
+        if shading.warped
+            && shading.scaled.is_none()
+            && self.reflect_at_once(terms, pixels, shading, light)
+        {
+            return;
+        }
         let far = matches!(shading.lobes, Lobes::BlinnPhong { far: true, .. });
         match (shading.warped, far) {
-            (false, false) => self.arrive(pixels, light),
-            (false, true) => {
-                self.arrive(pixels, light);
-                self.half_vector_lobe(pixels, half);
-            }
-            (true, false) => self.arrive_unwarped(pixels, light, |_, _, _| 0.0),
-            // For an eye on the axis g is the half vector, but for its length.
-            (true, true) => self.arrive_unwarped(pixels, light, |along, inverse, z| {
-                let half = positive(along) * (0.5 / z.max(SHORTEST));
-                at_most_1(half * half * inverse)
-            }),
+            (false, _) => self.arrive(pixels, light),
+            (true, _) => self.arrive_unwarped(pixels, light),
+        }
+        if far && !shading.warped {
+            self.half_vector_lobe(pixels, half);
         }
         if let Some(toward) = shading.scaled.and_then(|scaled| scaled.toward_light) {
             self.curve_toward(pixels, toward, unwarped, direction);
@@ -134,17 +200,8 @@ impl Scratch {
                 }
                 power.raise(&mut self.lobe);
                 self.scale_cosine(&mut terms.diffuse, pixels, shading);
-                match shading.scaled {
-                    None => {
-                        for i in 0..BATCH {
-                            terms.specular[i] = terms.diffuse[i] * self.lobe[i];
-                        }
-                    }
-                    Some(_) => {
-                        let weigh = |cosine, weight| weight * cosine;
-                        self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
-                    }
-                }
+                let weigh = |cosine, weight| weight * cosine;
+                self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
             }
             Lobes::AshikhminShirley(brdf) => {
                 let axes = [&pixels.to_eye, &pixels.along, &pixels.across];
@@ -179,60 +236,65 @@ impl Scratch {
         }
     }
 
-    /// [`Scratch::arrive`] for a light whose direction is unwarped, with its Jacobian. `lobe` makes a lobe of
-    /// `2 h_z n . g`, `1 / |g|^2` and `h_z`.
+    /// [`Scratch::arrive`] for a light whose direction is unwarped, with its Jacobian; with the lobe of an
+    /// eye on the axis.
     #[inline(always)]
-    fn arrive_unwarped<D, H, S>(
-        &mut self,
-        pixels: &Pixels,
-        light: Arriving<D, H, S>,
-        lobe: impl Fn(f32, f32, f32) -> f32 + Copy,
-    ) where
+    fn arrive_unwarped<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    where
         D: Fn(usize) -> [f32; 3],
         H: Fn(usize) -> [f32; 3],
         S: Fn(usize) -> f32,
     {
-        if light.everywhere {
-            self.arrive_below(pixels, light, lobe, |_, _| f32::MAX);
-        } else {
-            self.arrive_below(pixels, light, lobe, |n, direction| {
-                MOST_BRIGHTENED * dot(n, direction)
-            });
-        }
-    }
-
-    /// [`Scratch::arrive_unwarped`], where `most` tells of a normal and the direction as it stands how large
-    /// the cosine may be.
-    #[inline(always)]
-    fn arrive_below<D, H, S>(
-        &mut self,
-        pixels: &Pixels,
-        light: Arriving<D, H, S>,
-        lobe: impl Fn(f32, f32, f32) -> f32,
-        most: impl Fn([f32; 3], [f32; 3]) -> f32,
-    ) where
-        D: Fn(usize) -> [f32; 3],
-        H: Fn(usize) -> [f32; 3],
-        S: Fn(usize) -> f32,
-    {
-        let [xx, xy, yy] = &pixels.unwarp_squared;
-        let [gx, gy] = &pixels.normal.unwarped;
-        for i in 0..BATCH {
-            let n = pixels.normal.at(i);
-            let [x, y, z] = (light.half)(i);
-            let length = z * z + xx[i] * (x * x) + xy[i] * (x * y) + yy[i] * (y * y);
-            let inverse = 1.0 / length;
-            let twice = 2.0 * z;
-            let along = gx[i] * (twice * x) + gy[i] * (twice * y) + n[2] * (twice * z);
-            let cosine = inverse * along - n[2];
-            let most = most(n, (light.direction)(i));
-            let cosine = if cosine < most { cosine } else { most };
-            let weight = (light.share)(i) * (inverse * inverse);
+        each_unwarped(pixels, light, |i, unwarped| {
+            let Unwarped {
+                weight,
+                cosine,
+                inverse,
+                lobe,
+            } = unwarped;
             self.weight[i] = if cosine > 0.0 { weight } else { 0.0 };
             self.cosine[i] = cosine;
             self.inverse[i] = inverse;
-            self.lobe[i] = lobe(along, inverse, z);
+            self.lobe[i] = lobe;
+        });
+    }
+
+    /// [`Scratch::reflect`] in fewer steps, for lobes that take no further vector, of light that is warped
+    /// and not scaled. Whether that is the case.
+    #[inline(always)]
+    fn reflect_at_once<D, H, S>(
+        &mut self,
+        terms: &mut Terms,
+        pixels: &Pixels,
+        shading: &Shading,
+        light: Arriving<D, H, S>,
+    ) -> bool
+    where
+        D: Fn(usize) -> [f32; 3],
+        H: Fn(usize) -> [f32; 3],
+        S: Fn(usize) -> f32,
+    {
+        match shading.lobes {
+            Lobes::Diffuse {
+                power: Power::Whole(1),
+            } => {
+                each_unwarped(pixels, light, |i, unwarped| {
+                    terms.diffuse[i] = unwarped.weight * positive(unwarped.cosine);
+                });
+            }
+            Lobes::BlinnPhong { power, far: true } => {
+                each_unwarped(pixels, light, |i, unwarped| {
+                    terms.diffuse[i] = unwarped.weight * positive(unwarped.cosine);
+                    self.lobe[i] = unwarped.lobe;
+                });
+                power.raise(&mut self.lobe);
+                for i in 0..BATCH {
+                    terms.specular[i] = terms.diffuse[i] * self.lobe[i];
+                }
+            }
+            _ => return false,
         }
+        true
     }
 
     /// Scalar products with the vectors of `axis` as product `k`.
