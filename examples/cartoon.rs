@@ -13,6 +13,7 @@ use relievo::params::{Method, Quantisation, RelightParams, Samples, ScalingParam
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 fn main() -> ExitCode {
     common::exit(run())
@@ -25,10 +26,10 @@ fn run() -> Result<(), Box<dyn Error>> {
     };
     let frame = common::load(picture, None)?;
     let natural = Illumination {
-        environment: Some(match environment.first() {
+        environment: Some(Arc::new(match environment.first() {
             Some(path) => read_environment(Path::new(path))?,
             None => common::room::room(256),
-        }),
+        })),
         ..Illumination::default()
     };
     let minimal = common::light_from(120.0, 40.0);

@@ -120,7 +120,7 @@ fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::
     let prefiltered = Lighting {
         frame,
         light: Illumination {
-            environment: Some(environment.clone()),
+            environment: Some(environment.clone().into()),
             ..Illumination::default()
         },
         params: white(Material::Lambert, Scale, Samples::Fixed(0)),
@@ -201,6 +201,7 @@ impl Lighting<'_> {
         let (mut times, mut once) = (Vec::new(), Vec::new());
         for _ in 0..repeats {
             runner.take_back(outcome);
+            runner.forget_environment();
             outcome = runner.relight(&plan, frame, &self.light);
             let stage = |name: &str| {
                 let mut timings = outcome.timings.iter();

@@ -70,7 +70,7 @@ fn row_of_the_tablet(frame: &Frame) -> Result<Vec<ColorPlanes>, Box<dyn Error>> 
 /// An environment, altered and not; materials; lit spheres.
 fn rows_of_the_bust(frame: &Frame) -> Result<Vec<ColorPlanes>, Box<dyn Error>> {
     let room = Illumination {
-        environment: Some(read_environment(Path::new("fixtures/room.hdr"))?),
+        environment: Some(read_environment(Path::new("fixtures/room.hdr"))?.into()),
         ..Illumination::default()
     };
     let spheres = |paths: &[&str]| -> relievo::Result<Illumination> {

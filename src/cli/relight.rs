@@ -114,7 +114,7 @@ fn illumination(flags: &LightFlags) -> Result<Illumination> {
     Ok(Illumination {
         directional,
         points,
-        environment: environment.map(|e| e.rotated_deg(flags.environment_rotate)),
+        environment: environment.map(|e| e.rotated_deg(flags.environment_rotate).into()),
         lit_spheres: spheres.collect::<Result<_>>()?,
     })
 }

@@ -3,6 +3,7 @@
 use super::environment::Environment;
 use super::lit_sphere::LitSphere;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Light from one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,8 +47,9 @@ pub struct Illumination {
     pub directional: Vec<DirectionalLight>,
     /// Lights at a point.
     pub points: Vec<PointLight>,
-    /// Light from all around, attached to the view.
-    pub environment: Option<Environment>,
+    /// Light from all around, attached to the view. A runner that meets the same one again does not filter
+    /// it again.
+    pub environment: Option<Arc<Environment>>,
     /// A lit sphere in place of all other light; or one for convexities, then one for concavities.
     pub lit_spheres: Vec<LitSphere>,
 }

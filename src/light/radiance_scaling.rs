@@ -69,27 +69,52 @@ pub fn monotone_limit(alpha: f32) -> f32 {
 mod tests {
     use super::*;
 
+    /// The fraction of the paper in f64, the exponent mended.
+    fn printed(d: f64, x: f64, a: f64) -> f64 {
+        let e = (-x).exp();
+        (a * e + d * (1.0 - a - a * e)) / (a + d * (e - a - a * e))
+    }
+
+    const MAGNITUDES: [f32; 9] = [-20.0, -10.0, -3.0, -0.5, 0.0, 0.5, 3.0, 10.0, 20.0];
+
     #[test]
     fn fixed_points_hold_for_every_magnitude() {
-        for x in [-20.0_f32, -3.0, -0.5, 0.0, 0.5, 3.0, 20.0] {
+        for x in MAGNITUDES {
             for alpha in [0.01, 0.2, 0.5, 0.8, 0.99] {
-                assert!((scaling(alpha, x, alpha) - 1.0).abs() < 1e-6);
-                assert!((scaling(0.0, x, alpha) / (-x).exp() - 1.0).abs() < 1e-5);
-                assert!((scaling(1.0, x, alpha) / x.exp() - 1.0).abs() < 1e-5);
+                let e = f64::from(x).exp();
+                let off =
+                    |d, expected: f64| (f64::from(scaling(d, x, alpha)) / expected - 1.0).abs();
+                assert!(off(alpha, 1.0) < 1e-6);
+                assert!(off(0.0, 1.0 / e) < 1e-6, "{}", off(0.0, 1.0 / e));
+                assert!(off(1.0, e) < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn convex_and_concave_are_reciprocal_and_dark_and_bright_are_mirrored() {
+        // sigma(kappa, d) = 1 / sigma(-kappa, d), and for alpha: sigma_a(1 - d) = 1 / sigma_(1-a)(d).
+        for x in MAGNITUDES {
+            for d in [0.0, 0.125, 0.5, 0.75, 1.0] {
+                for alpha in [0.125, 0.25, 0.5, 0.75] {
+                    let there = scaling(d, x, alpha);
+                    assert!((there * scaling(d, -x, alpha) - 1.0).abs() < 1e-6);
+                    let mirrored = scaling(1.0 - d, x, 1.0 - alpha);
+                    assert!((there * mirrored - 1.0).abs() < 1e-6);
+                }
             }
         }
     }
 
     #[test]
     fn it_agrees_with_the_fraction_of_the_paper_in_f64() {
-        for x in [-20.0_f64, -2.0, 0.7, 10.0, 20.0] {
-            for d in [0.0, 0.01, 0.2, 0.6, 1.0] {
-                let (a, e) = (0.2_f64, (-x).exp());
-                let printed = (a * e + d * (1.0 - a - a * e)) / (a + d * (e - a - a * e));
-                let ours = f64::from(scaling(d as f32, x as f32, a as f32));
+        for x in MAGNITUDES {
+            for d in [0.0_f32, 0.01, 0.2, 0.6, 1.0] {
+                let expected = printed(d.into(), x.into(), 0.2_f32.into());
+                let ours = f64::from(scaling(d, x, 0.2));
                 assert!(
-                    (ours / printed - 1.0).abs() < 2e-5,
-                    "d {d}, x {x}: {ours}, not {printed}"
+                    (ours / expected - 1.0).abs() < 1e-6,
+                    "d {d}, x {x}: {ours}, not {expected}"
                 );
             }
         }

@@ -3,6 +3,7 @@
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use crate::{Asked, LIT, METHODS, bits, sky, torus, torus_in_perspective};
 use glam::Vec3;
+use relievo::backend::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
 use relievo::params::{Adaptive, Material, Method, Samples, Tangent};
 
@@ -231,4 +232,31 @@ fn a_hundred_thousand_lights_are_a_lot_and_no_more() {
     let mean: f32 = crate::covered(&frame).map(|(x, y)| color.r.at(x, y)).sum();
     let mean = mean / frame.mask.count() as f32 * 4.0 / 100_000.0;
     assert!(mean > 0.8 && mean < 1.2, "{mean}");
+}
+
+#[test]
+fn an_environment_is_made_ready_once_and_again_for_another_purpose() {
+    let frame = torus();
+    let mut asked = asked(Material::Phong, Method::Scale).in_environment(sky(), Samples::Fixed(0));
+    let runner = Runner::default();
+    let run = |asked: &Asked| {
+        let plan = asked.plan(&frame).unwrap();
+        let outcome = runner.relight(&plan, &frame, &asked.light);
+        let made = outcome
+            .timings
+            .iter()
+            .any(|(stage, _)| *stage == "environment");
+        (bits(outcome.color.as_ref().unwrap()), made)
+    };
+    let first = run(&asked);
+    let again = run(&asked);
+    assert!(first.1 && !again.1 && first.0 == again.0);
+    // Another highlight, or another environment of the same looks, is another matter.
+    asked.relight.material.shininess = 8.0;
+    let wider = run(&asked);
+    assert!(wider.1 && wider.0 != first.0 && wider.0 == bits(&asked.color(&frame)));
+    asked.light.environment = Some(sky().into());
+    assert!(run(&asked).1);
+    runner.forget_environment();
+    assert!(run(&asked).1);
 }

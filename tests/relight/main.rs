@@ -81,7 +81,7 @@ impl Asked {
 
     fn in_environment(mut self, environment: Environment, samples: Samples) -> Self {
         self.light = Illumination {
-            environment: Some(environment),
+            environment: Some(environment.into()),
             ..Illumination::default()
         };
         self.relight.samples = samples;

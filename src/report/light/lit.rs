@@ -100,7 +100,7 @@ impl<'a> Bench<'a> {
             frame,
             shape,
             environment: Illumination {
-                environment: Some(environment.clone()),
+                environment: Some(environment.clone().into()),
                 ..Illumination::default()
             },
             effort,
@@ -125,6 +125,7 @@ impl<'a> Bench<'a> {
         let (mut relight, mut environment) = (Vec::new(), Vec::new());
         let start = Instant::now();
         loop {
+            self.runner.forget_environment();
             let mut outcome = self.runner.relight(&plan, self.frame, light);
             let stage = |name: &str| {
                 let timings = outcome.timings.iter();

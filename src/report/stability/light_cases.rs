@@ -186,7 +186,7 @@ fn spotted(spot: f32) -> Illumination {
         _ => [0.2, 0.3, 0.4],
     });
     Illumination {
-        environment: Some(map),
+        environment: Some(map.into()),
         ..Illumination::default()
     }
 }

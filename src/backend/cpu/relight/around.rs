@@ -20,18 +20,27 @@ use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Columns of a map prefiltered by a highlight; narrower highlights are looked up as if they were as wide.
 const GLOSSY_WIDTH: usize = 512;
 
 /// The surroundings as one plan uses them.
 pub(in super::super) struct Around<'a> {
-    /// Factor of radiance.
-    gain: Option<f32>,
-    used: Used<'a>,
+    ready: Arc<Ready>,
+    spheres: &'a [LitSphere],
 }
 
-enum Used<'a> {
+/// What is made of an environment once, for all frames that it lights.
+#[derive(Debug)]
+struct Ready {
+    /// Factor of radiance; `None` without an environment.
+    gain: Option<f32>,
+    used: Used,
+}
+
+#[derive(Debug)]
+enum Used {
     Nothing,
     Lights(Vec<DirectionalLight>),
     /// Even directions, and the environment no finer than they are.
@@ -41,10 +50,56 @@ enum Used<'a> {
         specular: Option<Map>,
     },
     Mirrored(Map),
-    LitSpheres(&'a [LitSphere], f32),
+    /// The luminance that counts as intensity 1.
+    LitSpheres(f32),
+}
+
+/// What an environment was made ready for.
+#[derive(Debug, Clone, PartialEq)]
+struct Purpose {
+    used: EnvironmentUse,
+    gain: Adaptive,
+    material: Material,
+    shininess: f32,
+    weights: [f32; 3],
+}
+
+/// The environment of the last run, made ready.
+#[derive(Debug, Default)]
+pub(in super::super) struct KeptEnvironment(Mutex<Option<Kept>>);
+
+#[derive(Debug)]
+struct Kept {
+    environment: Arc<Environment>,
+    purpose: Purpose,
+    ready: Arc<Ready>,
+}
+
+impl KeptEnvironment {
+    /// Forgets it.
+    pub(in super::super) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// What is kept for `purpose`, where it was made of the very same environment.
+    fn ready(&self, environment: &Arc<Environment>, purpose: &Purpose) -> Option<Arc<Ready>> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = kept.as_ref()?;
+        let same = Arc::ptr_eq(&kept.environment, environment) && kept.purpose == *purpose;
+        same.then(|| kept.ready.clone())
+    }
+
+    fn keep(&self, environment: &Arc<Environment>, purpose: &Purpose, ready: &Arc<Ready>) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Kept {
+            environment: environment.clone(),
+            purpose: purpose.clone(),
+            ready: ready.clone(),
+        });
+    }
 }
 
 /// A map to be looked up, and the luminance that counts as intensity 1.
+#[derive(Debug)]
 struct Map {
     environment: Environment,
     largest: f32,
@@ -59,27 +114,111 @@ impl<'a> Around<'a> {
         } else {
             let weights = super::light::REC709_LUMINANCE;
             let largest = spheres.iter().map(|s| s.largest_luminance(weights));
-            Used::LitSpheres(spheres, largest.fold(f32::MIN_POSITIVE, f32::max))
+            Used::LitSpheres(largest.fold(f32::MIN_POSITIVE, f32::max))
         };
-        Self { gain: None, used }
+        let ready = Arc::new(Ready { gain: None, used });
+        Self { ready, spheres }
     }
 
-    /// The environment, made ready for its use.
+    /// The environment made ready for its use, by `making` unless it is kept from an earlier run.
     pub(super) fn new(
         illumination: &'a Illumination,
         relighting: &Relighting,
         weights: [f32; 3],
+        kept: &KeptEnvironment,
+        making: impl FnOnce(&dyn Fn() -> Self) -> Self,
     ) -> Self {
         let environment = illumination
             .environment
             .as_ref()
             .expect("an environment is planned with");
         let params = &relighting.params;
-        let prefiltered = relighting.environment == EnvironmentUse::Prefiltered;
-        let needs_irradiance = prefiltered || params.environment_gain == Adaptive::Auto;
-        let irradiance = needs_irradiance
+        let purpose = Purpose {
+            used: relighting.environment,
+            gain: params.environment_gain,
+            material: params.material.material,
+            shininess: params.material.shininess,
+            weights,
+        };
+        let spheres = &illumination.lit_spheres;
+        if let Some(ready) = kept.ready(environment, &purpose) {
+            return Self { ready, spheres };
+        }
+        making(&|| {
+            let ready = Arc::new(Ready::of(environment, &purpose));
+            kept.keep(environment, &purpose, &ready);
+            Self { ready, spheres }
+        })
+    }
+
+    /// Factor of the environment's radiance; `None` without one.
+    pub(super) fn gain(&self) -> Option<f32> {
+        self.ready.gain
+    }
+
+    /// Lights that stand for the environment.
+    pub(super) fn lights(&self) -> &[DirectionalLight] {
+        match &self.ready.used {
+            Used::Lights(lights) => lights,
+            _ => &[],
+        }
+    }
+
+    /// Even directions in which the environment is looked up at every pixel.
+    pub(super) fn even_directions(&self) -> &[Vec3] {
+        match &self.ready.used {
+            Used::Lookups(directions, _) => directions,
+            _ => &[],
+        }
+    }
+
+    /// Whether something is looked up once per pixel.
+    pub(super) fn has_lookups(&self) -> bool {
+        matches!(
+            self.ready.used,
+            Used::Prefiltered { .. } | Used::Mirrored(_) | Used::LitSpheres(_)
+        )
+    }
+
+    /// Whether the mirrored view is looked up.
+    pub(super) fn is_mirrored(&self) -> bool {
+        matches!(
+            self.ready.used,
+            Used::Mirrored(_)
+                | Used::Prefiltered {
+                    specular: Some(_),
+                    ..
+                }
+        )
+    }
+
+    /// Ambient occlusion, which dims prefiltered and ambient light.
+    pub(super) fn occlusion<'f>(&self, frame: &'f Frame) -> Option<&'f Plane> {
+        let even = matches!(self.ready.used, Used::Nothing | Used::Prefiltered { .. });
+        frame.light.occlusion.as_ref().filter(|_| even)
+    }
+
+    /// The environment that the even directions are looked up in, and the intensity that radiance of 1 has
+    /// from each of them.
+    pub(super) fn looked_up(&self) -> Option<(&Environment, f32)> {
+        match &self.ready.used {
+            // Each stands for 4 pi / n; intensities are over pi.
+            Used::Lookups(directions, environment) => {
+                let share = 4.0 / directions.len() as f32;
+                Some((environment, self.ready.gain.unwrap_or(1.0) * share))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Ready {
+    fn of(environment: &Environment, purpose: &Purpose) -> Self {
+        let weights = purpose.weights;
+        let prefiltered = purpose.used == EnvironmentUse::Prefiltered;
+        let irradiance = (prefiltered || purpose.gain == Adaptive::Auto)
             .then(|| Map::of_normals(filtered(&irradiance_filter(environment)), weights));
-        let gain = match params.environment_gain {
+        let gain = match purpose.gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => {
                 let largest = irradiance.as_ref().map_or(1.0, |map| map.largest);
@@ -90,7 +229,7 @@ impl<'a> Around<'a> {
                 }
             }
         };
-        let used = match relighting.environment {
+        let used = match purpose.used {
             EnvironmentUse::None => Used::Nothing,
             EnvironmentUse::Lights(count) => {
                 let lights = median_cut(environment, count as usize).into_iter();
@@ -104,9 +243,8 @@ impl<'a> Around<'a> {
             }
             EnvironmentUse::Prefiltered => Used::Prefiltered {
                 diffuse: irradiance.expect("made above"),
-                specular: (params.material.material == Material::Phong).then(|| {
-                    let filter =
-                        GlossyFilter::new(environment, params.material.shininess, GLOSSY_WIDTH);
+                specular: (purpose.material == Material::Phong).then(|| {
+                    let filter = GlossyFilter::new(environment, purpose.shininess, GLOSSY_WIDTH);
                     Map::new(filtered(&filter), weights)
                 }),
             },
@@ -115,66 +253,6 @@ impl<'a> Around<'a> {
         Self {
             gain: Some(gain),
             used,
-        }
-    }
-
-    /// Factor of the environment's radiance; `None` without one.
-    pub(super) fn gain(&self) -> Option<f32> {
-        self.gain
-    }
-
-    /// Lights that stand for the environment.
-    pub(super) fn lights(&self) -> &[DirectionalLight] {
-        match &self.used {
-            Used::Lights(lights) => lights,
-            _ => &[],
-        }
-    }
-
-    /// Even directions in which the environment is looked up at every pixel.
-    pub(super) fn even_directions(&self) -> &[Vec3] {
-        match &self.used {
-            Used::Lookups(directions, _) => directions,
-            _ => &[],
-        }
-    }
-
-    /// Whether something is looked up once per pixel.
-    pub(super) fn has_lookups(&self) -> bool {
-        matches!(
-            self.used,
-            Used::Prefiltered { .. } | Used::Mirrored(_) | Used::LitSpheres(..)
-        )
-    }
-
-    /// Whether the mirrored view is looked up.
-    pub(super) fn is_mirrored(&self) -> bool {
-        matches!(
-            self.used,
-            Used::Mirrored(_)
-                | Used::Prefiltered {
-                    specular: Some(_),
-                    ..
-                }
-        )
-    }
-
-    /// Ambient occlusion, which dims prefiltered and ambient light.
-    pub(super) fn occlusion<'f>(&self, frame: &'f Frame) -> Option<&'f Plane> {
-        let even = matches!(self.used, Used::Nothing | Used::Prefiltered { .. });
-        frame.light.occlusion.as_ref().filter(|_| even)
-    }
-
-    /// The environment that the even directions are looked up in, and the intensity that radiance of 1 has
-    /// from each of them.
-    pub(super) fn looked_up(&self) -> Option<(&Environment, f32)> {
-        match &self.used {
-            // Each stands for 4 pi / n; intensities are over pi.
-            Used::Lookups(directions, environment) => {
-                let share = 4.0 / directions.len() as f32;
-                Some((environment, self.gain.unwrap_or(1.0) * share))
-            }
-            _ => None,
         }
     }
 }
@@ -245,8 +323,8 @@ pub(super) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, 
 /// Adds what is looked up once per pixel to the sums.
 #[inline(always)]
 pub(super) fn add_lookups(batch: &mut Batch, scene: &Scene) {
-    let gain = scene.around.gain.unwrap_or(1.0);
-    match &scene.around.used {
+    let gain = scene.around.ready.gain.unwrap_or(1.0);
+    match &scene.around.ready.used {
         Used::Nothing | Used::Lights(_) | Used::Lookups(..) => {}
         Used::Prefiltered { diffuse, specular } => {
             for i in 0..BATCH {
@@ -271,7 +349,9 @@ pub(super) fn add_lookups(batch: &mut Batch, scene: &Scene) {
             batch.toward = batch.pixels.mirrored.vector;
             add_seen(batch, scene, Term::Specular, map);
         }
-        Used::LitSpheres(spheres, largest) => add_spheres(batch, scene, spheres, *largest),
+        Used::LitSpheres(largest) => {
+            add_spheres(batch, scene, scene.around.spheres, *largest);
+        }
     }
 }
 

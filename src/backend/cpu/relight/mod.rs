@@ -7,7 +7,7 @@ mod curvature;
 mod rim;
 mod shade;
 
-pub(super) use around::Around;
+pub(super) use around::{Around, KeptEnvironment};
 pub(super) use batch::Batch;
 pub(super) use shade::light_batch;
 
@@ -69,9 +69,12 @@ impl Run<'_> {
         let weights = light::luminance_weights(frame);
         let around = match relighting.environment {
             EnvironmentUse::None => Around::nothing(illumination),
-            _ => self.timed("environment", || {
-                Around::new(illumination, relighting, weights)
-            }),
+            _ => {
+                let kept = &self.runner.environment;
+                Around::new(illumination, relighting, weights, kept, |make| {
+                    self.timed("environment", make)
+                })
+            }
         };
         self.outcome.environment_gain = around.gain();
         let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
