@@ -48,8 +48,10 @@ pub struct Pixels {
     pub spread: Lanes,
     /// Hessian of the height: xx, xy, yy; convex is negative.
     pub hessian: Vectors,
-    /// The scaling curves of ambient, diffuse and specular light.
+    /// Scaling curves; [`Pixels::curve`] tells which is whose.
     pub curves: [CurveLanes; 3],
+    /// Which of the curves ambient, diffuse and specular light have: terms of one magnitude share one.
+    pub curve_of: [usize; 3],
 }
 
 /// Scaling curves of a batch.
@@ -250,7 +252,14 @@ impl Pixels {
             spread: ZERO,
             hessian: [ZERO; 3],
             curves: [CurveLanes::FLAT; 3],
+            curve_of: [0, 1, 2],
         }
+    }
+
+    /// The scaling curves of ambient (0), diffuse (1) or specular (2) light.
+    #[inline(always)]
+    pub fn curve(&self, term: usize) -> &CurveLanes {
+        &self.curves[self.curve_of[term]]
     }
 
     /// Sets the inverse warps, their squares and determinants from the Hessians, for strength `alpha`.

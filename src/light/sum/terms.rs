@@ -489,7 +489,7 @@ impl Scaled {
     ) -> &'a CurveLanes {
         match self.toward_light {
             Some(_) => &toward_light[term],
-            None => &pixels.curves[1 + term],
+            None => pixels.curve(1 + term),
         }
     }
 }

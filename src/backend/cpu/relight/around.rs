@@ -369,7 +369,7 @@ fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
     let [r, g, b] = &batch.looked_up;
     let w = scene.luminance;
     if scene.relighting.scales {
-        let curves = &batch.pixels.curves[term as usize];
+        let curves = batch.pixels.curve(term as usize);
         for i in 0..BATCH {
             let luminance = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
             let sigma = curves
@@ -435,7 +435,7 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest:
         let sigma = match scene.relighting.scales {
             true => {
                 let luminance = super::super::light::luminance(color, scene.luminance);
-                let curves = &batch.pixels.curves[Term::Diffuse as usize];
+                let curves = batch.pixels.curve(Term::Diffuse as usize);
                 curves.at(i).at(luminance / largest, scene.invariant_point)
             }
             false => 1.0,

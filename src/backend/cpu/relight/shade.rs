@@ -120,13 +120,14 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
         }
         match done {
             Some((same, of)) if same == magnitude => {
-                batch.pixels.curves[term] = batch.pixels.curves[of];
+                batch.pixels.curve_of[term] = of;
             }
             _ => {
                 let curves = &mut batch.pixels.curves[term];
                 for i in 0..BATCH {
                     curves.set(i, ScalingCurve::of(magnitude * batch.kappa[i]));
                 }
+                batch.pixels.curve_of[term] = term;
                 done = Some((magnitude, term));
             }
         }
@@ -282,7 +283,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
         add_lookups(batch, scene);
     }
     let scales = scene.relighting.scales && material.ambient > 0.0;
-    let ambient = &batch.pixels.curves[Term::Ambient as usize];
+    let ambient = batch.pixels.curve(Term::Ambient as usize);
     let alpha = scene.invariant_point;
     for i in 0..BATCH {
         // Ambient light is 1 in the open ([RS] section 5.1), and occlusion where there is any.
