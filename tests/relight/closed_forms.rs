@@ -255,3 +255,33 @@ fn an_estimated_albedo_is_flat_where_the_picture_was_shaded_flat() {
         );
     }
 }
+
+#[test]
+fn coverage_is_multiplied_in_once() {
+    // A premultiplied picture of 0.5 under coverage of 0.6: light of 1 from the viewer shows 0.5 n_z, times
+    // 0.6, whether the picture is the albedo, or its estimate, 0.8 for all of it.
+    let frame = torus();
+    let flat = |value: f32| Plane::filled(97, 94, value);
+    let thin = Frame {
+        color: Some(ColorPlanes {
+            r: flat(0.3),
+            g: flat(0.3),
+            b: flat(0.3),
+        }),
+        alpha: Some(flat(0.6)),
+        ..frame.clone()
+    };
+    for (source, albedo) in [
+        (AlbedoSource::Picture, 0.5),
+        (AlbedoSource::Estimate, 0.8),
+        (AlbedoSource::White, 1.0),
+    ] {
+        let mut asked = Asked::of(Material::Lambert, Method::Plain);
+        asked.light = lights(&[Vec3::Z]);
+        asked.relight.albedo = source;
+        let error = largest_error(&asked.color(&thin), &thin, |x, y| {
+            0.6 * albedo * f64::from(frame.normal.z.at(x, y))
+        });
+        assert!(error < 1e-3, "{source:?}: {error}");
+    }
+}

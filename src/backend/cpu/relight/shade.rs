@@ -12,6 +12,7 @@ use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::sum::{Incoming, Intensity, Lobes};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
+use crate::plan::Albedo;
 use crate::shape::curvature::mapped_curvature;
 
 /// Which of [`crate::light::batch::Pixels::curves`] scales a term.
@@ -40,6 +41,9 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     let relighting = scene.relighting;
     if scene.eye.is_some() {
         normalise_eyes(batch);
+    }
+    if scene.frame.alpha.is_some() && matches!(relighting.albedo, Albedo::Layer | Albedo::Picture) {
+        bare_albedo(batch);
     }
     let lobes = scene.shading.map(|shading| shading.lobes);
     let phong = relighting.params.material.material == Material::Phong;
@@ -130,6 +134,20 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
                 batch.pixels.curve_of[term] = term;
                 done = Some((magnitude, term));
             }
+        }
+    }
+}
+
+/// Layers are multiplied by coverage, as what is shown will be once more.
+#[inline(always)]
+fn bare_albedo(batch: &mut Batch) {
+    for i in 0..BATCH {
+        let covered = batch.alpha[i] > 0.0;
+        batch.share[i] = if covered { 1.0 / batch.alpha[i] } else { 1.0 };
+    }
+    for lanes in &mut batch.albedo {
+        for (albedo, per_cover) in lanes.iter_mut().zip(&batch.share) {
+            *albedo *= per_cover;
         }
     }
 }
