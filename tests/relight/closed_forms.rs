@@ -285,3 +285,30 @@ fn coverage_is_multiplied_in_once() {
         assert!(error < 1e-3, "{source:?}: {error}");
     }
 }
+
+#[test]
+fn corners_get_less_light_from_all_around_however_it_is_summed() {
+    // Occlusion of 1/2 everywhere: half of an environment's diffuse light and of even light, and all of a
+    // light that has a direction.
+    let frame = torus();
+    let mut dim = frame.clone();
+    dim.light.occlusion = Some(Plane::filled(97, 94, 0.5));
+    let ways = [
+        (Samples::Fixed(0), WarpBy::Auto, Method::Plain),
+        (Samples::Fixed(33), WarpBy::Auto, Method::Plain),
+        (Samples::Fixed(33), WarpBy::Lights, Method::Warp),
+        (Samples::Fixed(33), WarpBy::Lookups, Method::Warp),
+    ];
+    for (samples, warp_by, method) in ways {
+        let mut asked = Asked::of(Material::Lambert, method).in_environment(sky(), samples);
+        asked.relight.warp_by = warp_by;
+        asked.relight.material.ambient = 0.2;
+        let open = asked.color(&frame);
+        let error = largest_error(&asked.color(&dim), &dim, |x, y| {
+            0.5 * f64::from(open.r.at(x, y))
+        });
+        assert!(error < 1e-6, "{samples:?} {warp_by:?} {method:?}: {error}");
+    }
+    let asked = Asked::of(Material::Lambert, Method::Plain);
+    assert_eq!(asked.color(&dim).r, asked.color(&frame).r);
+}

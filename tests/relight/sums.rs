@@ -169,6 +169,8 @@ fn a_cartoon_has_as_many_tones_as_asked_for() {
         softness: 0.0,
     });
     asked.scaling.curvature_gain = Adaptive::Auto;
+    // [LW] figure 10: contrast comes before the tones, and leaves them flat.
+    asked.relight.warping.contrast = 0.7;
     let color = asked.color(&frame);
     let mut tones: Vec<u32> = covered(&frame)
         .map(|(x, y)| (color.r.at(x, y).sqrt() * 5.0 * 1000.0).round() as u32)

@@ -11,7 +11,7 @@ use crate::shape::curvature::mapped_curvature;
 use rayon::prelude::*;
 
 /// Weights of linear red, green and blue in luminance, Rec. 709, where a file names no primaries.
-pub(super) const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 pub(super) fn luminance_weights(frame: &Frame) -> [f32; 3] {
     frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE)

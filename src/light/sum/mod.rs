@@ -149,10 +149,33 @@ impl LightSum {
         }
     }
 
+    /// Lets only this share of the diffuse light that was added so far count.
+    #[inline(always)]
+    pub fn dim(&mut self, share: &Lanes, shading: &Shading) {
+        self.gather_waiting(shading.lobes.are_glossy());
+        for sum in &mut self.diffuse {
+            for (sum, share) in sum.iter_mut().zip(share) {
+                *sum *= share;
+            }
+        }
+    }
+
     /// Completes the sums.
     #[inline(always)]
     pub fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
-        let glossy = shading.lobes.are_glossy();
+        self.gather_waiting(shading.lobes.are_glossy());
+        if shading.warped {
+            for sum in self.diffuse.iter_mut().chain(&mut self.specular) {
+                for (sum, spread) in sum.iter_mut().zip(&pixels.spread) {
+                    *sum *= spread;
+                }
+            }
+        }
+    }
+
+    /// Adds the lights that wait for more.
+    #[inline(always)]
+    fn gather_waiting(&mut self, glossy: bool) {
         for k in 0..self.waiting {
             let (terms, rgb) = (&self.terms[k], self.colors[k]);
             add_term(&mut self.diffuse, &terms.diffuse, |_| rgb);
@@ -161,13 +184,6 @@ impl LightSum {
             }
         }
         self.waiting = 0;
-        if shading.warped {
-            for sum in self.diffuse.iter_mut().chain(&mut self.specular) {
-                for (sum, spread) in sum.iter_mut().zip(&pixels.spread) {
-                    *sum *= spread;
-                }
-            }
-        }
     }
 
     /// Adds a full group, light after light: the same bits as one by one.

@@ -4,7 +4,7 @@
 use super::Scene;
 use super::batch::Batch;
 use super::shade::Term;
-use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::frame::{ColorPlanes, Plane};
 use crate::light::batch::{BATCH, Vectors};
 use crate::light::brdf::{fresnel, refracted, thin_sheet};
 use crate::light::environment::Environment;
@@ -107,12 +107,11 @@ struct Map {
 
 impl<'a> Around<'a> {
     /// No environment; a lit sphere perhaps.
-    pub(super) fn nothing(illumination: &'a Illumination) -> Self {
+    pub(super) fn nothing(illumination: &'a Illumination, weights: [f32; 3]) -> Self {
         let spheres = &illumination.lit_spheres;
         let used = if spheres.is_empty() {
             Used::Nothing
         } else {
-            let weights = super::light::REC709_LUMINANCE;
             let largest = spheres.iter().map(|s| s.largest_luminance(weights));
             Used::LitSpheres(largest.fold(f32::MIN_POSITIVE, f32::max))
         };
@@ -190,12 +189,6 @@ impl<'a> Around<'a> {
                     ..
                 }
         )
-    }
-
-    /// Ambient occlusion, which dims prefiltered and ambient light.
-    pub(super) fn occlusion<'f>(&self, frame: &'f Frame) -> Option<&'f Plane> {
-        let even = matches!(self.ready.used, Used::Nothing | Used::Prefiltered { .. });
-        frame.light.occlusion.as_ref().filter(|_| even)
     }
 
     /// The environment that the even directions are looked up in, and the intensity that radiance of 1 has

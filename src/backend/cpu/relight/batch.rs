@@ -26,7 +26,7 @@ pub(in super::super) struct Batch {
     /// Mapped curvature.
     pub(super) kappa: Lanes,
     pub(super) albedo: [Lanes; 3],
-    /// Ambient occlusion, 1 in the open.
+    /// Ambient occlusion, 1 in the open: it dims even light and the diffuse light of an environment.
     pub(super) occlusion: Lanes,
     /// Coverage that the result is multiplied by.
     pub(super) alpha: Lanes,
@@ -132,7 +132,7 @@ impl Batch {
             copy(g, &color.g);
             copy(b, &color.b);
         }
-        if let Some(occlusion) = scene.around.occlusion(frame) {
+        if let Some(occlusion) = &frame.light.occlusion {
             copy(&mut self.occlusion, occlusion);
         }
         if let Some(alpha) = &frame.alpha {

@@ -43,7 +43,7 @@ pub(super) struct Scene<'a> {
     shading: Option<Shading>,
     /// Whether anything adds to specular light.
     is_glossy: bool,
-    lights: Vec<DirectionalLight>,
+    lights: &'a [DirectionalLight],
     points: &'a [PointLight],
     sight: SightLines,
     around: Around<'a>,
@@ -68,7 +68,7 @@ impl Run<'_> {
             .expect("the plan says how to light");
         let weights = light::luminance_weights(frame);
         let around = match relighting.environment {
-            EnvironmentUse::None => Around::nothing(illumination),
+            EnvironmentUse::None => Around::nothing(illumination, weights),
             _ => {
                 let kept = &self.runner.environment;
                 Around::new(illumination, relighting, weights, kept, |make| {
@@ -82,8 +82,6 @@ impl Run<'_> {
                 albedo::estimated(frame, weights, memory)
             })
         });
-        let mut lights = illumination.directional.clone();
-        lights.extend_from_slice(around.lights());
         let shape = std::mem::take(&mut self.outcome.shape);
         let gain = self.outcome.gain.unwrap_or(0.0);
         let eye = eye_directions(frame);
@@ -105,7 +103,7 @@ impl Run<'_> {
             luminance: weights,
             is_glossy: around.is_mirrored() || shading.is_some_and(|s| s.lobes.are_glossy()),
             shading,
-            lights,
+            lights: &illumination.directional,
             points: &illumination.points,
             sight: sight_lines(frame),
             around,

@@ -4,12 +4,13 @@
 use super::around::{add_lookups, look_up, warp_lookups};
 use super::curvature::{Curvature, Kind};
 use super::{Batch, Scene};
-use crate::light::batch::{BATCH, Facing, Lanes};
+use crate::light::batch::{Above, BATCH, Facing, Lanes};
 use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
+use crate::light::lights::DirectionalLight;
 use crate::light::radiance_scaling::ScalingCurve;
-use crate::light::sum::{Incoming, Intensity, Lobes};
+use crate::light::sum::{Incoming, Intensity, Lobes, Shading};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::plan::Albedo;
@@ -75,7 +76,9 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     } else if relighting.lit_spheres == 2 {
         find_kappa(batch, scene);
     }
-    if scene.lights.len() >= WORTH_A_CONE {
+    let around = &scene.around;
+    let directions = scene.lights.len() + around.lights().len() + around.even_directions().len();
+    if directions >= WORTH_A_CONE {
         let pixels = &mut batch.pixels;
         pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
     }
@@ -204,14 +207,27 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     let Some(shading) = &scene.shading else {
         return;
     };
-    for light in &scene.lights {
-        batch.sum.add(
-            &batch.pixels,
-            shading,
-            Incoming::From(light.to_light.to_array()),
-            Intensity::Even(light.intensity),
-        );
+    // Light from all around comes first: less of it arrives in corners.
+    add_even(batch, shading, scene.around.lights());
+    if let Some((environment, share)) = scene.around.looked_up() {
+        for direction in scene.around.even_directions() {
+            let direction = direction.to_array();
+            if batch.pixels.facing.above(direction) == Above::Nowhere {
+                continue;
+            }
+            look_even_up(batch, scene, environment, direction, share);
+            batch.sum.add(
+                &batch.pixels,
+                shading,
+                Incoming::From(direction),
+                Intensity::LookedUp(&batch.looked_up),
+            );
+        }
     }
+    if scene.frame.light.occlusion.is_some() {
+        batch.sum.dim(&batch.occlusion, shading);
+    }
+    add_even(batch, shading, scene.lights);
     for point in scene.points {
         approach(batch, point.position.to_array());
         let (directions, share) = &batch.near;
@@ -222,19 +238,20 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
             Intensity::Even(point.intensity),
         );
     }
-    if let Some((environment, share)) = scene.around.looked_up() {
-        for direction in scene.around.even_directions() {
-            let direction = direction.to_array();
-            look_even_up(batch, scene, environment, direction, share);
-            batch.sum.add(
-                &batch.pixels,
-                shading,
-                Incoming::From(direction),
-                Intensity::LookedUp(&batch.looked_up),
-            );
-        }
-    }
     batch.sum.finish(&batch.pixels, shading);
+}
+
+/// Adds lights that are as strong at every pixel.
+#[inline(always)]
+fn add_even(batch: &mut Batch, shading: &Shading, lights: &[DirectionalLight]) {
+    for light in lights {
+        batch.sum.add(
+            &batch.pixels,
+            shading,
+            Incoming::From(light.to_light.to_array()),
+            Intensity::Even(light.intensity),
+        );
+    }
 }
 
 /// Directions to a light at `position`, and what arrives of it.
@@ -318,6 +335,9 @@ fn compose(batch: &mut Batch, scene: &Scene) {
             shown[i] = batch.share[i] + kd * diffuse[i];
         }
     }
+    if scene.relighting.contrasts {
+        enhance_contrast(batch, scene);
+    }
     // A cartoon has few tones of light; other few tones are of what is seen.
     let is_toon = material.material == Material::Toon;
     if is_toon {
@@ -329,26 +349,32 @@ fn compose(batch: &mut Batch, scene: &Scene) {
             batch.shown[k][i] = batch.albedo[k][i] * batch.shown[k][i] + specular;
         }
     }
-    if scene.relighting.contrasts {
-        let gamma = scene.params().warping.contrast;
-        for i in 0..BATCH {
-            // The contrast of a warp is the inverse of that of its inverse.
-            let inverse = Warp {
-                xx: batch.pixels.unwarp[0][i],
-                xy: batch.pixels.unwarp[1][i],
-                yy: batch.pixels.unwarp[2][i],
-            };
-            let factor = contrast(inverse, -gamma);
-            for k in 0..3 {
-                batch.shown[k][i] *= factor;
-            }
-        }
-    }
     if !is_toon {
         keep_few_tones(batch, scene);
     }
     for lanes in &mut batch.shown {
         cover(lanes, &batch.alpha);
+    }
+}
+
+/// Contrast by curvature ([LW] equation 3), of diffuse light and of specular light.
+#[inline(always)]
+fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
+    let gamma = scene.params().warping.contrast;
+    let [xx, xy, yy] = &batch.pixels.unwarp;
+    for i in 0..BATCH {
+        // The contrast of a warp is the inverse of that of its inverse.
+        let inverse = Warp {
+            xx: xx[i],
+            xy: xy[i],
+            yy: yy[i],
+        };
+        batch.share[i] = contrast(inverse, -gamma);
+    }
+    for lanes in batch.shown.iter_mut().chain(&mut batch.sum.specular) {
+        for (light, factor) in lanes.iter_mut().zip(&batch.share) {
+            *light *= factor;
+        }
     }
 }
 
