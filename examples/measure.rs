@@ -7,16 +7,16 @@
 //! held against double precision at some hundred pixels.
 
 use relievo::backend::cpu::{Outcome, Runner};
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
-    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples, Scale,
-    ScalingParams, ShapeParams, Solver, Tangent,
+    Material, MaterialParams, Method, RelightParams, Samples, Scale, ScalingParams, ShapeParams,
+    Solver, Tangent,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan};
-use relievo::report::light::{environment, lit::some_covered};
+use relievo::report::light::{bare, environment, lit::some_covered};
 use relievo::report::light_reference::{
     Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
 };
@@ -138,24 +138,20 @@ fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::
 
 /// White of one material, without ambient light.
 fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
-    let base = RelightParams::default();
+    let bare = bare(material, method);
     RelightParams {
-        method,
         samples,
-        albedo: AlbedoSource::White,
-        environment_gain: Adaptive::Fixed(1.0),
         material: MaterialParams {
-            material,
-            ambient: 0.0,
             tangent: Tangent::Degrees(0.0),
-            ..base.material
+            ..bare.material
         },
-        ..base
+        ..bare
     }
 }
 
 fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    let [wr, wg, wb] = REC709_LUMINANCE.map(f64::from);
+    wr * r + wg * g + wb * b
 }
 
 /// The luminance of the brightest pixel of the map of irradiance, found in single precision and then told

@@ -2,6 +2,7 @@
 
 use super::args::ScalingFlags;
 use crate::io::inputs::{GroupInput, LightInputs, LobeChoice};
+use crate::light::lights::direction_of;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -60,13 +61,9 @@ impl FromStr for GroupDirection {
         if !(-90.0..=90.0).contains(&elevation) {
             return Err("an elevation is -90 to 90 degrees".into());
         }
-        let ((ys, xs), (zs, flat)) = (
-            azimuth.to_radians().sin_cos(),
-            elevation.to_radians().sin_cos(),
-        );
         Ok(Self {
             name: name.into(),
-            to_light: Vec3::new(flat * xs, flat * ys, zs),
+            to_light: direction_of(azimuth, elevation),
         })
     }
 }

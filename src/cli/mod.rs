@@ -10,6 +10,7 @@ mod output;
 mod relight;
 mod relight_args;
 mod report;
+mod role_args;
 mod shape;
 
 use args::{Cli, Command};

@@ -9,7 +9,9 @@ mod window;
 
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayers};
 pub use mask::Mask;
-pub use plane::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes};
+pub use plane::{
+    ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
+};
 pub use sight::SightLines;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use window::Window;

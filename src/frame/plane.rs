@@ -170,6 +170,9 @@ pub struct SymmetricPlanes {
     pub yy: Plane,
 }
 
+/// Weights of linear red, green and blue in luminance, Rec. 709: where a file names no primaries.
+pub const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
 /// Scene-linear colour, one plane per primary, not clamped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorPlanes {

@@ -16,10 +16,10 @@ use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
-    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples, Scale,
-    ScalingParams, ShapeParams,
+    Adaptive, Material, Method, RelightParams, Samples, Scale, ScalingParams, ShapeParams,
 };
 use relievo::plan::{Available, LightKinds, Plan};
+use relievo::report::light::bare;
 
 /// What a test asks for; the rest is as it comes.
 #[derive(Clone)]
@@ -33,7 +33,6 @@ struct Asked {
 impl Asked {
     /// Light of 1 from 30 degrees above the upper left, on white.
     fn of(material: Material, method: Method) -> Self {
-        let base = RelightParams::default();
         Self {
             shape: ShapeParams {
                 scale: Scale::Iterations(4),
@@ -43,19 +42,7 @@ impl Asked {
                 curvature_gain: Adaptive::Fixed(12.0),
                 ..ScalingParams::default()
             },
-            relight: RelightParams {
-                method,
-                albedo: AlbedoSource::White,
-                environment_gain: Adaptive::Fixed(1.0),
-                material: MaterialParams {
-                    material,
-                    ambient: 0.0,
-                    diffuse_gain: 1.0,
-                    specular_gain: Some(1.0),
-                    ..base.material
-                },
-                ..base
-            },
+            relight: bare(material, method),
             light: lights(&[Vec3::new(-0.6, 0.6, 0.53)]),
         }
     }

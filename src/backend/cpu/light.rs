@@ -4,14 +4,11 @@ use super::ROWS_PER_TASK;
 use super::memory::Memory;
 use super::passes::map_covered;
 use super::simd::Simd;
-use crate::frame::{ColorPlanes, Frame, Mask, Plane};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::radiance_scaling::scaling;
 use crate::params::ScalingParams;
 use crate::shape::curvature::mapped_curvature;
 use rayon::prelude::*;
-
-/// Weights of linear red, green and blue in luminance, Rec. 709, where a file names no primaries.
-const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 pub(super) fn luminance_weights(frame: &Frame) -> [f32; 3] {
     frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE)

@@ -1,13 +1,13 @@
 //! What lighting costs by the number of lights, and by the share of the frame that is covered.
 
+use super::bare;
 use super::lit::Bench;
 use crate::Result;
 use crate::frame::{Frame, Mask, Plane};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_directions;
 use crate::light::lights::{DirectionalLight, Illumination};
-use crate::params::{AUTO_SAMPLES, AlbedoSource, Material, MaterialParams, Method, RelightParams};
-use crate::params::{ShapeParams, WarpBy};
+use crate::params::{AUTO_SAMPLES, Material, Method, RelightParams, ShapeParams, WarpBy};
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
 
@@ -114,16 +114,9 @@ pub fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Res
 }
 
 fn params() -> RelightParams {
-    let base = RelightParams::default();
     RelightParams {
-        method: Method::Warp,
         warp_by: WarpBy::Lights,
-        albedo: AlbedoSource::White,
-        material: MaterialParams {
-            material: Material::BlinnPhong,
-            ..base.material
-        },
-        ..base
+        ..bare(Material::BlinnPhong, Method::Warp)
     }
 }
 

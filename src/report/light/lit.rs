@@ -1,14 +1,14 @@
 //! Pictures under the report's environment, timed, and compared with one under many lights.
 
+use super::bare;
 use crate::Result;
 use crate::backend::cpu::{Outcome, Runner};
-use crate::frame::{ColorPlanes, Frame, Mask, Plane};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
 use crate::params::{
-    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples,
-    ScalingParams, ShapeParams, WarpBy,
+    Material, MaterialParams, Method, RelightParams, Samples, ScalingParams, ShapeParams, WarpBy,
 };
 use crate::plan::{Available, LightKinds, Plan};
 use crate::report::compare::{Errors, Tally, compare};
@@ -33,37 +33,26 @@ impl Surface {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Lambert, Self::Glossy];
 
-    /// Its material.
-    fn material(self) -> MaterialParams {
-        let base = MaterialParams {
-            ambient: 0.0,
-            ..RelightParams::default().material
-        };
-        match self {
-            Self::Lambert => MaterialParams {
-                material: Material::Lambert,
-                diffuse_gain: 1.0,
-                ..base
-            },
-            Self::Glossy => MaterialParams {
-                material: Material::Phong,
-                diffuse_gain: 0.0,
-                specular_gain: Some(0.5 * (base.shininess + 1.0)),
-                ..base
-            },
-        }
-    }
-
     /// All that relighting is told.
     pub fn params(self, method: Method, warp_by: WarpBy, samples: u32) -> RelightParams {
+        let params = match self {
+            Self::Lambert => bare(Material::Lambert, method),
+            Self::Glossy => {
+                let phong = bare(Material::Phong, method);
+                RelightParams {
+                    material: MaterialParams {
+                        diffuse_gain: 0.0,
+                        specular_gain: Some(0.5 * (phong.material.shininess + 1.0)),
+                        ..phong.material
+                    },
+                    ..phong
+                }
+            }
+        };
         RelightParams {
-            method,
             warp_by,
-            material: self.material(),
-            albedo: AlbedoSource::White,
             samples: Samples::Fixed(samples),
-            environment_gain: Adaptive::Fixed(1.0),
-            ..RelightParams::default()
+            ..params
         }
     }
 }
@@ -190,9 +179,6 @@ pub struct Reference {
 /// The references of both surfaces, plain and warped.
 pub struct References(Vec<Reference>);
 
-/// Weights of linear red, green and blue in luminance, Rec. 709.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
-
 /// Pixels at which a reference is held against double precision.
 const CHECKED: usize = 16;
 
@@ -246,7 +232,7 @@ fn white([r, g, b]: &[Plane<f64>; 3], mask: &Mask) -> f64 {
     let mut tally = Tally::default();
     for y in 0..mask.height() {
         for x in mask.span(y).filter(|&x| mask.at(x, y)) {
-            let [wr, wg, wb] = LUMINANCE;
+            let [wr, wg, wb] = REC709_LUMINANCE.map(f64::from);
             tally.add([x, y], wr * r.at(x, y) + wg * g.at(x, y) + wb * b.at(x, y));
         }
     }

@@ -18,7 +18,9 @@ use super::timing::Effort;
 use crate::Result;
 use crate::frame::{Frame, Window};
 use crate::light::environment::Environment;
-use crate::params::ShapeParams;
+use crate::params::{
+    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, ShapeParams,
+};
 use glam::Vec3;
 use lit::Bench;
 use serde::Serialize;
@@ -53,6 +55,25 @@ pub fn environment() -> Environment {
             0.08 + 2.5 * up + 0.5 * glow + 0.7 * disc,
         ]
     })
+}
+
+/// White of one material with gains of 1, no even light, and an environment as bright as it comes: what can
+/// be told by a formula.
+pub fn bare(material: Material, method: Method) -> RelightParams {
+    let base = RelightParams::default();
+    RelightParams {
+        method,
+        albedo: AlbedoSource::White,
+        environment_gain: Adaptive::Fixed(1.0),
+        material: MaterialParams {
+            material,
+            ambient: 0.0,
+            diffuse_gain: 1.0,
+            specular_gain: Some(1.0),
+            ..base.material
+        },
+        ..base
+    }
 }
 
 /// What was measured of one frame.

@@ -5,11 +5,9 @@ use crate::Result;
 use crate::backend::cpu::{self, Runner};
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::lights::Illumination;
-use crate::params::{
-    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, ScalingParams,
-    ShapeParams,
-};
+use crate::params::{Adaptive, Material, Method, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, LightKinds, Plan};
+use crate::report::light::bare;
 use crate::report::timing;
 
 /// What a case asks for; the rest is as it comes.
@@ -26,26 +24,13 @@ pub(super) struct Asked {
 impl Asked {
     /// White of some material under `light`, without ambient light.
     pub(super) fn of(material: Material, method: Method, light: Illumination) -> Self {
-        let base = RelightParams::default();
         Self {
             shape: ShapeParams::default(),
             scaling: ScalingParams {
                 curvature_gain: Adaptive::Fixed(12.0),
                 ..ScalingParams::default()
             },
-            relight: RelightParams {
-                method,
-                albedo: AlbedoSource::White,
-                environment_gain: Adaptive::Fixed(1.0),
-                material: MaterialParams {
-                    material,
-                    ambient: 0.0,
-                    diffuse_gain: 1.0,
-                    specular_gain: Some(1.0),
-                    ..base.material
-                },
-                ..base
-            },
+            relight: bare(material, method),
             light,
             dark: false,
         }

@@ -1,0 +1,115 @@
+//! Which layers and files play which role: the names of the inputs.
+
+use crate::frame::NormalSpace;
+use crate::io::inputs::{Flip, Inputs, NormalEncoding};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Which layers and files play which role.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Inputs")]
+pub(super) struct RoleArgs {
+    /// Normals: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    normal: Option<String>,
+    /// Depth: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    depth: Option<String>,
+    /// World-space positions: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    position: Option<String>,
+    /// The picture to be enhanced: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    color: Option<String>,
+    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    occlusion: Option<String>,
+    /// How far each pixel is diffused, from 0, all detail, to 1, as far as asked for: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    importance: Option<String>,
+    /// Coverage, a surface where above one half: a layer of IN or a file.
+    #[arg(long, value_name = "NAME|FILE")]
+    mask: Option<String>,
+    /// Space of the normals.
+    #[arg(long, value_name = "SPACE", default_value = "auto")]
+    normal_space: SpaceArg,
+    /// Encoding of the normals.
+    #[arg(long, value_name = "ENCODING", default_value = "auto")]
+    normal_encoding: EncodingArg,
+    /// Axes of the normals that point the wrong way: y for DirectX normal maps.
+    #[arg(
+        long,
+        value_name = "AXES",
+        default_value = "",
+        hide_default_value = true
+    )]
+    normal_flip: Flip,
+    /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SpaceArg {
+    Auto,
+    View,
+    World,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum EncodingArg {
+    Auto,
+    Signed,
+    Unsigned,
+}
+
+impl RoleArgs {
+    pub(super) fn inputs(&self, picture: &std::path::Path) -> Inputs {
+        Inputs {
+            picture: picture.to_path_buf(),
+            color: self.color.clone(),
+            normal: self.normal.clone(),
+            depth: self.depth.clone(),
+            position: self.position.clone(),
+            occlusion: self.occlusion.clone(),
+            albedo: None,
+            importance: self.importance.clone(),
+            mask: self.mask.clone(),
+            camera: self.camera.clone(),
+            normal_space: match self.normal_space {
+                SpaceArg::Auto => None,
+                SpaceArg::View => Some(NormalSpace::View),
+                SpaceArg::World => Some(NormalSpace::World),
+            },
+            normal_encoding: match self.normal_encoding {
+                EncodingArg::Auto => None,
+                EncodingArg::Signed => Some(NormalEncoding::Signed),
+                EncodingArg::Unsigned => Some(NormalEncoding::Unsigned),
+            },
+            normal_flip: self.normal_flip,
+            light: None,
+        }
+    }
+
+    /// Every input that is a file of its own.
+    pub(super) fn files(&self, picture: &std::path::Path) -> Vec<PathBuf> {
+        let named = [
+            &self.normal,
+            &self.depth,
+            &self.position,
+            &self.color,
+            &self.occlusion,
+            &self.importance,
+            &self.mask,
+        ];
+        let named = named
+            .into_iter()
+            .flatten()
+            .map(PathBuf::from)
+            .filter(|path| path.exists());
+        std::iter::once(picture.to_path_buf())
+            .chain(named)
+            .chain(self.camera.clone())
+            .collect()
+    }
+}
