@@ -1,4 +1,9 @@
-//! Lines along the surface: the directions they follow. Pure kernels, no files, threads or clock.
+//! Lines along the surface: the directions they follow, the strokes drawn along them. Pure kernels, no
+//! files, threads or clock.
 
 pub mod direction;
+pub mod hatching;
 pub mod normal_rays;
+mod random;
+mod stroke_synthesis;
+pub mod tonal_art_map;

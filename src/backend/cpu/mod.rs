@@ -2,6 +2,7 @@
 
 mod diffusion;
 mod direction_fill;
+mod drawing;
 mod edges;
 mod light;
 mod light_layers;
@@ -85,13 +86,23 @@ pub struct CurvaturePlanes {
     pub mean: Plane,
 }
 
+/// A drawing in layers: how much of the paper each covers, 0..1; 0 outside the mask.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    /// Strokes along the curvature.
+    pub hatching: Plane,
+}
+
 /// What a run gave.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
     /// The descriptor.
     pub shape: Shape,
-    /// The picture with its shape brought out, or the curvature display.
+    /// The picture with its shape brought out, in new light, or the curvature display; where it is drawn,
+    /// the tone of the drawing.
     pub color: Option<ColorPlanes>,
+    /// The drawing.
+    pub drawing: Option<Drawing>,
     /// The gain of the curvature mapping that was used.
     pub gain: Option<f32>,
     /// The white level that was used.
@@ -187,6 +198,9 @@ impl Runner {
             run.find_shape();
         }
         light(&mut run);
+        if let Some(params) = &plan.drawing {
+            run.draw(params);
+        }
         run.outcome
     }
 
@@ -265,7 +279,7 @@ impl Run<'_> {
             self.prepare_light(&gradient, &edges.conductance);
         } else if plan.has(Stage::Hessian) {
             self.find_hessian(&gradient, &edges.conductance);
-        } else {
+        } else if plan.has(Stage::Trace) {
             self.find_trace(&gradient, &edges.conductance);
         }
         if plan.has(Stage::CurvatureDisplay) {
