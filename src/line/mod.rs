@@ -5,5 +5,8 @@ pub mod direction;
 pub mod hatching;
 pub mod normal_rays;
 mod random;
+mod response;
+mod slice_texture;
 mod stroke_synthesis;
+mod stroke_texture;
 pub mod tonal_art_map;

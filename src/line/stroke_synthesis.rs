@@ -14,29 +14,31 @@ pub(super) struct Canvas {
 /// Strokes that lie end to end on a square: fewer would show that it repeats.
 const STROKES_ACROSS: f32 = 6.0;
 
+/// Fewest and most texels along a side: a quarter of a million in all stay in the cache.
+const MIN_SIDE: usize = 128;
+const MAX_SIDE: usize = 512;
+
 /// Thinnest stroke in texels: what is thinner shows as grey either way.
 const MIN_WIDTH: f32 = 0.5;
 
 impl Canvas {
-    pub(super) fn drawn(stroke: &Stroke, style: Style, seed: u64, max_side: usize) -> Self {
+    pub(super) fn drawn(stroke: &Stroke, style: Style, random: &mut Random) -> Self {
         let wanted = STROKES_ACROSS * stroke.length_px;
         let side = (wanted.ceil() as usize).next_power_of_two();
-        let side = side.clamp(max_side / 4, max_side);
+        let side = side.clamp(MIN_SIDE, MAX_SIDE);
         let texels_per_px = (side as f32 / wanted).min(1.0);
         let mut painter = Painter {
             habits: Habits::new(stroke, texels_per_px, side),
             side,
             ramps: vec![[f32::INFINITY; 2]; side * side],
-            random: Random::new(seed),
+            random,
         };
         painter.fill();
         let Painter {
-            mut ramps,
-            mut random,
-            ..
+            mut ramps, random, ..
         } = painter;
         if style == Style::Pencil {
-            soften(&mut ramps, side, &mut random);
+            soften(&mut ramps, side, random);
         }
         rank(&mut ramps);
         Self {
@@ -79,11 +81,11 @@ impl Habits {
     }
 }
 
-struct Painter {
+struct Painter<'a> {
     habits: Habits,
     side: usize,
     ramps: Vec<[f32; 2]>,
-    random: Random,
+    random: &'a mut Random,
 }
 
 /// Where a stroke lies, and when it appears.
@@ -94,7 +96,7 @@ struct Mark {
     order: f32,
 }
 
-impl Painter {
+impl Painter<'_> {
     /// Draws lanes of strokes as far apart as light tones have them, then lanes midway between those,
     /// until they touch.
     fn fill(&mut self) {
@@ -149,7 +151,7 @@ impl Painter {
 
     fn draw(&mut self, mark: &Mark) {
         let habits = self.habits;
-        let random = &mut self.random;
+        let random = &mut *self.random;
         let (wobble, half) = (habits.wobble, mark.half_length);
         let slant = 0.05 * wobble * random.signed();
         let bow = 0.04 * wobble * random.signed();
