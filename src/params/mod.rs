@@ -1,11 +1,13 @@
 //! Every tunable, its meaning, unit, range and default. Nothing else types a default again.
 
 mod light;
+mod line;
 mod relight;
 mod run;
 mod shape;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams};
+pub use line::{Fallback, FieldParams, MAX_FIELD_PASSES, StrokeDirections};
 pub use relight::{
     AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,
     RelightParams, Samples, Tangent, WarpBy, WarpingParams,
