@@ -54,6 +54,7 @@
 
 pub mod backend;
 pub mod cli;
+pub mod compose;
 pub mod error;
 pub mod fast_math;
 pub mod frame;

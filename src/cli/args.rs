@@ -1,6 +1,7 @@
 //! The names of the contract. Every default is read from `params`.
 
 use super::light_layers::LightLayerFlags;
+use super::line_args::HatchArgs;
 use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use crate::error::Error;
@@ -37,6 +38,9 @@ pub(super) enum Command {
     /// Light the surface anew: lights, an environment or a lit sphere, bent and scaled by curvature.
     #[command(after_help = RELIGHT_EXAMPLES)]
     Relight(Box<RelightArgs>),
+    /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.
+    #[command(after_help = HATCH_EXAMPLES)]
+    Hatch(Box<HatchArgs>),
     /// Measure error against run time, on this frame and on exact scenes: table, JSON, plots.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(ReportArgs),
@@ -71,6 +75,13 @@ Examples:
   relievo relight render.exr --environment sky.hdr --environment-rotate 90 -o outdoors.exr
   relievo relight render.exr --lit-sphere clay.png -o clay.png
   relievo relight render.exr --environment sky.hdr --material toon --contrast -0.5 -o cartoon.png";
+
+const HATCH_EXAMPLES: &str = "\
+Examples:
+  relievo hatch render.exr -o drawing.png
+  relievo hatch render.exr -o pencil.png --style pencil --directions both
+  relievo hatch render.exr --light 135,30 --method warp -o raking.png
+  relievo hatch photo.jpg --normal normals.png -o print.png --stroke-scale 0.3mm --dpi 600";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:

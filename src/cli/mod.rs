@@ -2,9 +2,11 @@
 
 mod args;
 mod enhance;
+mod hatch;
 mod inspect;
 mod job;
 mod light_layers;
+mod line_args;
 mod message;
 mod output;
 mod relight;
@@ -27,6 +29,7 @@ pub fn run() -> i32 {
         Command::Shape(args) => shape::run(args),
         Command::Enhance(args) => enhance::run(args),
         Command::Relight(args) => relight::run(args),
+        Command::Hatch(args) => hatch::run(args),
         Command::Report(args) => report::run(args),
     };
     match result {

@@ -59,7 +59,11 @@ pub(super) fn run(args: &RelightArgs) -> Result<()> {
 }
 
 /// The frame's picture is read for an albedo to be estimated, and for what lies around the surface.
-fn needs(params: &RelightParams, foreshortening: f32, illumination: &Illumination) -> Needs {
+pub(super) fn needs(
+    params: &RelightParams,
+    foreshortening: f32,
+    illumination: &Illumination,
+) -> Needs {
     let own_color = params.albedo == AlbedoSource::White;
     let diffuse = matches!(
         params.material.material,
@@ -77,7 +81,7 @@ fn needs(params: &RelightParams, foreshortening: f32, illumination: &Illuminatio
     }
 }
 
-fn illumination(flags: &LightFlags) -> Result<Illumination> {
+pub(super) fn illumination(flags: &LightFlags) -> Result<Illumination> {
     let mut directional: Vec<DirectionalLight> = flags
         .light
         .iter()

@@ -1,6 +1,11 @@
-//! Lines along the surface: the directions they follow. Pure kernels, no files, threads or clock.
+//! Lines along the surface: the directions they follow, the strokes drawn along them. Pure kernels, no
+//! files, threads or clock.
 
 pub mod direction;
 pub mod direction_field;
+pub mod hatching;
 pub mod normal_rays;
 pub mod patches;
+mod random;
+mod stroke_synthesis;
+pub mod tonal_art_map;

@@ -2,7 +2,7 @@
 
 use super::enhancement::{Enhancement, Subject};
 use super::{Available, Goal, Points, Relighting, Stage, Sweeps};
-use crate::params::{Adaptive, ScalingParams, ShapeParams};
+use crate::params::{Adaptive, LineParams, ScalingParams, ShapeParams};
 use serde::Serialize;
 
 /// Whether a stage runs, and why.
@@ -62,6 +62,10 @@ impl Stage {
             Self::LightLookups => "light-lookups",
             Self::Contrast => "contrast",
             Self::Tones => "tones",
+            Self::DirectionField => "direction-field",
+            Self::TonalArtMap => "tonal-art-map",
+            Self::Hatching => "hatching",
+            Self::Contours => "contours",
         }
     }
 }
@@ -82,29 +86,32 @@ pub(super) struct Request<'a> {
     pub(super) rays: (Points, [usize; 2]),
     pub(super) scaling: &'a ScalingParams,
     pub(super) relighting: Option<&'a Relighting>,
+    pub(super) drawing: Option<&'a LineParams>,
 }
 
 /// Decides every stage, in the order of execution.
 pub(super) fn decide(request: &Request) -> Vec<Decision> {
     let enhancement = Enhancement::new(request.available.light, request.scaling);
     let mut decisions = of_shape(request, &enhancement);
-    let no_shape = match (request.goal, request.relighting) {
-        (Goal::Enhance, _) if enhancement.is_idle() => {
-            Some("a magnitude of 0 leaves the picture as it is")
-        }
-        (_, Some(relighting)) if !relighting.needs_shape() => {
-            Some("light that is not altered asks nothing of shape")
-        }
-        _ => None,
-    };
     decisions.extend(light(
         request.goal,
         request.available,
         &enhancement,
         request.scaling,
     ));
+    let no_shape = match (request.goal, request.relighting) {
+        (Goal::Enhance, _) if enhancement.is_idle() => {
+            Some("a magnitude of 0 leaves the picture as it is")
+        }
+        (Goal::Picture, _) => Some("the picture is taken as it is"),
+        (_, Some(relighting)) if !relighting.needs_shape() => {
+            Some("light that is not altered asks nothing of shape")
+        }
+        _ => None,
+    };
     if let Some(reason) = no_shape {
-        for decision in &mut decisions {
+        let left = |stage| request.drawing.is_none() || !OF_DRAWN_SHAPE.contains(&stage);
+        for decision in decisions.iter_mut().filter(|d| left(d.stage)) {
             *decision = skip(decision.stage, reason);
         }
     }
@@ -115,7 +122,40 @@ pub(super) fn decide(request: &Request) -> Vec<Decision> {
             decisions.extend(stages.map(|stage| skip(stage, "no new light is asked for")));
         }
     }
+    decisions.extend(drawing(request.drawing));
     decisions
+}
+
+/// What of the shape a drawing asks for, whatever its tone is made of.
+const OF_DRAWN_SHAPE: [Stage; 6] = [
+    Stage::DepthSilhouettes,
+    Stage::OcclusionSilhouettes,
+    Stage::BorderSilhouettes,
+    Stage::Creases,
+    Stage::Conductance,
+    Stage::NormalRays,
+];
+
+fn drawing(params: Option<&LineParams>) -> [Decision; 4] {
+    let Some(params) = params else {
+        let stages = [
+            Stage::DirectionField,
+            Stage::TonalArtMap,
+            Stage::Hatching,
+            Stage::Contours,
+        ];
+        return stages.map(|stage| skip(stage, "no drawing is asked for"));
+    };
+    let strokes = &params.strokes;
+    [
+        keep(Stage::DirectionField, "strokes follow the curvature"),
+        keep(Stage::TonalArtMap, format!("seed {}", strokes.seed)),
+        keep(
+            Stage::Hatching,
+            format!("{} levels, {} sets", strokes.levels, strokes.sets),
+        ),
+        skip(Stage::Contours, "not yet"),
+    ]
 }
 
 /// The stages of shape.
@@ -200,7 +240,7 @@ fn of_shape(request: &Request, enhancement: &Enhancement) -> Vec<Decision> {
         ),
         rule(
             Stage::NormalRays,
-            all || grain,
+            all || grain || request.drawing.is_some(),
             normal_rays(request.rays),
             "nothing here follows a direction",
         ),
@@ -468,7 +508,7 @@ mod tests {
                 .windows(2)
                 .all(|pair| pair[0].stage < pair[1].stage)
         );
-        assert_eq!(decisions.last().unwrap().stage, Stage::Tones);
-        assert_eq!(decisions.len(), Stage::Tones as usize + 1);
+        assert_eq!(decisions.last().unwrap().stage, Stage::Contours);
+        assert_eq!(decisions.len(), Stage::Contours as usize + 1);
     }
 }

@@ -13,7 +13,7 @@ pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
 use crate::error::{Error, Result};
 use crate::frame::{DepthKind, Frame};
-use crate::params::{RelightParams, Scale, ScalingParams, ShapeParams, Solver};
+use crate::params::{LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
 
@@ -29,6 +29,19 @@ pub enum Goal {
     Enhance,
     /// New light.
     Relight,
+    /// The picture as it is: to be drawn.
+    Picture,
+}
+
+/// Where the tone of a drawing comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ToneFrom {
+    /// The picture as it is.
+    Picture,
+    /// The picture by radiance scaling.
+    Enhanced,
+    /// New light.
+    Relit(RelightParams, LightKinds),
 }
 
 /// One step of the work. The order of the variants is the order of execution.
@@ -93,6 +106,14 @@ pub enum Stage {
     Contrast,
     /// Few tones.
     Tones,
+    /// The directions that strokes follow.
+    DirectionField,
+    /// The texture of strokes.
+    TonalArtMap,
+    /// Strokes.
+    Hatching,
+    /// Lines along silhouettes and creases.
+    Contours,
 }
 
 /// What there is to plan with.
@@ -158,6 +179,8 @@ pub struct Plan {
     pub scaling: ScalingParams,
     /// How the frame is lit anew, for [`Goal::Relight`].
     pub relighting: Option<Relighting>,
+    /// How the picture that was made is drawn, if it is.
+    pub drawing: Option<LineParams>,
     /// How the gradient is diffused.
     pub sweeps: Sweeps,
     /// Sigmas of further scales, in pixels of the reference.
@@ -201,14 +224,45 @@ impl Plan {
     ) -> Result<Self> {
         scaling.validate()?;
         let relighting = Relighting::new(relight, &scaling, kinds, available)?;
-        Self::made(
-            Goal::Relight,
-            available,
-            shape,
-            scaling,
-            &[],
-            Some(relighting),
-        )
+        Self::made(Asked {
+            relighting: Some(relighting),
+            ..Asked::of(Goal::Relight, available, shape, scaling)
+        })
+    }
+
+    /// The plan for drawing a frame with the given inputs, in the tone of a picture.
+    ///
+    /// # Errors
+    /// As [`Plan::new`] and [`Plan::relight`]; also for a tone from a picture that there is not.
+    pub fn hatch(
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        tone: ToneFrom,
+        drawing: LineParams,
+    ) -> Result<Self> {
+        scaling.validate()?;
+        drawing.validate()?;
+        let (goal, relighting) = match tone {
+            ToneFrom::Picture => (Goal::Picture, None),
+            ToneFrom::Enhanced => (Goal::Enhance, None),
+            ToneFrom::Relit(relight, kinds) => {
+                let relighting = Relighting::new(relight, &scaling, kinds, available)?;
+                (Goal::Relight, Some(relighting))
+            }
+        };
+        if goal != Goal::Relight && !available.color {
+            return Err(Error::BadParameter {
+                name: "--tone",
+                found: "comes from the picture, and there is none".into(),
+                remedy: "name one with --color, or give a --light".into(),
+            });
+        }
+        Self::made(Asked {
+            relighting,
+            drawing: Some(drawing),
+            ..Asked::of(goal, available, shape, scaling)
+        })
     }
 
     /// [`Plan::new`] whose gradient is also made at further scales, sigmas in pixels, by the same sweeps.
@@ -223,17 +277,22 @@ impl Plan {
         scaling: ScalingParams,
         more_px: &[f32],
     ) -> Result<Self> {
-        Self::made(goal, available, shape, scaling, more_px, None)
+        Self::made(Asked {
+            more_px,
+            ..Asked::of(goal, available, shape, scaling)
+        })
     }
 
-    fn made(
-        goal: Goal,
-        available: Available,
-        shape: ShapeParams,
-        scaling: ScalingParams,
-        more_px: &[f32],
-        relighting: Option<Relighting>,
-    ) -> Result<Self> {
+    fn made(asked: Asked) -> Result<Self> {
+        let Asked {
+            goal,
+            available,
+            shape,
+            scaling,
+            more_px,
+            relighting,
+            drawing,
+        } = asked;
         shape.validate()?;
         if !more_px.is_empty() {
             refuse_several_scales(&shape, available)?;
@@ -262,6 +321,7 @@ impl Plan {
             rays: (points, direction_steps_px),
             scaling: &scaling,
             relighting: relighting.as_ref(),
+            drawing: drawing.as_ref(),
         });
         let stages = decisions
             .iter()
@@ -273,6 +333,7 @@ impl Plan {
             shape,
             scaling,
             relighting,
+            drawing,
             sweeps,
             more_px: more_px.to_vec(),
             resolution_factor,
@@ -316,6 +377,31 @@ impl Plan {
     /// Every stage there is, kept or left out, and why.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
+    }
+}
+
+/// What a plan is made of.
+struct Asked<'a> {
+    goal: Goal,
+    available: Available,
+    shape: ShapeParams,
+    scaling: ScalingParams,
+    more_px: &'a [f32],
+    relighting: Option<Relighting>,
+    drawing: Option<LineParams>,
+}
+
+impl Asked<'_> {
+    fn of(goal: Goal, available: Available, shape: ShapeParams, scaling: ScalingParams) -> Self {
+        Self {
+            goal,
+            available,
+            shape,
+            scaling,
+            more_px: &[],
+            relighting: None,
+            drawing: None,
+        }
     }
 }
 

@@ -1,13 +1,17 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
+mod chains;
 mod diffusion;
+mod direction_field;
 mod direction_fill;
+mod drawing;
 mod edges;
 mod light;
 mod light_layers;
 mod memory;
 mod normal_rays;
 mod passes;
+mod patches;
 mod percentile;
 mod relight;
 mod simd;
@@ -19,7 +23,7 @@ use crate::fast_math::Function;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
-use crate::params::{Adaptive, RunOptions};
+use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
 use light_layers::Curvature;
 use memory::Memory;
@@ -85,13 +89,23 @@ pub struct CurvaturePlanes {
     pub mean: Plane,
 }
 
+/// A drawing in layers: how much of the paper each covers, 0..1; 0 outside the mask.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    /// Strokes along the curvature.
+    pub hatching: Plane,
+}
+
 /// What a run gave.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
     /// The descriptor.
     pub shape: Shape,
-    /// The picture with its shape brought out, or the curvature display.
+    /// The picture with its shape brought out, in new light, or the curvature display; where it is drawn,
+    /// the tone of the drawing.
     pub color: Option<ColorPlanes>,
+    /// The drawing.
+    pub drawing: Option<Drawing>,
     /// The gain of the curvature mapping that was used.
     pub gain: Option<f32>,
     /// The white level that was used.
@@ -168,6 +182,24 @@ impl Runner {
         })
     }
 
+    /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
+    /// y up, each equal to its opposite; 0 outside the mask.
+    ///
+    /// # Panics
+    /// If the plan leaves out conductance.
+    pub fn stroke_fields(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &FieldParams,
+        directions: StrokeDirections,
+    ) -> Vec<Vector2Planes> {
+        assert!(plan.has(Stage::Conductance), "strokes stop at edges");
+        let edges = edges::edges_and_gradient(plan, frame, &self.memory);
+        let memory = &self.memory;
+        direction_field::stroke_fields(plan, params, directions, frame, &edges.conductance, memory)
+    }
+
     /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.
     ///
     /// # Panics
@@ -187,6 +219,9 @@ impl Runner {
             run.find_shape();
         }
         light(&mut run);
+        if let Some(params) = &plan.drawing {
+            run.draw(params);
+        }
         run.outcome
     }
 
@@ -265,7 +300,7 @@ impl Run<'_> {
             self.prepare_light(&gradient, &edges.conductance);
         } else if plan.has(Stage::Hessian) {
             self.find_hessian(&gradient, &edges.conductance);
-        } else {
+        } else if plan.has(Stage::Trace) {
             self.find_trace(&gradient, &edges.conductance);
         }
         if plan.has(Stage::CurvatureDisplay) {

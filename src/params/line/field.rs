@@ -33,10 +33,11 @@ pub enum Fallback {
 }
 
 /// Which of the two directions of curvature strokes follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StrokeDirections {
     /// That of the curvature larger in size: around a cylinder.
+    #[default]
     Max,
     /// That of the lesser one: along it.
     Min,

@@ -167,7 +167,7 @@ impl Run<'_> {
         {
             self.outcome.gain = Some(gain);
         }
-        if plan.has(Stage::NormalRays) {
+        if plan.relighting.is_some_and(|relighting| relighting.grain) {
             let direction = self.timed("normal-rays", || {
                 normal_rays::directions(plan, frame, conductance, memory)
             });
