@@ -31,7 +31,11 @@ pub fn halved(doubled: [f32; 2]) -> [f32; 2] {
     } else {
         [lesser.abs(), larger.copysign(y)]
     };
-    if length > LEAST_LENGTH { found } else { [0.0; 2] }
+    if length > LEAST_LENGTH {
+        found
+    } else {
+        [0.0; 2]
+    }
 }
 
 /// Below this a vector is 0: its square is not a number of full precision.
@@ -194,7 +198,10 @@ mod tests {
                 let weight = |j: usize| (1.0 - i.abs_diff(j) as f32 / reach).max(0.0);
                 let expected: f32 = (0..40).map(|j| weight(j) * values[j]).sum();
                 let expected_weights: f32 = (0..40).map(weight).sum();
-                assert!((sum[0] - expected).abs() < 1e-3, "{i} {reach}: {sum:?} {expected}");
+                assert!(
+                    (sum[0] - expected).abs() < 1e-3,
+                    "{i} {reach}: {sum:?} {expected}"
+                );
                 assert!((weights - expected_weights).abs() < 1e-4);
                 assert!((sum[1] - weights).abs() < 1e-4);
             }

@@ -104,7 +104,10 @@ mod tests {
     fn what_touches_by_its_sides_is_one_patch() {
         assert_eq!(labels("#### #### #### ####"), (1, "0".repeat(16)));
         assert_eq!(labels(".... .... .... ...."), (0, ".".repeat(16)));
-        assert_eq!(labels("#.## #.#. #.## #..#"), (2, "0.110.1.0.110..1".into()));
+        assert_eq!(
+            labels("#.## #.#. #.## #..#"),
+            (2, "0.110.1.0.110..1".into())
+        );
         // Corners do not touch.
         assert_eq!(labels("#.#. .#.# #.#. .#.#").0, 8);
         // Through the last row only.

@@ -37,9 +37,16 @@ impl Chains {
                 in_task = 0;
             }
             in_task += order.len() - from;
-            tasks.last_mut().expect("one at the least").push(from..order.len());
+            tasks
+                .last_mut()
+                .expect("one at the least")
+                .push(from..order.len());
         }
-        Self { order, place, tasks }
+        Self {
+            order,
+            place,
+            tasks,
+        }
     }
 
     /// [`sums_along`] every chain, in the order of the chains.
@@ -78,8 +85,10 @@ pub(super) struct Cross {
 
 impl Cross {
     pub(super) fn new(patches: &Patches) -> Self {
-        let (across, down) =
-            rayon::join(|| Chains::new(&patches.across), || Chains::new(&patches.down));
+        let (across, down) = rayon::join(
+            || Chains::new(&patches.across),
+            || Chains::new(&patches.down),
+        );
         Self { across, down }
     }
 

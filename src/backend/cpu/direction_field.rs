@@ -46,7 +46,8 @@ pub(super) fn stroke_fields(
                 let n = &frame.normal;
                 let normal = [&n.x, &n.y, &n.z].map(|plane| f64::from(plane.at(x, y)));
                 let window = frame.data_window;
-                let [x, y] = [(window.x0, x), (window.y0, y)].map(|(o, p)| f64::from(o) + p as f64 + 0.5);
+                let [x, y] =
+                    [(window.x0, x), (window.y0, y)].map(|(o, p)| f64::from(o) + p as f64 + 0.5);
                 fallback(x, y, normal.into())
             });
             found
@@ -148,8 +149,13 @@ impl<'a> Field<'a> {
         let here = &self.patches.all[i];
         let ray = |links: &[u32]| {
             let there: &Patch = self.patches.all.get(links[i] as usize)?;
-            let offset = self.sight.step(here.at, here.normal, there.at, there.normal)?;
-            Some(NormalRay { offset, normal: there.normal })
+            let offset = self
+                .sight
+                .step(here.at, here.normal, there.at, there.normal)?;
+            Some(NormalRay {
+                offset,
+                normal: there.normal,
+            })
         };
         let step_px = f64::from(self.params.cell_px);
         let sides = |before: &[u32], after: &[u32]| Sides {
@@ -159,7 +165,10 @@ impl<'a> Field<'a> {
         };
         let Patches { across, down, .. } = self.patches;
         // Rows run down, y up.
-        let sides = [sides(&across.before, &across.after), sides(&down.after, &down.before)];
+        let sides = [
+            sides(&across.before, &across.after),
+            sides(&down.after, &down.before),
+        ];
         let tensor = curvature_tensor(here.normal, sides)?;
         let [x, y] = (tensor.deviator / self.pixels).to_array();
         let found = [x, y, tensor.mean / self.pixels].map(|v| v as f32);
@@ -176,7 +185,12 @@ impl<'a> Field<'a> {
             .collect()
     }
 
-    fn direction(&self, patch: &Patch, &[x, y, mean]: &[f32; 3], family: usize) -> Option<[f32; 2]> {
+    fn direction(
+        &self,
+        patch: &Patch,
+        &[x, y, mean]: &[f32; 3],
+        family: usize,
+    ) -> Option<[f32; 2]> {
         let form = Form {
             deviator: DVec2::new(x.into(), y.into()),
             mean: mean.into(),
@@ -185,7 +199,9 @@ impl<'a> Field<'a> {
         let axis = if family == 0 { larger } else { larger.perp() };
         let [a, b] = upright_tangents(patch.normal)?;
         let tangent = axis.x * a + axis.y * b;
-        let seen = self.sight.picture_direction(patch.at.x, patch.at.y, tangent)?;
+        let seen = self
+            .sight
+            .picture_direction(patch.at.x, patch.at.y, tangent)?;
         let facing = self.sight.facing(patch.at.x, patch.at.y, patch.normal) / FACING;
         let sure = form.confidence(self.doubt) * facing.clamp(0.0, 1.0).powi(2);
         Some((sure as f32 * doubled(seen.as_vec2())).to_array())
@@ -203,7 +219,11 @@ impl<'a> Field<'a> {
     }
 
     /// Adds the fallback, and makes everything unit; specks become 0.
-    fn settle(&self, doubled_directions: &mut [[f32; 2]], fallback: impl Fn(f64, f64, DVec3) -> Vec2 + Sync) {
+    fn settle(
+        &self,
+        doubled_directions: &mut [[f32; 2]],
+        fallback: impl Fn(f64, f64, DVec3) -> Vec2 + Sync,
+    ) {
         let settle = |(i, z): (usize, &mut [f32; 2])| {
             let patch = &self.patches.all[i];
             let last = doubled(fallback(patch.at.x, patch.at.y, patch.normal));
@@ -250,7 +270,10 @@ impl<'a> Field<'a> {
         let (xs, ys) = (grid.x_pixels(column), grid.y_pixels(row));
         for (i, py) in ys.enumerate() {
             let labels = &labels[py * width..][xs.clone()];
-            let (x, y) = (&mut x[i * width..][xs.clone()], &mut y[i * width..][xs.clone()]);
+            let (x, y) = (
+                &mut x[i * width..][xs.clone()],
+                &mut y[i * width..][xs.clone()],
+            );
             for ((x, y), &label) in x.iter_mut().zip(y).zip(labels) {
                 if label == NO_PATCH {
                     (*x, *y) = (0.0, 0.0);
@@ -263,13 +286,22 @@ impl<'a> Field<'a> {
                 let v = grid.place(1, py);
                 let columns = [0, 1, 2].map(|c| {
                     let [above, here, below] = [around[c], around[c + 3], around[c + 6]];
-                    here + if v < 0.0 { -v * (above - here) } else { v * (below - here) }
+                    here + if v < 0.0 {
+                        -v * (above - here)
+                    } else {
+                        v * (below - here)
+                    }
                 });
                 for px in xs.clone() {
                     if usize::from(labels[py * width + px]) == label {
                         let u = grid.place(0, px);
                         let [left, here, right] = columns;
-                        let z = here + if u < 0.0 { -u * (left - here) } else { u * (right - here) };
+                        let z = here
+                            + if u < 0.0 {
+                                -u * (left - here)
+                            } else {
+                                u * (right - here)
+                            };
                         x[i * width + px] = z.x;
                         y[i * width + px] = z.y;
                     }
@@ -289,11 +321,12 @@ impl<'a> Field<'a> {
         let beside = |Links { before, after }: &Links, i| [go(before, i), go(after, i)];
         let [left, right] = beside(across, i);
         let [above, below] = beside(down, i);
-        let corner = |side: Option<usize>, end: Option<usize>, sideways: &[u32], endways: &[u32]| {
-            let by_side = side.and_then(|s| go(endways, s));
-            let by_end = end.and_then(|e| go(sideways, e));
-            by_side.or(by_end).or(side).or(end).unwrap_or(i)
-        };
+        let corner =
+            |side: Option<usize>, end: Option<usize>, sideways: &[u32], endways: &[u32]| {
+                let by_side = side.and_then(|s| go(endways, s));
+                let by_end = end.and_then(|e| go(sideways, e));
+                by_side.or(by_end).or(side).or(end).unwrap_or(i)
+            };
         [
             corner(left, above, &across.before, &down.before),
             above.unwrap_or(i),

@@ -116,7 +116,15 @@ impl Patches {
             .bands(&mut labels)
             .into_par_iter()
             .enumerate()
-            .map(|(row, labels)| RowOfCells { grid: &grid, frame, conductance, row }.find(labels))
+            .map(|(row, labels)| {
+                RowOfCells {
+                    grid: &grid,
+                    frame,
+                    conductance,
+                    row,
+                }
+                .find(labels)
+            })
             .collect();
         let mut first = Vec::with_capacity(grid.columns * grid.rows + 1);
         let mut count = 0;
@@ -137,7 +145,14 @@ impl Patches {
             let pairs = pairs.iter().flat_map(|p| &p[axis]);
             Links::new(all.len(), pairs.copied())
         });
-        Self { grid, all, first, labels, across, down }
+        Self {
+            grid,
+            all,
+            first,
+            labels,
+            across,
+            down,
+        }
     }
 
     /// The patches of a cell.
@@ -157,7 +172,10 @@ impl Patches {
 
 impl Links {
     fn new(count: usize, pairs: impl Iterator<Item = (u32, u32)>) -> Self {
-        let mut links = Self { before: vec![NONE; count], after: vec![NONE; count] };
+        let mut links = Self {
+            before: vec![NONE; count],
+            after: vec![NONE; count],
+        };
         for (a, b) in pairs {
             links.after[a as usize] = b;
             links.before[b as usize] = a;
@@ -186,7 +204,8 @@ fn pairs_of(
             for (i, y) in ys.clone().enumerate() {
                 (a[i], b[i]) = (label(xs.end - 1, y), label(xs.end, y));
             }
-            let pair = |a, b| pairs[0].push((first[cell] + u32::from(a), first[cell + 1] + u32::from(b)));
+            let pair =
+                |a, b| pairs[0].push((first[cell] + u32::from(a), first[cell + 1] + u32::from(b)));
             joined(&a[..ys.len()], &b[..ys.len()], pair);
         }
         if row + 1 < grid.rows {
@@ -269,9 +288,17 @@ impl RowOfCells<'_> {
         let (mut normal, mut at, mut depth, mut count) = (DVec3::ZERO, DVec2::ZERO, 0.0, 0.0);
         let n = &self.frame.normal;
         for (x, y) in places {
-            normal += DVec3::new(n.x.at(x, y).into(), n.y.at(x, y).into(), n.z.at(x, y).into());
+            normal += DVec3::new(
+                n.x.at(x, y).into(),
+                n.y.at(x, y).into(),
+                n.z.at(x, y).into(),
+            );
             at += DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            depth += self.frame.depth.as_ref().map_or(0.0, |d| f64::from(d.at(x, y)));
+            depth += self
+                .frame
+                .depth
+                .as_ref()
+                .map_or(0.0, |d| f64::from(d.at(x, y)));
             count += 1.0;
         }
         let window = self.frame.data_window;

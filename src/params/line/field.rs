@@ -86,10 +86,18 @@ impl FieldParams {
         if let Fallback::Angle(angle) = self.fallback
             && !angle.is_finite()
         {
-            return bad("--fallback", format!("is {angle}"), "give an angle in degrees");
+            return bad(
+                "--fallback",
+                format!("is {angle}"),
+                "give an angle in degrees",
+            );
         }
         if !(1..=8).contains(&self.cell_px) {
-            return bad("cell_px", format!("is {}", self.cell_px), "give 1 to 8 pixels");
+            return bad(
+                "cell_px",
+                format!("is {}", self.cell_px),
+                "give 1 to 8 pixels",
+            );
         }
         Ok(())
     }
@@ -116,10 +124,19 @@ mod tests {
         good.validate().unwrap();
         let bad = [
             FieldParams { passes: 7, ..good },
-            FieldParams { radius_px: 0.0, ..good },
-            FieldParams { radius_px: f32::NAN, ..good },
+            FieldParams {
+                radius_px: 0.0,
+                ..good
+            },
+            FieldParams {
+                radius_px: f32::NAN,
+                ..good
+            },
             FieldParams { cell_px: 0, ..good },
-            FieldParams { fallback: Fallback::Angle(f32::INFINITY), ..good },
+            FieldParams {
+                fallback: Fallback::Angle(f32::INFINITY),
+                ..good
+            },
         ];
         for params in bad {
             assert!(params.validate().is_err(), "{params:?}");
