@@ -1,7 +1,10 @@
 //! The names of `hatch`. Every default is read from `params`.
 
-use super::relight_args::RelightArgs;
-use crate::params::{Adaptive, LineParams, StrokeParams, StrokeScale, Style, ToneParams};
+use super::relight_args::{RelightArgs, mirrored};
+use crate::params::{
+    Adaptive, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams, StrokeScale,
+    Style, ToneParams,
+};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -14,6 +17,8 @@ pub(super) struct HatchArgs {
     pub(super) relight: RelightArgs,
     #[command(flatten)]
     pub(super) tone: ToneFlags,
+    #[command(flatten)]
+    field: FieldFlags,
     #[command(flatten)]
     strokes: StrokeFlags,
 }
@@ -44,6 +49,28 @@ pub(super) enum ToneArg {
     Picture,
     Relight,
 }
+
+/// Where strokes go.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Directions")]
+struct FieldFlags {
+    /// Directions of curvature that strokes follow: of the larger, around a cylinder; of the lesser, along
+    /// it; both, the dark crossed by a second hatching.
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t = DirectionsArg::from(LINE.directions))]
+    directions: DirectionsArg,
+    /// Where strokes go that curvature does not lead, on planes and balls: degrees in the picture, or
+    /// surface for an upright direction on it.
+    #[arg(long, value_name = "DEG|surface", default_value_t = LINE.field.fallback, allow_negative_numbers = true)]
+    fallback: Fallback,
+    /// How often directions are averaged with those around them: more make calmer strokes.
+    #[arg(long, value_name = "N", default_value_t = LINE.field.passes)]
+    passes: u32,
+    /// How far around, in pixels of a quarter of the picture's size.
+    #[arg(long, value_name = "PX", default_value_t = LINE.field.radius_px, allow_negative_numbers = true)]
+    smoothing: f32,
+}
+
+mirrored!(DirectionsArg, StrokeDirections { Max, Min, Both });
 
 /// How strokes are drawn.
 #[derive(Debug, Args)]
@@ -127,8 +154,20 @@ impl HatchArgs {
     }
 
     pub(super) fn params(&self) -> LineParams {
-        let Self { tone, strokes, .. } = self;
+        let Self {
+            tone,
+            strokes,
+            field,
+            ..
+        } = self;
         LineParams {
+            directions: field.directions.into(),
+            field: FieldParams {
+                passes: field.passes,
+                radius_px: field.smoothing,
+                fallback: field.fallback,
+                ..LINE.field
+            },
             strokes: StrokeParams {
                 style: match &strokes.style {
                     StyleArg::Known(style) => *style,

@@ -31,7 +31,9 @@ pub struct Pixels {
     pub place: [[f32; BATCH]; 2],
     /// Angles that strokes follow, 0..pi, counterclockwise.
     pub angle: [f32; BATCH],
-    /// Optical density that is wanted: minus the logarithm of tone.
+    /// Optical density that is wanted in all: minus the logarithm of tone.
+    pub wanted: [f32; BATCH],
+    /// What of it the strokes to be drawn next give.
     pub density: [f32; BATCH],
     /// How much of the paper stays white, 0..1.
     pub white: [f32; BATCH],
@@ -43,11 +45,33 @@ impl Default for Pixels {
             count: 0,
             place: [[0.0; BATCH]; 2],
             angle: [0.0; BATCH],
+            wanted: [0.0; BATCH],
             density: [0.0; BATCH],
             white: [1.0; BATCH],
         }
     }
 }
+
+impl Pixels {
+    /// Asks one of `families` families of strokes for its share: all of the tone of one, and of a second,
+    /// laid across it, what is darker than [`CROSSED_FROM`].
+    #[inline(always)]
+    pub fn share(&mut self, family: usize, families: usize) {
+        let wanted = &self.wanted[..self.count];
+        for (density, &wanted) in self.density.iter_mut().zip(wanted) {
+            let crossed = (0.5 * (wanted - CROSSED_FROM)).max(0.0);
+            *density = match (families, family) {
+                (1, _) => wanted,
+                (_, 0) => wanted - crossed,
+                _ => crossed,
+            };
+        }
+    }
+}
+
+/// Density from which on strokes are crossed by others, which give half of what is beyond: a third of the
+/// paper is inked by then.
+const CROSSED_FROM: f32 = 0.4;
 
 /// A texture turned to a level's angle: texture coordinates of pixel coordinates, rows down.
 #[derive(Debug, Clone, Copy)]
@@ -132,9 +156,9 @@ impl<'a> Hatching<'a> {
                 self.paste(&of_set[above], &level.weight[1], run, pixels);
             }
         }
-        let (white, density) = (&mut pixels.white[..count], &pixels.density[..count]);
-        for (white, &density) in white.iter_mut().zip(density) {
-            *white = if density >= MAX_DENSITY { 0.0 } else { *white };
+        let (white, wanted) = (&mut pixels.white[..count], &pixels.wanted[..count]);
+        for (white, &wanted) in white.iter_mut().zip(wanted) {
+            *white = if wanted >= MAX_DENSITY { 0.0 } else { *white };
         }
     }
 

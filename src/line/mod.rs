@@ -2,8 +2,10 @@
 //! files, threads or clock.
 
 pub mod direction;
+pub mod direction_field;
 pub mod hatching;
 pub mod normal_rays;
+pub mod patches;
 mod random;
 mod response;
 mod slice_texture;

@@ -1,6 +1,8 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
+mod chains;
 mod diffusion;
+mod direction_field;
 mod direction_fill;
 mod drawing;
 mod edges;
@@ -9,6 +11,7 @@ mod light_layers;
 mod memory;
 mod normal_rays;
 mod passes;
+mod patches;
 mod percentile;
 mod relight;
 mod simd;
@@ -21,7 +24,7 @@ use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::{Adaptive, RunOptions};
+use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
 use drawing::KeptArtMap;
 use light_layers::Curvature;
@@ -176,6 +179,24 @@ impl Runner {
         );
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
         self.start(plan, frame, |run| run.enhance())
+    }
+
+    /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
+    /// y up, each equal to its opposite; 0 outside the mask.
+    ///
+    /// # Panics
+    /// If the plan leaves out conductance.
+    pub fn stroke_fields(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &FieldParams,
+        directions: StrokeDirections,
+    ) -> Vec<Vector2Planes> {
+        assert!(plan.has(Stage::Conductance), "strokes stop at edges");
+        let edges = edges::edges_and_gradient(plan, frame, &self.memory);
+        let memory = &self.memory;
+        direction_field::stroke_fields(plan, params, directions, frame, &edges.conductance, memory)
     }
 
     /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.

@@ -1,8 +1,10 @@
 //! What line art can be told.
 
+mod field;
 mod strokes;
 mod tone;
 
+pub use field::{Fallback, FieldParams, MAX_FIELD_PASSES, StrokeDirections};
 pub use strokes::{MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::ToneParams;
 
@@ -12,6 +14,10 @@ use serde::Serialize;
 /// How a frame is drawn ([LA] section 6).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct LineParams {
+    /// Which directions of curvature strokes follow.
+    pub directions: StrokeDirections,
+    /// How those directions are made calm.
+    pub field: FieldParams,
     /// The strokes of the hatching.
     pub strokes: StrokeParams,
     /// What becomes light and dark.
@@ -24,6 +30,7 @@ impl LineParams {
     /// # Errors
     /// [`Error::BadParameter`] naming the first one.
     pub fn validate(&self) -> Result<()> {
+        self.field.validate()?;
         self.strokes.validate()?;
         self.tone.validate()
     }

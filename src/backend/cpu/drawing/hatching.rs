@@ -13,13 +13,16 @@ use std::f32::consts::PI;
 /// How much of the paper strokes cover.
 pub(super) fn hatched(
     densities: &Densities,
-    direction: &Vector2Planes,
+    directions: &[Vector2Planes],
     map: &TonalArtMap,
     params: &StrokeParams,
     frame: &Frame,
     memory: &Memory,
 ) -> Plane {
-    let hatching = Hatching::new(map, params, 0);
+    let families = directions.iter().enumerate();
+    let families: Vec<_> = families
+        .map(|(family, direction)| (Hatching::new(map, params, family), direction))
+        .collect();
     let simd = Simd::widest();
     let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
         let mut pixels = Pixels::default();
@@ -27,11 +30,15 @@ pub(super) fn hatched(
             for from in run.clone().step_by(BATCH) {
                 let columns = from..(from + BATCH).min(run.end);
                 pixels.count = columns.len();
-                densities.row(&mut pixels.density[..columns.len()], y, columns.clone());
+                densities.row(&mut pixels.wanted[..columns.len()], y, columns.clone());
+                pixels.white.fill(1.0);
                 place(&mut pixels, frame, y, columns.start);
-                let directions =
-                    [&direction.x, &direction.y].map(|plane| &plane.row(y)[columns.clone()]);
-                simd.hatch_batch(&mut pixels, directions, &hatching);
+                for (family, (hatching, direction)) in families.iter().enumerate() {
+                    pixels.share(family, families.len());
+                    let direction =
+                        [&direction.x, &direction.y].map(|plane| &plane.row(y)[columns.clone()]);
+                    simd.hatch_batch(&mut pixels, direction, hatching);
+                }
                 for (out, white) in out[columns].iter_mut().zip(&pixels.white) {
                     *out = 1.0 - white;
                 }
@@ -62,7 +69,6 @@ pub(in crate::backend::cpu) fn hatch_batch(
     for i in 0..pixels.count {
         let angle = atan2(y[i], x[i]);
         pixels.angle[i] = if angle < 0.0 { angle + PI } else { angle };
-        pixels.white[i] = 1.0;
     }
     hatching.draw(pixels);
 }

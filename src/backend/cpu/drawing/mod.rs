@@ -7,8 +7,9 @@ mod tone;
 pub(super) use art_map::KeptArtMap;
 pub(super) use hatching::hatch_batch;
 
+use super::direction_field::stroke_fields;
 use super::memory::Memory;
-use super::{Drawing, Run, light, normal_rays, statistics};
+use super::{Drawing, Run, light, statistics};
 use crate::frame::Plane;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, LineParams, Style};
@@ -20,8 +21,15 @@ impl Run<'_> {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let conductance = self.outcome.shape.conductance.take();
         let conductance = conductance.expect("a drawing is planned with its edges");
-        let direction = self.timed("direction-field", || {
-            normal_rays::directions(plan, frame, &conductance, memory)
+        let directions = self.timed("direction-field", || {
+            stroke_fields(
+                plan,
+                &params.field,
+                params.directions,
+                frame,
+                &conductance,
+                memory,
+            )
         });
         let made_map = (params.strokes.style != Style::Pictures).then(|| {
             let kept = &self.runner.art_map;
@@ -43,7 +51,7 @@ impl Run<'_> {
         };
         let densities = Densities::new(color, frame, weights, white, &params.tone);
         let hatching = self.timed("hatching", || {
-            hatching::hatched(&densities, &direction, map, &params.strokes, frame, memory)
+            hatching::hatched(&densities, &directions, map, &params.strokes, frame, memory)
         });
         self.outcome.color = made;
         self.outcome.shape.conductance = Some(conductance);
