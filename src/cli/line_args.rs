@@ -129,6 +129,7 @@ impl HatchArgs {
                 black_point: tone.black_point,
                 gamma: tone.tone_gamma,
             },
+            contours: LINE.contours,
         }
     }
 }

@@ -7,7 +7,9 @@ mod run;
 mod shape;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams};
-pub use line::{LineParams, MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style, ToneParams};
+pub use line::{
+    ContourParams, LineParams, MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style, ToneParams,
+};
 pub use relight::{
     AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,
     RelightParams, Samples, Tangent, WarpBy, WarpingParams,

@@ -1,5 +1,6 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
+mod contours;
 mod diffusion;
 mod direction_fill;
 mod drawing;
@@ -20,6 +21,7 @@ use crate::fast_math::Function;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
+use crate::line::contours::Contour;
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::{Goal, Plan, Stage};
 use light_layers::Curvature;
@@ -91,6 +93,10 @@ pub struct CurvaturePlanes {
 pub struct Drawing {
     /// Strokes along the curvature.
     pub hatching: Plane,
+    /// Lines along silhouettes and creases, where they were asked for; also outside the mask.
+    pub contours: Option<Plane>,
+    /// The same as lines, silhouettes first.
+    pub contour_lines: Vec<Contour>,
 }
 
 /// What a run gave.

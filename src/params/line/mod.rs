@@ -1,8 +1,10 @@
 //! What line art can be told.
 
+mod contours;
 mod strokes;
 mod tone;
 
+pub use contours::ContourParams;
 pub use strokes::{MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::ToneParams;
 
@@ -10,12 +12,24 @@ use crate::error::{Error, Result};
 use serde::Serialize;
 
 /// How a frame is drawn ([LA] section 6).
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LineParams {
     /// The strokes of the hatching.
     pub strokes: StrokeParams,
     /// What becomes light and dark.
     pub tone: ToneParams,
+    /// Lines along silhouettes and creases; `None` draws none.
+    pub contours: Option<ContourParams>,
+}
+
+impl Default for LineParams {
+    fn default() -> Self {
+        Self {
+            strokes: StrokeParams::default(),
+            tone: ToneParams::default(),
+            contours: Some(ContourParams::default()),
+        }
+    }
 }
 
 impl LineParams {
@@ -25,7 +39,8 @@ impl LineParams {
     /// [`Error::BadParameter`] naming the first one.
     pub fn validate(&self) -> Result<()> {
         self.strokes.validate()?;
-        self.tone.validate()
+        self.tone.validate()?;
+        self.contours.map_or(Ok(()), |contours| contours.validate())
     }
 }
 
