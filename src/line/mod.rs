@@ -4,6 +4,7 @@
 pub mod contours;
 pub mod crack;
 pub mod direction;
+pub mod gaps;
 pub mod hatching;
 pub mod lattice;
 pub mod network;

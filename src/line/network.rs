@@ -64,13 +64,14 @@ const DIRECTION_REACH: usize = 6;
 const STRAIGHT: f32 = 0.77;
 
 /// The lines along the links of `lattice`. `spots` gives those of a path, which leave out its junctions;
-/// branches with fewer spots than `shortest_branch` that end in the open are left out.
+/// branches with fewer spots than `shortest_branch` that end in the open are left out, and so are the fainter
+/// sides of slivers. `smooth` evens out all lines before they are led to meet.
 pub fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,
     spots: impl Fn(&Path) -> Vec<Spot>,
     shortest_branch: usize,
-    smoothing: Smoothing,
+    smooth: impl FnOnce(&mut [Line]),
 ) -> Vec<Line> {
     let strands: Vec<Strand> = lattice
         .paths()
@@ -82,26 +83,69 @@ pub fn lines(
         })
         .collect();
     let is_junction = |node: u32| lattice.degree(node) > 2;
-    let strands: Vec<Strand> = strands
-        .into_iter()
-        .filter(|strand| {
-            let joined = strand.nodes.map(is_junction);
-            let rim = strand.nodes.map(|node| lattice.on_rim(node));
-            let is_branch =
-                !strand.closed && joined[0] != joined[1] && !rim[usize::from(joined[0])];
-            !is_branch || strand.spots.len() >= shortest_branch
-        })
+    let is_branch = |strand: &Strand| {
+        let joined = strand.nodes.map(is_junction);
+        let open_end = strand.nodes[usize::from(joined[0])];
+        !strand.closed && joined[0] != joined[1] && !lattice.on_rim(open_end)
+    };
+    let is_short = |strand: &Strand| strand.spots.len() < shortest_branch && is_branch(strand);
+    let doubled = doubled(&strands, is_junction);
+    let strands: Vec<Strand> = (strands.into_iter().zip(doubled))
+        .filter(|(strand, is_doubled)| !is_doubled && !is_short(strand))
+        .map(|(strand, _)| strand)
         .collect();
     let mut network = Network::new(strands, is_junction, place);
     network.pair();
-    network.lines(|node| lattice.on_rim(node), smoothing)
+    network.lines(|node| lattice.on_rim(node), smooth)
+}
+
+/// Two sides of a sliver have at most so many spots.
+const SLIVER: usize = 12;
+
+/// Which strands lie beside another so closely that one line is enough: of two between the same junctions the
+/// fainter, and small rings.
+fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
+    let plainness = |i: usize| {
+        strands[i]
+            .spots
+            .iter()
+            .map(|spot| spot.strength)
+            .sum::<f32>()
+    };
+    let mut sides: Vec<([u32; 2], usize)> = (0..strands.len())
+        .filter(|&i| strands[i].spots.len() <= SLIVER && !strands[i].closed)
+        .filter(|&i| strands[i].nodes.iter().all(|&node| is_junction(node)))
+        .map(|i| {
+            let [a, b] = strands[i].nodes;
+            ([a.min(b), a.max(b)], i)
+        })
+        .collect();
+    sides.sort_unstable();
+    let mut doubled = vec![false; strands.len()];
+    for same in sides.chunk_by(|a, b| a.0 == b.0) {
+        let is_ring = same[0].0[0] == same[0].0[1];
+        let plainest = same
+            .iter()
+            .map(|&(_, i)| i)
+            .max_by(|&a, &b| plainness(a).total_cmp(&plainness(b)));
+        for &(_, i) in same {
+            doubled[i] = is_ring || plainest != Some(i);
+        }
+    }
+    doubled
 }
 
 /// A number for every set of nodes or lines that were united.
-struct Sets(Vec<usize>);
+pub(super) struct Sets(Vec<usize>);
 
 impl Sets {
-    fn of(&mut self, i: usize) -> usize {
+    /// So many, each alone.
+    pub(super) fn new(count: usize) -> Self {
+        Self((0..count).collect())
+    }
+
+    /// The number of the set that `i` is in: its lowest member.
+    pub(super) fn of(&mut self, i: usize) -> usize {
         let mut root = i;
         while self.0[root] != root {
             root = self.0[root];
@@ -113,7 +157,8 @@ impl Sets {
         root
     }
 
-    fn unite(&mut self, a: usize, b: usize) {
+    /// Makes one set of two.
+    pub(super) fn unite(&mut self, a: usize, b: usize) {
         let (a, b) = (self.of(a), self.of(b));
         // The lower number leads, whatever the order.
         self.0[a.max(b)] = a.min(b);
@@ -144,7 +189,7 @@ impl Network {
         nodes.sort_unstable();
         nodes.dedup();
         let number = |node: u32| nodes.binary_search(&node).ok();
-        let mut sets = Sets((0..nodes.len()).collect());
+        let mut sets = Sets::new(nodes.len());
         let bare = |s: &Strand| s.spots.is_empty() && !s.closed;
         for strand in strands.iter().filter(|s| bare(s)) {
             if let [Some(a), Some(b)] = strand.nodes.map(number) {
@@ -237,7 +282,7 @@ impl Network {
         courses
     }
 
-    fn lines(&self, on_rim: impl Fn(u32) -> bool, smoothing: Smoothing) -> Vec<Line> {
+    fn lines(&self, on_rim: impl Fn(u32) -> bool, smooth: impl FnOnce(&mut [Line])) -> Vec<Line> {
         let mut lines = Vec::new();
         // Of each strand: its line, and the range of its spots there.
         let mut at = vec![(0, [0; 2]); self.strands.len()];
@@ -271,13 +316,7 @@ impl Network {
                 part: lines.len(),
             });
         }
-        for line in &mut lines {
-            let points: Vec<Vec2> = line.spots.iter().map(|spot| spot.at).collect();
-            let smooth = smoothed(&points, line.closed, smoothing);
-            for (spot, at) in line.spots.iter_mut().zip(smooth) {
-                spot.at = at;
-            }
-        }
+        smooth(&mut lines);
         self.meet(&mut lines, &at);
         lines
     }
@@ -285,7 +324,7 @@ impl Network {
     /// Lets the lines that end at a junction end in one point: on the lines that run through it, or where their
     /// courses cross.
     fn meet(&self, lines: &mut [Line], at: &[(usize, [usize; 2])]) {
-        let mut sets = Sets((0..lines.len()).collect());
+        let mut sets = Sets::new(lines.len());
         // Points to be put before the first and behind the last spot of each line.
         let mut meetings: Vec<[Option<Vec2>; 2]> = vec![[None; 2]; lines.len()];
         for junction in &self.junctions {
@@ -366,6 +405,18 @@ fn crossing(courses: &[[Vec2; 2]]) -> Vec2 {
 const FARTHEST_CROSSING_PX: f32 = 2.5;
 
 impl Line {
+    /// Evens out the steps between pixels.
+    pub fn smooth(&mut self, smoothing: Smoothing) {
+        let points: Vec<Vec2> = self.spots.iter().map(|spot| spot.at).collect();
+        for (spot, at) in self
+            .spots
+            .iter_mut()
+            .zip(smoothed(&points, self.closed, smoothing))
+        {
+            spot.at = at;
+        }
+    }
+
     /// Leads the line's first (`end` 0) or last (1) spot on to a point. Spots closer to it than a pixel and a
     /// half give way, so that the line does not bend there.
     pub fn lead_to(&mut self, point: Vec2, end: usize) {

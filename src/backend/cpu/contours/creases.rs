@@ -1,7 +1,7 @@
 //! Creases: the ridges of their weight, and the lines along these.
 
 use super::ground::Ground;
-use super::{SHORTEST_BRANCH, smoothing};
+use super::{SHORTEST_BRANCH, smooth};
 use crate::fast_math::ln;
 use crate::frame::{Frame, Plane};
 use crate::line::lattice::Path;
@@ -78,6 +78,6 @@ pub(super) fn lines(
         place,
         spots,
         SHORTEST_BRANCH,
-        smoothing(params, MIDDLE_PX),
+        |lines: &mut [Line]| smooth(lines, params, MIDDLE_PX),
     )
 }

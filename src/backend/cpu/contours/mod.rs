@@ -3,23 +3,29 @@
 mod coverage;
 mod creases;
 mod ground;
+mod map_tile;
 mod silhouettes;
 
 pub(super) use coverage::coverage;
 
 use crate::frame::{Frame, Plane};
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
+use crate::line::gaps::close_gaps;
 use crate::line::network::{End, Line, Spot};
 use crate::line::polyline::Smoothing;
 use crate::params::{ContourParams, ShapeParams};
 use ground::Ground;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Where edges are.
 pub(super) struct Weights<'a> {
     pub(super) silhouette: &'a Plane,
     pub(super) crease: &'a Plane,
 }
+
+/// Widest gap in a line that is closed, in pixels.
+const GAP_PX: f32 = 8.0;
 
 /// Creases have to be this many times as long as silhouettes to be drawn: a hollow that is darker than its
 /// surroundings is seen without a line, and a rough surface is full of short ones.
@@ -39,18 +45,33 @@ pub(super) fn contours(
     params: &ContourParams,
 ) -> Vec<Contour> {
     let mut silhouettes = silhouettes::lines(weights.silhouette, frame, shape, params);
-    let plain = strength_of_jump(shape.silhouette.hi);
-    drop_short(&mut silhouettes, params.shortest_px, plain);
+    close_gaps(&mut silhouettes, GAP_PX);
+    let least = Least {
+        length_px: params.shortest_px,
+        twig_px: 0.5 * params.shortest_px,
+        strength: strength_of_jump(shape.silhouette.hi),
+    };
+    drop_short(&mut silhouettes, least);
     let ground = Ground::new(&silhouettes, frame, params);
     ground.join_ends(&mut silhouettes, true);
     let mut creases = Vec::new();
     if params.crease_share > 0.0 {
         creases = creases::lines(weights.crease, &ground, frame, params);
-        drop_short(
-            &mut creases,
-            CREASE_LENGTHS * params.shortest_px,
-            PLAIN_CREASE,
-        );
+        close_gaps(&mut creases, GAP_PX);
+        let least = Least {
+            length_px: CREASE_LENGTHS * params.shortest_px,
+            twig_px: params.shortest_px,
+            strength: PLAIN_CREASE,
+        };
+        drop_short(&mut creases, least);
+        // Where a silhouette fades into a crease.
+        let count = silhouettes.len();
+        silhouettes.append(&mut creases);
+        for (i, line) in silhouettes.iter_mut().enumerate() {
+            line.part = i;
+        }
+        close_gaps(&mut silhouettes, GAP_PX);
+        creases = silhouettes.split_off(count);
         ground.join_ends(&mut creases, false);
     }
     for line in silhouettes.iter_mut().chain(&mut creases) {
@@ -82,27 +103,43 @@ fn run_off(line: &mut Line, by_px: f32) {
     }
 }
 
-/// How lines are evened out that may lie so far beside the edge.
-fn smoothing(params: &ContourParams, tolerance_px: f32) -> Smoothing {
-    Smoothing {
+/// Evens out lines whose spots may lie so far beside the edge.
+fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
+    let smoothing = Smoothing {
         tolerance_px,
         reach: params.smoothing_px as usize,
-    }
+    };
+    lines.par_iter_mut().for_each(|line| line.smooth(smoothing));
 }
 
-/// Leaves out networks that are shorter in all than `shortest_px`, or nowhere as strong as `plain`: noise.
-fn drop_short(lines: &mut Vec<Line>, shortest_px: f32, plain: f32) {
-    let mut parts = vec![(0.0, 0.0_f32); lines.len()];
+/// What lines must have to be drawn.
+struct Least {
+    /// Length of a network in all.
+    length_px: f32,
+    /// Length of a branch that ends in the open.
+    twig_px: f32,
+    /// Strength that a network has somewhere.
+    strength: f32,
+}
+
+/// Leaves out what is too short or nowhere plain: noise.
+fn drop_short(lines: &mut Vec<Line>, least: Least) {
+    let is_twig = |line: &Line| {
+        let twig = [[End::Free, End::Joined], [End::Joined, End::Free]];
+        !line.closed && twig.contains(&line.ends) && line.length() < least.twig_px
+    };
+    lines.retain(|line| !is_twig(line));
+    let mut parts: BTreeMap<usize, (f32, f32)> = BTreeMap::new();
     for line in lines.iter() {
-        let (length, plainest) = &mut parts[line.part];
+        let (length, strongest) = parts.entry(line.part).or_default();
         *length += line.length();
-        *plainest = line
+        *strongest = line
             .spots
             .iter()
-            .fold(*plainest, |most, spot| most.max(spot.strength));
+            .fold(*strongest, |most, spot| most.max(spot.strength));
     }
     lines.retain(|line| {
-        let (length, plainest) = parts[line.part];
-        length >= shortest_px && plainest >= plain
+        let (length, strongest) = parts[&line.part];
+        length >= least.length_px && strongest >= least.strength
     });
 }

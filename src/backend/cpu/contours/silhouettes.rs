@@ -1,13 +1,14 @@
 //! Silhouettes: the cracks between pixels that they pass, and the lines along these.
 
-use super::smoothing;
+use super::map_tile::{BLOCK, Map, MapTile};
+use super::smooth;
 use crate::fast_math::ln;
 use crate::frame::{Frame, Plane, Projection, SightLines};
 use crate::line::contours::strength_of_jump;
-use crate::line::crack::{Across, border_offset, sharpened, spread_offset, unexplained_jump};
+use crate::line::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
 use crate::line::lattice::{Lattice, Path};
 use crate::line::network::{self, Line, Spot};
-use crate::params::{ContourParams, ShapeParams, SoftThreshold};
+use crate::params::{ContourParams, ShapeParams};
 use crate::plan::Available;
 use glam::{DVec2, DVec3, Vec2};
 use rayon::prelude::*;
@@ -22,6 +23,9 @@ const STEP_PX: f32 = 0.6;
 
 /// Branches with fewer cracks than this are noise.
 const SHORTEST_BRANCH: usize = 4;
+
+/// Rows of corners that one task looks at.
+const ROWS: usize = 16;
 
 /// A crack that a silhouette passes through.
 struct Crack {
@@ -40,10 +44,13 @@ pub(super) fn lines(
 ) -> Vec<Line> {
     let (width, height) = (frame.mask.width() + 1, frame.mask.height() + 1);
     let finder = Finder::new(weight, frame, shape);
-    let cracks: Vec<Vec<Crack>> = (0..height)
+    let bands = height.div_ceil(ROWS);
+    let cracks: Vec<Vec<Crack>> = (0..bands)
         .into_par_iter()
-        .with_min_len(8)
-        .map(|y| finder.cracks(y))
+        .map_init(
+            || MapTile::new(width - 1, ROWS),
+            |tile, band| finder.cracks(band, tile),
+        )
         .collect();
     let cracks: Vec<Crack> = cracks.into_iter().flatten().collect();
     if cracks.is_empty() {
@@ -68,22 +75,15 @@ pub(super) fn lines(
         let closing = path.closed.then(|| spot_between(last, first));
         pairs.chain(closing).collect()
     };
-    let smoothing = smoothing(params, STEP_PX);
-    network::lines(&lattice, place, spots, SHORTEST_BRANCH, smoothing)
-}
-
-/// What jumps at silhouettes, and how far.
-struct Map<'a> {
-    plane: &'a Plane,
-    is_depth: bool,
-    threshold: SoftThreshold,
+    let smooth = |lines: &mut [Line]| smooth(lines, params, STEP_PX);
+    network::lines(&lattice, place, spots, SHORTEST_BRANCH, smooth)
 }
 
 struct Finder<'a> {
     frame: &'a Frame,
     weight: &'a Plane,
     map: Option<Map<'a>>,
-    /// The sight lines, where depth is known along them.
+    /// The sight lines, and whether they meet in the eye, where depth is known along them.
     sight: Option<(SightLines, bool)>,
 }
 
@@ -92,76 +92,70 @@ type Pixel = [i64; 2];
 
 impl<'a> Finder<'a> {
     fn new(weight: &'a Plane, frame: &'a Frame, shape: &ShapeParams) -> Self {
-        let depth = frame.depth.as_ref().map(|plane| Map {
-            plane,
-            is_depth: true,
-            threshold: shape.silhouette,
-        });
-        let occlusion = frame.occlusion.as_ref().map(|plane| Map {
-            plane,
-            is_depth: false,
-            threshold: shape.occlusion_silhouette,
-        });
         let projection = frame.camera.map(|camera| camera.projection);
         let knows = Available::in_frame(frame).positions;
         let is_perspective = |p: Projection| matches!(p, Projection::Perspective { .. });
         Self {
             frame,
             weight,
-            map: depth.or(occlusion),
+            map: Map::of(frame, shape),
             sight: projection
                 .filter(|_| knows)
                 .map(|p| (SightLines::new(p), is_perspective(p))),
         }
     }
 
-    /// The cracks that leave the corners of lattice row `y` to the right and down.
-    fn cracks(&self, y: usize) -> Vec<Crack> {
+    /// The cracks that leave the corners of a band of lattice rows to the right and down.
+    fn cracks(&self, band: usize, tile: &mut MapTile) -> Vec<Crack> {
         let mut found = Vec::new();
+        let rows = band * ROWS..((band + 1) * ROWS).min(self.frame.mask.height() + 1);
+        tile.move_to(rows.start);
+        for y in rows {
+            self.add_row(y, tile, &mut found);
+        }
+        found
+    }
+
+    /// Adds those of row `y`. Only pixels beside a silhouette have a weight.
+    fn add_row(&self, y: usize, tile: &mut MapTile, found: &mut Vec<Crack>) {
         let mask = &self.frame.mask;
-        let y = y as i64;
-        let rows = [y - 1, y].map(|row| self.weights(row));
-        let spans = [y - 1, y].map(|row| match usize::try_from(row) {
-            Ok(row) if row < mask.height() => mask.span(row),
-            _ => 0..0,
-        });
-        let [above, here] = &spans;
-        let columns = match (above.is_empty(), here.is_empty()) {
-            (true, true) => return found,
-            (true, false) => here.clone(),
-            (false, true) => above.clone(),
-            (false, false) => above.start.min(here.start)..above.end.max(here.end),
+        let rows = [y.checked_sub(1), Some(y).filter(|&y| y < mask.height())];
+        let [above, here] = rows.map(|y| y.map_or(&[][..], |y| self.weight.row(y)));
+        let spans = rows.into_iter().flatten().map(|y| mask.span(y));
+        let filled = spans.filter(|span| !span.is_empty());
+        let Some(columns) = filled.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else {
+            return;
         };
-        let marked = |row: &[f32], x: i64| {
-            usize::try_from(x).is_ok_and(|x| row.get(x).is_some_and(|&w| w > 0.0))
-        };
-        // Most blocks hold no silhouette at all.
-        const BLOCK: usize = 64;
-        for start in columns.clone().step_by(BLOCK) {
-            let end = (start + BLOCK).min(columns.end);
-            let holds = |row: &&[f32]| {
-                let part = row
-                    .get(start.saturating_sub(1)..end.min(row.len()))
-                    .unwrap_or(&[]);
-                part.iter().fold(false, |any, &w| any | (w > 0.0))
+        for block in columns.start / BLOCK..=columns.end.min(mask.width() - 1) / BLOCK {
+            let start = block * BLOCK;
+            let end = ((block + 1) * BLOCK).min(mask.width());
+            // The crack before the first column is beside the pixel before it.
+            let holds = |row: &[f32]| {
+                let part = row.get(start.saturating_sub(1)..end).unwrap_or(&[]);
+                part.iter().fold(false, |any, &weight| any | (weight > 0.0))
             };
-            if !rows.iter().any(holds) {
+            if !holds(above) && !holds(here) {
                 continue;
             }
-            // One more at the end of the span: the crack behind its last pixel.
-            let end = if end == columns.end { end + 1 } else { end };
-            for x in start as i64..end as i64 {
-                let corner = (y * (mask.width() as i64 + 1) + x) as u32;
-                if marked(rows[0], x) || marked(rows[1], x) {
-                    let spot = self.spot([x, y - 1], [0, 1]);
+            if let Some(map) = &self.map {
+                tile.make(map, self.frame, y, block);
+            }
+            for x in start..end {
+                let is_marked =
+                    |row: &[f32], x: usize| row.get(x).is_some_and(|&weight| weight > 0.0);
+                let (marked, before) = (is_marked(here, x), x > 0 && is_marked(here, x - 1));
+                let corner = (y * (mask.width() + 1) + x) as u32;
+                let pixel = [x as i64, y as i64];
+                if marked || is_marked(above, x) {
+                    let spot = self.spot([pixel[0], pixel[1] - 1], [0, 1], tile);
                     found.extend(spot.map(|spot| Crack {
                         corner,
                         step: RIGHT,
                         spot,
                     }));
                 }
-                if marked(rows[1], x - 1) || marked(rows[1], x) {
-                    let spot = self.spot([x - 1, y], [1, 0]);
+                if marked || before {
+                    let spot = self.spot([pixel[0] - 1, pixel[1]], [1, 0], tile);
                     found.extend(spot.map(|spot| Crack {
                         corner,
                         step: DOWN,
@@ -169,14 +163,6 @@ impl<'a> Finder<'a> {
                     }));
                 }
             }
-        }
-        found
-    }
-
-    fn weights(&self, y: i64) -> &[f32] {
-        match usize::try_from(y) {
-            Ok(y) if y < self.weight.height() => self.weight.row(y),
-            _ => &[],
         }
     }
 
@@ -201,31 +187,19 @@ impl<'a> Finder<'a> {
         at.filter(|log| log.is_finite()).unwrap_or(0.0)
     }
 
-    /// The map where covered.
-    fn value(&self, map: &Map, pixel: Pixel) -> Option<f32> {
-        let [x, y] = self
-            .inside(pixel)
-            .filter(|&[x, y]| self.frame.mask.at(x, y))?;
-        let value = map.plane.at(x, y);
-        let value = if map.is_depth { ln(value) } else { value };
-        value.is_finite().then_some(value)
-    }
-
     /// The silhouette through the crack behind `pixel` along `axis`, if there is one.
-    fn spot(&self, pixel: Pixel, axis: Pixel) -> Option<Spot> {
-        let along = |i: i64| [pixel[0] + i * axis[0], pixel[1] + i * axis[1]];
-        let axis = Vec2::new(axis[0] as f32, axis[1] as f32);
-        let middle = Vec2::new(pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5) + 0.5 * axis;
-        self.inside(pixel)?;
-        self.inside(along(1))?;
-        match [self.is_covered(pixel), self.is_covered(along(1))] {
+    fn spot(&self, pixel: Pixel, axis: Pixel, tile: &MapTile) -> Option<Spot> {
+        let crack = Across { pixel, axis };
+        self.inside(crack.pixel(0))?;
+        self.inside(crack.pixel(1))?;
+        match [0, 1].map(|i| self.is_covered(crack.pixel(i))) {
             [false, false] => None,
-            [true, true] => self.jump(along, middle, axis),
+            [true, true] => self.jump(&crack, tile),
             [first, _] => {
-                let beyond = |i: i64| if first { along(i) } else { along(1 - i) };
-                let outward = if first { axis } else { -axis };
+                let beyond = |i: i64| crack.pixel(if first { i } else { 1 - i });
+                let offset = self.coverage_offset(beyond);
                 Some(Spot {
-                    at: middle + self.coverage_offset(beyond) * outward,
+                    at: crack.place(if first { offset } else { -offset }),
                     strength: 1.0,
                     log_depth: self.log_depth(beyond(0)),
                 })
@@ -243,80 +217,94 @@ impl<'a> Finder<'a> {
     }
 
     /// The silhouette between two covered pixels.
-    fn jump(&self, along: impl Fn(i64) -> Pixel, middle: Vec2, axis: Vec2) -> Option<Spot> {
+    fn jump(&self, crack: &Across, tile: &MapTile) -> Option<Spot> {
         let map = self.map.as_ref()?;
-        let across: Across = [-2, -1, 0, 1, 2, 3].map(|i| self.value(map, along(i)));
-        let jump = unexplained_jump(&across);
+        let samples = [-2, -1, 0, 1, 2, 3].map(|i| tile.value(crack.pixel(i)));
         let least = map.threshold.lo;
-        // Beside the border the border's own line is enough.
-        let is_beside_border = [-2, -1, 2, 3]
-            .iter()
-            .any(|&i| self.inside(along(i)).is_some() && !self.is_covered(along(i)));
-        if jump <= least || is_beside_border {
+        let mut jump = unexplained_jump(&samples);
+        if jump <= least || self.is_beside_border(crack) {
             return None;
         }
-        let raw = [across[2]?, across[3]?];
-        let sharp = [
-            self.sharp(map, along(0), raw[0]),
-            self.sharp(map, along(1), raw[1]),
-        ];
+        let raw = [samples[2]?, samples[3]?];
+        let sharp = [0, 1].map(|i| {
+            let [x, y] = crack.pixel(i);
+            let around = (0..9).filter_map(|j| tile.value([x + j % 3 - 1, y + j / 3 - 1]));
+            sharpened(raw[i as usize], around)
+        });
         let step = sharp[1] - sharp[0];
         if step.abs() < 0.5 * jump {
             return None;
         }
-        let jump = match map.is_depth {
-            true => jump.min(self.unexplained_by_normals(along(0), along(1), step)),
-            false => jump,
-        };
-        if jump <= least {
-            return None;
+        if map.is_depth {
+            jump = jump.min(self.unexplained_by_normals(crack, step));
         }
-        Some(Spot {
-            at: middle + spread_offset(raw, sharp) * axis,
+        (jump > least).then(|| Spot {
+            at: crack.place(spread_offset(raw, sharp)),
             strength: if map.is_depth {
                 strength_of_jump(jump)
             } else {
                 jump.min(1.0)
             },
-            log_depth: self.log_depth(along(0)).min(self.log_depth(along(1))),
+            log_depth: self
+                .log_depth(crack.pixel(0))
+                .min(self.log_depth(crack.pixel(1))),
         })
     }
 
-    fn sharp(&self, map: &Map, pixel: Pixel, value: f32) -> f32 {
-        let around =
-            (0..9).filter_map(|i| self.value(map, [pixel[0] + i % 3 - 1, pixel[1] + i / 3 - 1]));
-        sharpened(value, around)
+    /// Whether the border of coverage runs so close that its own line is enough.
+    fn is_beside_border(&self, crack: &Across) -> bool {
+        let is_bare = |pixel| self.inside(pixel).is_some() && !self.is_covered(pixel);
+        [-2, -1, 2, 3].iter().any(|&i| is_bare(crack.pixel(i)))
     }
 
-    /// By how much the logarithm of depth steps from one pixel to the next beyond what a smooth surface with
-    /// their normals would.
-    fn unexplained_by_normals(&self, from: Pixel, to: Pixel, step: f32) -> f32 {
-        let smooth = || {
-            let (sight, is_perspective) = self.sight.as_ref()?;
-            let ([x, y], [to_x, to_y]) = (self.inside(from)?, self.inside(to)?);
-            let window = self.frame.data_window;
-            let at = |x: usize, y: usize| {
-                DVec2::new(
-                    f64::from(window.x0) + x as f64 + 0.5,
-                    f64::from(window.y0) + y as f64 + 0.5,
-                )
-            };
-            let normal = &self.frame.normal;
-            let n = |x, y| {
-                DVec3::new(
-                    normal.x.at(x, y).into(),
-                    normal.y.at(x, y).into(),
-                    normal.z.at(x, y).into(),
-                )
-            };
-            let offset = sight.step(at(x, y), n(x, y), at(to_x, to_y), n(to_x, to_y))?;
-            let unit = match is_perspective {
-                true => 1.0,
-                false => f64::from(self.frame.depth.as_ref()?.at(x, y)),
-            };
-            let ratio = 1.0 - offset.z / unit;
-            (ratio > 0.0).then(|| ratio.ln() as f32)
+    /// By how much the logarithm of depth steps across the crack beyond what a smooth surface with the normals
+    /// to either side would.
+    fn unexplained_by_normals(&self, crack: &Across, step: f32) -> f32 {
+        let smooth = self.smooth_step(crack);
+        smooth.map_or(step.abs(), |smooth| (step - smooth).abs())
+    }
+
+    fn smooth_step(&self, crack: &Across) -> Option<f32> {
+        let (sight, is_perspective) = self.sight.as_ref()?;
+        let [from, to] = [self.inside(crack.pixel(0))?, self.inside(crack.pixel(1))?];
+        let window = self.frame.data_window;
+        let at = |[x, y]: [usize; 2]| {
+            let corner = DVec2::new(window.x0.into(), window.y0.into());
+            corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
         };
-        smooth().map_or(step.abs(), |smooth| (step - smooth).abs())
+        let normal = &self.frame.normal;
+        let normal = |[x, y]: [usize; 2]| {
+            let n = [&normal.x, &normal.y, &normal.z].map(|plane| f64::from(plane.at(x, y)));
+            DVec3::from_array(n)
+        };
+        let offset = sight.step(at(from), normal(from), at(to), normal(to))?;
+        let unit = match is_perspective {
+            true => 1.0,
+            false => f64::from(self.frame.depth.as_ref()?.at(from[0], from[1])),
+        };
+        let ratio = 1.0 - offset.z / unit;
+        (ratio > 0.0).then(|| ratio.ln() as f32)
+    }
+}
+
+/// The crack behind a pixel along an axis.
+struct Across {
+    pixel: Pixel,
+    axis: Pixel,
+}
+
+impl Across {
+    /// The pixel so many behind the one before the crack.
+    fn pixel(&self, i: i64) -> Pixel {
+        [
+            self.pixel[0] + i * self.axis[0],
+            self.pixel[1] + i * self.axis[1],
+        ]
+    }
+
+    /// The place so far behind the middle of the crack.
+    fn place(&self, offset: f32) -> Vec2 {
+        let vector = |[x, y]: Pixel| Vec2::new(x as f32, y as f32);
+        vector(self.pixel) + Vec2::splat(0.5) + (0.5 + offset) * vector(self.axis)
     }
 }
