@@ -112,7 +112,9 @@ fn write(args: &HatchArgs, job: &Job, done: &Done) -> Result<()> {
         .drawing
         .as_ref()
         .expect("a drawing was planned");
-    let layers = [&drawing.hatching];
+    let layers: Vec<_> = std::iter::once(&drawing.hatching)
+        .chain(&drawing.contours)
+        .collect();
     let color = &on_paper(&layers);
     match job.kind {
         Kind::Picture(format) => job.write_picture(
@@ -134,6 +136,11 @@ fn write(args: &HatchArgs, job: &Job, done: &Done) -> Result<()> {
                 plane: &drawing.hatching,
                 sample_type,
             });
+            channels.extend(drawing.contours.iter().map(|plane| OutputChannel {
+                name: "strokes.contours".into(),
+                plane,
+                sample_type,
+            }));
             job.write_exr(done, channels)
         }
     }

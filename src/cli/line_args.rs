@@ -189,6 +189,7 @@ impl HatchArgs {
                 black_point: tone.black_point,
                 gamma: tone.tone_gamma,
             },
+            contours: LINE.contours,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
 mod chains;
+mod contours;
 mod diffusion;
 mod direction_field;
 mod direction_fill;
@@ -23,6 +24,7 @@ use crate::fast_math::Function;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
+use crate::line::contours::Contour;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
@@ -96,6 +98,10 @@ pub struct CurvaturePlanes {
 pub struct Drawing {
     /// Strokes along the curvature.
     pub hatching: Plane,
+    /// Lines along silhouettes and creases, where they were asked for; also outside the mask.
+    pub contours: Option<Plane>,
+    /// The same as lines, silhouettes first.
+    pub contour_lines: Vec<Contour>,
 }
 
 /// What a run gave.

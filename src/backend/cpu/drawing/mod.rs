@@ -9,10 +9,12 @@ pub(super) use hatching::hatch_batch;
 
 use super::direction_field::stroke_fields;
 use super::memory::Memory;
-use super::{Drawing, Run, light, statistics};
+use super::{Drawing, Run, contours, light, statistics};
 use crate::frame::Plane;
+use crate::line::contours::Contour;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::{Adaptive, LineParams, Style};
+use crate::params::{Adaptive, ContourParams, LineParams, Style};
+use std::time::Instant;
 use tone::Densities;
 
 impl Run<'_> {
@@ -53,8 +55,37 @@ impl Run<'_> {
         let hatching = self.timed("hatching", || {
             hatching::hatched(&densities, &directions, map, &params.strokes, frame, memory)
         });
+        let drawn = params
+            .contours
+            .as_ref()
+            .map(|params| self.draw_contours(params));
+        let (contours, contour_lines) = drawn.unzip();
         self.outcome.color = made;
         self.outcome.shape.conductance = Some(conductance);
-        self.outcome.drawing = Some(Drawing { hatching });
+        self.outcome.drawing = Some(Drawing {
+            hatching,
+            contours,
+            contour_lines: contour_lines.unwrap_or_default(),
+        });
+    }
+
+    fn draw_contours(&mut self, params: &ContourParams) -> (Plane, Vec<Contour>) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let start = Instant::now();
+        let shape = &self.outcome.shape;
+        let weights = contours::Weights {
+            silhouette: shape
+                .silhouette
+                .as_ref()
+                .expect("contours are planned with their edges"),
+            crease: shape
+                .crease
+                .as_ref()
+                .expect("contours are planned with their edges"),
+        };
+        let lines = contours::contours(&weights, frame, &plan.shape, params);
+        let covered = contours::coverage(&lines, &frame.mask, memory);
+        self.outcome.timings.push(("contours", start.elapsed()));
+        (covered, lines)
     }
 }
