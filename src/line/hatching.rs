@@ -109,6 +109,7 @@ impl<'a> Hatching<'a> {
         let mut random = Random::new(params.seed.wrapping_add(1 + family as u64));
         let scale = map.texels_per_px();
         let [width, height] = map.period().map(|texels| texels as f32);
+        let mut at = |period: f32| (period * random.unit()).floor() + BETWEEN;
         let turned = (0..levels * sets)
             .map(|i| {
                 let (set, level) = (i / levels, i % levels);
@@ -116,7 +117,7 @@ impl<'a> Hatching<'a> {
                 Turned {
                     cos: scale * angle.cos(),
                     sin: scale * angle.sin(),
-                    offset: Vec2::new(width * random.unit(), height * random.unit()),
+                    offset: Vec2::new(at(width), at(height)),
                 }
             })
             .collect();
@@ -204,6 +205,10 @@ impl Default for Thresholds {
     }
 }
 
+/// Where between texels the centre of the first pixel lies, plus its own half: a level along the axes has all
+/// pixels there. On texels lines are darker than on average, midway lighter; at a quarter neither.
+const BETWEEN: f32 = 0.75;
+
 /// How the texture is turned at each of several pixels.
 #[derive(Debug)]
 struct Turns {
@@ -272,7 +277,12 @@ impl Levels {
             let at = if at < 0.0 { at + count } else { at };
             let level = at.floor().min(last);
             let next = if level == last { 0.0 } else { level + 1.0 };
-            let away = (at - level).min(1.0);
+            // A level that is alone has no other to share with.
+            let away = if last == 0.0 {
+                0.0
+            } else {
+                (at - level).min(1.0)
+            };
             below[i] = level as i32 as u32;
             above[i] = next as i32 as u32;
             below_weight[i] = 1.0 - away;
