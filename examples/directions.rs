@@ -1,13 +1,16 @@
-//! The directions of the surface's curvature, made visible: noise smeared along them.
+//! The directions that strokes follow, made visible: noise smeared along them.
 //!
-//! `cargo run --release --example directions -- IN.exr OUT.png [NORMALS]`
+//! `cargo run --release --example directions -- [max|min|layer] IN.exr OUT.png [NORMALS]`
+//!
+//! `max` and `min` are the fields of the larger and the lesser curvature, made calm; `layer` is the
+//! direction layer, pixel by pixel.
 
-use relievo::backend::cpu;
+use relievo::backend::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use relievo::io::output::write_atomically;
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs};
-use relievo::params::{ScalingParams, ShapeParams};
+use relievo::params::{FieldParams, ScalingParams, ShapeParams, StrokeDirections};
 use relievo::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
 
@@ -15,9 +18,19 @@ use std::path::PathBuf;
 const REACH: usize = 12;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
+    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from).peekable();
+    let named = arguments.next_if(|a| {
+        ["max", "min", "layer"]
+            .iter()
+            .any(|name| a.as_os_str() == *name)
+    });
+    let which = match named.as_deref().and_then(|name| name.to_str()) {
+        Some("layer") => None,
+        Some("min") => Some(StrokeDirections::Min),
+        _ => Some(StrokeDirections::Max),
+    };
     let (Some(picture), Some(output)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: directions IN.exr OUT.png [NORMALS]".into());
+        return Err("usage: directions [max|min|layer] IN.exr OUT.png [NORMALS]".into());
     };
     let normal = arguments.next().map(|name| name.display().to_string());
     let inputs = Inputs {
@@ -33,8 +46,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frame = io::load(&inputs, needs)?.frame;
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::new(Goal::Layers, Available::in_frame(&frame), shape, scaling)?;
-    let shape = cpu::run(&plan, &frame).shape;
-    let directions = shape.direction.ok_or("no directions were made")?;
+    let runner = Runner::default();
+    let shape = runner.run(&plan, &frame).shape;
+    let field = FieldParams::default();
+    let fields = which.map(|which| runner.stroke_fields(&plan, &frame, &field, which));
+    let directions = fields
+        .and_then(|mut fields| fields.pop())
+        .or(shape.direction);
+    let directions = directions.ok_or("no directions were made")?;
     let open = shape.conductance.ok_or("no conductance was made")?;
     let streaks = streaks(&frame, &directions, &open);
     let color = ColorPlanes {

@@ -38,6 +38,17 @@ pub fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec
         .map_or(Vec2::X, |direction| direction.as_vec2())
 }
 
+/// The direction at right angles, on the surface, to [`fixed_direction`].
+#[inline]
+pub fn fixed_second_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
+    [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .filter_map(|axis| axis.cross(normal).try_normalize())
+        .find(|&tangent| sight.picture_direction(x, y, tangent).is_some())
+        .and_then(|tangent| sight.picture_direction(x, y, normal.cross(tangent).try_normalize()?))
+        .map_or(Vec2::X, |direction| direction.as_vec2())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

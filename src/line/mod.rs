@@ -2,16 +2,14 @@
 //! files, threads or clock.
 
 pub mod contours;
-pub mod crack;
 pub mod direction;
-pub mod gaps;
+pub mod direction_field;
 pub mod hatching;
-pub mod lattice;
-pub mod network;
 pub mod normal_rays;
-pub mod polyline;
+pub mod patches;
 mod random;
-pub mod ridge;
-pub mod round_stroke;
+mod response;
+mod slice_texture;
 mod stroke_synthesis;
+mod stroke_texture;
 pub mod tonal_art_map;

@@ -111,20 +111,13 @@ pub fn principal_curvatures(
 ) -> Option<PrincipalCurvatures> {
     let local = Local::at(normal)?;
     let (x, y) = (local.difference(&along_x)?, local.difference(&along_y)?);
-    let (u, v) = (x.foot, y.foot);
-    let area = u.perp_dot(v);
-    let spread = u.length_squared() + v.length_squared();
-    let is_square_on = area.abs() > MIN_SINE * spread;
-    if !is_square_on {
-        return None;
-    }
-    // M U = S: the columns of U are feet, those of S slopes. The height over the tangent plane falls
-    // where a ray leans outward, so its second derivatives are -M.
-    let column_x = (y.slope * u.y - x.slope * v.y) / area;
-    let column_y = (x.slope * v.x - y.slope * u.x) / area;
-    let off = 0.5 * (column_x.y + column_y.x);
-    let half_difference = 0.5 * (column_x.x - column_y.y);
-    let mean = 0.5 * (column_x.x + column_y.y);
+    let Slopes {
+        mean,
+        half_difference,
+        off,
+        area,
+        spread,
+    } = Slopes::of(&x, &y)?;
     let half_spread = half_difference.hypot(off);
     let found = [mean + half_spread, mean - half_spread];
     let first = local.eigenvector(half_difference, off, half_spread);
@@ -155,6 +148,74 @@ pub fn principal_curvatures(
         curvatures: [larger, lesser],
         directions,
     })
+}
+
+/// Curvatures of a surface as one tensor, in the frame that turning the normal to the viewer by the shortest
+/// way makes the picture's own: the frames of neighbours are nearly alike, so that tensors can be averaged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvatureTensor {
+    /// Mean of the principal curvatures, per unit of length; convex is negative.
+    pub mean: f64,
+    /// Half their difference, toward twice the angle of the larger one's direction.
+    pub deviator: DVec2,
+}
+
+/// The tensor of curvature at a point with the unit normal `normal`, from the rays beside it along x and y.
+///
+/// `None` as for [`principal_curvatures`], and where the normal points straight away from the viewer.
+#[inline]
+pub fn curvature_tensor(normal: DVec3, [along_x, along_y]: [Sides; 2]) -> Option<CurvatureTensor> {
+    let local = Local {
+        tangents: upright_tangents(normal)?,
+        normal,
+    };
+    let slopes = Slopes::of(&local.difference(&along_x)?, &local.difference(&along_y)?)?;
+    Some(CurvatureTensor {
+        mean: slopes.mean,
+        deviator: DVec2::new(slopes.half_difference, slopes.off),
+    })
+}
+
+/// The tangents that become the picture's x and y when the unit normal is turned to the viewer by the
+/// shortest way; `None` where it points straight away.
+#[inline]
+pub fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
+    let both = normal + DVec3::Z;
+    let faces = both.z > 1e-6;
+    faces.then(|| [DVec3::X, DVec3::Y].map(|axis| axis - axis.dot(normal) / both.z * both))
+}
+
+/// M, made symmetric, and negated: its eigenvalues are the curvatures.
+struct Slopes {
+    mean: f64,
+    half_difference: f64,
+    off: f64,
+    /// Of the feet: the area between them and the sum of their squares.
+    area: f64,
+    spread: f64,
+}
+
+impl Slopes {
+    fn of(x: &Difference, y: &Difference) -> Option<Self> {
+        let (u, v) = (x.foot, y.foot);
+        let area = u.perp_dot(v);
+        let spread = u.length_squared() + v.length_squared();
+        let is_square_on = area.abs() > MIN_SINE * spread;
+        if !is_square_on {
+            return None;
+        }
+        // M U = S: the columns of U are feet, those of S slopes. The height over the tangent plane falls
+        // where a ray leans outward, so its second derivatives are -M.
+        let column_x = (y.slope * u.y - x.slope * v.y) / area;
+        let column_y = (x.slope * v.x - y.slope * u.x) / area;
+        Some(Self {
+            mean: 0.5 * (column_x.x + column_y.y),
+            half_difference: 0.5 * (column_x.x - column_y.y),
+            off: 0.5 * (column_x.y + column_y.x),
+            area,
+            spread,
+        })
+    }
 }
 
 /// The frame of a point: two tangents and the normal.

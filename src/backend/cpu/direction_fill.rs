@@ -51,6 +51,20 @@ pub(super) fn fill(
     field.fix(closed, fixed);
 }
 
+/// Gives every covered pixel whose direction is 0 one, from whatever neighbours it has, wave after wave; the
+/// `fixed` one where no pixel it hangs together with has any.
+pub(super) fn fill_rest(
+    directions: &mut Vector2Planes,
+    mask: &Mask,
+    fixed: impl Fn(usize, usize) -> Vec2 + Sync,
+) {
+    let width = mask.width();
+    let covered = |i: usize| mask.plane().samples()[i];
+    let mut field = Field { directions, width };
+    field.spread(usize::MAX, covered, |_, _| 1.0, |_, mean, _| mean);
+    field.fix(covered, |i| fixed(i % width, i / width));
+}
+
 /// Pixels over which a plane's direction turns from its neighbours' to the fixed one.
 const PLANE_MARGIN_PX: usize = 16;
 

@@ -1,7 +1,9 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
+mod chains;
 mod contours;
 mod diffusion;
+mod direction_field;
 mod direction_fill;
 mod drawing;
 mod edges;
@@ -10,6 +12,7 @@ mod light_layers;
 mod memory;
 mod normal_rays;
 mod passes;
+mod patches;
 mod percentile;
 mod relight;
 mod simd;
@@ -22,8 +25,10 @@ use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
 use crate::line::contours::Contour;
-use crate::params::{Adaptive, RunOptions};
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
+use drawing::KeptArtMap;
 use light_layers::Curvature;
 use memory::Memory;
 use rayon::prelude::*;
@@ -141,13 +146,23 @@ pub fn vector_bits() -> u32 {
 }
 
 /// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
-/// and it keeps what it made of the last environment; both are faster. None of its options changes a bit of
-/// the outcome.
+/// and it keeps what it made of the last environment and the last texture of strokes; all are faster. None of
+/// its options changes a bit of the outcome.
 #[derive(Debug, Default)]
 pub struct Runner {
     options: RunOptions,
     memory: Memory,
     environment: KeptEnvironment,
+    art_map: KeptArtMap,
+}
+
+/// What a drawing takes beside the frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct DrawingInputs<'a> {
+    /// The light, for a tone in new light.
+    pub illumination: Option<&'a Illumination>,
+    /// The texture of strokes, for [`crate::params::Style::Pictures`].
+    pub art_map: Option<&'a TonalArtMap>,
 }
 
 impl Runner {
@@ -155,8 +170,7 @@ impl Runner {
     pub fn new(options: RunOptions) -> Self {
         Self {
             options,
-            memory: Memory::default(),
-            environment: KeptEnvironment::default(),
+            ..Self::default()
         }
     }
 
@@ -169,20 +183,26 @@ impl Runner {
             plan.goal != Goal::Relight,
             "new light is run by Runner::relight"
         );
-        self.start(plan, frame, |run| {
-            if plan.has(Stage::RadianceScaling) {
-                run.scale_radiance();
-            }
-            if plan.has(Stage::LightLobes) {
-                run.scale_lobes();
-            }
-            if plan.has(Stage::LightGroups) {
-                run.scale_groups();
-            }
-            if plan.has(Stage::AmbientOcclusion) {
-                run.scale_by_occlusion();
-            }
-        })
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
+        self.start(plan, frame, |run| run.enhance())
+    }
+
+    /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
+    /// y up, each equal to its opposite; 0 outside the mask.
+    ///
+    /// # Panics
+    /// If the plan leaves out conductance.
+    pub fn stroke_fields(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &FieldParams,
+        directions: StrokeDirections,
+    ) -> Vec<Vector2Planes> {
+        assert!(plan.has(Stage::Conductance), "strokes stop at edges");
+        let edges = edges::edges_and_gradient(plan, frame, &self.memory);
+        let memory = &self.memory;
+        direction_field::stroke_fields(plan, params, directions, frame, &edges.conductance, memory)
     }
 
     /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.
@@ -190,7 +210,23 @@ impl Runner {
     /// # Panics
     /// If the plan was made for another goal, other inputs or other kinds of light.
     pub fn relight(&self, plan: &Plan, frame: &Frame, illumination: &Illumination) -> Outcome {
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
         self.start(plan, frame, |run| run.relight(illumination))
+    }
+
+    /// Runs `plan`, made by [`Plan::hatch`], on `frame`.
+    ///
+    /// # Panics
+    /// If the plan was made for another goal or other inputs.
+    pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Outcome {
+        let params = plan.drawing.as_ref().expect("a drawing is planned");
+        self.start(plan, frame, |run| {
+            match plan.goal {
+                Goal::Relight => run.relight(inputs.illumination.expect("new light has lights")),
+                _ => run.enhance(),
+            }
+            run.draw(params, inputs.art_map);
+        })
     }
 
     fn start(&self, plan: &Plan, frame: &Frame, light: impl FnOnce(&mut Run)) -> Outcome {
@@ -204,9 +240,6 @@ impl Runner {
             run.find_shape();
         }
         light(&mut run);
-        if let Some(params) = &plan.drawing {
-            run.draw(params);
-        }
         run.outcome
     }
 
@@ -255,6 +288,23 @@ impl Run<'_> {
         let result = pass();
         self.outcome.timings.push((name, start.elapsed()));
         result
+    }
+
+    /// Brings out the shape in the picture, as far as that is planned.
+    fn enhance(&mut self) {
+        let plan = self.plan;
+        if plan.has(Stage::RadianceScaling) {
+            self.scale_radiance();
+        }
+        if plan.has(Stage::LightLobes) {
+            self.scale_lobes();
+        }
+        if plan.has(Stage::LightGroups) {
+            self.scale_groups();
+        }
+        if plan.has(Stage::AmbientOcclusion) {
+            self.scale_by_occlusion();
+        }
     }
 
     fn find_shape(&mut self) {

@@ -1,10 +1,12 @@
 //! What line art can be told.
 
 mod contours;
+mod field;
 mod strokes;
 mod tone;
 
 pub use contours::ContourParams;
+pub use field::{Fallback, FieldParams, MAX_FIELD_PASSES, StrokeDirections};
 pub use strokes::{MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::ToneParams;
 
@@ -14,6 +16,10 @@ use serde::Serialize;
 /// How a frame is drawn ([LA] section 6).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LineParams {
+    /// Which directions of curvature strokes follow.
+    pub directions: StrokeDirections,
+    /// How those directions are made calm.
+    pub field: FieldParams,
     /// The strokes of the hatching.
     pub strokes: StrokeParams,
     /// What becomes light and dark.
@@ -25,6 +31,8 @@ pub struct LineParams {
 impl Default for LineParams {
     fn default() -> Self {
         Self {
+            directions: StrokeDirections::default(),
+            field: FieldParams::default(),
             strokes: StrokeParams::default(),
             tone: ToneParams::default(),
             contours: Some(ContourParams::default()),
@@ -38,6 +46,7 @@ impl LineParams {
     /// # Errors
     /// [`Error::BadParameter`] naming the first one.
     pub fn validate(&self) -> Result<()> {
+        self.field.validate()?;
         self.strokes.validate()?;
         self.tone.validate()?;
         self.contours.map_or(Ok(()), |contours| contours.validate())

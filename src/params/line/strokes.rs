@@ -12,6 +12,8 @@ pub enum Style {
     Pen,
     /// Graphite: soft, grey, caught by the grain of the paper.
     Pencil,
+    /// Pictures of one's own at several tones; sizes are factors of theirs.
+    Pictures,
 }
 
 /// How large strokes are.
@@ -117,7 +119,7 @@ impl Style {
     /// How the style draws where nothing else is said, at scale 1.
     pub fn stroke(self) -> Stroke {
         match self {
-            Self::Pen => Stroke {
+            Self::Pen | Self::Pictures => Stroke {
                 width_px: 1.7,
                 length_px: 60.0,
                 spacing_px: 6.0,

@@ -1,0 +1,353 @@
+//! The field of stroke directions ([LA] section 6.1): curvature patch by patch, averaged over surfaces,
+//! and brought back to pixels.
+
+use super::chains::Cross;
+use super::direction_fill::fill_rest;
+use super::memory::Memory;
+use super::patches::{Links, NONE, Patch, Patches};
+use crate::frame::{DepthKind, Frame, Plane, Projection, SightLines, Vector2Planes};
+use crate::line::direction::{fixed_direction, fixed_second_direction};
+use crate::line::direction_field::{Form, doubled, halve_row};
+use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
+use crate::line::patches::NO_PATCH;
+use crate::params::{Fallback, FieldParams, StrokeDirections};
+use crate::plan::Plan;
+use glam::{DVec2, DVec3, Vec2};
+use rayon::prelude::*;
+
+/// One field for each of the directions wanted: unit directions in the picture, x right, y up, 0 outside
+/// the mask.
+pub(super) fn stroke_fields(
+    plan: &Plan,
+    params: &FieldParams,
+    directions: StrokeDirections,
+    frame: &Frame,
+    conductance: &Plane,
+    memory: &Memory,
+) -> Vec<Vector2Planes> {
+    let patches = Patches::new(frame, conductance, params.cell_px as usize);
+    let field = Field::new(plan, params, frame, &patches);
+    let cross = Cross::new(&patches);
+    let forms = field.forms(&cross);
+    let reach = field.reach();
+    let wanted = directions.wanted();
+    let families = [0, 1].into_iter().filter(|&f| wanted[f]);
+    families
+        .enumerate()
+        .map(|(order, family)| {
+            let mut doubled = field.doubled(&forms, family);
+            for _ in 0..params.passes {
+                doubled = cross.mean(&doubled, &reach);
+            }
+            let fallback = |x: f64, y: f64, n: DVec3| field.fallback(x, y, n, order);
+            field.settle(&mut doubled, fallback);
+            let mut found = field.at_pixels(&doubled, memory);
+            fill_rest(&mut found, &frame.mask, |x, y| {
+                let n = &frame.normal;
+                let normal = [&n.x, &n.y, &n.z].map(|plane| f64::from(plane.at(x, y)));
+                let window = frame.data_window;
+                let [x, y] =
+                    [(window.x0, x), (window.y0, y)].map(|(o, p)| f64::from(o) + p as f64 + 0.5);
+                fallback(x, y, normal.into())
+            });
+            found
+        })
+        .collect()
+}
+
+struct Field<'a> {
+    params: &'a FieldParams,
+    frame: &'a Frame,
+    patches: &'a Patches,
+    sight: SightLines,
+    /// Pixels per unit of length, at a distance of 1 in perspective.
+    pixels: f64,
+    perspective: bool,
+    /// Cells of the field per pixel of one of a quarter of the reference's size.
+    cells: f32,
+    doubt: f64,
+}
+
+/// How far tensors of curvature are averaged before directions are told from them, in pixels of a field of
+/// a quarter of the picture's size: facets and the rounding of normals cancel there, with their signs.
+/// More rounds off forms of that size.
+const FORM_REACH: f32 = 2.5;
+
+/// Turn of the normal, in radians per pixel, that counts half: 17 degrees over a thousand pixels.
+const FLAT_TURN: f64 = 3e-4;
+
+/// Deviations of the noise of curvature that count half.
+const NOISE: f64 = 2.0;
+
+/// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
+const DEVIATION: f64 = 0.577_350_269;
+
+/// Cosine between normal and sight line below which directions, foreshortened, count less.
+const FACING: f64 = 0.35;
+
+/// How sure the fallback is.
+const FALLBACK: f32 = 0.05;
+
+/// The most, and the least, that depth makes of the radius.
+const NEAR: f32 = 2.0;
+const FAR: f32 = 0.25;
+
+impl<'a> Field<'a> {
+    fn new(plan: &Plan, params: &'a FieldParams, frame: &'a Frame, patches: &'a Patches) -> Self {
+        let (sight, pixels) = match frame.camera.map(|camera| camera.projection) {
+            Some(projection) => (SightLines::new(projection), scale(projection)),
+            None => (SightLines::parallel(frame.pixel_aspect), 1.0),
+        };
+        let is_parallel = |p| matches!(p, Projection::Orthographic { .. });
+        let cell_px = f64::from(params.cell_px);
+        let rounding = f64::from(frame.source.normal_rounding);
+        let factor = plan.resolution_factor;
+        let noise = NOISE * DEVIATION * rounding / (2.0 * cell_px);
+        Self {
+            params,
+            frame,
+            patches,
+            sight,
+            pixels,
+            perspective: !frame.camera.is_some_and(|c| is_parallel(c.projection)),
+            cells: (4.0 * factor / cell_px) as f32,
+            doubt: noise.hypot(FLAT_TURN / factor),
+        }
+    }
+
+    /// How far one pass reaches from each patch, in patches.
+    fn reach(&self) -> Vec<f32> {
+        let radius = self.params.radius_px * self.cells;
+        let all = &self.patches.all;
+        let known = self.perspective && self.frame.source.depth_kind != DepthKind::Relative;
+        let mut depths: Vec<f32> = all.iter().map(|p| p.depth).filter(|&d| d > 0.0).collect();
+        if !known || depths.is_empty() {
+            return vec![radius; all.len()];
+        }
+        let middle = depths.len() / 2;
+        let (_, &mut median, _) = depths.select_nth_unstable_by(middle, f32::total_cmp);
+        let reach = |depth: f32| match depth > 0.0 {
+            true => radius * (median / depth).clamp(FAR, NEAR),
+            false => radius,
+        };
+        all.iter().map(|p| reach(p.depth)).collect()
+    }
+
+    /// The curvature of every patch, averaged nearby.
+    fn forms(&self, cross: &Cross) -> Vec<[f32; 3]> {
+        let all = &self.patches.all;
+        let forms: Vec<[f32; 3]> = (0..all.len())
+            .into_par_iter()
+            .with_min_len(PATCHES_PER_TASK)
+            .map(|i| self.form(i).unwrap_or_default())
+            .collect();
+        cross.mean(&forms, &vec![FORM_REACH * self.cells; all.len()])
+    }
+
+    /// The tensor of curvature of a patch, per pixel, from the patches around it.
+    fn form(&self, i: usize) -> Option<[f32; 3]> {
+        let here = &self.patches.all[i];
+        let ray = |links: &[u32]| {
+            let there: &Patch = self.patches.all.get(links[i] as usize)?;
+            let offset = self
+                .sight
+                .step(here.at, here.normal, there.at, there.normal)?;
+            Some(NormalRay {
+                offset,
+                normal: there.normal,
+            })
+        };
+        let step_px = f64::from(self.params.cell_px);
+        let sides = |before: &[u32], after: &[u32]| Sides {
+            before: ray(before),
+            after: ray(after),
+            step_px,
+        };
+        let Patches { across, down, .. } = self.patches;
+        // Rows run down, y up.
+        let sides = [
+            sides(&across.before, &across.after),
+            sides(&down.after, &down.before),
+        ];
+        let tensor = curvature_tensor(here.normal, sides)?;
+        let [x, y] = (tensor.deviator / self.pixels).to_array();
+        let found = [x, y, tensor.mean / self.pixels].map(|v| v as f32);
+        found.iter().all(|v| v.is_finite()).then_some(found)
+    }
+
+    /// Twice the angle of each patch's direction, as long as it is sure: of the larger curvature in
+    /// family 0, of the lesser in 1.
+    fn doubled(&self, forms: &[[f32; 3]], family: usize) -> Vec<[f32; 2]> {
+        let found = |(patch, form): (&Patch, &[f32; 3])| self.direction(patch, form, family);
+        let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
+        all.zip(forms)
+            .map(|pair| found(pair).unwrap_or_default())
+            .collect()
+    }
+
+    fn direction(
+        &self,
+        patch: &Patch,
+        &[x, y, mean]: &[f32; 3],
+        family: usize,
+    ) -> Option<[f32; 2]> {
+        let form = Form {
+            deviator: DVec2::new(x.into(), y.into()),
+            mean: mean.into(),
+        };
+        let larger = form.larger()?;
+        let axis = if family == 0 { larger } else { larger.perp() };
+        let [a, b] = upright_tangents(patch.normal)?;
+        let tangent = axis.x * a + axis.y * b;
+        let seen = self
+            .sight
+            .picture_direction(patch.at.x, patch.at.y, tangent)?;
+        let facing = self.sight.facing(patch.at.x, patch.at.y, patch.normal) / FACING;
+        let sure = form.confidence(self.doubt) * facing.clamp(0.0, 1.0).powi(2);
+        Some((sure as f32 * doubled(seen.as_vec2())).to_array())
+    }
+
+    fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
+        match (self.params.fallback, order) {
+            (Fallback::Angle(degrees), _) => {
+                let turn = 90.0 * order as f32;
+                Vec2::from_angle((degrees % 180.0 + turn).to_radians())
+            }
+            (Fallback::Surface, 0) => fixed_direction(normal, &self.sight, x, y),
+            (Fallback::Surface, _) => fixed_second_direction(normal, &self.sight, x, y),
+        }
+    }
+
+    /// Adds the fallback, and makes everything unit; specks become 0.
+    fn settle(
+        &self,
+        doubled_directions: &mut [[f32; 2]],
+        fallback: impl Fn(f64, f64, DVec3) -> Vec2 + Sync,
+    ) {
+        let settle = |(i, z): (usize, &mut [f32; 2])| {
+            let patch = &self.patches.all[i];
+            let last = doubled(fallback(patch.at.x, patch.at.y, patch.normal));
+            let sum = Vec2::from(*z) + FALLBACK * last;
+            *z = match self.patches.is_speck(i) {
+                true => [0.0; 2],
+                false => sum.try_normalize().unwrap_or(last).to_array(),
+            };
+        };
+        doubled_directions
+            .par_iter_mut()
+            .with_min_len(PATCHES_PER_TASK)
+            .enumerate()
+            .for_each(settle);
+    }
+
+    /// Directions of pixels, between those of the patches around them; 0 where there is no patch.
+    fn at_pixels(&self, doubled: &[[f32; 2]], memory: &Memory) -> Vector2Planes {
+        let grid = &self.patches.grid;
+        let mut found = memory.vectors(&self.frame.mask);
+        let width = found.x.width();
+        let (x, y) = (found.x.samples_mut(), found.y.samples_mut());
+        grid.bands(x)
+            .into_par_iter()
+            .zip(grid.bands(y))
+            .enumerate()
+            .for_each(|(row, (x, y))| {
+                for column in 0..grid.columns {
+                    self.fill_cell(doubled, column, row, [x, y]);
+                }
+                for (i, (x, y)) in x.chunks_mut(width).zip(y.chunks_mut(width)).enumerate() {
+                    let span = self.frame.mask.span(grid.y_pixels(row).start + i);
+                    halve_row(&mut x[span.clone()], &mut y[span]);
+                }
+            });
+        found
+    }
+
+    /// The pixels of one cell, in the rows of their band.
+    fn fill_cell(&self, doubled: &[[f32; 2]], column: usize, row: usize, [x, y]: [&mut [f32]; 2]) {
+        let Patches { grid, labels, .. } = self.patches;
+        let width = self.frame.mask.width();
+        let patches = self.patches.of_cell(column, row);
+        let (xs, ys) = (grid.x_pixels(column), grid.y_pixels(row));
+        for (i, py) in ys.enumerate() {
+            let labels = &labels[py * width..][xs.clone()];
+            let (x, y) = (
+                &mut x[i * width..][xs.clone()],
+                &mut y[i * width..][xs.clone()],
+            );
+            for ((x, y), &label) in x.iter_mut().zip(y).zip(labels) {
+                if label == NO_PATCH {
+                    (*x, *y) = (0.0, 0.0);
+                }
+            }
+        }
+        for (label, patch) in patches.enumerate() {
+            let around = self.around(patch).map(|i| Vec2::from(doubled[i]));
+            for (i, py) in grid.y_pixels(row).enumerate() {
+                let v = grid.place(1, py);
+                let columns = [0, 1, 2].map(|c| {
+                    let [above, here, below] = [around[c], around[c + 3], around[c + 6]];
+                    here + if v < 0.0 {
+                        -v * (above - here)
+                    } else {
+                        v * (below - here)
+                    }
+                });
+                for px in xs.clone() {
+                    if usize::from(labels[py * width + px]) == label {
+                        let u = grid.place(0, px);
+                        let [left, here, right] = columns;
+                        let z = here
+                            + if u < 0.0 {
+                                -u * (left - here)
+                            } else {
+                                u * (right - here)
+                            };
+                        x[i * width + px] = z.x;
+                        y[i * width + px] = z.y;
+                    }
+                }
+            }
+        }
+    }
+
+    /// A patch and the eight around it, row by row; where the surface does not go on, the nearest of them
+    /// that does.
+    fn around(&self, i: usize) -> [usize; 9] {
+        let Patches { across, down, .. } = self.patches;
+        let go = |links: &[u32], i: usize| match links[i] {
+            NONE => None,
+            there => Some(there as usize),
+        };
+        let beside = |Links { before, after }: &Links, i| [go(before, i), go(after, i)];
+        let [left, right] = beside(across, i);
+        let [above, below] = beside(down, i);
+        let corner =
+            |side: Option<usize>, end: Option<usize>, sideways: &[u32], endways: &[u32]| {
+                let by_side = side.and_then(|s| go(endways, s));
+                let by_end = end.and_then(|e| go(sideways, e));
+                by_side.or(by_end).or(side).or(end).unwrap_or(i)
+            };
+        [
+            corner(left, above, &across.before, &down.before),
+            above.unwrap_or(i),
+            corner(right, above, &across.after, &down.before),
+            left.unwrap_or(i),
+            i,
+            right.unwrap_or(i),
+            corner(left, below, &across.before, &down.after),
+            below.unwrap_or(i),
+            corner(right, below, &across.after, &down.after),
+        ]
+    }
+}
+
+/// Patches that one task takes at the least.
+const PATCHES_PER_TASK: usize = 1024;
+
+/// Pixels per unit of length, at a distance of 1 in perspective.
+fn scale(projection: Projection) -> f64 {
+    match projection {
+        Projection::Perspective { fx, fy, .. } => (fx * fy).abs().sqrt(),
+        Projection::Orthographic { sx, sy, .. } => (sx * sy).abs().sqrt(),
+    }
+}

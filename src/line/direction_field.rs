@@ -1,0 +1,210 @@
+//! The field of stroke directions: how sure a direction is, and how directions are averaged over a surface.
+//!
+//! Theory: [LA] section 6.1. Directions are averaged over a cross-shaped kernel whose weights fall linearly
+//! with distance, several times, at a quarter of the picture's size; nothing is averaged across a silhouette
+//! or crease. Changes: a direction is held as a vector of twice its angle, whose length says how sure it is,
+//! and what is averaged is that vector. Equation 7 multiplies the sum of t t^T by the direction of the pixel
+//! itself; here its main axis is taken, so that a patch at right angles to all around it, as they arise where the
+//! two curvatures change places, does not stay so. Where curvature is unsure the directions around it lead,
+//! and far from all of them the fallback does, continuously. Practice: [`crate::line::patches`] tells what
+//! may be averaged with what.
+
+use glam::{DVec2, Vec2};
+
+/// Twice the angle of a direction: opposites are the same, and what is at right angles cancels.
+#[inline(always)]
+pub fn doubled(t: Vec2) -> Vec2 {
+    Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y)
+}
+
+/// The unit direction, of the two, at half the angle of `doubled`; 0 for 0.
+#[inline(always)]
+pub fn halved(doubled: [f32; 2]) -> [f32; 2] {
+    let [x, y] = doubled;
+    let length = (x * x + y * y).sqrt();
+    // cos^2 = (1 + cos 2a) / 2, whichever of sine and cosine is the larger; the other by sin 2a.
+    let twice = 2.0 * length;
+    let larger = ((length + x.abs()) / twice).sqrt();
+    let lesser = y / (twice * larger);
+    let found = if x >= 0.0 {
+        [larger, lesser]
+    } else {
+        [lesser.abs(), larger.copysign(y)]
+    };
+    if length > LEAST_LENGTH {
+        found
+    } else {
+        [0.0; 2]
+    }
+}
+
+/// Below this a vector is 0: its square is not a number of full precision.
+const LEAST_LENGTH: f32 = 1e-18;
+
+/// Directions of a row, halved in place.
+#[inline(always)]
+pub fn halve_row(x: &mut [f32], y: &mut [f32]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        [*x, *y] = halved([*x, *y]);
+    }
+}
+
+/// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
+/// the angle of the algebraically larger one, and their mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Form {
+    /// Half the difference.
+    pub deviator: DVec2,
+    /// The mean.
+    pub mean: f64,
+}
+
+impl Form {
+    /// The unit direction, in the frame of the tensor, of the curvature larger in size; `None` where
+    /// there is none at all.
+    #[inline]
+    pub fn larger(&self) -> Option<DVec2> {
+        let d = if self.mean >= 0.0 {
+            self.deviator
+        } else {
+            -self.deviator
+        };
+        let [x, y] = [d.x + d.length(), d.y];
+        let axis = if d.x >= 0.0 {
+            DVec2::new(x, y)
+        } else {
+            DVec2::new(d.y, d.length() - d.x)
+        };
+        axis.try_normalize()
+    }
+
+    /// How sure the directions are, 0..1: 1 on a cylinder, 0 where the curvatures are alike in size, or
+    /// differ by no more than `doubt` (both per pixel).
+    ///
+    /// The first factor, `(|k1| - |k2|) / (|k1| + |k2|)`, has no unit; the second compares `|k1| - |k2|`
+    /// with what noise, or a plane, would show.
+    #[inline]
+    pub fn confidence(&self, doubt: f64) -> f64 {
+        let (difference, mean) = (self.deviator.length(), self.mean.abs());
+        let (lesser, larger) = (difference.min(mean), difference.max(mean));
+        if larger > 0.0 {
+            let apart = 4.0 * lesser * lesser;
+            lesser / larger * apart / (apart + doubt * doubt)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s)
+/// and the weights' sums; the value itself, of weight 1, counts in. `reach` is more than 0.
+///
+/// Sums of the values and of the values times their places give any such sum at once, however far it reaches.
+pub fn sums_along<const N: usize>(
+    chain: &[([f32; N], f32)],
+    sums: &mut [([f32; N], f32)],
+    scratch: &mut Vec<[[f64; N]; 2]>,
+) {
+    scratch.clear();
+    scratch.push([[0.0; N]; 2]);
+    let mut so_far = [[0.0; N]; 2];
+    for (i, (value, _)) in chain.iter().enumerate() {
+        for c in 0..N {
+            so_far[0][c] += f64::from(value[c]);
+            so_far[1][c] += i as f64 * f64::from(value[c]);
+        }
+        scratch.push(so_far);
+    }
+    let last = chain.len() - 1;
+    for (i, (sum, &(value, reach))) in sums.iter_mut().zip(chain).enumerate() {
+        let reach = f64::from(reach);
+        let far = (reach.ceil() - 1.0).max(0.0) as usize;
+        let (back, ahead) = (far.min(i), far.min(last - i));
+        let weights = |n: usize| n as f64 - (n * (n + 1)) as f64 / (2.0 * reach);
+        let [before, here, after, end] =
+            [i - back, i, i + 1, i + 1 + ahead].map(|place| &scratch[place]);
+        let place = i as f64;
+        for c in 0..N {
+            let back = (1.0 - place / reach) * (here[0][c] - before[0][c])
+                + (here[1][c] - before[1][c]) / reach;
+            let ahead = (1.0 + place / reach) * (end[0][c] - after[0][c])
+                - (end[1][c] - after[1][c]) / reach;
+            sum.0[c] = (f64::from(value[c]) + back + ahead) as f32;
+        }
+        sum.1 = (1.0 + weights(back) + weights(ahead)) as f32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_twice_an_angle_is_the_direction() {
+        for degrees in -180..180 {
+            let t = Vec2::from_angle((degrees as f32 + 0.25).to_radians());
+            for length in [1e-12, 1.0, 3e4] {
+                let found = Vec2::from(halved((length * doubled(t)).into()));
+                assert!(found.perp_dot(t).abs() < 1e-6, "{degrees}: {found} for {t}");
+                assert!((found.length() - 1.0).abs() < 1e-6);
+            }
+        }
+        assert_eq!(halved([0.0, 0.0]), [0.0, 0.0]);
+        assert_eq!(halved([-0.0, -0.0]), [0.0, 0.0]);
+        assert_eq!(halved([-1.0, 0.0]), [0.0, 1.0]);
+    }
+
+    fn form(k1: f64, k2: f64) -> Form {
+        // Of two curvatures, the algebraically larger one along x.
+        Form {
+            deviator: DVec2::new(0.5 * (k1 - k2), 0.0),
+            mean: 0.5 * (k1 + k2),
+        }
+    }
+
+    #[test]
+    fn the_larger_in_size_leads() {
+        // A convex cylinder around y bends along x by -k: the larger of (0, -k) is along y.
+        assert_eq!(form(0.0, -0.1).larger(), Some(DVec2::Y));
+        assert_eq!(form(0.1, 0.0).larger(), Some(DVec2::X));
+        assert_eq!(form(0.1, -0.3).larger(), Some(DVec2::Y));
+        assert_eq!(form(0.2, 0.2).larger(), None);
+    }
+
+    #[test]
+    fn confidence_is_the_share_by_which_curvatures_differ() {
+        let certain = |k1, k2| form(k1, k2).confidence(0.0);
+        assert!((certain(0.0, -0.1) - 1.0).abs() < 1e-12);
+        // (3 - 1) / (3 + 1), whatever the signs.
+        for (k1, k2) in [(0.3, 0.1), (0.3, -0.1), (0.1, -0.3), (-0.1, -0.3)] {
+            assert!((certain(k1, k2) - 0.5).abs() < 1e-12, "{k1} {k2}");
+        }
+        assert_eq!(certain(0.1, 0.1), 0.0);
+        assert_eq!(certain(0.1, -0.1), 0.0);
+        assert_eq!(certain(0.0, 0.0), 0.0);
+        // A difference as large as the doubt counts half, a tenth of it a hundredth.
+        assert!((form(0.1, 0.0).confidence(0.1) - 0.5).abs() < 1e-12);
+        assert!((form(0.01, 0.0).confidence(0.1) - 0.01 / 1.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn sums_are_those_of_the_weights() {
+        let values: Vec<f32> = (0..40).map(|i| ((i * i) % 17) as f32 - 8.0).collect();
+        for reach in [0.5, 1.0, 1.5, 2.0, 6.0, 7.3, 100.0_f32] {
+            let chain: Vec<_> = values.iter().map(|&v| ([v, 1.0], reach)).collect();
+            let mut sums = vec![([0.0; 2], 0.0); 40];
+            sums_along(&chain, &mut sums, &mut Vec::new());
+            for (i, (sum, weights)) in sums.iter().enumerate() {
+                let weight = |j: usize| (1.0 - i.abs_diff(j) as f32 / reach).max(0.0);
+                let expected: f32 = (0..40).map(|j| weight(j) * values[j]).sum();
+                let expected_weights: f32 = (0..40).map(weight).sum();
+                assert!(
+                    (sum[0] - expected).abs() < 1e-3,
+                    "{i} {reach}: {sum:?} {expected}"
+                );
+                assert!((weights - expected_weights).abs() < 1e-4);
+                assert!((sum[1] - weights).abs() < 1e-4);
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Patches: what of one surface lies in one cell of a coarser grid. Pixels of different surfaces never
+//! share a patch, so that whatever is passed from patch to patch stays on its surface.
+
+/// Label of a pixel that belongs to no patch: uncovered, or on an edge.
+pub const NO_PATCH: u8 = u8::MAX;
+
+/// Largest side of a cell: its pixels are told apart by labels of one byte.
+pub const MAX_CELL_PX: usize = 8;
+
+/// Labels the open pixels of one cell, row by row in `labels` as in `open`, by the patch they hang together
+/// in through their sides; returns how many patches there are. Patches are numbered by their first pixels.
+#[inline]
+pub fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usize {
+    labels.fill(NO_PATCH);
+    if open.iter().all(|&o| o) {
+        labels.fill(0);
+        return usize::from(!open.is_empty());
+    }
+    let mut count = 0;
+    let mut waiting = [0_u8; MAX_CELL_PX * MAX_CELL_PX];
+    for first in 0..open.len() {
+        if !open[first] || labels[first] != NO_PATCH {
+            continue;
+        }
+        let label = count as u8;
+        count += 1;
+        labels[first] = label;
+        waiting[0] = first as u8;
+        let mut left = 1;
+        while left > 0 {
+            left -= 1;
+            let i = usize::from(waiting[left]);
+            let column = i % width;
+            let sides = [
+                (column > 0).then(|| i - 1),
+                (column + 1 < width).then_some(i + 1),
+                i.checked_sub(width),
+                (i + width < open.len()).then_some(i + width),
+            ];
+            for side in sides.into_iter().flatten() {
+                if open[side] && labels[side] == NO_PATCH {
+                    labels[side] = label;
+                    waiting[left] = side as u8;
+                    left += 1;
+                }
+            }
+        }
+    }
+    count
+}
+
+/// The patches of two neighbouring cells that go on in each other: `first` and `second` are labels along
+/// the side they share. Pairs of those that share most of it come first, and no patch goes on in two.
+#[inline]
+pub fn joined(first: &[u8], second: &[u8], mut join: impl FnMut(u8, u8)) {
+    const MOST: usize = MAX_CELL_PX;
+    let mut pairs = [(NO_PATCH, NO_PATCH, 0_u8); MOST];
+    let mut count = 0;
+    for (&a, &b) in first.iter().zip(second) {
+        if a == NO_PATCH || b == NO_PATCH {
+            continue;
+        }
+        match pairs[..count].iter_mut().find(|p| (p.0, p.1) == (a, b)) {
+            Some(pair) => pair.2 += 1,
+            None => {
+                pairs[count] = (a, b, 1);
+                count += 1;
+            }
+        }
+    }
+    let pairs = &mut pairs[..count];
+    if count > 1 {
+        pairs.sort_by_key(|p| std::cmp::Reverse(p.2));
+    }
+    let mut done = [(NO_PATCH, NO_PATCH); MOST];
+    for (i, &(a, b, _)) in pairs.iter().enumerate() {
+        if done[..i].iter().all(|d| d.0 != a && d.1 != b) {
+            done[i] = (a, b);
+            join(a, b);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(picture: &str) -> (usize, String) {
+        let width = picture.split_whitespace().next().unwrap().len();
+        let open: Vec<bool> = picture
+            .split_whitespace()
+            .flat_map(|row| row.bytes().map(|b| b == b'#'))
+            .collect();
+        let mut labels = vec![7; open.len()];
+        let count = label_cell(&open, &mut labels, width);
+        let shown = labels.iter().map(|&l| match l {
+            NO_PATCH => '.',
+            l => char::from(b'0' + l),
+        });
+        (count, shown.collect())
+    }
+
+    #[test]
+    fn what_touches_by_its_sides_is_one_patch() {
+        assert_eq!(labels("#### #### #### ####"), (1, "0".repeat(16)));
+        assert_eq!(labels(".... .... .... ...."), (0, ".".repeat(16)));
+        assert_eq!(
+            labels("#.## #.#. #.## #..#"),
+            (2, "0.110.1.0.110..1".into())
+        );
+        // Corners do not touch.
+        assert_eq!(labels("#.#. .#.# #.#. .#.#").0, 8);
+        // Through the last row only.
+        assert_eq!(labels("#.# #.# ###"), (1, "0.00.0000".into()));
+        assert_eq!(labels("#"), (1, "0".into()));
+    }
+
+    #[test]
+    fn patches_go_on_where_they_share_most_of_the_side() {
+        let join = |a: &[u8], b: &[u8]| {
+            let mut found = Vec::new();
+            joined(a, b, |a, b| found.push((a, b)));
+            found
+        };
+        const NO: u8 = NO_PATCH;
+        assert_eq!(join(&[0, 0, NO, 1], &[0, 0, NO, 1]), [(0, 0), (1, 1)]);
+        // 0 touches 0 once and 1 twice: it goes on in 1, and 0 in nothing.
+        assert_eq!(join(&[0, 0, 0, 0], &[0, NO, 1, 1]), [(0, 1)]);
+        assert_eq!(join(&[NO, 0, NO, 0], &[0, NO, 0, NO]), []);
+    }
+}
