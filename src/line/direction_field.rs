@@ -81,19 +81,48 @@ impl Form {
     /// How sure the directions are, 0..1: 1 on a cylinder, 0 where the curvatures are alike in size, or
     /// differ by no more than `doubt` (both per pixel).
     ///
-    /// The first factor, `(|k1| - |k2|) / (|k1| + |k2|)`, has no unit; the second compares `|k1| - |k2|`
+    /// The first factor, the square of `(|k1| - |k2|) / (|k1| + |k2|)`, has no unit; the second compares `|k1| - |k2|`
     /// with what noise, or a plane, would show.
     #[inline]
     pub fn confidence(&self, doubt: f64) -> f64 {
         let (difference, mean) = (self.deviator.length(), self.mean.abs());
         let (lesser, larger) = (difference.min(mean), difference.max(mean));
-        if larger > 0.0 {
-            let apart = 4.0 * lesser * lesser;
-            lesser / larger * apart / (apart + doubt * doubt)
+        let apart = 4.0 * lesser * lesser;
+        if apart > 0.0 {
+            (lesser / larger).powi(2) * apart / (apart + doubt * doubt)
         } else {
             0.0
         }
     }
+
+    /// How much the surface is a plane, 0..1, where a curvature of `doubt` counts a quarter.
+    #[inline]
+    pub fn flatness(&self, doubt: f64) -> f64 {
+        let larger = self.deviator.length() + self.mean.abs();
+        let square = doubt * doubt;
+        if square > 0.0 {
+            (square / (square + larger * larger)).powi(2)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// What leads strokes, as twice an angle: the mean of `own` directions, or, as far as those disagree, the mean of
+/// the directions `around`, which come from farther away.
+///
+/// Directions that agree add up to a vector as long as they are sure together, the third of `own`; where lines
+/// of forms meet, or noise, they cancel, and a form too small for the radius does not make a swirl.
+#[inline]
+pub fn calm([x, y, sure]: [f32; 3], around: [f32; 2]) -> [f32; 2] {
+    let square = sure * sure;
+    let agreement = if square > 0.0 {
+        ((x * x + y * y) / square).min(1.0)
+    } else {
+        0.0
+    };
+    let lead = |own: f32, around: f32| agreement * own + (1.0 - agreement) * around;
+    [lead(x, around[0]), lead(y, around[1])]
 }
 
 /// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s)
@@ -172,12 +201,12 @@ mod tests {
     }
 
     #[test]
-    fn confidence_is_the_share_by_which_curvatures_differ() {
+    fn confidence_is_the_squared_share_by_which_curvatures_differ() {
         let certain = |k1, k2| form(k1, k2).confidence(0.0);
         assert!((certain(0.0, -0.1) - 1.0).abs() < 1e-12);
-        // (3 - 1) / (3 + 1), whatever the signs.
+        // ((3 - 1) / (3 + 1))^2, whatever the signs.
         for (k1, k2) in [(0.3, 0.1), (0.3, -0.1), (0.1, -0.3), (-0.1, -0.3)] {
-            assert!((certain(k1, k2) - 0.5).abs() < 1e-12, "{k1} {k2}");
+            assert!((certain(k1, k2) - 0.25).abs() < 1e-12, "{k1} {k2}");
         }
         assert_eq!(certain(0.1, 0.1), 0.0);
         assert_eq!(certain(0.1, -0.1), 0.0);
@@ -185,6 +214,23 @@ mod tests {
         // A difference as large as the doubt counts half, a tenth of it a hundredth.
         assert!((form(0.1, 0.0).confidence(0.1) - 0.5).abs() < 1e-12);
         assert!((form(0.01, 0.0).confidence(0.1) - 0.01 / 1.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn surroundings_lead_where_directions_disagree() {
+        assert_eq!(calm([0.3, 0.0, 0.3], [0.0, 1.0]), [0.3, 0.0]);
+        assert_eq!(calm([0.0, 0.0, 0.3], [0.0, 1.0]), [0.0, 1.0]);
+        assert_eq!(calm([0.0, 0.0, 0.0], [0.0, 0.5]), [0.0, 0.5]);
+        // Half as long as they are sure: a quarter of its own, three of the surroundings.
+        assert_eq!(calm([0.5, 0.0, 1.0], [0.0, 1.0]), [0.125, 0.75]);
+    }
+
+    #[test]
+    fn planes_are_flat_and_balls_are_not() {
+        // (1 / (1 + 1))^2 where the larger curvature is the doubt.
+        assert_eq!(form(0.0, 0.0).flatness(0.1), 1.0);
+        assert!((form(0.0, -0.1).flatness(0.1) - 0.25).abs() < 1e-12);
+        assert!(form(-1.0, -1.0).flatness(0.01) < 1e-7);
     }
 
     #[test]

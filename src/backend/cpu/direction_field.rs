@@ -7,7 +7,7 @@ use super::memory::Memory;
 use super::patches::{Links, NONE, Patch, Patches};
 use crate::frame::{DepthKind, Frame, Plane, Projection, SightLines, Vector2Planes};
 use crate::line::direction::{fixed_direction, fixed_second_direction};
-use crate::line::direction_field::{Form, doubled, halve_row};
+use crate::line::direction_field::{Form, calm, doubled, halve_row};
 use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
 use crate::line::patches::NO_PATCH;
 use crate::params::{Fallback, FieldParams, StrokeDirections};
@@ -35,13 +35,11 @@ pub(super) fn stroke_fields(
     families
         .enumerate()
         .map(|(order, family)| {
-            let mut doubled = field.doubled(&forms, family);
-            for _ in 0..params.passes {
-                doubled = cross.mean(&doubled, &reach);
-            }
+            let found = field.doubled(&forms, family, order);
+            let mut led = field.calmed(found, &cross, &reach);
             let fallback = |x: f64, y: f64, n: DVec3| field.fallback(x, y, n, order);
-            field.settle(&mut doubled, fallback);
-            let mut found = field.at_pixels(&doubled, memory);
+            field.settle(&mut led, fallback);
+            let mut found = field.at_pixels(&led, memory);
             fill_rest(&mut found, &frame.mask, |x, y| {
                 let n = &frame.normal;
                 let normal = [&n.x, &n.y, &n.z].map(|plane| f64::from(plane.at(x, y)));
@@ -85,8 +83,13 @@ const DEVIATION: f64 = 0.577_350_269;
 /// Cosine between normal and sight line below which directions, foreshortened, count less.
 const FACING: f64 = 0.35;
 
-/// How sure the fallback is.
-const FALLBACK: f32 = 0.05;
+/// How sure the fallback is where the surface is no plane: less than all that curvature tells.
+const FALLBACK: f32 = 0.01;
+
+/// How many times farther than a pass the surroundings reach that lead where directions disagree, and in how
+/// many passes.
+const SURROUNDINGS: f32 = 4.0;
+const SURROUNDING_PASSES: u32 = 2;
 
 /// The most, and the least, that depth makes of the radius.
 const NEAR: f32 = 2.0;
@@ -175,36 +178,55 @@ impl<'a> Field<'a> {
         found.iter().all(|v| v.is_finite()).then_some(found)
     }
 
-    /// Twice the angle of each patch's direction, as long as it is sure: of the larger curvature in
-    /// family 0, of the lesser in 1.
-    fn doubled(&self, forms: &[[f32; 3]], family: usize) -> Vec<[f32; 2]> {
-        let found = |(patch, form): (&Patch, &[f32; 3])| self.direction(patch, form, family);
+    /// The directions of patches, of the larger curvature in family 0, of the lesser in 1: see [`calm`].
+    fn doubled(&self, forms: &[[f32; 3]], family: usize, order: usize) -> Vec<[f32; 3]> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
         all.zip(forms)
-            .map(|pair| found(pair).unwrap_or_default())
+            .map(|(patch, &[x, y, mean])| {
+                let form = Form {
+                    deviator: DVec2::new(x.into(), y.into()),
+                    mean: mean.into(),
+                };
+                let own = self.direction(patch, &form, family).unwrap_or_default();
+                let fallback = self.fallback(patch.at.x, patch.at.y, patch.normal, order);
+                let (sure, flat) = (own.length(), form.flatness(self.doubt) as f32);
+                let sum = own + flat * doubled(fallback);
+                [sum.x, sum.y, sure + flat]
+            })
             .collect()
     }
 
-    fn direction(
-        &self,
-        patch: &Patch,
-        &[x, y, mean]: &[f32; 3],
-        family: usize,
-    ) -> Option<[f32; 2]> {
-        let form = Form {
-            deviator: DVec2::new(x.into(), y.into()),
-            mean: mean.into(),
-        };
+    /// Twice the angle of a patch's own direction, as long as it is sure.
+    fn direction(&self, patch: &Patch, form: &Form, family: usize) -> Option<Vec2> {
         let larger = form.larger()?;
         let axis = if family == 0 { larger } else { larger.perp() };
         let [a, b] = upright_tangents(patch.normal)?;
         let tangent = axis.x * a + axis.y * b;
-        let seen = self
-            .sight
-            .picture_direction(patch.at.x, patch.at.y, tangent)?;
-        let facing = self.sight.facing(patch.at.x, patch.at.y, patch.normal) / FACING;
-        let sure = form.confidence(self.doubt) * facing.clamp(0.0, 1.0).powi(2);
-        Some((sure as f32 * doubled(seen.as_vec2())).to_array())
+        let [x, y] = patch.at.to_array();
+        let seen = self.sight.picture_direction(x, y, tangent)?;
+        let facing = (self.sight.facing(x, y, patch.normal) / FACING).clamp(0.0, 1.0);
+        let sure = form.confidence(self.doubt) * facing.powi(2);
+        Some(sure as f32 * doubled(seen.as_vec2()))
+    }
+
+    /// Directions averaged, pass after pass; where they disagree, their surroundings lead.
+    fn calmed(&self, mut found: Vec<[f32; 3]>, cross: &Cross, reach: &[f32]) -> Vec<[f32; 2]> {
+        for _ in 0..self.params.passes {
+            found = cross.mean(&found, reach);
+        }
+        if self.params.passes == 0 {
+            return found.iter().map(|&[x, y, _]| [x, y]).collect();
+        }
+        let wide: Vec<f32> = reach.iter().map(|r| SURROUNDINGS * r).collect();
+        let mut around: Vec<[f32; 2]> = found.iter().map(|&[x, y, _]| [x, y]).collect();
+        for _ in 0..SURROUNDING_PASSES {
+            around = cross.mean(&around, &wide);
+        }
+        found
+            .iter()
+            .zip(&around)
+            .map(|(&own, &around)| calm(own, around))
+            .collect()
     }
 
     fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
