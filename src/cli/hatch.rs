@@ -4,15 +4,18 @@ use super::job::{Done, Job, refuse_inputs};
 use super::line_args::{HatchArgs, ToneArg};
 use super::output::{Kind, color_channels, color_layer};
 use super::relight::{illumination, needs};
-use crate::backend::cpu::Runner;
+use crate::backend::cpu::{DrawingInputs, Runner};
 use crate::compose::on_paper;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::io;
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::{LightInputs, LobeChoice};
 use crate::io::picture::Picture;
 use crate::light::lights::{DirectionalLight, direction_of};
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::{StrokeParams, StrokeScale};
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The light of a drawing that has no other: from the upper left.
 const LAMP: [f32; 2] = [135.0, 40.0];
@@ -31,6 +34,8 @@ pub(super) fn run(args: &HatchArgs) -> Result<()> {
     light.validate()?;
     line.validate()?;
 
+    let art_map = args.pictures().map(|path| own_map(path, &line.strokes));
+    let art_map = art_map.transpose()?;
     let mut illumination = illumination(&relight.light)?;
     let mut inputs = work.roles.inputs(&work.input);
     inputs.albedo.clone_from(&relight.material.albedo);
@@ -60,11 +65,11 @@ pub(super) fn run(args: &HatchArgs) -> Result<()> {
     };
     let plan = Plan::hatch(available, shape, scaling, tone, line)?;
     job.tell_plan(&plan)?;
-    let runner = Runner::default();
-    let outcome = match relit {
-        true => runner.relight(&plan, &loaded.frame, &illumination),
-        false => runner.run(&plan, &loaded.frame),
+    let inputs = DrawingInputs {
+        illumination: Some(&illumination),
+        art_map: art_map.as_ref(),
     };
+    let outcome = Runner::default().draw(&plan, &loaded.frame, inputs);
     write(
         args,
         &job,
@@ -74,6 +79,22 @@ pub(super) fn run(args: &HatchArgs) -> Result<()> {
             read,
         },
     )
+}
+
+/// The texture of strokes in a folder of pictures.
+fn own_map(path: &Path, strokes: &StrokeParams) -> Result<TonalArtMap> {
+    let StrokeScale::Factor(factor) = strokes.scale else {
+        return Err(Error::BadParameter {
+            name: "--stroke-scale",
+            found: "is in millimetres, but how wide the strokes of pictures are is not known"
+                .into(),
+            remedy: "give a factor".into(),
+        });
+    };
+    Ok(TonalArtMap::of_pictures(
+        &io::read_art_map(path)?,
+        factor.recip(),
+    ))
 }
 
 fn lamp() -> DirectionalLight {
@@ -91,7 +112,9 @@ fn write(args: &HatchArgs, job: &Job, done: &Done) -> Result<()> {
         .drawing
         .as_ref()
         .expect("a drawing was planned");
-    let layers = [&drawing.hatching];
+    let layers: Vec<_> = std::iter::once(&drawing.hatching)
+        .chain(&drawing.contours)
+        .collect();
     let color = &on_paper(&layers);
     match job.kind {
         Kind::Picture(format) => job.write_picture(
@@ -113,6 +136,11 @@ fn write(args: &HatchArgs, job: &Job, done: &Done) -> Result<()> {
                 plane: &drawing.hatching,
                 sample_type,
             });
+            channels.extend(drawing.contours.iter().map(|plane| OutputChannel {
+                name: "strokes.contours".into(),
+                plane,
+                sample_type,
+            }));
             job.write_exr(done, channels)
         }
     }

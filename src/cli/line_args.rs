@@ -1,8 +1,12 @@
 //! The names of `hatch`. Every default is read from `params`.
 
-use super::relight_args::RelightArgs;
-use crate::params::{Adaptive, LineParams, StrokeParams, StrokeScale, Style, ToneParams};
+use super::relight_args::{RelightArgs, mirrored};
+use crate::params::{
+    Adaptive, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams, StrokeScale,
+    Style, ToneParams,
+};
 use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 static LINE: LazyLock<LineParams> = LazyLock::new(LineParams::default);
@@ -13,6 +17,8 @@ pub(super) struct HatchArgs {
     pub(super) relight: RelightArgs,
     #[command(flatten)]
     pub(super) tone: ToneFlags,
+    #[command(flatten)]
+    field: FieldFlags,
     #[command(flatten)]
     strokes: StrokeFlags,
 }
@@ -44,12 +50,34 @@ pub(super) enum ToneArg {
     Relight,
 }
 
+/// Where strokes go.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Directions")]
+struct FieldFlags {
+    /// Directions of curvature that strokes follow: of the larger, around a cylinder; of the lesser, along
+    /// it; both, the dark crossed by a second hatching.
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t = DirectionsArg::from(LINE.directions))]
+    directions: DirectionsArg,
+    /// Where strokes go that curvature does not lead, on planes and balls: degrees in the picture, or
+    /// surface for an upright direction on it.
+    #[arg(long, value_name = "DEG|surface", default_value_t = LINE.field.fallback, allow_negative_numbers = true)]
+    fallback: Fallback,
+    /// How often directions are averaged with those around them: more make calmer strokes.
+    #[arg(long, value_name = "N", default_value_t = LINE.field.passes)]
+    passes: u32,
+    /// How far around, in pixels of a quarter of the picture's size.
+    #[arg(long, value_name = "PX", default_value_t = LINE.field.radius_px, allow_negative_numbers = true)]
+    smoothing: f32,
+}
+
+mirrored!(DirectionsArg, StrokeDirections { Max, Min, Both });
+
 /// How strokes are drawn.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Strokes")]
 struct StrokeFlags {
-    /// What strokes are drawn with.
-    #[arg(long, value_name = "STYLE", value_enum, default_value_t = StyleArg::from(LINE.strokes.style))]
+    /// What strokes are drawn with; a folder holds pictures of strokes along the horizontal, one per tone.
+    #[arg(long, value_name = "pen|pencil|DIR", default_value_t = StyleArg::Known(LINE.strokes.style))]
     style: StyleArg,
     /// Size of strokes: a factor of the style's own pixels, or the width of a stroke on paper as in 0.3mm.
     #[arg(long, value_name = "S|MMmm", default_value_t = LINE.strokes.scale, allow_negative_numbers = true)]
@@ -83,38 +111,68 @@ struct StrokeFlags {
     sets: u32,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
+/// A style by its name, or a folder of pictures.
+#[derive(Debug, Clone, PartialEq)]
 enum StyleArg {
-    Pen,
-    Pencil,
+    Known(Style),
+    Folder(PathBuf),
 }
 
-impl From<Style> for StyleArg {
-    fn from(style: Style) -> Self {
-        match style {
-            Style::Pen => Self::Pen,
-            Style::Pencil => Self::Pencil,
+/// The styles that have a name.
+const STYLES: [(&str, Style); 2] = [("pen", Style::Pen), ("pencil", Style::Pencil)];
+
+impl std::fmt::Display for StyleArg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = |known| STYLES.iter().find(|(_, style)| *style == known);
+        match self {
+            Self::Known(known) => f.write_str(name(*known).map_or("", |(name, _)| name)),
+            Self::Folder(path) => write!(f, "{}", path.display()),
         }
     }
 }
 
-impl From<StyleArg> for Style {
-    fn from(arg: StyleArg) -> Self {
-        match arg {
-            StyleArg::Pen => Self::Pen,
-            StyleArg::Pencil => Self::Pencil,
+impl std::str::FromStr for StyleArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = STYLES.iter().find(|(name, _)| *name == text);
+        match known {
+            Some((_, style)) => Ok(Self::Known(*style)),
+            None if Path::new(text).is_dir() => Ok(Self::Folder(text.into())),
+            None => Err("expected pen, pencil or a folder of pictures of strokes".into()),
         }
     }
 }
 
 impl HatchArgs {
+    /// The folder of pictures that strokes are taken from, if any.
+    pub(super) fn pictures(&self) -> Option<&Path> {
+        match &self.strokes.style {
+            StyleArg::Known(_) => None,
+            StyleArg::Folder(path) => Some(path),
+        }
+    }
+
     pub(super) fn params(&self) -> LineParams {
-        let Self { tone, strokes, .. } = self;
+        let Self {
+            tone,
+            strokes,
+            field,
+            ..
+        } = self;
         LineParams {
-            directions: LINE.directions,
-            field: LINE.field,
+            directions: field.directions.into(),
+            field: FieldParams {
+                passes: field.passes,
+                radius_px: field.smoothing,
+                fallback: field.fallback,
+                ..LINE.field
+            },
             strokes: StrokeParams {
-                style: strokes.style.into(),
+                style: match &strokes.style {
+                    StyleArg::Known(style) => *style,
+                    StyleArg::Folder(_) => Style::Pictures,
+                },
                 scale: strokes.stroke_scale,
                 dpi: strokes.dpi,
                 width_px: strokes.stroke_width,
@@ -131,6 +189,7 @@ impl HatchArgs {
                 black_point: tone.black_point,
                 gamma: tone.tone_gamma,
             },
+            contours: LINE.contours,
         }
     }
 }

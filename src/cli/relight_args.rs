@@ -193,6 +193,8 @@ macro_rules! mirrored {
     };
 }
 
+pub(super) use mirrored;
+
 mirrored!(
     MethodArg,
     Method {

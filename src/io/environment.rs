@@ -42,7 +42,7 @@ pub fn read_lit_sphere(path: &Path) -> Result<LitSphere> {
 }
 
 /// The colour of a file over its display window, multiplied by its alpha and linear.
-fn read_color(path: &Path) -> Result<ColorPlanes> {
+pub(super) fn read_color(path: &Path) -> Result<ColorPlanes> {
     let file = Opened::open(path)?;
     let sources = color_sources(&file).ok_or_else(|| {
         let layers = file.layer_names().join(", ");

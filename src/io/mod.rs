@@ -1,5 +1,6 @@
 //! Files to frames, and planes to files.
 
+mod art_map;
 pub mod camera;
 mod coverage;
 mod depth;
@@ -21,6 +22,7 @@ pub mod srgb;
 mod survey;
 mod view;
 
+pub use art_map::read_art_map;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use load::{Finding, Loaded, Needs, load};
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

@@ -8,12 +8,70 @@
 //! with the product of what each leaves white: (1 - d)^(sum of w). Means are exact, ink stays black, and toward
 //! the border of a partition strokes drop out one by one where an average would fade all to grey. Each level
 //! has a place of its own in the texture; turned about one point, all would agree there.
+//!
+//! Practice: pixels are worked on in batches along a row, where neighbours share a level, in loops that are
+//! vectorised but for the loads of texels.
 
 use super::random::Random;
 use super::tonal_art_map::{MAX_DENSITY, TonalArtMap};
 use crate::params::StrokeParams;
 use glam::Vec2;
 use std::f32::consts::PI;
+use std::ops::Range;
+
+/// Pixels that are worked on together.
+pub const BATCH: usize = 64;
+
+/// Pixels to be hatched: the first `count` of each array.
+#[derive(Debug, Clone)]
+pub struct Pixels {
+    /// How many.
+    pub count: usize,
+    /// Pixel coordinates, rows down, in which the texture lies still.
+    pub place: [[f32; BATCH]; 2],
+    /// Angles that strokes follow, 0..pi, counterclockwise.
+    pub angle: [f32; BATCH],
+    /// Optical density that is wanted in all: minus the logarithm of tone.
+    pub wanted: [f32; BATCH],
+    /// What of it the strokes to be drawn next give.
+    pub density: [f32; BATCH],
+    /// How much of the paper stays white, 0..1.
+    pub white: [f32; BATCH],
+}
+
+impl Default for Pixels {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            place: [[0.0; BATCH]; 2],
+            angle: [0.0; BATCH],
+            wanted: [0.0; BATCH],
+            density: [0.0; BATCH],
+            white: [1.0; BATCH],
+        }
+    }
+}
+
+impl Pixels {
+    /// Asks one of `families` families of strokes for its share: all of the tone of one, and of a second,
+    /// laid across it, what is darker than [`CROSSED_FROM`].
+    #[inline(always)]
+    pub fn share(&mut self, family: usize, families: usize) {
+        let wanted = &self.wanted[..self.count];
+        for (density, &wanted) in self.density.iter_mut().zip(wanted) {
+            let crossed = (0.5 * (wanted - CROSSED_FROM)).max(0.0);
+            *density = match (families, family) {
+                (1, _) => wanted,
+                (_, 0) => wanted - crossed,
+                _ => crossed,
+            };
+        }
+    }
+}
+
+/// Density from which on strokes are crossed by others, which give half of what is beyond: a third of the
+/// paper is inked by then.
+const CROSSED_FROM: f32 = 0.4;
 
 /// A texture turned to a level's angle: texture coordinates of pixel coordinates, rows down.
 #[derive(Debug, Clone, Copy)]
@@ -26,11 +84,11 @@ struct Turned {
 impl Turned {
     /// [LA] equation 8, for angles counterclockwise: along the angle only the first coordinate grows.
     #[inline(always)]
-    fn at(&self, p: Vec2) -> Vec2 {
-        Vec2::new(
-            self.cos * p.x - self.sin * p.y,
-            self.sin * p.x + self.cos * p.y,
-        ) + self.offset
+    fn at(&self, x: f32, y: f32) -> [f32; 2] {
+        [
+            self.cos * x - self.sin * y + self.offset.x,
+            self.sin * x + self.cos * y + self.offset.y,
+        ]
     }
 }
 
@@ -39,21 +97,18 @@ impl Turned {
 pub struct Hatching<'a> {
     map: &'a TonalArtMap,
     levels: usize,
+    sets: usize,
     /// Level by level, set by set.
     turned: Vec<Turned>,
-    sets: usize,
 }
 
-/// Families of strokes: along one principal direction, and for the dark along the other.
-pub const MAX_FAMILIES: usize = 2;
-
 impl<'a> Hatching<'a> {
-    /// Hatching by the strokes of `map`; `family` keeps two families over one another apart.
+    /// Hatching by the strokes of `map`; `family` keeps families of strokes over one another apart.
     pub fn new(map: &'a TonalArtMap, params: &StrokeParams, family: usize) -> Self {
         let (levels, sets) = (params.levels as usize, params.sets as usize);
         let mut random = Random::new(params.seed.wrapping_add(1 + family as u64));
         let scale = map.texels_per_px();
-        let side = map.side() as f32;
+        let [width, height] = map.period().map(|texels| texels as f32);
         let turned = (0..levels * sets)
             .map(|i| {
                 let (set, level) = (i / levels, i % levels);
@@ -61,55 +116,113 @@ impl<'a> Hatching<'a> {
                 Turned {
                     cos: scale * angle.cos(),
                     sin: scale * angle.sin(),
-                    offset: Vec2::new(side * random.unit(), side * random.unit()),
+                    offset: Vec2::new(width * random.unit(), height * random.unit()),
                 }
             })
             .collect();
         Self {
             map,
             levels,
-            turned,
             sets,
+            turned,
         }
     }
 
-    /// How much of the paper stays white, 0..1, at pixel coordinates `p` (rows down) where strokes follow
-    /// the angle `angle`, 0..pi counterclockwise, and `density` is wanted.
-    #[inline]
-    pub fn white(&self, p: Vec2, angle: f32, density: f32) -> f32 {
-        if density <= 0.0 {
-            return 1.0;
-        }
-        if density >= MAX_DENSITY {
-            return 0.0;
-        }
-        let mut white = 1.0;
-        let share = density / self.sets as f32;
-        let at = angle * (self.levels as f32 / PI);
+    /// Draws over what is white so far.
+    #[inline(always)]
+    pub fn draw(&self, pixels: &mut Pixels) {
+        let count = pixels.count;
+        let mut level = Levels::default();
         for set in 0..self.sets {
-            // 0..levels, past the last level the first again.
-            let at = at - set as f32 / self.sets as f32;
-            let at = if at < 0.0 {
-                at + self.levels as f32
-            } else {
-                at
-            };
-            let below = (at as usize).min(self.levels - 1);
-            let above = if below + 1 == self.levels {
-                0
-            } else {
-                below + 1
-            };
-            let away = (at - below as f32).clamp(0.0, 1.0);
-            let of_set = &self.turned[set * self.levels..][..self.levels];
-            for (level, weight) in [(below, 1.0 - away), (above, away)] {
-                let threshold = self.map.threshold(weight * share);
-                if threshold > 0.0 {
-                    let t = of_set[level].at(p);
-                    white *= 1.0 - self.map.ink(t.x, t.y, threshold);
-                }
+            level.find(
+                &pixels.angle[..count],
+                self.levels,
+                set as f32 / self.sets as f32,
+            );
+            let mut from = 0;
+            while from < count {
+                let below = level.below[from];
+                let same = level.below[from..count].iter().take_while(|&&l| l == below);
+                let run = from..from + same.count();
+                from = run.end;
+                let below = below as usize;
+                let above = if below + 1 == self.levels {
+                    0
+                } else {
+                    below + 1
+                };
+                let of_set = &self.turned[set * self.levels..][..self.levels];
+                self.paste(&of_set[below], &level.weight[0], run.clone(), pixels);
+                self.paste(&of_set[above], &level.weight[1], run, pixels);
             }
         }
-        white
+        let (white, wanted) = (&mut pixels.white[..count], &pixels.wanted[..count]);
+        for (white, &wanted) in white.iter_mut().zip(wanted) {
+            *white = if wanted >= MAX_DENSITY { 0.0 } else { *white };
+        }
+    }
+
+    /// Pastes one level's strokes over a run of pixels.
+    #[inline(always)]
+    fn paste(
+        &self,
+        turned: &Turned,
+        weight: &[f32; BATCH],
+        run: Range<usize>,
+        pixels: &mut Pixels,
+    ) {
+        let count = run.len();
+        let share = 1.0 / self.sets as f32;
+        let mut threshold = [0.0; BATCH];
+        let mut any = 0.0_f32;
+        let (weight, density) = (&weight[run.clone()], &pixels.density[run.clone()]);
+        for (i, threshold) in threshold[..count].iter_mut().enumerate() {
+            *threshold = self.map.threshold(weight[i] * share * density[i]);
+            any = any.max(*threshold);
+        }
+        if any <= 0.0 {
+            return;
+        }
+        let mut at = [[0.0; BATCH]; 2];
+        let (x, y) = (&pixels.place[0][run.clone()], &pixels.place[1][run.clone()]);
+        let [u, v] = &mut at;
+        for i in 0..count {
+            [u[i], v[i]] = turned.at(x[i], y[i]);
+        }
+        self.map.cover(&mut pixels.white[run], &at, &threshold);
+    }
+}
+
+/// The two levels next to each angle and their tent weights.
+struct Levels {
+    below: [u32; BATCH],
+    weight: [[f32; BATCH]; 2],
+}
+
+impl Default for Levels {
+    fn default() -> Self {
+        Self {
+            below: [0; BATCH],
+            weight: [[0.0; BATCH]; 2],
+        }
+    }
+}
+
+impl Levels {
+    /// Among `levels` over half a turn, all of them `offset` of one further on. Past the last comes the
+    /// first again.
+    #[inline(always)]
+    fn find(&mut self, angles: &[f32], levels: usize, offset: f32) {
+        let (count, last) = (levels as f32, levels as f32 - 1.0);
+        let [below_weight, above_weight] = &mut self.weight;
+        for (i, &angle) in angles.iter().enumerate() {
+            let at = angle * (count / PI) - offset;
+            let at = if at < 0.0 { at + count } else { at };
+            let below = at.floor().min(last);
+            let away = (at - below).min(1.0);
+            self.below[i] = below as i32 as u32;
+            below_weight[i] = 1.0 - away;
+            above_weight[i] = away;
+        }
     }
 }

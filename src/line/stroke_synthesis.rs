@@ -1,4 +1,4 @@
-//! Strokes drawn one by one on a square that repeats, each where the paper is emptiest.
+//! Strokes drawn one by one on a square that repeats, in lanes, each lane where paper is still white.
 
 use super::random::Random;
 use crate::params::{Stroke, Style};
@@ -14,26 +14,31 @@ pub(super) struct Canvas {
 /// Strokes that lie end to end on a square: fewer would show that it repeats.
 const STROKES_ACROSS: f32 = 6.0;
 
+/// Fewest and most texels along a side: a quarter of a million in all stay in the cache.
+const MIN_SIDE: usize = 128;
+const MAX_SIDE: usize = 512;
+
 /// Thinnest stroke in texels: what is thinner shows as grey either way.
 const MIN_WIDTH: f32 = 0.5;
 
 impl Canvas {
-    pub(super) fn drawn(stroke: &Stroke, style: Style, seed: u64, max_side: usize) -> Self {
+    pub(super) fn drawn(stroke: &Stroke, style: Style, random: &mut Random) -> Self {
         let wanted = STROKES_ACROSS * stroke.length_px;
         let side = (wanted.ceil() as usize).next_power_of_two();
-        let side = side.clamp(max_side / 4, max_side);
+        let side = side.clamp(MIN_SIDE, MAX_SIDE);
         let texels_per_px = (side as f32 / wanted).min(1.0);
-        let habits = Habits::new(stroke, texels_per_px, side);
-        let mut random = Random::new(seed);
-        let mut canvas = Painter::new(side, &habits);
-        let total = habits.total;
-        for i in 0..total {
-            let mark = canvas.emptiest(&habits, &mut random);
-            canvas.draw(&mark, habits.order(i), &habits, &mut random);
-        }
-        let mut ramps = canvas.ramps;
+        let mut painter = Painter {
+            habits: Habits::new(stroke, texels_per_px, side),
+            side,
+            ramps: vec![[f32::INFINITY; 2]; side * side],
+            random,
+        };
+        painter.fill();
+        let Painter {
+            mut ramps, random, ..
+        } = painter;
         if style == Style::Pencil {
-            soften(&mut ramps, side, &mut random);
+            soften(&mut ramps, side, random);
         }
         rank(&mut ramps);
         Self {
@@ -44,209 +49,166 @@ impl Canvas {
     }
 }
 
-/// A stroke's sizes in texels and its place in the order.
+/// A stroke's sizes in texels, and its ways.
+#[derive(Clone, Copy)]
 struct Habits {
     half_width: f32,
     length: f32,
+    spacing: f32,
     wobble: f32,
     swell: f32,
-    /// Strokes that reach the spacing of light tones, and when.
-    first: f32,
-    first_order: f32,
-    total: usize,
 }
 
 impl Habits {
     fn new(stroke: &Stroke, texels_per_px: f32, side: usize) -> Self {
         let width = (stroke.width_px * texels_per_px).max(MIN_WIDTH);
-        let length = (stroke.length_px * texels_per_px).clamp(2.0 * width, side as f32 / 2.0);
-        let spacing = (stroke.spacing_px * texels_per_px).max(width);
-        let area = (side * side) as f32;
-        let first = area / (spacing * length);
-        let total = COVERS * area / (width * length);
+        let most = side as f32 / 2.0;
+        let length = (stroke.length_px * texels_per_px).clamp((2.0 * width).min(most), most);
         Self {
             half_width: 0.5 * width,
             length,
+            spacing: (stroke.spacing_px * texels_per_px).clamp(width, most),
             wobble: stroke.wobble,
             swell: 0.6 * stroke.pressure,
-            first,
-            first_order: width / spacing * (1.0 - stroke.pressure),
-            total: total.ceil() as usize,
         }
     }
 
-    /// When the i-th stroke appears, 0..1.
-    fn order(&self, i: usize) -> f32 {
-        let (i, total) = (i as f32, self.total as f32);
-        if i < self.first {
-            self.first_order * i / self.first
-        } else {
-            let rest = (i - self.first) / (total - self.first).max(1.0);
-            self.first_order + (1.0 - self.first_order) * rest
-        }
+    /// How much later than its middle a stroke reaches this many half widths away.
+    fn reaches(&self, half_widths: f32) -> f32 {
+        let within = half_widths.min(1.0);
+        let past = half_widths - within;
+        // A nib on paper leaves a line of some width at once.
+        let swelled = (within - NIB).max(0.0) / (1.0 - NIB);
+        self.swell * swelled + (0.02 + 0.5 * (self.swell + 0.2)) * past + 0.005 * half_widths
     }
 }
 
-/// How many times all strokes together would cover the paper.
-const COVERS: f32 = 2.5;
+/// Share of its width that a stroke has however softly it is pressed.
+const NIB: f32 = 0.5;
 
-/// Where a stroke lies: its middle, and its shape.
+struct Painter<'a> {
+    habits: Habits,
+    side: usize,
+    ramps: Vec<[f32; 2]>,
+    random: &'a mut Random,
+}
+
+/// Where a stroke lies, and when it appears.
 struct Mark {
     x: f32,
     y: f32,
+    half_length: f32,
+    order: f32,
 }
 
-/// Places a stroke is tried at.
-const TRIALS: usize = 16;
-
-struct Painter {
-    side: usize,
-    ramps: Vec<[f32; 2]>,
-    /// How crowded the paper is, in cells.
-    crowd: Vec<f32>,
-    columns: usize,
-    rows: usize,
-}
-
-impl Painter {
-    fn new(side: usize, habits: &Habits) -> Self {
-        let cells = |texels: f32| {
-            let count = (side as f32 / texels.max(1.0)) as usize;
-            count.next_power_of_two().clamp(4, side)
-        };
-        let columns = cells(habits.length / 6.0);
-        let rows = cells(habits.half_width);
-        Self {
-            side,
-            ramps: vec![[f32::INFINITY; 2]; side * side],
-            crowd: vec![0.0; columns * rows],
-            columns,
-            rows,
-        }
-    }
-
-    fn cells_along(&self, mark: &Mark, habits: &Habits) -> (usize, usize, usize) {
-        let per_column = self.columns as f32 / self.side as f32;
-        let from = (mark.x - 0.5 * habits.length).rem_euclid(self.side as f32) * per_column;
-        let count = (habits.length * per_column).ceil() as usize + 1;
-        let row = mark.y * self.rows as f32 / self.side as f32;
-        (
-            from as usize,
-            count.min(self.columns),
-            row as usize % self.rows,
-        )
-    }
-
-    fn crowding(&self, mark: &Mark, habits: &Habits) -> f32 {
-        let (from, count, row) = self.cells_along(mark, habits);
-        let row = &self.crowd[row * self.columns..][..self.columns];
-        (from..from + count).map(|c| row[c % self.columns]).sum()
-    }
-
-    /// The least crowded of several places.
-    fn emptiest(&mut self, habits: &Habits, random: &mut Random) -> Mark {
+impl Painter<'_> {
+    /// Draws lanes of strokes as far apart as light tones have them, then lanes midway between those,
+    /// until they touch.
+    fn fill(&mut self) {
+        let Habits {
+            half_width,
+            spacing,
+            ..
+        } = self.habits;
         let side = self.side as f32;
-        let mut best: Option<(f32, Mark)> = None;
-        for _ in 0..TRIALS {
+        let mut lanes = (side / spacing).round().max(1.0) as usize;
+        let mut between = 0.0;
+        let mut from = 0.0;
+        loop {
+            let pitch = side / lanes as f32;
+            // The tone that the lanes so far give where they are pressed hard.
+            let to = (2.0 * half_width * side / pitch / side).min(1.0);
+            for lane in 0..lanes {
+                let place = radical_inverse(lane, lanes);
+                let y = (lane as f32 + between) * pitch;
+                self.lane(y, pitch, |jitter| {
+                    from + (to - from) * (place + jitter).clamp(0.0, 1.0)
+                });
+            }
+            if between > 0.0 {
+                lanes *= 2;
+            }
+            between = 0.5;
+            from = to;
+            if pitch < 1.5 * half_width || to >= 1.0 {
+                break;
+            }
+        }
+    }
+
+    /// Draws strokes end to end along a lane; `order` tells by chance when each appears.
+    fn lane(&mut self, y: f32, pitch: f32, order: impl Fn(f32) -> f32) {
+        let side = self.side as f32;
+        let count = (side / self.habits.length).round().max(1.0);
+        let step = side / count;
+        let start = side * self.random.unit();
+        for i in 0..count as usize {
+            let stray = 0.3 * self.random.signed() * step;
             let mark = Mark {
-                x: side * random.unit(),
-                y: side * random.unit(),
+                x: start + i as f32 * step + stray,
+                y: y + 0.6 * self.habits.wobble * pitch * self.random.signed(),
+                half_length: 0.5 * step * (1.0 + 0.25 * self.random.signed()),
+                order: order(ORDER_JITTER * self.random.signed()),
             };
-            let crowding = self.crowding(&mark, habits);
-            if best.as_ref().is_none_or(|(least, _)| crowding < *least) {
-                best = Some((crowding, mark));
-            }
-        }
-        let (_, mark) = best.expect("there are trials");
-        self.crowd_around(&mark, habits);
-        mark
-    }
-
-    fn crowd_around(&mut self, mark: &Mark, habits: &Habits) {
-        let (from, count, row) = self.cells_along(mark, habits);
-        let reach = self.rows / 2;
-        let near = CROWD_NEAR.min(reach);
-        for away in 0..=near {
-            let push = 1.0 / (1.0 + (away * away) as f32);
-            let sides: &[usize] = match away {
-                0 => &[row],
-                _ => &[
-                    (row + away) % self.rows,
-                    (row + self.rows - away) % self.rows,
-                ],
-            };
-            for row in sides {
-                let row = &mut self.crowd[row * self.columns..][..self.columns];
-                for c in from..from + count {
-                    row[c % self.columns] += push;
-                }
-            }
+            self.draw(&mark);
         }
     }
 
-    /// Draws one stroke that appears at `order`.
-    fn draw(&mut self, mark: &Mark, order: f32, habits: &Habits, random: &mut Random) {
-        let wobble = habits.wobble;
-        let half = 0.5 * habits.length * (1.0 + 0.35 * wobble * random.signed());
-        let slant = 0.06 * wobble * random.signed();
-        let bow = 0.05 * wobble * random.signed();
-        let (waves, phase) = (
-            1.0 + 2.0 * random.unit(),
-            std::f32::consts::TAU * random.unit(),
-        );
-        let sway = 0.012 * wobble * habits.length.min(80.0) * random.unit();
-        let press = 1.0 + 0.25 * wobble * random.signed();
-        let width = habits.half_width * press;
+    fn draw(&mut self, mark: &Mark) {
+        let habits = self.habits;
+        let random = &mut *self.random;
+        let (wobble, half) = (habits.wobble, mark.half_length);
+        let slant = 0.05 * wobble * random.signed();
+        let bow = 0.04 * wobble * random.signed();
+        let waves = std::f32::consts::PI * (1.0 + 2.0 * random.unit());
+        let phase = std::f32::consts::TAU * random.unit();
+        let sway = 0.012 * wobble * half.min(40.0) * random.unit();
+        let width = habits.half_width * (1.0 + 0.25 * wobble * random.signed());
         let reach = MOST_RELUCTANT * width + 1.0;
-        let (first, last) = (
-            (mark.x - half).floor() as i32,
-            (mark.x + half).ceil() as i32,
-        );
-        for column in first..=last {
+        let latest = habits.reaches(MOST_RELUCTANT);
+        for column in (mark.x - half).floor() as i32..=(mark.x + half).ceil() as i32 {
             let along = (column as f32 + 0.5 - mark.x) / half;
             let end = along.abs();
             if end >= 1.0 {
                 continue;
             }
-            let spine = mark.y
-                + slant * along * half
-                + bow * half * (along * along - 0.33)
-                + sway * (waves * std::f32::consts::PI * along + phase).sin();
-            let taper = (1.0 - end.powi(4)).sqrt();
-            let late = order + habits.swell * 0.5 * end.powi(6);
-            let width = width * taper.max(0.15);
-            let rows = (spine - reach).floor() as i32..=(spine + reach).ceil() as i32;
-            for row in rows {
+            let bent = slant * along + bow * (along * along - 0.33);
+            let spine = mark.y + half * bent + sway * (waves * along + phase).sin();
+            let width = width * (1.0 - end.powi(4)).sqrt().max(0.15);
+            let order = mark.order + 0.5 * habits.swell * end.powi(6);
+            for row in (spine - reach).floor() as i32..=(spine + reach).ceil() as i32 {
                 let away = (row as f32 + 0.5 - spine).abs();
                 let begin = habits.reaches((away - 0.5).max(0.0) / width);
                 let full = habits.reaches((away + 0.5) / width);
-                if begin > habits.reaches(MOST_RELUCTANT) {
-                    continue;
+                if begin <= latest {
+                    self.ink(column, row, [order + begin, order + full]);
                 }
-                let wrap = self.side - 1;
-                let at = (row as usize & wrap) * self.side + (column as usize & wrap);
-                let ramp = &mut self.ramps[at];
-                ramp[0] = ramp[0].min(late + begin);
-                ramp[1] = ramp[1].min(late + full);
             }
         }
     }
-}
 
-/// Cells away up to which a stroke crowds others.
-const CROWD_NEAR: usize = 24;
-
-/// Half widths past which no pressure spreads a stroke.
-const MOST_RELUCTANT: f32 = 3.0;
-
-impl Habits {
-    /// How much later than its middle a stroke reaches this many half widths away.
-    fn reaches(&self, half_widths: f32) -> f32 {
-        let within = half_widths.min(1.0);
-        let past = half_widths - within;
-        self.swell * within + (0.02 + 0.5 * (self.swell + 0.2)) * past + 0.005 * half_widths
+    fn ink(&mut self, column: i32, row: i32, ramp: [f32; 2]) {
+        let wrap = self.side - 1;
+        let at = (row as usize & wrap) * self.side + (column as usize & wrap);
+        let texel = &mut self.ramps[at];
+        *texel = [texel[0].min(ramp[0]), texel[1].min(ramp[1])];
     }
 }
+
+/// How much earlier or later than its lane a stroke may come, as a share of all lanes.
+const ORDER_JITTER: f32 = 0.25;
+
+/// The place, 0..1, of the i-th of `count` things in an order in which any first few are spread evenly.
+fn radical_inverse(i: usize, count: usize) -> f32 {
+    let bits = usize::BITS - count.next_power_of_two().leading_zeros() - 1;
+    match bits {
+        0 => 0.0,
+        _ => (i.reverse_bits() >> (usize::BITS - bits)) as f32 / (1_u64 << bits) as f32,
+    }
+}
+
+/// Half widths past which no pressure spreads a stroke.
+const MOST_RELUCTANT: f32 = 1.3;
 
 /// Graphite: greys come before black, and the grain of the paper takes it unevenly.
 fn soften(ramps: &mut [[f32; 2]], side: usize, random: &mut Random) {

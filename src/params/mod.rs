@@ -8,8 +8,8 @@ mod shape;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams};
 pub use line::{
-    Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke, StrokeDirections,
-    StrokeParams, StrokeScale, Style, ToneParams,
+    ContourParams, Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke,
+    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams,
 };
 pub use relight::{
     AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,

@@ -154,7 +154,16 @@ fn drawing(params: Option<&LineParams>) -> [Decision; 4] {
             Stage::Hatching,
             format!("{} levels, {} sets", strokes.levels, strokes.sets),
         ),
-        skip(Stage::Contours, "not yet"),
+        match params.contours {
+            Some(contours) => keep(
+                Stage::Contours,
+                format!(
+                    "lines of {} px along silhouettes and creases",
+                    contours.width_px
+                ),
+            ),
+            None => skip(Stage::Contours, "none are asked for"),
+        },
     ]
 }
 

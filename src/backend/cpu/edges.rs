@@ -28,7 +28,7 @@ pub(super) struct Edges {
 pub(super) fn edges_and_gradient(plan: &Plan, frame: &Frame, memory: &Memory) -> Edges {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let blank = || memory.plane(&frame.mask);
-    let weights_wanted = plan.has(Stage::Hessian);
+    let weights_wanted = plan.has(Stage::Hessian) || plan.has(Stage::Contours);
     let mut edges = Edges {
         silhouette: weights_wanted.then(blank),
         crease: weights_wanted.then(blank),

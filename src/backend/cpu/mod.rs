@@ -1,6 +1,7 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
 mod chains;
+mod contours;
 mod diffusion;
 mod direction_field;
 mod direction_fill;
@@ -23,8 +24,11 @@ use crate::fast_math::Function;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
+use crate::line::contours::Contour;
+use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
+use drawing::KeptArtMap;
 use light_layers::Curvature;
 use memory::Memory;
 use rayon::prelude::*;
@@ -94,6 +98,10 @@ pub struct CurvaturePlanes {
 pub struct Drawing {
     /// Strokes along the curvature.
     pub hatching: Plane,
+    /// Lines along silhouettes and creases, where they were asked for; also outside the mask.
+    pub contours: Option<Plane>,
+    /// The same as lines, silhouettes first.
+    pub contour_lines: Vec<Contour>,
 }
 
 /// What a run gave.
@@ -138,13 +146,23 @@ pub fn vector_bits() -> u32 {
 }
 
 /// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
-/// and it keeps what it made of the last environment; both are faster. None of its options changes a bit of
-/// the outcome.
+/// and it keeps what it made of the last environment and the last texture of strokes; all are faster. None of
+/// its options changes a bit of the outcome.
 #[derive(Debug, Default)]
 pub struct Runner {
     options: RunOptions,
     memory: Memory,
     environment: KeptEnvironment,
+    art_map: KeptArtMap,
+}
+
+/// What a drawing takes beside the frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct DrawingInputs<'a> {
+    /// The light, for a tone in new light.
+    pub illumination: Option<&'a Illumination>,
+    /// The texture of strokes, for [`crate::params::Style::Pictures`].
+    pub art_map: Option<&'a TonalArtMap>,
 }
 
 impl Runner {
@@ -152,8 +170,7 @@ impl Runner {
     pub fn new(options: RunOptions) -> Self {
         Self {
             options,
-            memory: Memory::default(),
-            environment: KeptEnvironment::default(),
+            ..Self::default()
         }
     }
 
@@ -166,20 +183,8 @@ impl Runner {
             plan.goal != Goal::Relight,
             "new light is run by Runner::relight"
         );
-        self.start(plan, frame, |run| {
-            if plan.has(Stage::RadianceScaling) {
-                run.scale_radiance();
-            }
-            if plan.has(Stage::LightLobes) {
-                run.scale_lobes();
-            }
-            if plan.has(Stage::LightGroups) {
-                run.scale_groups();
-            }
-            if plan.has(Stage::AmbientOcclusion) {
-                run.scale_by_occlusion();
-            }
-        })
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
+        self.start(plan, frame, |run| run.enhance())
     }
 
     /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
@@ -205,7 +210,23 @@ impl Runner {
     /// # Panics
     /// If the plan was made for another goal, other inputs or other kinds of light.
     pub fn relight(&self, plan: &Plan, frame: &Frame, illumination: &Illumination) -> Outcome {
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
         self.start(plan, frame, |run| run.relight(illumination))
+    }
+
+    /// Runs `plan`, made by [`Plan::hatch`], on `frame`.
+    ///
+    /// # Panics
+    /// If the plan was made for another goal or other inputs.
+    pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Outcome {
+        let params = plan.drawing.as_ref().expect("a drawing is planned");
+        self.start(plan, frame, |run| {
+            match plan.goal {
+                Goal::Relight => run.relight(inputs.illumination.expect("new light has lights")),
+                _ => run.enhance(),
+            }
+            run.draw(params, inputs.art_map);
+        })
     }
 
     fn start(&self, plan: &Plan, frame: &Frame, light: impl FnOnce(&mut Run)) -> Outcome {
@@ -219,9 +240,6 @@ impl Runner {
             run.find_shape();
         }
         light(&mut run);
-        if let Some(params) = &plan.drawing {
-            run.draw(params);
-        }
         run.outcome
     }
 
@@ -270,6 +288,23 @@ impl Run<'_> {
         let result = pass();
         self.outcome.timings.push((name, start.elapsed()));
         result
+    }
+
+    /// Brings out the shape in the picture, as far as that is planned.
+    fn enhance(&mut self) {
+        let plan = self.plan;
+        if plan.has(Stage::RadianceScaling) {
+            self.scale_radiance();
+        }
+        if plan.has(Stage::LightLobes) {
+            self.scale_lobes();
+        }
+        if plan.has(Stage::LightGroups) {
+            self.scale_groups();
+        }
+        if plan.has(Stage::AmbientOcclusion) {
+            self.scale_by_occlusion();
+        }
     }
 
     fn find_shape(&mut self) {

@@ -7,6 +7,7 @@
     reason = "calling a function compiled for features that were just detected"
 )]
 
+use super::drawing::hatch_batch;
 use super::light::{Scaler, scale_row};
 use super::relight::{Batch, Scene, light_batch};
 use crate::fast_math::{Function, map_row};
@@ -14,6 +15,7 @@ use crate::light::layers::{
     LobeRow, TermScaling, add_change_row, add_direction_row, changed_row, group_sigma_row,
     kappa_row, kappa_toward_row, lobe_luminance_row, lobe_sigma_row, occlude_row,
 };
+use crate::line::hatching::{Hatching, Pixels};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
 use crate::shape::conductance::{conductance_row, face_conductance_row};
@@ -116,6 +118,7 @@ macro_rules! widened {
 }
 
 widened! {
+    fn hatch_batch(pixels: &mut Pixels, directions: [&[f32]; 2], hatching: &Hatching);
     fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update);
     fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]);
     fn add_terms_by_level_row(

@@ -32,6 +32,29 @@ pub enum Fallback {
     Surface,
 }
 
+impl std::fmt::Display for Fallback {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Angle(degrees) => write!(f, "{degrees}"),
+            Self::Surface => f.write_str("surface"),
+        }
+    }
+}
+
+impl std::str::FromStr for Fallback {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let angle = || text.parse().ok().filter(|v: &f32| v.is_finite());
+        match text {
+            "surface" => Ok(Self::Surface),
+            _ => angle()
+                .map(Self::Angle)
+                .ok_or("expected surface or an angle in degrees".into()),
+        }
+    }
+}
+
 /// Which of the two directions of curvature strokes follow.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -12,6 +12,8 @@ pub enum Style {
     Pen,
     /// Graphite: soft, grey, caught by the grain of the paper.
     Pencil,
+    /// Pictures of one's own at several tones; sizes are factors of theirs.
+    Pictures,
 }
 
 /// How large strokes are.
@@ -93,7 +95,7 @@ impl Default for StrokeParams {
             pressure: None,
             seed: 1,
             levels: 16,
-            sets: 2,
+            sets: 1,
         }
     }
 }
@@ -117,12 +119,12 @@ impl Style {
     /// How the style draws where nothing else is said, at scale 1.
     pub fn stroke(self) -> Stroke {
         match self {
-            Self::Pen => Stroke {
+            Self::Pen | Self::Pictures => Stroke {
                 width_px: 1.7,
                 length_px: 60.0,
                 spacing_px: 6.0,
                 wobble: 0.3,
-                pressure: 0.5,
+                pressure: 0.3,
             },
             Self::Pencil => Stroke {
                 width_px: 2.4,

@@ -24,7 +24,7 @@ impl Default for ToneParams {
         Self {
             white_point: Adaptive::Auto,
             black_point: 0.0,
-            gamma: 1.6,
+            gamma: 2.2,
         }
     }
 }

@@ -1,28 +1,46 @@
 //! Drawings: the tone of a picture in strokes along the curvature, and lines along its edges.
 
+mod art_map;
 mod hatching;
 mod tone;
 
+pub(super) use art_map::KeptArtMap;
+pub(super) use hatching::hatch_batch;
+
+use super::direction_field::stroke_fields;
 use super::memory::Memory;
-use super::{Drawing, Run, light, normal_rays, statistics};
+use super::{Drawing, Run, contours, light, statistics};
 use crate::frame::Plane;
+use crate::line::contours::Contour;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::{Adaptive, LineParams};
+use crate::params::{Adaptive, ContourParams, LineParams, Style};
+use std::time::Instant;
 use tone::Densities;
 
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.
-    pub(super) fn draw(&mut self, params: &LineParams) {
+    pub(super) fn draw(&mut self, params: &LineParams, own_map: Option<&TonalArtMap>) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let conductance = self.outcome.shape.conductance.take();
         let conductance = conductance.expect("a drawing is planned with its edges");
-        let direction = self.timed("direction-field", || {
-            normal_rays::directions(plan, frame, &conductance, memory)
+        let directions = self.timed("direction-field", || {
+            stroke_fields(
+                plan,
+                &params.field,
+                params.directions,
+                frame,
+                &conductance,
+                memory,
+            )
         });
-        let stroke = params.strokes.stroke(plan.resolution_factor as f32);
-        let map = self.timed("tonal-art-map", || {
-            TonalArtMap::of_strokes(&stroke, params.strokes.style, params.strokes.seed)
+        let made_map = (params.strokes.style != Style::Pictures).then(|| {
+            let kept = &self.runner.art_map;
+            self.timed("tonal-art-map", || {
+                kept.of(&params.strokes, plan.resolution_factor as f32)
+            })
         });
+        let map = made_map.as_deref().or(own_map);
+        let map = map.expect("strokes of pictures come with them");
         let made = self.outcome.color.take();
         let color = made.as_ref().or(frame.color.as_ref());
         let color = color.expect("a drawing is planned with its tone");
@@ -35,10 +53,39 @@ impl Run<'_> {
         };
         let densities = Densities::new(color, frame, weights, white, &params.tone);
         let hatching = self.timed("hatching", || {
-            hatching::hatched(&densities, &direction, &map, &params.strokes, frame, memory)
+            hatching::hatched(&densities, &directions, map, &params.strokes, frame, memory)
         });
+        let drawn = params
+            .contours
+            .as_ref()
+            .map(|params| self.draw_contours(params));
+        let (contours, contour_lines) = drawn.unzip();
         self.outcome.color = made;
         self.outcome.shape.conductance = Some(conductance);
-        self.outcome.drawing = Some(Drawing { hatching });
+        self.outcome.drawing = Some(Drawing {
+            hatching,
+            contours,
+            contour_lines: contour_lines.unwrap_or_default(),
+        });
+    }
+
+    fn draw_contours(&mut self, params: &ContourParams) -> (Plane, Vec<Contour>) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let start = Instant::now();
+        let shape = &self.outcome.shape;
+        let weights = contours::Weights {
+            silhouette: shape
+                .silhouette
+                .as_ref()
+                .expect("contours are planned with their edges"),
+            crease: shape
+                .crease
+                .as_ref()
+                .expect("contours are planned with their edges"),
+        };
+        let lines = contours::contours(&weights, frame, &plan.shape, params);
+        let covered = contours::coverage(&lines, &frame.mask, memory);
+        self.outcome.timings.push(("contours", start.elapsed()));
+        (covered, lines)
     }
 }

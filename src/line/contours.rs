@@ -1,0 +1,205 @@
+//! Contours: silhouettes and creases as lines of a width that tells of depth.
+//!
+//! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per
+//! pixel. Changes: they are lines with a place, a length and a width, as a draughtsman's are: one to an edge,
+//! heavier around what is near and before what is far behind. Practice: [`crate::line::crack`] and
+//! [`crate::line::ridge`] say where edges are, [`crate::line::network`] makes lines of them, and
+//! [`crate::line::round_stroke`] says what a line covers.
+
+use crate::line::network::{End, Line};
+use crate::line::polyline::{evened, lengths};
+use crate::params::ContourParams;
+use glam::Vec2;
+use serde::Serialize;
+
+/// What a contour is drawn along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ContourKind {
+    /// Where the surface ends or one part of it hides another.
+    Silhouette,
+    /// Where the surface turns sharply.
+    Crease,
+}
+
+/// A line along an edge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contour {
+    /// What it is drawn along.
+    pub kind: ContourKind,
+    /// The points it passes, in pixels from the upper left corner of the data window, y down; of a closed
+    /// line the first is repeated at the end.
+    pub points: Vec<Vec2>,
+    /// Its width at each point, in pixels.
+    pub widths: Vec<f32>,
+}
+
+impl Contour {
+    /// Whether it ends where it starts.
+    pub fn is_closed(&self) -> bool {
+        self.points.len() > 2 && self.points.first() == self.points.last()
+    }
+}
+
+/// The depths that lines lie at: what counts as near and as far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthRange {
+    /// Logarithm of the depth of what is nearest.
+    pub near: f32,
+    /// Logarithm of the depth of what is farthest.
+    pub far: f32,
+}
+
+/// Logarithm of the ratio of depths over which lines lose as much width as they may: over less they lose less,
+/// so that a flat thing has lines of one width.
+const DEEP: f32 = 0.4;
+
+impl DepthRange {
+    /// The range of all lines.
+    pub fn of<'a>(lines: impl IntoIterator<Item = &'a Line>) -> Self {
+        let depths = lines
+            .into_iter()
+            .flat_map(|line| &line.spots)
+            .map(|spot| spot.log_depth);
+        let range = depths.fold([f32::INFINITY, f32::NEG_INFINITY], |[near, far], depth| {
+            [near.min(depth), far.max(depth)]
+        });
+        Self {
+            near: range[0],
+            far: range[1],
+        }
+    }
+
+    /// How far away something is, 0 for the nearest to 1 for the farthest.
+    fn farness(&self, log_depth: f32) -> f32 {
+        ((log_depth - self.near) / (self.far - self.near).max(DEEP)).clamp(0.0, 1.0)
+    }
+}
+
+/// Spots to either side over which widths change.
+const WIDTH_REACH: usize = 8;
+
+/// Share of its width that an open end runs down to.
+const TIP: f32 = 0.25;
+
+/// The contour along a line.
+pub fn contour(
+    line: &Line,
+    kind: ContourKind,
+    depths: DepthRange,
+    params: &ContourParams,
+) -> Contour {
+    let mut points: Vec<Vec2> = line.spots.iter().map(|spot| spot.at).collect();
+    let share = match kind {
+        ContourKind::Silhouette => 1.0,
+        ContourKind::Crease => params.crease_share,
+    };
+    let widths: Vec<f32> = line
+        .spots
+        .iter()
+        .map(|spot| {
+            let near = 1.0 - params.depth_emphasis * depths.farness(spot.log_depth);
+            let plain = 1.0 - params.jump_emphasis * (1.0 - spot.strength);
+            params.width_px * share * near * plain
+        })
+        .collect();
+    let mut widths = evened(&widths, line.closed, WIDTH_REACH);
+    if line.closed {
+        points.push(points[0]);
+        widths.push(widths[0]);
+    } else {
+        taper(&mut widths, &points, line.ends, params.taper_px);
+    }
+    Contour {
+        kind,
+        points,
+        widths,
+    }
+}
+
+/// Lets the open ends of a line run thin.
+fn taper(widths: &mut [f32], points: &[Vec2], ends: [End; 2], over_px: f32) {
+    let along = lengths(points);
+    let whole = along[along.len() - 1];
+    // A short line has two thin ends and a full middle.
+    let over = over_px.min(0.5 * whole);
+    for (i, end) in ends
+        .into_iter()
+        .enumerate()
+        .filter(|&(_, end)| end == End::Free && over > 0.0)
+    {
+        debug_assert!(end == End::Free);
+        for (width, &along) in widths.iter_mut().zip(&along) {
+            let from_end = if i == 0 { along } else { whole - along };
+            *width *= TIP + (1.0 - TIP) * (from_end / over).min(1.0);
+        }
+    }
+}
+
+/// The strength of a jump of this size of the logarithm of depth, 0..1: half at a fifth of the distance.
+pub fn strength_of_jump(jump: f32) -> f32 {
+    const HALF: f32 = 0.2;
+    jump / (jump + HALF)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::network::Spot;
+
+    fn straight(log_depth: f32, strength: f32, ends: [End; 2]) -> Line {
+        let spot = |i| Spot {
+            at: Vec2::new(i as f32, 0.0),
+            strength,
+            log_depth,
+        };
+        Line {
+            spots: (0..101).map(spot).collect(),
+            closed: false,
+            ends,
+            part: 0,
+        }
+    }
+
+    #[test]
+    fn near_and_plain_lines_are_heavy() {
+        let params = ContourParams {
+            width_px: 3.0,
+            ..ContourParams::default()
+        };
+        let joined = [End::Joined; 2];
+        let (near, far) = (straight(0.0, 1.0, joined), straight(1.0, 1.0, joined));
+        let depths = DepthRange::of([&near, &far]);
+        let width = |line, kind| contour(line, kind, depths, &params).widths[50];
+        let silhouette = ContourKind::Silhouette;
+        assert_eq!(width(&near, silhouette), 3.0);
+        assert!((width(&far, silhouette) - 3.0 * (1.0 - params.depth_emphasis)).abs() < 1e-5);
+        assert!((width(&near, ContourKind::Crease) - 3.0 * params.crease_share).abs() < 1e-5);
+        let faint = straight(0.0, 0.0, joined);
+        assert!((width(&faint, silhouette) - 3.0 * (1.0 - params.jump_emphasis)).abs() < 1e-5);
+        // Depths 4 % apart are one tenth of what counts as deep.
+        let shallow = DepthRange {
+            near: 0.0,
+            far: 0.04,
+        };
+        let width = contour(&straight(0.04, 1.0, joined), silhouette, shallow, &params).widths[50];
+        assert!((width - 3.0 * (1.0 - 0.1 * params.depth_emphasis)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn open_ends_run_thin_and_others_do_not() {
+        let params = ContourParams::default();
+        let line = straight(0.0, 1.0, [End::Free, End::Border]);
+        let depths = DepthRange::of([&line]);
+        let widths = contour(&line, ContourKind::Silhouette, depths, &params).widths;
+        assert!((widths[0] - TIP * params.width_px).abs() < 1e-6);
+        assert_eq!(
+            (widths[50], widths[100]),
+            (params.width_px, params.width_px)
+        );
+        // Half way along the taper, half way from the tip's share to all.
+        let half = 0.5 * params.taper_px as f32;
+        let expected = params.width_px * (TIP + 0.5 * (1.0 - TIP));
+        assert!((widths[half as usize] - expected).abs() < 1e-5);
+    }
+}

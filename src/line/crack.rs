@@ -1,0 +1,124 @@
+//! Silhouettes between two pixels: the crack where the surface ends, or where one part of it hides another.
+//!
+//! The weights of [`crate::shape::silhouette`] say which pixels lie beside a silhouette, two to either side.
+//! A line wants one place: the crack between the two pixels that it passes between.
+
+/// Samples along a row or column, from two before the crack to three behind it, that is three to either
+/// side: the crack lies between the third and the fourth. `None` where uncovered or beyond the picture.
+pub type Across = [Option<f32>; 6];
+
+/// By how much a map jumps at the crack, beyond what its slopes to either side explain.
+///
+/// A slope, however steep, and a kink between two slopes are no jumps: on one side at least the slope goes
+/// on. The jump may be spread by a filter over the pixels beside the crack; then what the three cracks around
+/// it jump together counts.
+#[inline]
+pub fn unexplained_jump(a: &Across) -> f32 {
+    let difference = |i: usize, j: usize| Some(a[j]? - a[i]?);
+    let beyond = |jump: f32, times: f32, slopes: [Option<f32>; 2]| {
+        slopes
+            .into_iter()
+            .flatten()
+            .map(|slope| (jump - times * slope).abs())
+            .reduce(f32::min)
+    };
+    let Some(jump) = difference(2, 3) else {
+        return 0.0;
+    };
+    let sharp = beyond(jump, 1.0, [difference(1, 2), difference(3, 4)]).unwrap_or(jump.abs());
+    let spread = difference(1, 4)
+        .and_then(|jump| beyond(jump, 3.0, [difference(0, 1), difference(4, 5)]))
+        .unwrap_or(0.0);
+    sharp.max(spread)
+}
+
+/// Where the edge of coverage lies along the way from a covered pixel to an uncovered one, in pixels beyond
+/// the crack between them; `coverage` is that of the pixels from the second before the crack to the second
+/// behind it. 0 where coverage does not fall from whole to none around the crack.
+#[inline]
+pub fn border_offset(coverage: [f32; 4]) -> f32 {
+    let [inmost, inside, outside, outmost] = coverage;
+    let falls = inmost >= inside && inside > outside && outside >= outmost;
+    if !(falls && inmost > 0.95 && outmost < 0.05) {
+        return 0.0;
+    }
+    (outside + outmost) - (1.0 - inside) - (1.0 - inmost)
+}
+
+/// Where the edge lies, in pixels behind the crack, between a pixel of the value `before` and one of the value
+/// `behind` whose filters mixed them with the other side: unmixed they would be `sharp`.
+#[inline]
+pub fn spread_offset([before, behind]: [f32; 2], sharp: [f32; 2]) -> f32 {
+    let jump = sharp[1] - sharp[0];
+    let share = |value: f32, own: f32| ((value - own) / jump).abs().min(0.5);
+    let offset = share(behind, sharp[1]) - share(before, sharp[0]);
+    if offset.is_finite() { offset } else { 0.0 }
+}
+
+/// The nearer of the least and the greatest value around a pixel: a filter's mixtures go to the side that
+/// they are more of.
+#[inline]
+pub fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
+    let (least, greatest) = around.fold((value, value), |(least, greatest), v| {
+        (least.min(v), greatest.max(v))
+    });
+    if value - least < greatest - value {
+        least
+    } else {
+        greatest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(values: [f32; 6]) -> Across {
+        values.map(Some)
+    }
+
+    #[test]
+    fn slopes_and_kinks_are_no_jumps() {
+        assert!(unexplained_jump(&all([0.0, 0.1, 0.2, 0.3, 0.4, 0.5])) < 1e-6);
+        assert!(unexplained_jump(&all([0.0, 0.1, 0.2, 0.1, 0.0, -0.1])) < 0.21);
+        assert!(unexplained_jump(&all([0.0, 0.0, 0.0, 0.1, 0.2, 0.3])) < 1e-6);
+    }
+
+    #[test]
+    fn jumps_count_beyond_slopes_sharp_or_spread() {
+        // A jump of 1 between slopes of 0.1: it exceeds the slope by 0.9.
+        let sharp = all([0.0, 0.1, 0.2, 1.2, 1.3, 1.4]);
+        assert!((unexplained_jump(&sharp) - 0.9).abs() < 1e-6);
+        // Half way in the pixel behind the crack.
+        let spread = all([0.0, 0.0, 0.0, 0.5, 1.0, 1.0]);
+        assert!((unexplained_jump(&spread) - 1.0).abs() < 1e-6);
+        // At the border nothing is known of slopes.
+        assert_eq!(
+            unexplained_jump(&[None, None, Some(0.0), Some(1.0), None, None]),
+            1.0
+        );
+        assert_eq!(
+            unexplained_jump(&[Some(0.0); 6].map(|v| v.filter(|_| false))),
+            0.0
+        );
+    }
+
+    #[test]
+    fn coverage_tells_the_place_within_a_pixel() {
+        // 30 % of the pixel behind the crack is covered: the edge lies 0.3 behind it.
+        assert!((border_offset([1.0, 1.0, 0.3, 0.0]) - 0.3).abs() < 1e-6);
+        assert!((border_offset([1.0, 0.6, 0.0, 0.0]) + 0.4).abs() < 1e-6);
+        // Coverage that tells nothing: opaque everywhere, or nowhere.
+        assert_eq!(border_offset([1.0; 4]), 0.0);
+        assert_eq!(border_offset([0.4, 0.3, 0.0, 0.0]), 0.0);
+    }
+
+    #[test]
+    fn mixtures_go_to_the_side_they_are_more_of() {
+        assert_eq!(sharpened(0.4, [0.0, 1.0].into_iter()), 0.0);
+        assert_eq!(sharpened(0.7, [0.0, 1.0].into_iter()), 1.0);
+        // A pixel behind the crack holds 30 % of what is before it.
+        assert!((spread_offset([0.0, 0.7], [0.0, 1.0]) - 0.3).abs() < 1e-6);
+        assert_eq!(spread_offset([0.0, 0.0], [0.0, 0.0]), 0.0);
+    }
+}

@@ -1,0 +1,121 @@
+//! Gaps in lines: ends in the open that face each other a few pixels apart are ends of one line, which its
+//! weight left out where it fell below its threshold.
+
+use crate::line::network::{End, Line, Sets};
+use glam::Vec2;
+use std::collections::BTreeMap;
+
+/// How straight ahead another end has to lie: cosine of the angle.
+const AHEAD: f32 = 0.75;
+
+/// Ends nearer than this face each other unless they point the same way.
+const TOUCHING_PX: f32 = 2.0;
+
+/// An end of a line in the open.
+struct Tip {
+    line: usize,
+    end: usize,
+    at: Vec2,
+    ahead: Vec2,
+}
+
+/// Closes gaps of up to `widest_px`, the narrowest first: both ends are led to the middle between them, and
+/// what was two parts becomes one.
+pub fn close_gaps(lines: &mut [Line], widest_px: f32) {
+    let tips: Vec<Tip> = lines
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| !line.closed)
+        .flat_map(|(i, line)| {
+            let free = (0..2).filter(|&end| line.ends[end] == End::Free);
+            free.map(move |end| Tip {
+                line: i,
+                end,
+                at: line.spots[end * (line.spots.len() - 1)].at,
+                ahead: line.direction_out(end),
+            })
+        })
+        .collect();
+    let mut joined = vec![false; tips.len()];
+    let mut parts = Sets::new(lines.len());
+    for (a, b) in facing(&tips, widest_px) {
+        if joined[a] || joined[b] {
+            continue;
+        }
+        joined[a] = true;
+        joined[b] = true;
+        let middle = 0.5 * (tips[a].at + tips[b].at);
+        for tip in [&tips[a], &tips[b]] {
+            lines[tip.line].lead_to(middle, tip.end);
+        }
+        parts.unite(lines[tips[a].line].part, lines[tips[b].line].part);
+    }
+    for line in lines {
+        line.part = parts.of(line.part);
+    }
+}
+
+/// The pairs of tips that face each other, the nearest first.
+fn facing(tips: &[Tip], widest_px: f32) -> Vec<(usize, usize)> {
+    let cell = |at: Vec2| [at.x, at.y].map(|v| (v / widest_px.max(1.0)).floor() as i32);
+    let mut cells: BTreeMap<[i32; 2], Vec<usize>> = BTreeMap::new();
+    for (i, tip) in tips.iter().enumerate() {
+        cells.entry(cell(tip.at)).or_default().push(i);
+    }
+    let mut pairs = Vec::new();
+    for (a, tip) in tips.iter().enumerate() {
+        let [x, y] = cell(tip.at);
+        let around = (0..9).filter_map(|i| cells.get(&[x + i % 3 - 1, y + i / 3 - 1]));
+        for &b in around.flatten().filter(|&&b| b > a) {
+            let way = tips[b].at - tip.at;
+            let distance = way.length();
+            let ahead = [tip.ahead.dot(way), -tips[b].ahead.dot(way)];
+            let faces = ahead.iter().all(|&along| along >= AHEAD * distance)
+                || (distance < TOUCHING_PX && tip.ahead.dot(tips[b].ahead) < 0.0);
+            if faces && distance <= widest_px {
+                pairs.push((distance, a, b));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::network::Spot;
+
+    fn line(from: Vec2, to: Vec2, part: usize) -> Line {
+        let count = from.distance(to) as usize;
+        let spot = |i: usize| Spot {
+            at: from.lerp(to, i as f32 / count as f32),
+            strength: 1.0,
+            log_depth: 0.0,
+        };
+        Line {
+            spots: (0..=count).map(spot).collect(),
+            closed: false,
+            ends: [End::Free; 2],
+            part,
+        }
+    }
+
+    #[test]
+    fn ends_that_face_each_other_meet_and_others_do_not() {
+        let mut lines = [
+            line(Vec2::ZERO, Vec2::new(20.0, 0.0), 0),
+            line(Vec2::new(25.0, 1.0), Vec2::new(50.0, 1.0), 1),
+            // Beside the second, five pixels off.
+            line(Vec2::new(25.0, 6.0), Vec2::new(50.0, 6.0), 2),
+        ];
+        close_gaps(&mut lines, 8.0);
+        assert_eq!(lines[0].ends, [End::Free, End::Joined]);
+        assert_eq!(lines[1].ends, [End::Joined, End::Free]);
+        assert_eq!(lines[2].ends, [End::Free; 2]);
+        let middle = Vec2::new(22.5, 0.5);
+        assert_eq!(lines[0].spots.last().unwrap().at, middle);
+        assert_eq!(lines[1].spots[0].at, middle);
+        assert_eq!([lines[0].part, lines[1].part, lines[2].part], [0, 0, 2]);
+    }
+}

@@ -1,0 +1,459 @@
+//! Networks of lines: paths that meet at junctions become lines that run through them, or end in one point.
+
+use crate::line::lattice::{Lattice, Path};
+use crate::line::polyline::{Smoothing, length, smoothed};
+use glam::Vec2;
+
+/// A point that a line passes, and what its width depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// Where, in picture coordinates: x right, y down, pixel edges at integers.
+    pub at: Vec2,
+    /// How plain the edge is, 0..1.
+    pub strength: f32,
+    /// Logarithm of the depth of its nearer side; 0 where depth is unknown.
+    pub log_depth: f32,
+}
+
+/// How a line ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// In the open.
+    Free,
+    /// At the border of the picture, beyond which it would go on.
+    Border,
+    /// At the junction of this number, or at another line.
+    Joined,
+}
+
+/// A line through spots.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// The spots in order; of a closed line the first is not repeated.
+    pub spots: Vec<Spot>,
+    /// Whether the last spot is joined to the first.
+    pub closed: bool,
+    /// How its first and its last spot end, if it is open.
+    pub ends: [End; 2],
+    /// The number of the network that it is part of: all that is joined.
+    pub part: usize,
+}
+
+/// Paths, and the spots along them.
+struct Strand {
+    spots: Vec<Spot>,
+    nodes: [u32; 2],
+    closed: bool,
+}
+
+/// Where a strand ends at a junction.
+#[derive(Debug, Clone, Copy)]
+struct Tip {
+    junction: u32,
+    strand: usize,
+    /// 0 the first spot, 1 the last.
+    end: usize,
+    /// The unit direction away from the junction.
+    away: Vec2,
+}
+
+/// Spots past which a strand's direction at its end is measured.
+const DIRECTION_REACH: usize = 6;
+
+/// Two strands run through a junction as one line if they turn by less than this there: cosine of 40 degrees.
+const STRAIGHT: f32 = 0.77;
+
+/// The lines along the links of `lattice`. `spots` gives those of a path, which leave out its junctions;
+/// branches with fewer spots than `shortest_branch` that end in the open are left out, and so are the fainter
+/// sides of slivers. `smooth` evens out all lines before they are led to meet.
+pub fn lines(
+    lattice: &Lattice,
+    place: impl Fn(u32) -> Vec2,
+    spots: impl Fn(&Path) -> Vec<Spot>,
+    shortest_branch: usize,
+    smooth: impl FnOnce(&mut [Line]),
+) -> Vec<Line> {
+    let strands: Vec<Strand> = lattice
+        .paths()
+        .into_iter()
+        .map(|path| Strand {
+            spots: spots(&path),
+            nodes: [path.nodes[0], *path.nodes.last().expect("a path has nodes")],
+            closed: path.closed,
+        })
+        .collect();
+    let is_junction = |node: u32| lattice.degree(node) > 2;
+    let is_branch = |strand: &Strand| {
+        let joined = strand.nodes.map(is_junction);
+        let open_end = strand.nodes[usize::from(joined[0])];
+        !strand.closed && joined[0] != joined[1] && !lattice.on_rim(open_end)
+    };
+    let is_short = |strand: &Strand| strand.spots.len() < shortest_branch && is_branch(strand);
+    let doubled = doubled(&strands, is_junction);
+    let strands: Vec<Strand> = (strands.into_iter().zip(doubled))
+        .filter(|(strand, is_doubled)| !is_doubled && !is_short(strand))
+        .map(|(strand, _)| strand)
+        .collect();
+    let mut network = Network::new(strands, is_junction, place);
+    network.pair();
+    network.lines(|node| lattice.on_rim(node), smooth)
+}
+
+/// Two sides of a sliver have at most so many spots.
+const SLIVER: usize = 12;
+
+/// Which strands lie beside another so closely that one line is enough: of two between the same junctions the
+/// fainter, and small rings.
+fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
+    let plainness = |i: usize| {
+        strands[i]
+            .spots
+            .iter()
+            .map(|spot| spot.strength)
+            .sum::<f32>()
+    };
+    let mut sides: Vec<([u32; 2], usize)> = (0..strands.len())
+        .filter(|&i| strands[i].spots.len() <= SLIVER && !strands[i].closed)
+        .filter(|&i| strands[i].nodes.iter().all(|&node| is_junction(node)))
+        .map(|i| {
+            let [a, b] = strands[i].nodes;
+            ([a.min(b), a.max(b)], i)
+        })
+        .collect();
+    sides.sort_unstable();
+    let mut doubled = vec![false; strands.len()];
+    for same in sides.chunk_by(|a, b| a.0 == b.0) {
+        let is_ring = same[0].0[0] == same[0].0[1];
+        let plainest = same
+            .iter()
+            .map(|&(_, i)| i)
+            .max_by(|&a, &b| plainness(a).total_cmp(&plainness(b)));
+        for &(_, i) in same {
+            doubled[i] = is_ring || plainest != Some(i);
+        }
+    }
+    doubled
+}
+
+/// A number for every set of nodes or lines that were united.
+pub(super) struct Sets(Vec<usize>);
+
+impl Sets {
+    /// So many, each alone.
+    pub(super) fn new(count: usize) -> Self {
+        Self((0..count).collect())
+    }
+
+    /// The number of the set that `i` is in: its lowest member.
+    pub(super) fn of(&mut self, i: usize) -> usize {
+        let mut root = i;
+        while self.0[root] != root {
+            root = self.0[root];
+        }
+        let mut at = i;
+        while self.0[at] != root {
+            at = std::mem::replace(&mut self.0[at], root);
+        }
+        root
+    }
+
+    /// Makes one set of two.
+    pub(super) fn unite(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.of(a), self.of(b));
+        // The lower number leads, whatever the order.
+        self.0[a.max(b)] = a.min(b);
+    }
+}
+
+struct Network {
+    strands: Vec<Strand>,
+    tips: Vec<Tip>,
+    /// The tips of each junction.
+    junctions: Vec<std::ops::Range<usize>>,
+    /// The strand's end that each strand's end goes on in.
+    onward: Vec<[Option<(usize, usize)>; 2]>,
+}
+
+impl Network {
+    /// Junctions that nothing but a link parts become one.
+    fn new(
+        strands: Vec<Strand>,
+        is_junction: impl Fn(u32) -> bool,
+        place: impl Fn(u32) -> Vec2,
+    ) -> Self {
+        let mut nodes: Vec<u32> = strands
+            .iter()
+            .flat_map(|s| s.nodes)
+            .filter(|&node| is_junction(node))
+            .collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let number = |node: u32| nodes.binary_search(&node).ok();
+        let mut sets = Sets::new(nodes.len());
+        let bare = |s: &Strand| s.spots.is_empty() && !s.closed;
+        for strand in strands.iter().filter(|s| bare(s)) {
+            if let [Some(a), Some(b)] = strand.nodes.map(number) {
+                sets.unite(a, b);
+            }
+        }
+        let strands: Vec<Strand> = strands
+            .into_iter()
+            .filter(|s| !s.spots.is_empty())
+            .collect();
+        let mut tips = Vec::new();
+        for (i, strand) in strands.iter().enumerate().filter(|(_, s)| !s.closed) {
+            for end in 0..2 {
+                let Some(junction) = number(strand.nodes[end]) else {
+                    continue;
+                };
+                let spots = &strand.spots;
+                let ahead = DIRECTION_REACH.min(spots.len() - 1);
+                let far = if end == 0 {
+                    ahead
+                } else {
+                    spots.len() - 1 - ahead
+                };
+                tips.push(Tip {
+                    junction: sets.of(junction) as u32,
+                    strand: i,
+                    end,
+                    away: (spots[far].at - place(strand.nodes[end])).normalize_or_zero(),
+                });
+            }
+        }
+        tips.sort_by_key(|tip| tip.junction);
+        let mut junctions = Vec::new();
+        let mut from = 0;
+        for same in tips.chunk_by(|a, b| a.junction == b.junction) {
+            junctions.push(from..from + same.len());
+            from += same.len();
+        }
+        let onward = vec![[None; 2]; strands.len()];
+        Self {
+            strands,
+            tips,
+            junctions,
+            onward,
+        }
+    }
+
+    /// Joins the strands that run straight on through each junction, the straightest first; two alone are joined
+    /// however they turn.
+    fn pair(&mut self) {
+        for junction in self.junctions.clone() {
+            let tips = &self.tips[junction];
+            let mut turns: Vec<(f32, usize, usize)> = (0..tips.len())
+                .flat_map(|i| (i + 1..tips.len()).map(move |j| (i, j)))
+                .map(|(i, j)| (-tips[i].away.dot(tips[j].away), i, j))
+                .filter(|turn| turn.0 > STRAIGHT || tips.len() == 2)
+                .collect();
+            turns.sort_by(|a, b| b.0.total_cmp(&a.0));
+            for (_, i, j) in turns {
+                let [a, b] = [i, j].map(|k| (tips[k].strand, tips[k].end));
+                if self.onward[a.0][a.1].is_none() && self.onward[b.0][b.1].is_none() {
+                    self.onward[a.0][a.1] = Some(b);
+                    self.onward[b.0][b.1] = Some(a);
+                }
+            }
+        }
+    }
+
+    /// The strands of each line in order, each with the end it is entered at, and whether the line closes.
+    fn courses(&self) -> Vec<(Vec<(usize, usize)>, bool)> {
+        let mut taken = vec![false; self.strands.len()];
+        let mut courses = Vec::new();
+        let ends = (0..self.strands.len()).flat_map(|strand| [(strand, 0), (strand, 1)]);
+        let open = ends
+            .clone()
+            .filter(|&(strand, end)| self.onward[strand][end].is_none());
+        for (strand, end) in open.chain(ends) {
+            if taken[strand] {
+                continue;
+            }
+            let mut course = Vec::new();
+            let mut at = Some((strand, end));
+            while let Some((strand, end)) = at.filter(|&(strand, _)| !taken[strand]) {
+                taken[strand] = true;
+                course.push((strand, end));
+                at = self.onward[strand][1 - end];
+            }
+            courses.push((course, at.is_some()));
+        }
+        courses
+    }
+
+    fn lines(&self, on_rim: impl Fn(u32) -> bool, smooth: impl FnOnce(&mut [Line])) -> Vec<Line> {
+        let mut lines = Vec::new();
+        // Of each strand: its line, and the range of its spots there.
+        let mut at = vec![(0, [0; 2]); self.strands.len()];
+        for (course, closes) in self.courses() {
+            let mut spots = Vec::new();
+            for &(strand, entered) in &course {
+                let own = &self.strands[strand].spots;
+                let range = [spots.len(), spots.len() + own.len() - 1];
+                at[strand] = (
+                    lines.len(),
+                    if entered == 0 {
+                        range
+                    } else {
+                        [range[1], range[0]]
+                    },
+                );
+                match entered {
+                    0 => spots.extend(own.iter().copied()),
+                    _ => spots.extend(own.iter().rev().copied()),
+                }
+            }
+            let (first, last) = (course[0], course[course.len() - 1]);
+            let end = |(strand, end): (usize, usize)| {
+                let node = self.strands[strand].nodes[end];
+                if on_rim(node) { End::Border } else { End::Free }
+            };
+            lines.push(Line {
+                spots,
+                closed: closes || self.strands[first.0].closed,
+                ends: [end(first), end((last.0, 1 - last.1))],
+                part: lines.len(),
+            });
+        }
+        smooth(&mut lines);
+        self.meet(&mut lines, &at);
+        lines
+    }
+
+    /// Lets the lines that end at a junction end in one point: on the lines that run through it, or where their
+    /// courses cross.
+    fn meet(&self, lines: &mut [Line], at: &[(usize, [usize; 2])]) {
+        let mut sets = Sets::new(lines.len());
+        // Points to be put before the first and behind the last spot of each line.
+        let mut meetings: Vec<[Option<Vec2>; 2]> = vec![[None; 2]; lines.len()];
+        for junction in &self.junctions {
+            let tips = &self.tips[junction.clone()];
+            let spot = |tip: &Tip| {
+                let (line, ends) = at[tip.strand];
+                (line, ends[tip.end])
+            };
+            let place = |tip: &Tip| {
+                let (line, i) = spot(tip);
+                lines[line].spots[i].at
+            };
+            let runs_on = |tip: &&Tip| self.onward[tip.strand][tip.end].is_some();
+            let through: Vec<Vec2> = tips.iter().filter(runs_on).map(place).collect();
+            let ending: Vec<&Tip> = tips.iter().filter(|tip| !runs_on(tip)).collect();
+            let meeting = if through.is_empty() {
+                let courses: Vec<[Vec2; 2]> = ending
+                    .iter()
+                    .map(|tip| {
+                        let (line, i) = spot(tip);
+                        [place(tip), direction_at(&lines[line].spots, i)]
+                    })
+                    .collect();
+                crossing(&courses)
+            } else {
+                through.iter().sum::<Vec2>() / through.len() as f32
+            };
+            for tip in ending {
+                let (line, i) = spot(tip);
+                let last = i > 0 || (lines[line].spots.len() == 1 && meetings[line][0].is_some());
+                meetings[line][usize::from(last)] = Some(meeting);
+            }
+            for pair in tips.windows(2) {
+                sets.unite(at[pair[0].strand].0, at[pair[1].strand].0);
+            }
+        }
+        for (i, line) in lines.iter_mut().enumerate() {
+            line.part = sets.of(i);
+            for (end, meeting) in meetings[i].into_iter().enumerate() {
+                if let Some(meeting) = meeting {
+                    line.lead_to(meeting, end);
+                }
+            }
+        }
+    }
+}
+
+/// The direction in which a line leaves through its first or last spot.
+fn direction_at(spots: &[Spot], i: usize) -> Vec2 {
+    let ahead = DIRECTION_REACH.min(spots.len() - 1);
+    let inner = if i == 0 { ahead } else { i - ahead };
+    (spots[i].at - spots[inner].at).normalize_or_zero()
+}
+
+/// The point nearest to all the courses, each a point and a unit direction; where they hardly cross, or far
+/// away, the middle of their points.
+fn crossing(courses: &[[Vec2; 2]]) -> Vec2 {
+    let middle = courses.iter().map(|course| course[0]).sum::<Vec2>() / courses.len().max(1) as f32;
+    // Least squares of the distances across, sum (1 - u u^T) (x - p) = 0, with a little pull to the middle.
+    const PULL: f32 = 0.02;
+    let (mut xx, mut xy, mut yy, mut right) = (PULL, 0.0, PULL, Vec2::ZERO);
+    for &[point, u] in courses {
+        let offset = point - middle;
+        let across = offset - offset.dot(u) * u;
+        (xx, xy, yy) = (xx + 1.0 - u.x * u.x, xy - u.x * u.y, yy + 1.0 - u.y * u.y);
+        right += across;
+    }
+    let determinant = xx * yy - xy * xy;
+    let offset = Vec2::new(yy * right.x - xy * right.y, xx * right.y - xy * right.x) / determinant;
+    if offset.length() < FARTHEST_CROSSING_PX {
+        middle + offset
+    } else {
+        middle
+    }
+}
+
+/// Farther from their ends than this lines do not meet where they would cross.
+const FARTHEST_CROSSING_PX: f32 = 2.5;
+
+impl Line {
+    /// Evens out the steps between pixels.
+    pub fn smooth(&mut self, smoothing: Smoothing) {
+        let points: Vec<Vec2> = self.spots.iter().map(|spot| spot.at).collect();
+        for (spot, at) in self
+            .spots
+            .iter_mut()
+            .zip(smoothed(&points, self.closed, smoothing))
+        {
+            spot.at = at;
+        }
+    }
+
+    /// Leads the line's first (`end` 0) or last (1) spot on to a point. Spots closer to it than a pixel and a
+    /// half give way, so that the line does not bend there.
+    pub fn lead_to(&mut self, point: Vec2, end: usize) {
+        const ROOM_PX: f32 = 1.5;
+        let near = |spot: &Spot| spot.at.distance(point) < ROOM_PX;
+        let mut nearest = if end == 0 {
+            self.spots[0]
+        } else {
+            self.spots[self.spots.len() - 1]
+        };
+        nearest.at = point;
+        if end == 0 {
+            let gone = self.spots.iter().take_while(|spot| near(spot)).count();
+            self.spots
+                .splice(0..gone.min(self.spots.len() - 1), [nearest]);
+        } else {
+            let gone = self
+                .spots
+                .iter()
+                .rev()
+                .take_while(|spot| near(spot))
+                .count();
+            let left = self.spots.len() - gone.min(self.spots.len() - 1);
+            self.spots.truncate(left);
+            self.spots.push(nearest);
+        }
+        self.ends[end] = End::Joined;
+    }
+
+    /// The line's length in pixels.
+    pub fn length(&self) -> f32 {
+        let points: Vec<Vec2> = self.spots.iter().map(|spot| spot.at).collect();
+        length(&points, self.closed)
+    }
+
+    /// The unit direction in which the line leaves through its first (`end` 0) or last (1) spot.
+    pub fn direction_out(&self, end: usize) -> Vec2 {
+        direction_at(&self.spots, end * (self.spots.len() - 1))
+    }
+}

@@ -1,0 +1,337 @@
+//! Polylines through places known to within a pixel: their smooth course, length and direction.
+
+use glam::Vec2;
+
+/// How a polyline is evened out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothing {
+    /// How far its points may lie beside the true line, in pixels.
+    pub tolerance_px: f32,
+    /// Most points to either side that are looked at together.
+    pub reach: usize,
+}
+
+/// Points to either side that may be looked at together: each a third more than the one before.
+const REACHES: [usize; 15] = [1, 2, 3, 4, 5, 7, 9, 12, 16, 21, 28, 38, 51, 68, 100];
+
+/// The smooth course of a polyline whose points lie beside it by up to the tolerance: steps between pixels
+/// vanish, corners stay.
+///
+/// Every point moves onto the parabola of least squares through its neighbours, of which so many to either
+/// side count as lie within the tolerance of their parabola: many along a straight line, few around a corner.
+/// Neighbouring points look almost equally far, so that the line shows no seam.
+pub fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2> {
+    let allowed = REACHES.partition_point(|&reach| reach <= smoothing.reach);
+    if points.len() < 3 || allowed == 0 {
+        return points.to_vec();
+    }
+    let line = Wrapped::new(points, closed, REACHES[allowed - 1]);
+    let fits = |i: usize, level: usize| line.fits(i, REACHES[level], smoothing.tolerance_px);
+    let mut levels: Vec<usize> = (0..points.len())
+        .map(|i| largest(allowed, |level| fits(i, level)))
+        .collect();
+    let n = levels.len();
+    // Twice around, so that a closed line has no first point.
+    for i in 1..n * (1 + usize::from(closed)) {
+        levels[i % n] = levels[i % n].min(levels[(i - 1) % n] + 1);
+    }
+    for i in (1..n * (1 + usize::from(closed))).rev() {
+        levels[(i - 1) % n] = levels[(i - 1) % n].min(levels[i % n] + 1);
+    }
+    let moved = |(i, &level): (usize, &usize)| match level {
+        0 => points[i],
+        _ => line.fit(i, REACHES[level - 1]).at(line.start + i),
+    };
+    levels.iter().enumerate().map(moved).collect()
+}
+
+/// The largest number up to `all` of levels that hold, if every level below one that holds does.
+fn largest(all: usize, holds: impl Fn(usize) -> bool) -> usize {
+    let (mut least, mut most) = (0, all);
+    while least < most {
+        let level = usize::midpoint(least, most);
+        if holds(level) {
+            least = level + 1;
+        } else {
+            most = level;
+        }
+    }
+    least
+}
+
+/// The points of a line, a closed one continued beyond its ends.
+struct Wrapped {
+    points: Vec<Vec2>,
+    /// Where the line's own points start.
+    start: usize,
+}
+
+impl Wrapped {
+    fn new(points: &[Vec2], closed: bool, reach: usize) -> Self {
+        if !closed {
+            return Self {
+                points: points.to_vec(),
+                start: 0,
+            };
+        }
+        let n = points.len();
+        let start = reach.min(n);
+        let wrapped = (0..n + 2 * start).map(|i| points[(i + n - start) % n]);
+        Self {
+            points: wrapped.collect(),
+            start,
+        }
+    }
+
+    /// The points within `reach` of the line's point `i`: the first and one past the last.
+    fn window(&self, i: usize, reach: usize) -> [usize; 2] {
+        let at = self.start + i;
+        [
+            at.saturating_sub(reach),
+            (at + reach + 1).min(self.points.len()),
+        ]
+    }
+
+    fn fit(&self, i: usize, reach: usize) -> Parabola {
+        let [from, to] = self.window(i, reach);
+        Parabola::through(&self.points[from..to], from)
+    }
+
+    /// Whether all points within `reach` of point `i` lie within the tolerance of their parabola.
+    fn fits(&self, i: usize, reach: usize, tolerance: f32) -> bool {
+        let [from, to] = self.window(i, reach);
+        let parabola = Parabola::through(&self.points[from..to], from);
+        let near = |j: usize| {
+            let across = parabola.slope(j).perp_dot(self.points[j] - parabola.at(j));
+            across * across <= tolerance * tolerance * parabola.slope(j).length_squared()
+        };
+        (from..to).all(near)
+    }
+}
+
+/// The parabola of least squares through points that follow each other evenly.
+struct Parabola {
+    middle: f32,
+    mean_square: f32,
+    /// Coefficients of 1, t and t^2 - mean(t^2), which are at right angles to each other; t counts points
+    /// from the middle.
+    coefficients: [Vec2; 3],
+}
+
+impl Parabola {
+    fn through(points: &[Vec2], from: usize) -> Self {
+        let n = points.len() as f32;
+        let half = 0.5 * (n - 1.0);
+        // Sums over t = -half, -half + 1, ... half: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
+        // n (n^2 - 1)(n^2 - 4)/180.
+        let squares = n * (n * n - 1.0) / 12.0;
+        let fourths = n * (n * n - 1.0) * (n * n - 4.0) / 180.0;
+        let mean_square = squares / n;
+        // From the first point: differences keep their digits far from the origin.
+        let origin = points[0];
+        let (mut constant, mut linear, mut bent) = (Vec2::ZERO, Vec2::ZERO, Vec2::ZERO);
+        let mut t = -half;
+        for &point in points {
+            let p = point - origin;
+            constant += p;
+            linear += t * p;
+            bent += (t * t - mean_square) * p;
+            t += 1.0;
+        }
+        let over = |sum: Vec2, squares: f32| {
+            if squares > 0.0 {
+                sum / squares
+            } else {
+                Vec2::ZERO
+            }
+        };
+        Self {
+            middle: from as f32 + half,
+            mean_square,
+            coefficients: [
+                origin + constant / n,
+                over(linear, squares),
+                over(bent, fourths),
+            ],
+        }
+    }
+
+    fn at(&self, i: usize) -> Vec2 {
+        let t = i as f32 - self.middle;
+        let [a, b, c] = self.coefficients;
+        a + t * b + (t * t - self.mean_square) * c
+    }
+
+    fn slope(&self, i: usize) -> Vec2 {
+        let t = i as f32 - self.middle;
+        self.coefficients[1] + 2.0 * t * self.coefficients[2]
+    }
+}
+
+/// The mean of the values up to `reach` away along a line.
+pub fn evened(values: &[f32], closed: bool, reach: usize) -> Vec<f32> {
+    let n = values.len();
+    let reach = reach.min(n.saturating_sub(1) / 2);
+    if closed {
+        let at = |i: usize| values[i % n];
+        let window = 2 * reach + 1;
+        let mean =
+            |i: usize| (0..window).map(|j| at(i + n + j - reach)).sum::<f32>() / window as f32;
+        return (0..n).map(mean).collect();
+    }
+    (0..n)
+        .map(|i| {
+            let part = &values[i.saturating_sub(reach)..(i + reach + 1).min(n)];
+            part.iter().sum::<f32>() / part.len() as f32
+        })
+        .collect()
+}
+
+/// The lengths from the first point to every point, along the line.
+pub fn lengths(points: &[Vec2]) -> Vec<f32> {
+    let mut length = 0.0;
+    let mut before = None;
+    points
+        .iter()
+        .map(|&point| {
+            length += before.map_or(0.0, |before: Vec2| before.distance(point));
+            before = Some(point);
+            length
+        })
+        .collect()
+}
+
+/// The length of a line.
+pub fn length(points: &[Vec2], closed: bool) -> f32 {
+    let open: f32 = points
+        .windows(2)
+        .map(|pair| pair[0].distance(pair[1]))
+        .sum();
+    match (closed, points) {
+        (true, [first, .., last]) => open + first.distance(*last),
+        _ => open,
+    }
+}
+
+/// The indices of the points that a line needs so that it passes within `tolerance_px` of all of them, of
+/// which none leaves out more than `most` others.
+pub fn thinned(points: &[Vec2], tolerance_px: f32, most: usize) -> Vec<usize> {
+    let mut kept = vec![0];
+    let mut from = 0;
+    while from + 1 < points.len() {
+        let within = |to: usize| {
+            let chord = (points[to] - points[from]).normalize_or_zero();
+            (from + 1..to).all(|i| {
+                let offset = points[i] - points[from];
+                let along = offset.dot(chord);
+                (offset - along * chord).length_squared() <= tolerance_px * tolerance_px
+                    && along >= 0.0
+            })
+        };
+        let last = (from + 1 + most).min(points.len() - 1);
+        let mut to = from + 1;
+        while to < last && within(to + 1) {
+            to += 1;
+        }
+        kept.push(to);
+        from = to;
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SMOOTHING: Smoothing = Smoothing {
+        tolerance_px: 0.6,
+        reach: 28,
+    };
+
+    /// Middles of the cracks along a line y = slope x, as pixels show it.
+    fn steps(slope: f64, length: usize) -> Vec<Vec2> {
+        let level = |x: usize| (slope * (x as f64 + 0.5)).round();
+        let mut points = Vec::new();
+        for x in 0..length {
+            points.push(Vec2::new(x as f32 + 0.5, level(x) as f32));
+            if level(x + 1) > level(x) {
+                points.push(Vec2::new(x as f32 + 1.0, level(x) as f32 + 0.5));
+            }
+        }
+        points
+    }
+
+    #[test]
+    fn steps_between_pixels_become_a_straight_line() {
+        for slope in [0.0, 0.07, 0.2, 0.37, 0.5, 0.81, 1.0] {
+            let across = |p: Vec2| (f64::from(p.y) - slope * f64::from(p.x)) / slope.hypot(1.0);
+            let smooth = smoothed(&steps(slope, 200), false, SMOOTHING);
+            let worst = smooth.iter().map(|&p| across(p).abs()).fold(0.0, f64::max);
+            // The steps are half a pixel wide; a line of slope 0.07 has one in 14 pixels.
+            assert!(worst < 0.25, "slope {slope}: {worst}");
+        }
+    }
+
+    #[test]
+    fn a_parabola_stays_and_a_corner_stays_within_a_pixel() {
+        let parabola: Vec<Vec2> = (0..40)
+            .map(|i| Vec2::new(i as f32, 0.01 * (i * i) as f32))
+            .collect();
+        for (p, q) in smoothed(&parabola, false, SMOOTHING).iter().zip(&parabola) {
+            assert!(p.distance(*q) < 1e-3);
+        }
+        let corner: Vec<Vec2> = (0..41)
+            .map(|i| Vec2::new(i.min(20) as f32, (i.max(20) - 20) as f32))
+            .collect();
+        let nearest = smoothed(&corner, false, SMOOTHING)
+            .iter()
+            .map(|p| p.distance(Vec2::new(20.0, 0.0)))
+            .fold(f32::INFINITY, f32::min);
+        assert!(nearest < 1.0, "{nearest}");
+    }
+
+    #[test]
+    fn a_closed_line_has_no_first_point() {
+        let square: Vec<Vec2> = (0..80)
+            .map(|i| {
+                let along = (i % 20) as f32;
+                match i / 20 {
+                    0 => Vec2::new(along, 0.0),
+                    1 => Vec2::new(20.0, along),
+                    2 => Vec2::new(20.0 - along, 20.0),
+                    _ => Vec2::new(0.0, 20.0 - along),
+                }
+            })
+            .collect();
+        let smooth = smoothed(&square, true, SMOOTHING);
+        let turned: Vec<Vec2> = square.iter().cycle().skip(33).take(80).copied().collect();
+        let turned = smoothed(&turned, true, SMOOTHING);
+        for (i, p) in turned.iter().enumerate() {
+            assert!(p.distance(smooth[(i + 33) % 80]) < 1e-4);
+        }
+    }
+
+    #[test]
+    fn thinned_lines_pass_all_their_points() {
+        let arc: Vec<Vec2> = (0..100)
+            .map(|i| 30.0 * Vec2::from_angle(i as f32 / 30.0))
+            .collect();
+        let kept = thinned(&arc, 0.05, 64);
+        assert!(
+            kept.len() < 40 && kept[0] == 0 && kept.last() == Some(&99),
+            "{kept:?}"
+        );
+        // The sagitta of an arc over s pixels is s^2/(8 R) = 0.05 for s = 3.5.
+        assert!(kept.windows(2).all(|pair| pair[1] - pair[0] <= 4));
+        assert_eq!(thinned(&arc[..1], 0.05, 64), [0]);
+    }
+
+    #[test]
+    fn lengths_and_means_along_a_line() {
+        let line = [Vec2::ZERO, Vec2::new(3.0, 4.0), Vec2::new(3.0, 0.0)];
+        assert_eq!(lengths(&line), [0.0, 5.0, 9.0]);
+        assert_eq!((length(&line, false), length(&line, true)), (9.0, 12.0));
+        assert_eq!(evened(&[0.0, 3.0, 0.0], true, 1), [1.0; 3]);
+        assert_eq!(evened(&[0.0, 3.0, 0.0], false, 1), [1.5, 1.0, 1.5]);
+    }
+}

@@ -1,0 +1,196 @@
+//! Ridges of a weight: what is left of wide bands of pixels when they are thinned to lines one pixel wide.
+
+use crate::line::lattice::{Lattice, STEPS};
+use glam::Vec2;
+
+/// Pixels with weights, of which those above 0 form bands.
+#[derive(Debug)]
+pub struct Bands<'a> {
+    /// Number of columns.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+    /// The pixels in bands, in order.
+    pub pixels: &'a [u32],
+    /// The weight of every pixel of the picture, 0..1; 0 outside the bands.
+    pub weight: &'a [f32],
+}
+
+impl Bands<'_> {
+    /// The pixel a step away.
+    fn beside(&self, pixel: u32, [dx, dy]: [i32; 2]) -> Option<usize> {
+        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+        let (x, y) = (
+            x.checked_add_signed(dx as isize)?,
+            y.checked_add_signed(dy as isize)?,
+        );
+        (x < self.width && y < self.height).then_some(y * self.width + x)
+    }
+
+    fn weight_beside(&self, pixel: u32, step: [i32; 2]) -> f32 {
+        self.beside(pixel, step).map_or(0.0, |i| self.weight[i])
+    }
+
+    /// Eight bits, one per step: whether `is_left` holds for the neighbour.
+    fn neighbours(&self, pixel: u32, is_left: &[bool]) -> u8 {
+        let mut bits = 0;
+        for (i, &step) in STEPS.iter().enumerate() {
+            let set = self.beside(pixel, step).is_some_and(|i| is_left[i]);
+            bits |= u8::from(set) << i;
+        }
+        bits
+    }
+
+    /// The lines that the bands are thinned to, connected as the bands are: pixels are taken away, those of the
+    /// least weight around them first, as long as that neither parts a line nor shortens its end.
+    pub fn ridges(&self) -> Lattice {
+        let mut is_left = vec![false; self.width * self.height];
+        for &pixel in self.pixels {
+            is_left[pixel as usize] = true;
+        }
+        let mut waiting = self.by_weight_around();
+        for _ in 0..MOST_ROUNDS {
+            let before = waiting.len();
+            waiting.retain(|&pixel| {
+                let bits = self.neighbours(pixel, &is_left);
+                let stays = bits.count_ones() < 2 || !is_simple(bits);
+                is_left[pixel as usize] = stays;
+                stays
+            });
+            if waiting.len() == before {
+                break;
+            }
+        }
+        waiting.sort_unstable();
+        let links = waiting.iter().flat_map(|&pixel| {
+            let bits = self.neighbours(pixel, &is_left);
+            // Each link once: along the first half of the steps. A step aslant only where no way around it
+            // is left.
+            (0..4).filter_map(move |step| {
+                let set = |i: usize| bits >> (i % 8) & 1 == 1;
+                let around = step % 2 == 1 && (set(step + 7) || set(step + 1));
+                (set(step) && !around).then_some((pixel, step))
+            })
+        });
+        Lattice::new(self.width, self.height, links)
+    }
+
+    /// The pixels, those with the least weight around them first.
+    fn by_weight_around(&self) -> Vec<u32> {
+        let mut buckets = vec![Vec::new(); 256];
+        for &pixel in self.pixels {
+            let mut sum = 4.0 * self.weight[pixel as usize];
+            for (i, &step) in STEPS.iter().enumerate() {
+                let share = if i % 2 == 0 { 2.0 } else { 1.0 };
+                sum += share * self.weight_beside(pixel, step);
+            }
+            buckets[((sum * (255.0 / 16.0)) as usize).min(255)].push(pixel);
+        }
+        buckets.concat()
+    }
+
+    /// The middle of the weights around a pixel, in picture coordinates: of a band two pixels wide it is the
+    /// crack between them.
+    pub fn middle(&self, pixel: u32) -> Vec2 {
+        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+        let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize]);
+        for step in STEPS {
+            let weight = self.weight_beside(pixel, step);
+            sum += weight * Vec2::new(step[0] as f32, step[1] as f32);
+            weights += weight;
+        }
+        let offset = if weights > 0.0 {
+            sum / weights
+        } else {
+            Vec2::ZERO
+        };
+        Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset
+    }
+}
+
+/// Rounds of thinning; one or two leave nothing to be done unless everything is a band.
+const MOST_ROUNDS: usize = 16;
+
+/// Whether a pixel with these neighbours left can be taken away without parting them or opening a hole: its
+/// 8-connectivity number (Yokoi) is 1.
+fn is_simple(bits: u8) -> bool {
+    let free = |i: usize| u8::from(bits >> (i % 8) & 1 == 0);
+    let number: u8 = (0..8)
+        .step_by(2)
+        .map(|i| free(i) - free(i) * free(i + 1) * free(i + 2))
+        .sum();
+    number == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ridges_of(width: usize, height: usize, weight: &[f32]) -> Vec<u32> {
+        let pixels: Vec<u32> = (0..weight.len() as u32)
+            .filter(|&i| weight[i as usize] > 0.0)
+            .collect();
+        let bands = Bands {
+            width,
+            height,
+            pixels: &pixels,
+            weight,
+        };
+        bands.ridges().linked().to_vec()
+    }
+
+    #[test]
+    fn a_band_becomes_a_line_along_its_crest() {
+        // Three rows, the middle one the heaviest.
+        let weight: Vec<f32> = (0..60)
+            .map(|i| if (20..40).contains(&i) { 1.0 } else { 0.5 })
+            .collect();
+        let left = ridges_of(20, 3, &weight);
+        assert!(
+            left.len() >= 18 && left.iter().all(|&i| (20..40).contains(&i)),
+            "{left:?}"
+        );
+    }
+
+    #[test]
+    fn the_middle_of_two_columns_is_the_crack_between_them() {
+        let weight: Vec<f32> = (0..30)
+            .map(|i| if [2, 3].contains(&(i % 6)) { 0.7 } else { 0.0 })
+            .collect();
+        let bands = Bands {
+            width: 6,
+            height: 5,
+            pixels: &[],
+            weight: &weight,
+        };
+        for pixel in [14, 15] {
+            let middle = bands.middle(pixel);
+            assert!((middle - Vec2::new(3.0, 2.5)).length() < 1e-6, "{middle}");
+        }
+    }
+
+    #[test]
+    fn rings_stay_closed_and_full_planes_end() {
+        let ring: Vec<f32> = (0..15 * 15)
+            .map(|i| {
+                let (dx, dy) = (f64::from(i % 15) - 7.0, f64::from(i / 15) - 7.0);
+                f32::from(u8::from((dx.hypot(dy) - 5.0).abs() < 1.3))
+            })
+            .collect();
+        let pixels: Vec<u32> = (0..225).filter(|&i| ring[i as usize] > 0.0).collect();
+        let bands = Bands {
+            width: 15,
+            height: 15,
+            pixels: &pixels,
+            weight: &ring,
+        };
+        let paths = bands.ridges().paths();
+        assert_eq!(
+            paths.iter().filter(|path| path.closed).count(),
+            1,
+            "{paths:?}"
+        );
+        assert!(ridges_of(40, 30, &[1.0; 1200]).len() < 200);
+        assert!(ridges_of(1, 1, &[1.0]).is_empty());
+    }
+}

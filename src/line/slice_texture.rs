@@ -1,0 +1,101 @@
+//! A tonal art map of pictures, from the lightest to the darkest.
+
+use super::hatching::BATCH;
+use crate::frame::Plane;
+
+/// Pictures of one texture at several tones: rectangles that repeat, paper first and ink last.
+#[derive(Debug, Clone)]
+pub(super) struct SliceTexture {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// How much ink each texel of each slice holds, 0..1.
+    slices: Vec<Vec<f32>>,
+}
+
+impl SliceTexture {
+    /// The texture of pictures of one size, told by their ink, 0..1, in any order.
+    pub(super) fn new(pictures: &[Plane]) -> Self {
+        let first = &pictures[0];
+        let (width, height) = (first.width(), first.height());
+        let texels = width * height;
+        let ink = |plane: &Plane| {
+            plane
+                .samples()
+                .iter()
+                .map(|v| v.max(0.0).min(1.0))
+                .collect()
+        };
+        let mut slices: Vec<Vec<f32>> = pictures.iter().map(ink).collect();
+        slices.push(vec![0.0; texels]);
+        slices.push(vec![1.0; texels]);
+        slices.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
+        Self {
+            width,
+            height,
+            slices,
+        }
+    }
+
+    /// The threshold of the last slice.
+    pub(super) fn top(&self) -> f32 {
+        (self.slices.len() - 1) as f32
+    }
+
+    /// As [`super::stroke_texture::StrokeTexture::cover`], at thresholds that are slices and shares of the
+    /// way to the next.
+    #[inline(always)]
+    pub(super) fn cover(
+        &self,
+        white: &mut [f32],
+        at: &[[f32; BATCH]; 2],
+        threshold: &[f32; BATCH],
+    ) {
+        for (i, white) in white.iter_mut().enumerate() {
+            *white *= 1.0 - self.ink(at[0][i], at[1][i], threshold[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn ink(&self, x: f32, y: f32, threshold: f32) -> f32 {
+        let within = |at: f32, size: usize| {
+            let at = at.rem_euclid(size as f32);
+            let first = (at as usize).min(size - 1);
+            (first, (first + 1) % size, at - first as f32)
+        };
+        let (left, right, across) = within(x, self.width);
+        let (top, bottom, down) = within(y, self.height);
+        let slice = (threshold as usize).min(self.slices.len() - 2);
+        let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
+        let of_slice = |slice: &[f32]| {
+            let (top, bottom) = (top * self.width, bottom * self.width);
+            let upper = mix(slice[top + left], slice[top + right], across);
+            let lower = mix(slice[bottom + left], slice[bottom + right], across);
+            mix(upper, lower, down)
+        };
+        let share = (threshold - slice as f32).clamp(0.0, 1.0);
+        mix(
+            of_slice(&self.slices[slice]),
+            of_slice(&self.slices[slice + 1]),
+            share,
+        )
+    }
+
+    /// The mean ink at even steps of the threshold.
+    pub(super) fn mean_inks(&self) -> Vec<f64> {
+        let means: Vec<f64> = self.slices.iter().map(|slice| mean(slice)).collect();
+        let steps = means.len() - 1;
+        let at = |i: usize| {
+            let (slice, share) = (i / STEPS, (i % STEPS) as f64 / STEPS as f64);
+            let next = means[(slice + 1).min(steps)];
+            means[slice] + share * (next - means[slice])
+        };
+        (0..=steps * STEPS).map(at).collect()
+    }
+}
+
+/// Steps from a slice to the next at which ink is told.
+const STEPS: usize = 64;
+
+fn mean(slice: &[f32]) -> f64 {
+    slice.iter().map(|&v| f64::from(v)).sum::<f64>() / slice.len() as f64
+}
