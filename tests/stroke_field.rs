@@ -146,25 +146,38 @@ fn to_8_bits(frame: &Frame) -> Frame {
 
 #[test]
 fn strokes_run_around_cylinders_and_along_them() {
-    for axis in [
+    println!("axis, rounding, passes: p95 / largest degrees around, along");
+    let axes = [
         DVec3::Y,
         DVec3::X,
         DVec3::new(0.6, 0.5, 0.0),
         DVec3::new(0.6, 0.5, 0.45),
-    ] {
+    ];
+    for axis in axes {
         let (flat, side) = scene(Surface::cylinder(80.0, axis), 128.0);
         for scene in [flat.clone(), in_perspective(&flat, 128.0)] {
             let frame = scene.frame(side, side);
             for frame in [to_8_bits(&frame), frame] {
-                let [around, along] = errors(&scene, &frame, &FieldParams::default(), 0.5);
-                let [worst_around, worst_along] = [&around, &along].map(|e| quantile(e, 1.0));
-                println!(
-                    "{axis} {}: around {:.3} / {worst_around:.3}, along {:.3} / {worst_along:.3}",
-                    frame.source.normal_rounding,
-                    quantile(&around, 0.95),
-                    quantile(&along, 0.95)
-                );
-                assert!(quantile(&around, 0.95) < 1.0 && quantile(&along, 0.95) < 1.0);
+                for passes in [0, FieldParams::default().passes] {
+                    let params = FieldParams {
+                        passes,
+                        ..FieldParams::default()
+                    };
+                    let rounding = frame.source.normal_rounding;
+                    let [around, along] = errors(&scene, &frame, &params, 0.7)
+                        .map(|e| [quantile(&e, 0.95), quantile(&e, 1.0)]);
+                    println!(
+                        "{axis} {rounding:.4} {passes}: {:.3} / {:.3}, {:.3} / {:.3}",
+                        around[0], around[1], along[0], along[1]
+                    );
+                    // The normals tell the directions to a small part of a degree. A pass keeps straight
+                    // lines, of those along the axis in a parallel projection; rings seen at a slant
+                    // bend, and near the rim, where the kernel is cut off, all of it to one side.
+                    let straight =
+                        passes == 0 || axis.z == 0.0 && scene.projection == flat.projection;
+                    let bound = if straight { 0.5 } else { 1.25 };
+                    assert!(around[0] < bound && along[0] < 0.5, "{around:?} {along:?}");
+                }
             }
         }
     }
@@ -179,18 +192,34 @@ fn both_families_follow_the_curvature() {
             let frame = scene.frame(side, side);
             let bits = to_8_bits(&frame);
             for (stored, frame) in [("float", frame), ("8 bits", bits)] {
-                for (passes, cell_px) in [(0, 4), (3, 4), (3, 2), (3, 1)] {
+                for passes in [0, FieldParams::default().passes] {
                     let params = FieldParams {
                         passes,
-                        cell_px,
                         ..FieldParams::default()
                     };
                     let [larger, lesser] = errors(&scene, &frame, &params, 0.35)
                         .map(|e| [quantile(&e, 0.5), quantile(&e, 0.95)]);
                     println!(
-                        "{radius:4} {name:9} {stored:6} {passes} passes, {cell_px} px: {:.2} / {:.2}, {:.2} / {:.2}",
+                        "{radius:4} {name:9} {stored:6} {passes} passes: {:.2} / {:.2}, {:.2} / {:.2}",
                         larger[0], larger[1], lesser[0], lesser[1]
                     );
+                    // Neighbours 4 px apart: off by the square of 4 / radius, 0.2 degrees in 64 px in the
+                    // mean and twenty times that where curvatures are nearly alike; a quarter per
+                    // doubling. Rounding turns directions by 1/255 over the turn of 8 px, 8/radius.
+                    let second_order = 5.0 * (64.0 / radius).powi(2);
+                    let rounded = if stored == "float" { 0.0 } else { 3.0 };
+                    if passes == 0 {
+                        let bound = second_order.max(0.5) + rounded;
+                        assert!(larger[1] < bound && lesser[1] < bound, "{name} of {radius}");
+                    } else if radius == 256.0 {
+                        // Passes of 24 px round the tube of 77 px off; what they cost is the bend of the
+                        // field, not noise: 8 bits and floats are alike.
+                        let bound = if name == "torus" { 8.0 } else { 5.0 };
+                        assert!(
+                            larger[1] < bound && lesser[1] < 3.0,
+                            "{name}: {larger:?} {lesser:?}"
+                        );
+                    }
                 }
             }
         }
@@ -225,17 +254,21 @@ fn balls_and_planes_take_the_fallback() {
                         ..FieldParams::default()
                     };
                     let found = fields(&frame, &params, StrokeDirections::Both);
-                    let wanted = Vec2::from_angle(angle.to_radians()).as_dvec2();
-                    let worst = places(&frame)
-                        .filter(|&(x, y)| frame.mask.at(x, y))
-                        .map(|(x, y)| {
-                            let off = angle_deg(at(&found[0], x, y), wanted);
-                            off.max(angle_deg(at(&found[1], x, y), wanted.perp()))
-                        })
-                        .fold(0.0, f64::max);
-                    let turn = largest_turn_deg(&found[0], &frame);
-                    println!("{radius} exact {exact} {angle}: {worst:.3}, turn {turn:.3}");
-                    assert!(worst < if exact { 1.0 } else { 45.0 } && turn < 10.0);
+                    let first = Vec2::from_angle(angle.to_radians()).as_dvec2();
+                    let wanted = [first, first.perp()];
+                    let covered = places(&frame).filter(|&(x, y)| frame.mask.at(x, y));
+                    let off = covered.flat_map(|(x, y)| {
+                        let off = |i: usize| angle_deg(at(&found[i], x, y), wanted[i]);
+                        [off(0), off(1)]
+                    });
+                    let worst = off.fold(0.0, f64::max);
+                    let turn = found.iter().map(|f| largest_turn_deg(f, &frame));
+                    let turn = turn.fold(0.0, f64::max);
+                    println!("{radius} {angle}, exact {exact}: {worst:.3}, turn {turn:.3}");
+                    // Rounded normals of so large a ball lie in steps 16 px wide, which are forms of a
+                    // kind: strokes lean, and keep calm.
+                    let bound = if exact { 0.01 } else { 10.0 };
+                    assert!(worst < bound && turn < 0.1 * bound, "{worst} {turn}");
                 }
             }
         }
@@ -354,8 +387,9 @@ fn turned_and_mirrored_pictures_give_turned_and_mirrored_fields() {
                 }
             }
             off.sort_by(f64::total_cmp);
-            println!("{} {}", quantile(&off, 0.99), quantile(&off, 1.0));
-            assert!(quantile(&off, 0.99) < 0.05, "{}", quantile(&off, 0.99));
+            // Sums in another order differ by the rounding of f32.
+            let worst = quantile(&off, 1.0);
+            assert!(worst < 1e-3, "{worst} degrees");
         }
     }
 }
@@ -402,7 +436,7 @@ fn a_quarter_of_the_size_is_enough() {
                 quantile(&off, 0.5),
                 quantile(&off, 0.95)
             );
-            assert!(quantile(&off, 0.95) < 3.0);
+            assert!(quantile(&off, 0.95) < 1.5, "{name}");
         }
     }
 }

@@ -57,6 +57,8 @@ struct Field<'a> {
     params: &'a FieldParams,
     frame: &'a Frame,
     patches: &'a Patches,
+    /// The fallback where it is the same everywhere, and at right angles to it.
+    fixed: Option<[Vec2; 2]>,
     sight: SightLines,
     /// Pixels per unit of length, at a distance of 1 in perspective.
     pixels: f64,
@@ -74,8 +76,11 @@ const FORM_REACH: f32 = 2.5;
 /// Turn of the normal, in radians per pixel, that counts half: 17 degrees over a thousand pixels.
 const FLAT_TURN: f64 = 3e-4;
 
-/// Deviations of the noise of curvature that count half.
-const NOISE: f64 = 2.0;
+/// Pixels over which the turn of normals is told, whatever the size of cells: as far as tensors are averaged.
+const TURN_PX: f64 = 8.0;
+
+/// Deviations of the noise of curvature, told over so many pixels, that count half.
+const NOISE: f64 = 3.0;
 
 /// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
 const DEVIATION: f64 = 0.577_350_269;
@@ -83,8 +88,10 @@ const DEVIATION: f64 = 0.577_350_269;
 /// Cosine between normal and sight line below which directions, foreshortened, count less.
 const FACING: f64 = 0.35;
 
-/// How sure the fallback is where the surface is no plane: less than all that curvature tells.
-const FALLBACK: f32 = 0.01;
+/// How sure the fallback is where curvature tells nothing, and how sure curvature must be for the fallback
+/// not to bend it. Higher values bend more; lower ones follow rounding over a ball.
+const FALLBACK: f32 = 0.005;
+const FREE: f32 = 4.0 * FALLBACK;
 
 /// How many times farther than a pass the surroundings reach that lead where directions disagree, and in how
 /// many passes.
@@ -105,11 +112,19 @@ impl<'a> Field<'a> {
         let cell_px = f64::from(params.cell_px);
         let rounding = f64::from(frame.source.normal_rounding);
         let factor = plan.resolution_factor;
-        let noise = NOISE * DEVIATION * rounding / (2.0 * cell_px);
+        let noise = NOISE * DEVIATION * rounding / TURN_PX;
+        let fixed = match params.fallback {
+            Fallback::Angle(degrees) => {
+                let first = Vec2::from_angle((degrees % 180.0).to_radians());
+                Some([first, first.perp()])
+            }
+            Fallback::Surface => None,
+        };
         Self {
             params,
             frame,
             patches,
+            fixed,
             sight,
             pixels,
             perspective: !frame.camera.is_some_and(|c| is_parallel(c.projection)),
@@ -222,21 +237,16 @@ impl<'a> Field<'a> {
         for _ in 0..SURROUNDING_PASSES {
             around = cross.mean(&around, &wide);
         }
-        found
-            .iter()
-            .zip(&around)
-            .map(|(&own, &around)| calm(own, around))
-            .collect()
+        let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
+        pairs.map(|(&own, &around)| calm(own, around)).collect()
     }
 
+    /// The fallback at a place, of the first field made or the second.
     fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
-        match (self.params.fallback, order) {
-            (Fallback::Angle(degrees), _) => {
-                let turn = 90.0 * order as f32;
-                Vec2::from_angle((degrees % 180.0 + turn).to_radians())
-            }
-            (Fallback::Surface, 0) => fixed_direction(normal, &self.sight, x, y),
-            (Fallback::Surface, _) => fixed_second_direction(normal, &self.sight, x, y),
+        match (self.fixed, order) {
+            (Some(fixed), _) => fixed[order],
+            (None, 0) => fixed_direction(normal, &self.sight, x, y),
+            (None, _) => fixed_second_direction(normal, &self.sight, x, y),
         }
     }
 
@@ -249,7 +259,8 @@ impl<'a> Field<'a> {
         let settle = |(i, z): (usize, &mut [f32; 2])| {
             let patch = &self.patches.all[i];
             let last = doubled(fallback(patch.at.x, patch.at.y, patch.normal));
-            let sum = Vec2::from(*z) + FALLBACK * last;
+            let own = Vec2::from(*z);
+            let sum = own + FALLBACK * (1.0 - own.length() / FREE).max(0.0) * last;
             *z = match self.patches.is_speck(i) {
                 true => [0.0; 2],
                 false => sum.try_normalize().unwrap_or(last).to_array(),
@@ -303,7 +314,10 @@ impl<'a> Field<'a> {
             }
         }
         for (label, patch) in patches.enumerate() {
-            let around = self.around(patch).map(|i| Vec2::from(doubled[i]));
+            let around = self.around(patch).map(|[a, b]| {
+                let [a, b] = [a, b].map(|i| Vec2::from(doubled[i]));
+                0.5 * (a + b)
+            });
             for (i, py) in grid.y_pixels(row).enumerate() {
                 let v = grid.place(1, py);
                 let columns = [0, 1, 2].map(|c| {
@@ -332,32 +346,39 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// A patch and the eight around it, row by row; where the surface does not go on, the nearest of them
-    /// that does.
-    fn around(&self, i: usize) -> [usize; 9] {
+    /// A patch and the eight around it, row by row, each the mean of two: a corner may be another patch by
+    /// way of the side than by way of the end. Where the surface does not go on it is the nearest that does.
+    fn around(&self, i: usize) -> [[usize; 2]; 9] {
         let Patches { across, down, .. } = self.patches;
         let go = |links: &[u32], i: usize| match links[i] {
             NONE => None,
             there => Some(there as usize),
         };
-        let beside = |Links { before, after }: &Links, i| [go(before, i), go(after, i)];
-        let [left, right] = beside(across, i);
-        let [above, below] = beside(down, i);
+        let beside = |links: &Links| [go(&links.before, i), go(&links.after, i)];
+        let ([left, right], [above, below]) = (beside(across), beside(down));
+        let either = |a: Option<usize>, b: Option<usize>| match (a, b) {
+            (Some(a), Some(b)) => Some([a, b]),
+            (Some(a), None) | (None, Some(a)) => Some([a, a]),
+            (None, None) => None,
+        };
         let corner =
             |side: Option<usize>, end: Option<usize>, sideways: &[u32], endways: &[u32]| {
                 let by_side = side.and_then(|s| go(endways, s));
                 let by_end = end.and_then(|e| go(sideways, e));
-                by_side.or(by_end).or(side).or(end).unwrap_or(i)
+                either(by_side, by_end)
+                    .or_else(|| either(side, end))
+                    .unwrap_or([i; 2])
             };
+        let next = |there: Option<usize>| [there.unwrap_or(i); 2];
         [
             corner(left, above, &across.before, &down.before),
-            above.unwrap_or(i),
+            next(above),
             corner(right, above, &across.after, &down.before),
-            left.unwrap_or(i),
-            i,
-            right.unwrap_or(i),
+            next(left),
+            [i; 2],
+            next(right),
             corner(left, below, &across.before, &down.after),
-            below.unwrap_or(i),
+            next(below),
             corner(right, below, &across.after, &down.after),
         ]
     }
