@@ -85,7 +85,7 @@ impl Form {
     /// How sure the directions are, 0..1: 1 on a cylinder, 0 where the curvatures are alike in size, or
     /// differ by no more than `doubt` (both per pixel).
     ///
-    /// The first factor, the square of `(|k1| - |k2|) / (|k1| + |k2|)` as far as that is above [`ROUND`], has no unit;
+    /// The first factor, the square of `(|k1| - |k2|) / (|k1| + |k2|)` as far as that is above a tenth, has no unit;
     /// the second compares `|k1| - |k2|`
     /// with what noise, or a plane, would show.
     #[inline]
