@@ -61,9 +61,9 @@ struct Habits {
 
 impl Habits {
     fn new(stroke: &Stroke, texels_per_px: f32, side: usize) -> Self {
-        let width = (stroke.width_px * texels_per_px).max(MIN_WIDTH);
         let most = side as f32 / 2.0;
-        let length = (stroke.length_px * texels_per_px).clamp((2.0 * width).min(most), most);
+        let width = (stroke.width_px * texels_per_px).clamp(MIN_WIDTH, most / 2.0);
+        let length = (stroke.length_px * texels_per_px).clamp(2.0 * width, most);
         Self {
             half_width: 0.5 * width,
             length,
@@ -77,9 +77,14 @@ impl Habits {
     fn reaches(&self, half_widths: f32) -> f32 {
         let within = half_widths.min(1.0);
         let past = half_widths - within;
-        self.swell * within + (0.02 + 0.5 * (self.swell + 0.2)) * past + 0.005 * half_widths
+        // A nib on paper leaves a line of some width at once.
+        let swelled = (within - NIB).max(0.0) / (1.0 - NIB);
+        self.swell * swelled + (0.02 + 0.5 * (self.swell + 0.2)) * past + 0.005 * half_widths
     }
 }
+
+/// Share of its width that a stroke has however softly it is pressed.
+const NIB: f32 = 0.5;
 
 struct Painter<'a> {
     habits: Habits,
@@ -203,7 +208,7 @@ fn radical_inverse(i: usize, count: usize) -> f32 {
 }
 
 /// Half widths past which no pressure spreads a stroke.
-const MOST_RELUCTANT: f32 = 3.0;
+const MOST_RELUCTANT: f32 = 1.3;
 
 /// Graphite: greys come before black, and the grain of the paper takes it unevenly.
 fn soften(ramps: &mut [[f32; 2]], side: usize, random: &mut Random) {

@@ -95,7 +95,7 @@ impl Default for StrokeParams {
             pressure: None,
             seed: 1,
             levels: 16,
-            sets: 2,
+            sets: 1,
         }
     }
 }
@@ -124,7 +124,7 @@ impl Style {
                 length_px: 60.0,
                 spacing_px: 6.0,
                 wobble: 0.3,
-                pressure: 0.5,
+                pressure: 0.3,
             },
             Self::Pencil => Stroke {
                 width_px: 2.4,
