@@ -1,6 +1,7 @@
 //! The names of `hatch`. Every default is read from `params`.
 
 use super::relight_args::{RelightArgs, mirrored};
+use super::sequence::SequenceArgs;
 use crate::params::{
     Adaptive, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams, StrokeScale,
     Style, ToneParams,
@@ -21,6 +22,8 @@ pub(super) struct HatchArgs {
     field: FieldFlags,
     #[command(flatten)]
     strokes: StrokeFlags,
+    #[command(flatten)]
+    pub(super) sequence: SequenceArgs,
 }
 
 /// What becomes light and dark.

@@ -19,4 +19,5 @@ pub mod round_stroke;
 mod slice_texture;
 mod stroke_synthesis;
 mod stroke_texture;
+pub mod texture_coordinates;
 pub mod tonal_art_map;

@@ -1,15 +1,18 @@
 //! Drawings: the tone of a picture in strokes along the curvature, and lines along its edges.
 
 mod art_map;
+mod coordinates;
 mod hatching;
+mod sheet;
 mod tone;
 
 pub(super) use art_map::KeptArtMap;
+pub use coordinates::TextureCoordinates;
 pub(super) use hatching::hatch_batch;
 
 use super::direction_field::stroke_fields;
 use super::memory::Memory;
-use super::{Drawing, Run, contours, light, statistics};
+use super::{Drawing, DrawingInputs, Run, contours, light, statistics};
 use crate::frame::Plane;
 use crate::line::contours::Contour;
 use crate::line::tonal_art_map::TonalArtMap;
@@ -19,7 +22,7 @@ use tone::Densities;
 
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.
-    pub(super) fn draw(&mut self, params: &LineParams, own_map: Option<&TonalArtMap>) {
+    pub(super) fn draw(&mut self, params: &LineParams, inputs: DrawingInputs) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let conductance = self.outcome.shape.conductance.take();
         let conductance = conductance.expect("a drawing is planned with its edges");
@@ -39,7 +42,7 @@ impl Run<'_> {
                 kept.of(&params.strokes, plan.resolution_factor as f32)
             })
         });
-        let map = made_map.as_deref().or(own_map);
+        let map = made_map.as_deref().or(inputs.art_map);
         let map = map.expect("strokes of pictures come with them");
         let made = self.outcome.color.take();
         let color = made.as_ref().or(frame.color.as_ref());
@@ -51,9 +54,26 @@ impl Run<'_> {
                 statistics::white_level(color, weights, &frame.mask)
             }),
         };
+        let coordinates = inputs.sequence.map(|sequence| {
+            self.timed("texture-coordinates", || {
+                let carried = sequence.before.zip(sequence.motion);
+                carried.map_or_else(
+                    || TextureCoordinates::new(frame),
+                    |(before, motion)| before.advanced_in(frame, motion, memory),
+                )
+            })
+        });
         let densities = Densities::new(color, frame, weights, white, &params.tone);
         let hatching = self.timed("hatching", || {
-            hatching::hatched(&densities, &directions, map, &params.strokes, frame, memory)
+            hatching::hatched(
+                &densities,
+                &directions,
+                coordinates.as_ref(),
+                map,
+                &params.strokes,
+                frame,
+                memory,
+            )
         });
         let drawn = params
             .contours
@@ -66,6 +86,8 @@ impl Run<'_> {
             hatching,
             contours,
             contour_lines: contour_lines.unwrap_or_default(),
+            white_point: white,
+            coordinates,
         });
     }
 
