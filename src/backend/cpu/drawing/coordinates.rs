@@ -99,15 +99,15 @@ impl TextureCoordinates {
         memory: &Memory,
     ) -> Self {
         let step = Step::new(self, frame, motion);
-        let known = step.known();
-        let hidden = Hidden::find(&known, frame);
+        let origins = step.origins();
+        let hidden = Hidden::find(&origins, frame);
         let maps = self.maps.iter().filter_map(|map| {
             let fade = match map.fade < 1.0 {
                 true => map.fade - FADE_FRAMES.recip(),
                 false => 1.0,
             };
             (fade > 0.0).then(|| PlaceMap {
-                place: step.carried(map, &known, &hidden, memory),
+                place: step.carried(map, &origins, &hidden, memory),
                 share: None,
                 fade,
                 generation: map.generation,
@@ -126,9 +126,10 @@ impl TextureCoordinates {
         next
     }
 
-    /// The pixels of `frame` whose surface was seen in the frame before too, where `motion` comes from.
+    /// The pixels of `frame` whose surface was wholly seen in the frame before too, where `motion` comes from.
     pub fn seen_before(&self, frame: &Frame, motion: &Vector2Planes) -> Mask {
-        Mask::new(Step::new(self, frame, motion).known())
+        let origins = Step::new(self, frame, motion).origins();
+        Mask::new(origins.map(|origin| origin.whole))
     }
 
     /// What the drawing is made of.
@@ -163,34 +164,35 @@ impl TextureCoordinates {
     fn share_out(&mut self, frame: &Frame, memory: &Memory) {
         let covered = self.mask.count() as f64;
         let mut weighed = Weighed::of(&self.maps, &self.mask, memory);
-        let asked = *weighed.totals.last().expect("the next has a share");
-        if asked > BIRTH * covered {
-            let used = weighed.totals[..self.maps.len()].iter();
-            let least = used.enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-            if let Some((least, _)) = least.filter(|_| self.maps.len() == MOST_MAPS) {
-                let fading = self.maps.iter().any(|map| map.fade < 1.0);
-                if asked > URGENT * covered {
-                    self.maps.remove(least);
-                } else if !fading {
-                    self.maps[least].fade -= FADE_FRAMES.recip();
-                }
-            }
-            if self.maps.len() < MOST_MAPS {
-                self.maps.push(PlaceMap::laid(self.born, frame));
-                self.born += 1;
-            }
+        let asked = weighed.asked();
+        if asked > URGENT * covered && self.maps.len() == MOST_MAPS {
+            self.maps.remove(weighed.least_used());
             weighed = Weighed::of(&self.maps, &self.mask, memory);
         }
-        let Weighed { mut shares, totals } = weighed;
-        let next = shares.pop().filter(|_| totals[self.maps.len()] > 0.0);
-        let alone = self.maps.len() == 1 && next.is_none();
-        for ((map, share), &total) in self.maps.iter_mut().zip(shares).zip(&totals) {
-            map.share = Some(share).filter(|_| !alone);
-            // Nothing is asked of it any more, and it grows no sounder.
-            map.fade = if total > 0.0 { map.fade } else { 0.0 };
+        if asked > BIRTH * covered {
+            if self.maps.len() < MOST_MAPS {
+                // It serves perfectly where it was laid: what was asked of the next is its own.
+                self.maps.push(PlaceMap::laid(self.born, frame));
+                self.born += 1;
+            } else if self.maps.iter().all(|map| map.fade == 1.0) {
+                self.maps[weighed.least_used()].fade -= FADE_FRAMES.recip();
+            }
         }
-        self.maps.retain(|map| map.fade > 0.0);
-        self.next = next;
+        let Weighed { mut shares, totals } = weighed;
+        self.next = match shares.len() > self.maps.len() {
+            true => shares.pop().filter(|_| asked > 0.0),
+            false => None,
+        };
+        let alone = self.maps.len() == 1 && self.next.is_none();
+        let mut served = Vec::new();
+        for ((mut map, share), total) in self.maps.drain(..).zip(shares).zip(totals) {
+            // A map of which nothing is asked grows no sounder.
+            if total > 0.0 {
+                map.share = Some(share).filter(|_| !alone);
+                served.push(map);
+            }
+        }
+        self.maps = served;
     }
 }
 
@@ -217,10 +219,10 @@ fn origin_in(generation: u32, window: Window) -> [f32; 2] {
     [x + window.x0 as f32 + 0.5, y + window.y0 as f32 + 0.5]
 }
 
-/// The place that a map gives a pixel.
+/// The place that a map gives the pixel of an index.
 #[inline(always)]
-fn place_at(map: &Vector2Planes, x: usize, y: usize) -> [f32; 2] {
-    [map.x.at(x, y), map.y.at(x, y)]
+fn place_at(map: &Vector2Planes, at: usize) -> [f32; 2] {
+    [map.x.samples()[at], map.y.samples()[at]]
 }
 
 /// The Jacobian of a map at a pixel, by those of its neighbours that are `covered`.
@@ -231,18 +233,19 @@ pub(super) fn jacobian_at(
     x: usize,
     y: usize,
 ) -> Jacobian {
-    let at = |x: usize, y: usize| covered.at(x, y).then(|| place_at(map, x, y));
-    let before = |i: usize| i.checked_sub(1);
-    let after = |i: usize, length: usize| Some(i + 1).filter(|&i| i < length);
+    let (width, height) = (covered.width(), covered.height());
+    let at = y * width + x;
+    let place =
+        |inside: bool, at: usize| (inside && covered.samples()[at]).then(|| place_at(map, at));
     jacobian(
-        place_at(map, x, y),
+        place_at(map, at),
         [
-            before(x).and_then(|x| at(x, y)),
-            after(x, covered.width()).and_then(|x| at(x, y)),
+            place(x > 0, at.wrapping_sub(1)),
+            place(x + 1 < width, at + 1),
         ],
         [
-            before(y).and_then(|y| at(x, y)),
-            after(y, covered.height()).and_then(|y| at(x, y)),
+            place(y > 0, at.wrapping_sub(width)),
+            place(y + 1 < height, at + width),
         ],
     )
 }
@@ -256,28 +259,50 @@ struct Step<'a> {
     depth_ratio: f32,
 }
 
-/// Where a pixel's surface was in the frame before: between four pixels.
-struct Taps {
-    /// The one left above.
-    left: isize,
-    top: isize,
+/// Where the surface of a pixel was in the frame before: between four pixels.
+#[derive(Debug, Clone, Copy, Default)]
+struct Origin {
+    /// Column and row of the left upper one; one less than the first may be meant.
+    left: i32,
+    top: i32,
     /// How far right and below of it.
     across: f32,
     down: f32,
-}
-
-/// A pixel between which and its neighbours a surface was, and its weight.
-#[derive(Clone, Copy)]
-struct Tap {
-    x: usize,
-    y: usize,
-    weight: f32,
-    /// From it to where the surface was.
-    offset: [f32; 2],
+    /// Which of the four show that surface, a bit each, row by row.
+    seen: u8,
+    /// Whether all of them do that have a weight.
+    whole: bool,
 }
 
 /// Weights below this are those of rounding.
 const LEAST_WEIGHT: f32 = 1e-4;
+
+impl Origin {
+    /// From one of the four pixels to where the surface was.
+    #[inline(always)]
+    fn offset(&self, k: usize) -> [f32; 2] {
+        [self.across - (k % 2) as f32, self.down - (k / 2) as f32]
+    }
+
+    #[inline(always)]
+    fn weight(&self, k: usize) -> f32 {
+        let [x, y] = self.offset(k);
+        (1.0 - x.abs()) * (1.0 - y.abs())
+    }
+
+    /// Column and row of one of the four, if it has a weight and lies within `width` x `height`.
+    #[inline(always)]
+    fn pixel(&self, k: usize, width: usize, height: usize) -> Option<[usize; 2]> {
+        let (x, y) = (self.left + (k % 2) as i32, self.top + (k / 2) as i32);
+        let inside = (0..width as i32).contains(&x) && (0..height as i32).contains(&y);
+        inside.then_some([x as usize, y as usize])
+    }
+
+    #[inline(always)]
+    fn is_seen(&self, k: usize) -> bool {
+        self.seen >> k & 1 == 1
+    }
+}
 
 impl<'a> Step<'a> {
     fn new(before: &'a TextureCoordinates, frame: &'a Frame, motion: &'a Vector2Planes) -> Self {
@@ -297,9 +322,9 @@ impl<'a> Step<'a> {
         step
     }
 
-    /// Where the surface seen at a pixel was in the frame before, in pixels of its planes; `None` out of them.
+    /// Between which pixels the surface of a pixel was; `None` outside all of them.
     #[inline(always)]
-    fn taps(&self, x: usize, y: usize) -> Option<Taps> {
+    fn between(&self, x: usize, y: usize) -> Option<Origin> {
         let (now, then) = (self.frame.data_window, self.before.window);
         let from = |at: usize, shift: i32, moved: f32, length: usize| {
             let from = at as f64 + f64::from(shift) - f64::from(moved);
@@ -309,46 +334,35 @@ impl<'a> Step<'a> {
         let (width, height) = (self.before.mask.width(), self.before.mask.height());
         let (left, u) = from(x, now.x0 - then.x0, self.motion.x.at(x, y), width)?;
         let (top, v) = from(y, now.y0 - then.y0, -self.motion.y.at(x, y), height)?;
-        Some(Taps {
-            left: left as isize,
-            top: top as isize,
+        Some(Origin {
+            left: left as i32,
+            top: top as i32,
             across: (u - left) as f32,
             down: (v - top) as f32,
+            seen: 0,
+            whole: false,
         })
     }
 
-    /// Those of the four pixels that count and show the surface now seen at (`x`, `y`); whether all do.
+    /// The same, with which of these pixels show that surface.
     #[inline(always)]
-    fn of_surface(&self, x: usize, y: usize) -> ([Option<Tap>; 4], bool) {
-        let Some(taps) = self.taps(x, y) else {
-            return ([None; 4], false);
+    fn origin(&self, x: usize, y: usize) -> Origin {
+        let Some(mut origin) = self.between(x, y) else {
+            return Origin::default();
         };
         let mask = &self.before.mask;
-        let mut found = [None; 4];
-        let mut whole = true;
-        for (k, tap) in found.iter_mut().enumerate() {
-            let (right, below) = (k % 2, k / 2);
-            let offset = [taps.across - right as f32, taps.down - below as f32];
-            let weight = (1.0 - offset[0].abs()) * (1.0 - offset[1].abs());
-            if weight < LEAST_WEIGHT {
+        origin.whole = true;
+        for k in 0..4 {
+            if origin.weight(k) < LEAST_WEIGHT {
                 continue;
             }
-            let (u, v) = (taps.left + right as isize, taps.top + below as isize);
-            let inside =
-                (0..mask.width() as isize).contains(&u) && (0..mask.height() as isize).contains(&v);
-            let (u, v) = (u as usize, v as usize);
-            if inside && mask.at(u, v) && self.is_same_surface([x, y], [u, v]) {
-                *tap = Some(Tap {
-                    x: u,
-                    y: v,
-                    weight,
-                    offset,
-                });
-            } else {
-                whole = false;
-            }
+            let pixel = origin.pixel(k, mask.width(), mask.height());
+            let seen =
+                pixel.filter(|&[u, v]| mask.at(u, v) && self.is_same_surface([x, y], [u, v]));
+            origin.seen |= u8::from(seen.is_some()) << k;
+            origin.whole &= seen.is_some();
         }
-        (found, whole)
+        origin
     }
 
     #[inline(always)]
@@ -376,11 +390,9 @@ impl<'a> Step<'a> {
         for y in (0..self.frame.mask.height()).step_by(STRIDE) {
             for x in (0..self.frame.mask.width()).step_by(STRIDE) {
                 let covered = self.frame.mask.at(x, y);
-                let Some(taps) = self.taps(x, y).filter(|_| covered) else {
-                    continue;
-                };
-                let (u, v) = (taps.left.max(0) as usize, taps.top.max(0) as usize);
-                if mask.at(u, v) {
+                let origin = self.between(x, y).filter(|_| covered);
+                let pixel = origin.and_then(|o| o.pixel(0, mask.width(), mask.height()));
+                if let Some([u, v]) = pixel.filter(|&[u, v]| mask.at(u, v)) {
                     ratios.push(depth.at(x, y) / before.at(u, v));
                 }
             }
@@ -393,79 +405,111 @@ impl<'a> Step<'a> {
         *ratios.select_nth_unstable_by(middle, f32::total_cmp).1
     }
 
-    /// The pixels whose surface was seen in the frame before.
-    fn known(&self) -> Plane<bool> {
+    /// Where every covered pixel's surface was.
+    fn origins(&self) -> Plane<Origin> {
         let mask = &self.frame.mask;
-        let mut known = Plane::filled(mask.width(), mask.height(), false);
-        let rows = known.samples_mut().par_chunks_mut(mask.width().max(1));
+        let mut origins = Plane::filled(mask.width(), mask.height(), Origin::default());
+        let rows = origins.samples_mut().par_chunks_mut(mask.width().max(1));
         let rows = rows.enumerate().with_min_len(ROWS_PER_TASK);
         rows.for_each(|(y, row)| {
             for run in mask.runs(y) {
                 for x in run {
-                    row[x] = self.of_surface(x, y).0.iter().any(Option::is_some);
+                    row[x] = self.origin(x, y);
                 }
             }
         });
-        known
+        origins
     }
 
     /// The places of `map`, moved to this frame.
     fn carried(
         &self,
         map: &PlaceMap,
-        known: &Plane<bool>,
+        origins: &Plane<Origin>,
         hidden: &Hidden,
         memory: &Memory,
     ) -> Vector2Planes {
         let mask = &self.frame.mask;
         let [left, top] = origin_in(map.generation, self.frame.data_window);
-        let [mut xs, mut ys] = map_rows(mask, memory, |y, [xs, ys]| {
+        let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
+            let origins = origins.row(y);
             for run in mask.runs(y) {
                 for x in run {
                     let still = [left + x as f32, top + y as f32];
-                    let place = self.place(map, x, y).unwrap_or(still);
-                    [xs[x], ys[x]] = place;
+                    [xs[x], ys[x]] = self.place(map, &origins[x]).unwrap_or(still);
                 }
             }
         });
-        let moved = Vector2Planes { x: xs, y: ys };
-        let filled = hidden.found.iter().map(|&(at, root)| {
-            let [x, y] = hidden.pixel(root);
-            let [u, v] = hidden.pixel(at);
-            let offset = [u as f32 - x as f32, v as f32 - y as f32];
-            let by = jacobian_at(&moved, known, x, y);
-            (at as usize, continued(place_at(&moved, x, y), &by, offset))
+        let mut moved = Vector2Planes { x, y };
+        hidden.fill(&mut moved);
+        let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
+            for run in mask.runs(y) {
+                for x in run {
+                    [xs[x], ys[x]] = calmed(&moved, mask.plane(), x, y);
+                }
+            }
         });
-        let filled: Vec<_> = filled.collect();
-        Vector2Planes { x: xs, y: ys } = moved;
-        for (at, [x, y]) in filled {
-            xs.samples_mut()[at] = x;
-            ys.samples_mut()[at] = y;
-        }
-        Vector2Planes { x: xs, y: ys }
+        memory.take_back([moved.x, moved.y]);
+        Vector2Planes { x, y }
     }
 
-    /// The place that the surface seen at a pixel had before.
+    /// The place that a surface had before.
     #[inline(always)]
-    fn place(&self, map: &PlaceMap, x: usize, y: usize) -> Option<[f32; 2]> {
-        let (taps, whole) = self.of_surface(x, y);
-        let nearest = taps.iter().flatten();
-        let nearest = nearest.max_by(|a, b| a.weight.total_cmp(&b.weight))?;
-        let here = place_at(&map.place, nearest.x, nearest.y);
-        let of_taps = taps.map(|tap| tap.map(|tap| (tap, place_at(&map.place, tap.x, tap.y))));
-        let joined = |&(_, place): &(Tap, [f32; 2])| is_joined(here, place);
-        if whole && of_taps.iter().flatten().all(joined) {
-            // Weights of all that count add up to 1 but for rounding, taken out here.
-            let mut moved = here;
-            for (tap, place) in of_taps.iter().flatten() {
-                moved[0] += tap.weight * (place[0] - here[0]);
-                moved[1] += tap.weight * (place[1] - here[1]);
-            }
+    fn place(&self, map: &PlaceMap, origin: &Origin) -> Option<[f32; 2]> {
+        if origin.seen == 0 {
+            return None;
+        }
+        let mask = self.before.mask.plane();
+        let (width, height) = (mask.width(), mask.height());
+        let nearest = (0..4).filter(|&k| origin.is_seen(k));
+        let nearest = nearest.max_by(|&a, &b| origin.weight(a).total_cmp(&origin.weight(b)))?;
+        let [x, y] = origin.pixel(nearest, width, height)?;
+        let here = place_at(&map.place, y * width + x);
+        let (mut moved, mut joined) = (here, origin.whole);
+        for k in (0..4).filter(|&k| origin.is_seen(k) && k != nearest) {
+            let [u, v] = origin.pixel(k, width, height)?;
+            let there = place_at(&map.place, v * width + u);
+            joined &= is_joined(here, there);
+            let weight = origin.weight(k);
+            moved[0] += weight * (there[0] - here[0]);
+            moved[1] += weight * (there[1] - here[1]);
+        }
+        if joined {
             return Some(moved);
         }
-        let by = jacobian_at(&map.place, self.before.mask.plane(), nearest.x, nearest.y);
-        Some(extrapolated(here, &by, nearest.offset))
+        let by = jacobian_at(&map.place, mask, x, y);
+        Some(extrapolated(here, &by, origin.offset(nearest)))
     }
+}
+
+/// A place without the roughness that motion brings in from frame to frame: averaged with those around,
+/// as far as they are of the same surface and lie in pairs on opposite sides. What is a shift, a turn or any
+/// other affine map stays as it is.
+#[inline(always)]
+fn calmed(map: &Vector2Planes, covered: &Plane<bool>, x: usize, y: usize) -> [f32; 2] {
+    let (width, height) = (covered.width(), covered.height());
+    let at = y * width + x;
+    let here = place_at(map, at);
+    let mut calm = here;
+    if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
+        return calm;
+    }
+    for (step, weight) in [
+        (1, 0.125),
+        (width, 0.125),
+        (width + 1, 0.0625),
+        (width - 1, 0.0625),
+    ] {
+        let (before, after) = (at - step, at + step);
+        if covered.samples()[before] && covered.samples()[after] {
+            let [a, b] = [before, after].map(|at| place_at(map, at));
+            if is_joined(here, a) && is_joined(here, b) {
+                calm[0] += weight * ((a[0] - here[0]) + (b[0] - here[0]));
+                calm[1] += weight * ((a[1] - here[1]) + (b[1] - here[1]));
+            }
+        }
+    }
+    calm
 }
 
 /// Whether two depths, of neighbours or of one pixel in two frames, can be of one surface.
@@ -476,55 +520,96 @@ fn is_one_depth(a: f32, b: f32) -> bool {
     !parted
 }
 
-/// Pixels that were not seen before, and the nearest that were and are of the same surface.
+/// Pixels that were not seen before, as far as some next to them were that are of the same surface.
 struct Hidden {
-    width: usize,
-    /// Pixel and root, by index.
-    found: Vec<(u32, u32)>,
+    known: Plane<bool>,
+    /// In the order of their distance from what is known.
+    pixels: Vec<HiddenPixel>,
 }
 
+struct HiddenPixel {
+    at: usize,
+    /// The nearest pixel that was seen before.
+    root: usize,
+    /// Pixels beside it of the same surface.
+    beside: Vec<usize>,
+}
+
+/// How often places of hidden pixels are averaged with those around them: it takes out the seams between
+/// those that go on from different pixels.
+const RELAXATIONS: usize = 24;
+
 impl Hidden {
-    fn find(known: &Plane<bool>, frame: &Frame) -> Self {
-        let (mask, width) = (&frame.mask, known.width());
-        let samples = known.samples().iter().zip(mask.plane().samples());
-        let hidden = samples
-            .enumerate()
-            .filter(|(_, (known, covered))| **covered && !**known)
-            .map(|(i, _)| i);
-        let hidden: Vec<usize> = hidden.collect();
-        let mut found = Vec::with_capacity(hidden.len());
-        if hidden.is_empty() {
-            return Self { width, found };
-        }
+    fn find(origins: &Plane<Origin>, frame: &Frame) -> Self {
+        let known = origins.map(|origin| origin.seen != 0);
+        let samples = known.samples().iter().zip(frame.mask.plane().samples());
+        let hidden = samples.enumerate();
+        let hidden = hidden.filter(|(_, (known, covered))| **covered && !**known);
         let mut taken = known.clone();
         let mut front = VecDeque::new();
-        for &at in &hidden {
-            let neighbours = neighbours(at, known, frame);
-            let root = neighbours.into_iter().find(|&n| known.samples()[n]);
-            if let Some(root) = root {
+        for (at, _) in hidden {
+            let mut around = neighbours(at, frame).into_iter();
+            if let Some(root) = around.find(|&next| known.samples()[next]) {
                 taken.samples_mut()[at] = true;
                 front.push_back((at, root));
             }
         }
+        let mut pixels = Vec::new();
         while let Some((at, root)) = front.pop_front() {
-            found.push((at as u32, root as u32));
-            for next in neighbours(at, known, frame) {
+            let beside = neighbours(at, frame);
+            for &next in &beside {
                 if !taken.samples()[next] {
                     taken.samples_mut()[next] = true;
                     front.push_back((next, root));
                 }
             }
+            pixels.push(HiddenPixel { at, root, beside });
         }
-        Self { width, found }
+        Self { known, pixels }
     }
 
-    fn pixel(&self, index: u32) -> [usize; 2] {
-        [index as usize % self.width, index as usize / self.width]
+    /// Lets the places of a map go on into the hidden.
+    fn fill(&self, map: &mut Vector2Planes) {
+        let width = self.known.width();
+        let column_row = |at: usize| [(at % width) as f32, (at / width) as f32];
+        let way = |from: usize, to: usize| {
+            let ([x, y], [u, v]) = (column_row(from), column_row(to));
+            [u - x, v - y]
+        };
+        let turns = self.pixels.iter().map(|pixel| {
+            let root = pixel.root;
+            jacobian_at(map, &self.known, root % width, root / width)
+        });
+        let turns: Vec<Jacobian> = turns.collect();
+        let set = |map: &mut Vector2Planes, at: usize, [x, y]: [f32; 2]| {
+            map.x.samples_mut()[at] = x;
+            map.y.samples_mut()[at] = y;
+        };
+        for (pixel, by) in self.pixels.iter().zip(&turns) {
+            let root = place_at(map, pixel.root);
+            let place = continued(root, by, way(pixel.root, pixel.at));
+            set(map, pixel.at, place);
+        }
+        for _ in 0..RELAXATIONS {
+            let relaxed = self.pixels.iter().zip(&turns).map(|(pixel, by)| {
+                let mut sum = [0.0; 2];
+                for &next in &pixel.beside {
+                    let there = place_at(map, next);
+                    let here = continued(there, by, way(next, pixel.at));
+                    sum = [sum[0] + here[0], sum[1] + here[1]];
+                }
+                sum.map(|sum| sum / pixel.beside.len() as f32)
+            });
+            let relaxed: Vec<_> = relaxed.collect();
+            for (pixel, place) in self.pixels.iter().zip(relaxed) {
+                set(map, pixel.at, place);
+            }
+        }
     }
 }
 
-/// The covered neighbours of a pixel that are of the same surface, those that share a side first.
-fn neighbours(at: usize, known: &Plane<bool>, frame: &Frame) -> Vec<usize> {
+/// The covered pixels around one, those that share a side first, that are of the same surface.
+fn neighbours(at: usize, frame: &Frame) -> Vec<usize> {
     const AROUND: [[isize; 2]; 8] = [
         [-1, 0],
         [1, 0],
@@ -535,7 +620,8 @@ fn neighbours(at: usize, known: &Plane<bool>, frame: &Frame) -> Vec<usize> {
         [-1, 1],
         [1, 1],
     ];
-    let (width, height) = (known.width() as isize, known.height() as isize);
+    let mask = &frame.mask;
+    let (width, height) = (mask.width() as isize, mask.height() as isize);
     let (x, y) = (at as isize % width, at as isize / width);
     let of_surface = |&[dx, dy]: &[isize; 2]| {
         let (u, v) = (x + dx, y + dy);
@@ -545,7 +631,7 @@ fn neighbours(at: usize, known: &Plane<bool>, frame: &Frame) -> Vec<usize> {
         let next = (v * width + u) as usize;
         let depth = frame.depth.as_ref().map(Plane::samples);
         let is_one = depth.is_none_or(|depth| is_one_depth(depth[at], depth[next]));
-        (frame.mask.plane().samples()[next] && is_one).then_some(next)
+        (mask.plane().samples()[next] && is_one).then_some(next)
     };
     AROUND.iter().filter_map(of_surface).collect()
 }
@@ -558,6 +644,18 @@ struct Weighed {
 }
 
 impl Weighed {
+    /// What is asked of the next map.
+    fn asked(&self) -> f64 {
+        self.totals.last().copied().unwrap_or(0.0)
+    }
+
+    /// The map that serves least.
+    fn least_used(&self) -> usize {
+        let used = self.totals[..self.totals.len() - 1].iter().enumerate();
+        let least = used.min_by(|a, b| a.1.total_cmp(b.1));
+        least.map_or(0, |(i, _)| i)
+    }
+
     fn of(maps: &[PlaceMap], mask: &Mask, memory: &Memory) -> Self {
         let mut shares: Vec<Plane> = (0..=maps.len()).map(|_| memory.plane(mask)).collect();
         let width = mask.width().max(1);
