@@ -129,6 +129,7 @@ fn least_planes(goal: Goal, scaling: &ScalingParams) -> usize {
         Goal::Layers => 16,
         Goal::Display => 3,
         Goal::Enhance if scaling.scaling == 0.0 => 0,
+        Goal::Picture => 0,
         Goal::Enhance | Goal::Relight => 3,
     }
 }

@@ -3,8 +3,8 @@
 use super::relight_args::{RelightArgs, mirrored};
 use super::sequence::SequenceArgs;
 use crate::params::{
-    Adaptive, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams, StrokeScale,
-    Style, ToneParams,
+    Adaptive, ContourParams, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams,
+    StrokeScale, Style, ToneParams,
 };
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -22,6 +22,8 @@ pub(super) struct HatchArgs {
     field: FieldFlags,
     #[command(flatten)]
     strokes: StrokeFlags,
+    #[command(flatten)]
+    contours: ContourFlags,
     #[command(flatten)]
     pub(super) sequence: SequenceArgs,
 }
@@ -114,6 +116,59 @@ struct StrokeFlags {
     sets: u32,
 }
 
+static CONTOURS: LazyLock<ContourParams> = LazyLock::new(ContourParams::default);
+
+/// How lines along edges are drawn.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Contours")]
+struct ContourFlags {
+    /// Lines along silhouettes and creases, over the strokes.
+    #[arg(long, value_name = "on|off", value_enum, default_value_t = ContoursArg::On)]
+    contours: ContoursArg,
+    /// Width of the line around the nearest thing, in pixels.
+    #[arg(long, value_name = "PX", default_value_t = CONTOURS.width_px, allow_negative_numbers = true)]
+    contour_width: f32,
+    /// Width of creases as a share of that; 0 draws none.
+    #[arg(long, value_name = "SHARE", default_value_t = CONTOURS.crease_share, allow_negative_numbers = true)]
+    crease_width: f32,
+    /// Share of its width that the line around the farthest thing loses.
+    #[arg(long, value_name = "SHARE", default_value_t = CONTOURS.depth_emphasis, allow_negative_numbers = true)]
+    depth_emphasis: f32,
+    /// Share of its width that a line across the faintest jump of depth, or along the bluntest crease, loses.
+    #[arg(long, value_name = "SHARE", default_value_t = CONTOURS.jump_emphasis, allow_negative_numbers = true)]
+    jump_emphasis: f32,
+    /// Lines that are shorter with all they are joined to are left out, in pixels; creases three times that.
+    #[arg(long, value_name = "PX", default_value_t = CONTOURS.shortest_px, allow_negative_numbers = true)]
+    shortest_contour: f32,
+    /// Pixels over which the open end of a line runs thin.
+    #[arg(long, value_name = "PX", default_value_t = CONTOURS.taper_px, allow_negative_numbers = true)]
+    contour_taper: f32,
+    /// Pixels to either side along a line over which the steps between pixels are evened out.
+    #[arg(long, value_name = "PX", default_value_t = CONTOURS.smoothing_px, allow_negative_numbers = true)]
+    contour_smoothing: f32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ContoursArg {
+    On,
+    Off,
+}
+
+impl ContourFlags {
+    fn params(&self) -> Option<ContourParams> {
+        let params = ContourParams {
+            width_px: self.contour_width,
+            crease_share: self.crease_width,
+            depth_emphasis: self.depth_emphasis,
+            jump_emphasis: self.jump_emphasis,
+            shortest_px: self.shortest_contour,
+            taper_px: self.contour_taper,
+            smoothing_px: self.contour_smoothing,
+        };
+        (self.contours == ContoursArg::On).then_some(params)
+    }
+}
+
 /// A style by its name, or a folder of pictures.
 #[derive(Debug, Clone, PartialEq)]
 enum StyleArg {
@@ -161,6 +216,7 @@ impl HatchArgs {
             tone,
             strokes,
             field,
+            contours,
             ..
         } = self;
         LineParams {
@@ -192,7 +248,7 @@ impl HatchArgs {
                 black_point: tone.black_point,
                 gamma: tone.tone_gamma,
             },
-            contours: LINE.contours,
+            contours: contours.params(),
         }
     }
 }

@@ -10,6 +10,7 @@
 //! may be averaged with what.
 
 use glam::{DVec2, Vec2};
+use std::ops::Range;
 
 /// Twice the angle of a direction: opposites are the same, and what is at right angles cancels.
 #[inline(always)]
@@ -49,6 +50,9 @@ pub fn halve_row(x: &mut [f32], y: &mut [f32]) {
     }
 }
 
+/// Difference of the curvatures over their sum up to which a surface is round: a mesh of a ball is no rounder.
+const ROUND: f64 = 0.1;
+
 /// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
 /// the angle of the algebraically larger one, and their mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,20 +85,53 @@ impl Form {
     /// How sure the directions are, 0..1: 1 on a cylinder, 0 where the curvatures are alike in size, or
     /// differ by no more than `doubt` (both per pixel).
     ///
-    /// The first factor, `(|k1| - |k2|) / (|k1| + |k2|)`, has no unit; the second compares `|k1| - |k2|`
+    /// The first factor, the square of `(|k1| - |k2|) / (|k1| + |k2|)` as far as that is above a tenth, has no unit;
+    /// the second compares `|k1| - |k2|`
     /// with what noise, or a plane, would show.
     #[inline]
     pub fn confidence(&self, doubt: f64) -> f64 {
         let (difference, mean) = (self.deviator.length(), self.mean.abs());
         let (lesser, larger) = (difference.min(mean), difference.max(mean));
-        if larger > 0.0 {
-            let apart = 4.0 * lesser * lesser;
-            lesser / larger * apart / (apart + doubt * doubt)
+        let apart = 4.0 * lesser * lesser;
+        if apart > 0.0 {
+            let share = ((lesser / larger - ROUND) / (1.0 - ROUND)).max(0.0);
+            share * share * apart / (apart + doubt * doubt)
+        } else {
+            0.0
+        }
+    }
+
+    /// How much the surface is a plane, 0..1, where a curvature of `doubt` counts a quarter.
+    #[inline]
+    pub fn flatness(&self, doubt: f64) -> f64 {
+        let larger = self.deviator.length() + self.mean.abs();
+        let square = doubt * doubt;
+        if square > 0.0 {
+            (square / (square + larger * larger)).powi(2)
         } else {
             0.0
         }
     }
 }
+
+/// What leads strokes, as twice an angle: the mean of `own` directions, or, as far as those disagree, the mean of
+/// the directions `around`, which come from farther away.
+///
+/// Directions that agree add up to a vector as long as they are sure together, the third of `own`; where lines
+/// of forms meet, or noise, they cancel, and a form too small for the radius does not make a swirl.
+#[inline]
+pub fn calm([x, y, sure]: [f32; 3], around: [f32; 2]) -> [f32; 2] {
+    let length = (x * x + y * y).sqrt();
+    let agreement = if sure > 0.0 { length / sure } else { 0.0 };
+    let share = ((agreement - AGREE.start) / (AGREE.end - AGREE.start)).clamp(0.0, 1.0);
+    let agreement = share * share * (3.0 - 2.0 * share);
+    let lead = |own: f32, around: f32| agreement * own + (1.0 - agreement) * around;
+    [lead(x, around[0]), lead(y, around[1])]
+}
+
+/// The length of a mean direction over what it would be if all agreed, from which on it counts, and from which
+/// on it leads alone: 0.8 is that of directions spread evenly over 65 degrees, 0.2 over 150.
+const AGREE: Range<f32> = 0.2..0.8;
 
 /// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s)
 /// and the weights' sums; the value itself, of weight 1, counts in. `reach` is more than 0.
@@ -118,17 +155,24 @@ pub fn sums_along<const N: usize>(
     let last = chain.len() - 1;
     for (i, (sum, &(value, reach))) in sums.iter_mut().zip(chain).enumerate() {
         let reach = f64::from(reach);
-        let far = (reach.ceil() - 1.0).max(0.0) as usize;
+        let slope = reach.recip();
+        // The last place whose weight is above 0.
+        let whole = reach as usize;
+        let far = if whole as f64 == reach {
+            whole.saturating_sub(1)
+        } else {
+            whole
+        };
         let (back, ahead) = (far.min(i), far.min(last - i));
-        let weights = |n: usize| n as f64 - (n * (n + 1)) as f64 / (2.0 * reach);
+        let weights = |n: usize| n as f64 - 0.5 * slope * (n * (n + 1)) as f64;
         let [before, here, after, end] =
             [i - back, i, i + 1, i + 1 + ahead].map(|place| &scratch[place]);
-        let place = i as f64;
+        let tilt = slope * i as f64;
         for c in 0..N {
-            let back = (1.0 - place / reach) * (here[0][c] - before[0][c])
-                + (here[1][c] - before[1][c]) / reach;
-            let ahead = (1.0 + place / reach) * (end[0][c] - after[0][c])
-                - (end[1][c] - after[1][c]) / reach;
+            let behind = [0, 1].map(|k| here[k][c] - before[k][c]);
+            let beyond = [0, 1].map(|k| end[k][c] - after[k][c]);
+            let back = (1.0 - tilt) * behind[0] + slope * behind[1];
+            let ahead = (1.0 + tilt) * beyond[0] - slope * beyond[1];
             sum.0[c] = (f64::from(value[c]) + back + ahead) as f32;
         }
         sum.1 = (1.0 + weights(back) + weights(ahead)) as f32;
@@ -172,19 +216,39 @@ mod tests {
     }
 
     #[test]
-    fn confidence_is_the_share_by_which_curvatures_differ() {
+    fn confidence_is_the_squared_share_by_which_curvatures_differ() {
         let certain = |k1, k2| form(k1, k2).confidence(0.0);
         assert!((certain(0.0, -0.1) - 1.0).abs() < 1e-12);
-        // (3 - 1) / (3 + 1), whatever the signs.
+        // (3 - 1) / (3 + 1) = 0.5, whatever the signs; less 0.1, over 0.9: 4/9, squared.
         for (k1, k2) in [(0.3, 0.1), (0.3, -0.1), (0.1, -0.3), (-0.1, -0.3)] {
-            assert!((certain(k1, k2) - 0.5).abs() < 1e-12, "{k1} {k2}");
+            assert!((certain(k1, k2) - 16.0 / 81.0).abs() < 1e-12, "{k1} {k2}");
         }
         assert_eq!(certain(0.1, 0.1), 0.0);
+        assert_eq!(certain(-0.1, -0.085), 0.0);
         assert_eq!(certain(0.1, -0.1), 0.0);
         assert_eq!(certain(0.0, 0.0), 0.0);
         // A difference as large as the doubt counts half, a tenth of it a hundredth.
         assert!((form(0.1, 0.0).confidence(0.1) - 0.5).abs() < 1e-12);
         assert!((form(0.01, 0.0).confidence(0.1) - 0.01 / 1.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn surroundings_lead_where_directions_disagree() {
+        assert_eq!(calm([0.3, 0.0, 0.3], [0.0, 1.0]), [0.3, 0.0]);
+        assert_eq!(calm([0.0, 0.0, 0.3], [0.0, 1.0]), [0.0, 1.0]);
+        assert_eq!(calm([0.0, 0.0, 0.0], [0.0, 0.5]), [0.0, 0.5]);
+        assert_eq!(calm([0.85, 0.0, 1.0], [0.0, 1.0]), [0.85, 0.0]);
+        // Half as long as they are sure is the middle of 0.2 and 0.8: half of both.
+        let [x, y] = calm([0.5, 0.0, 1.0], [0.0, 1.0]);
+        assert!((x - 0.25).abs() < 1e-6 && (y - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn planes_are_flat_and_balls_are_not() {
+        // (1 / (1 + 1))^2 where the larger curvature is the doubt.
+        assert_eq!(form(0.0, 0.0).flatness(0.1), 1.0);
+        assert!((form(0.0, -0.1).flatness(0.1) - 0.25).abs() < 1e-12);
+        assert!(form(-1.0, -1.0).flatness(0.01) < 1e-7);
     }
 
     #[test]

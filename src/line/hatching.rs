@@ -13,17 +13,17 @@
 //! vectorised but for the loads of texels.
 
 use super::random::Random;
+use super::stroke_texture::Places;
 use super::tonal_art_map::{MAX_DENSITY, TonalArtMap};
 use crate::params::StrokeParams;
 use glam::Vec2;
 use std::f32::consts::PI;
-use std::ops::Range;
 
 /// Pixels that are worked on together.
 pub const BATCH: usize = 64;
 
 /// Pixels to be hatched: the first `count` of each array.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Pixels {
     /// How many.
     pub count: usize,
@@ -37,6 +37,16 @@ pub struct Pixels {
     pub density: [f32; BATCH],
     /// How much of the paper stays white, 0..1.
     pub white: [f32; BATCH],
+    scratch: Scratch,
+}
+
+/// What one level works in.
+#[derive(Debug, Default)]
+struct Scratch {
+    levels: Levels,
+    turns: Turns,
+    threshold: Thresholds,
+    places: Places,
 }
 
 impl Default for Pixels {
@@ -48,6 +58,7 @@ impl Default for Pixels {
             wanted: [0.0; BATCH],
             density: [0.0; BATCH],
             white: [1.0; BATCH],
+            scratch: Scratch::default(),
         }
     }
 }
@@ -81,17 +92,6 @@ struct Turned {
     offset: Vec2,
 }
 
-impl Turned {
-    /// [LA] equation 8, for angles counterclockwise: along the angle only the first coordinate grows.
-    #[inline(always)]
-    fn at(&self, x: f32, y: f32) -> [f32; 2] {
-        [
-            self.cos * x - self.sin * y + self.offset.x,
-            self.sin * x + self.cos * y + self.offset.y,
-        ]
-    }
-}
-
 /// Strokes ready to be pasted at any angle.
 #[derive(Debug)]
 pub struct Hatching<'a> {
@@ -109,6 +109,7 @@ impl<'a> Hatching<'a> {
         let mut random = Random::new(params.seed.wrapping_add(1 + family as u64));
         let scale = map.texels_per_px();
         let [width, height] = map.period().map(|texels| texels as f32);
+        let mut at = |period: f32| (period * random.unit()).floor() + BETWEEN;
         let turned = (0..levels * sets)
             .map(|i| {
                 let (set, level) = (i / levels, i % levels);
@@ -116,7 +117,7 @@ impl<'a> Hatching<'a> {
                 Turned {
                     cos: scale * angle.cos(),
                     sin: scale * angle.sin(),
-                    offset: Vec2::new(width * random.unit(), height * random.unit()),
+                    offset: Vec2::new(at(width), at(height)),
                 }
             })
             .collect();
@@ -131,78 +132,134 @@ impl<'a> Hatching<'a> {
     /// Draws over what is white so far.
     #[inline(always)]
     pub fn draw(&self, pixels: &mut Pixels) {
-        let count = pixels.count;
-        let mut level = Levels::default();
+        let Pixels {
+            count,
+            place,
+            angle,
+            wanted,
+            density,
+            white,
+            scratch,
+        } = pixels;
+        let count = *count;
+        let Scratch {
+            levels,
+            turns,
+            threshold,
+            places,
+        } = scratch;
         for set in 0..self.sets {
-            level.find(
-                &pixels.angle[..count],
-                self.levels,
-                set as f32 / self.sets as f32,
-            );
-            let mut from = 0;
-            while from < count {
-                let below = level.below[from];
-                let same = level.below[from..count].iter().take_while(|&&l| l == below);
-                let run = from..from + same.count();
-                from = run.end;
-                let below = below as usize;
-                let above = if below + 1 == self.levels {
-                    0
-                } else {
-                    below + 1
-                };
-                let of_set = &self.turned[set * self.levels..][..self.levels];
-                self.paste(&of_set[below], &level.weight[0], run.clone(), pixels);
-                self.paste(&of_set[above], &level.weight[1], run, pixels);
+            levels.find(&angle[..count], self.levels, set as f32 / self.sets as f32);
+            let of_set = &self.turned[set * self.levels..][..self.levels];
+            for (level, weight) in levels.level.iter().zip(&levels.weight) {
+                if !self.thresholds(threshold, &density[..count], weight) {
+                    continue;
+                }
+                turns.gather(of_set, &level[..count]);
+                turns.turn(places, place, count);
+                self.map
+                    .cover(&mut white[..count], places, &threshold.reached);
             }
         }
-        let (white, wanted) = (&mut pixels.white[..count], &pixels.wanted[..count]);
-        for (white, &wanted) in white.iter_mut().zip(wanted) {
+        for (white, &wanted) in white[..count].iter_mut().zip(&wanted[..count]) {
             *white = if wanted >= MAX_DENSITY { 0.0 } else { *white };
         }
     }
 
-    /// Pastes one level's strokes over a run of pixels.
+    /// The thresholds that give weighted shares of densities; whether any gives ink.
     #[inline(always)]
-    fn paste(
+    fn thresholds(
         &self,
-        turned: &Turned,
+        thresholds: &mut Thresholds,
+        density: &[f32],
         weight: &[f32; BATCH],
-        run: Range<usize>,
-        pixels: &mut Pixels,
-    ) {
-        let count = run.len();
+    ) -> bool {
+        let Thresholds { entry, reached } = thresholds;
         let share = 1.0 / self.sets as f32;
-        let mut threshold = [0.0; BATCH];
-        let mut any = 0.0_f32;
-        let (weight, density) = (&weight[run.clone()], &pixels.density[run.clone()]);
-        for (i, threshold) in threshold[..count].iter_mut().enumerate() {
-            *threshold = self.map.threshold(weight[i] * share * density[i]);
-            any = any.max(*threshold);
-        }
-        if any <= 0.0 {
-            return;
-        }
-        let mut at = [[0.0; BATCH]; 2];
-        let (x, y) = (&pixels.place[0][run.clone()], &pixels.place[1][run.clone()]);
-        let [u, v] = &mut at;
+        let count = density.len().min(BATCH);
         for i in 0..count {
-            [u[i], v[i]] = turned.at(x[i], y[i]);
+            entry[i] = self.map.entry(weight[i] * share * density[i]);
         }
-        self.map.cover(&mut pixels.white[run], &at, &threshold);
+        let mut most = 0.0_f32;
+        for i in 0..count {
+            reached[i] = self.map.threshold(entry[i]);
+            most = most.max(reached[i]);
+        }
+        most > 0.0
+    }
+}
+
+/// Thresholds, and the entries of the response that tell them.
+#[derive(Debug)]
+struct Thresholds {
+    entry: [u32; BATCH],
+    reached: [f32; BATCH],
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self {
+            entry: [0; BATCH],
+            reached: [0.0; BATCH],
+        }
+    }
+}
+
+/// Where between texels the centre of the first pixel lies, plus its own half: a level along the axes has all
+/// pixels there. On texels lines are darker than on average, midway lighter; at a quarter neither.
+const BETWEEN: f32 = 0.75;
+
+/// How the texture is turned at each of several pixels.
+#[derive(Debug)]
+struct Turns {
+    cos: [f32; BATCH],
+    sin: [f32; BATCH],
+    offset: [[f32; BATCH]; 2],
+}
+
+impl Default for Turns {
+    fn default() -> Self {
+        Self {
+            cos: [0.0; BATCH],
+            sin: [0.0; BATCH],
+            offset: [[0.0; BATCH]; 2],
+        }
+    }
+}
+
+impl Turns {
+    #[inline(always)]
+    fn gather(&mut self, of_set: &[Turned], levels: &[u32]) {
+        for (i, &level) in levels.iter().enumerate() {
+            let turned = of_set[level as usize];
+            self.cos[i] = turned.cos;
+            self.sin[i] = turned.sin;
+            self.offset[0][i] = turned.offset.x;
+            self.offset[1][i] = turned.offset.y;
+        }
+    }
+
+    /// [LA] equation 8, for angles counterclockwise: along the angle only the first coordinate grows.
+    #[inline(always)]
+    fn turn(&self, to: &mut Places, [x, y]: &[[f32; BATCH]; 2], count: usize) {
+        for i in 0..count.min(BATCH) {
+            to.x[i] = self.cos[i] * x[i] - self.sin[i] * y[i] + self.offset[0][i];
+            to.y[i] = self.sin[i] * x[i] + self.cos[i] * y[i] + self.offset[1][i];
+        }
     }
 }
 
 /// The two levels next to each angle and their tent weights.
+#[derive(Debug)]
 struct Levels {
-    below: [u32; BATCH],
+    level: [[u32; BATCH]; 2],
     weight: [[f32; BATCH]; 2],
 }
 
 impl Default for Levels {
     fn default() -> Self {
         Self {
-            below: [0; BATCH],
+            level: [[0; BATCH]; 2],
             weight: [[0.0; BATCH]; 2],
         }
     }
@@ -214,13 +271,20 @@ impl Levels {
     #[inline(always)]
     fn find(&mut self, angles: &[f32], levels: usize, offset: f32) {
         let (count, last) = (levels as f32, levels as f32 - 1.0);
-        let [below_weight, above_weight] = &mut self.weight;
+        let ([below, above], [below_weight, above_weight]) = (&mut self.level, &mut self.weight);
         for (i, &angle) in angles.iter().enumerate() {
             let at = angle * (count / PI) - offset;
             let at = if at < 0.0 { at + count } else { at };
-            let below = at.floor().min(last);
-            let away = (at - below).min(1.0);
-            self.below[i] = below as i32 as u32;
+            let level = at.floor().min(last);
+            let next = if level == last { 0.0 } else { level + 1.0 };
+            // A level that is alone has no other to share with.
+            let away = if last == 0.0 {
+                0.0
+            } else {
+                (at - level).min(1.0)
+            };
+            below[i] = level as i32 as u32;
+            above[i] = next as i32 as u32;
             below_weight[i] = 1.0 - away;
             above_weight[i] = away;
         }

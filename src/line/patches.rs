@@ -54,6 +54,13 @@ pub fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usize {
 #[inline]
 pub fn joined(first: &[u8], second: &[u8], mut join: impl FnMut(u8, u8)) {
     const MOST: usize = MAX_CELL_PX;
+    // One patch on each side, as nearly everywhere.
+    if first.iter().chain(second).all(|&label| label == 0) {
+        if !first.is_empty() && !second.is_empty() {
+            join(0, 0);
+        }
+        return;
+    }
     let mut pairs = [(NO_PATCH, NO_PATCH, 0_u8); MOST];
     let mut count = 0;
     for (&a, &b) in first.iter().zip(second) {

@@ -33,11 +33,19 @@ impl Response {
         }
     }
 
+    /// The entry of a density: apart from the look-up itself, which no vector does.
+    #[inline(always)]
+    pub(super) fn entry(density: f32) -> u32 {
+        let entry = (density * (ENTRIES as f32 / MAX_DENSITY))
+            .max(0.0)
+            .min(ENTRIES as f32);
+        entry as i32 as u32
+    }
+
     /// The threshold at which a share 1 - exp(-density) of the paper is inked.
     #[inline(always)]
-    pub(super) fn threshold(&self, density: f32) -> f32 {
-        let entry = density * (ENTRIES as f32 / MAX_DENSITY);
-        self.thresholds[(entry as usize).min(ENTRIES)]
+    pub(super) fn threshold(&self, entry: u32) -> f32 {
+        self.thresholds[entry as usize]
     }
 }
 
@@ -53,7 +61,7 @@ mod tests {
         let response = Response::of(&inks, 10.0);
         for ink in [0.0_f32, 0.01, 0.3, 0.9, 0.99] {
             // Entries are 6/4096 apart in density: up to 0.0015 (1 - ink) too little ink.
-            let found = (response.threshold(-(1.0 - ink).ln()) / 10.0).powi(2);
+            let found = (response.threshold(Response::entry(-(1.0 - ink).ln())) / 10.0).powi(2);
             assert!(
                 found <= ink + 1e-5 && found > ink - 0.0016,
                 "{ink}: {found}"

@@ -1,6 +1,7 @@
 //! A tonal art map of pictures, from the lightest to the darkest.
 
 use super::hatching::BATCH;
+use super::stroke_texture::Places;
 use crate::frame::Plane;
 
 /// Pictures of one texture at several tones: rectangles that repeat, paper first and ink last.
@@ -44,14 +45,9 @@ impl SliceTexture {
     /// As [`super::stroke_texture::StrokeTexture::cover`], at thresholds that are slices and shares of the
     /// way to the next.
     #[inline(always)]
-    pub(super) fn cover(
-        &self,
-        white: &mut [f32],
-        at: &[[f32; BATCH]; 2],
-        threshold: &[f32; BATCH],
-    ) {
+    pub(super) fn cover(&self, white: &mut [f32], at: &Places, threshold: &[f32; BATCH]) {
         for (i, white) in white.iter_mut().enumerate() {
-            *white *= 1.0 - self.ink(at[0][i], at[1][i], threshold[i]);
+            *white *= 1.0 - self.ink(at.x[i], at.y[i], threshold[i]);
         }
     }
 

@@ -61,9 +61,9 @@ struct Habits {
 
 impl Habits {
     fn new(stroke: &Stroke, texels_per_px: f32, side: usize) -> Self {
-        let width = (stroke.width_px * texels_per_px).max(MIN_WIDTH);
         let most = side as f32 / 2.0;
-        let length = (stroke.length_px * texels_per_px).clamp((2.0 * width).min(most), most);
+        let width = (stroke.width_px * texels_per_px).clamp(MIN_WIDTH, most / 2.0);
+        let length = (stroke.length_px * texels_per_px).clamp(2.0 * width, most);
         Self {
             half_width: 0.5 * width,
             length,

@@ -11,14 +11,14 @@ pub(super) struct StrokeTexture {
     pub(super) side: usize,
     /// Where each texel begins to take ink, and where it is full, both in 0..1 times [`STEPS`]. Rows are a
     /// texel longer than the side, and end with their first.
-    ramps: Vec<[u16; 2]>,
+    ramps: Vec<u8>,
 }
 
-/// What thresholds are counted in.
-pub(super) const STEPS: f32 = 65535.0;
+/// What thresholds are counted in: bytes keep the texture in the cache, and two texels in one load.
+pub(super) const STEPS: f32 = 255.0;
 
-/// Fewest steps from paper to ink: what a division by their number still bears.
-const NARROWEST: f32 = 16.0;
+/// Bytes of a texel.
+const RAMP: usize = 2;
 
 /// Places at which coverage is measured.
 const MEASURED: usize = 1 << 16;
@@ -28,14 +28,14 @@ const BINS: usize = 4096;
 
 impl StrokeTexture {
     pub(super) fn new(canvas: &Canvas) -> Self {
-        let steps = |[begin, full]: [f32; 2]| {
-            let begin = (STEPS * begin).clamp(0.0, STEPS - NARROWEST);
-            let full = (STEPS * full).clamp(begin + NARROWEST, STEPS);
-            [begin.round() as u16, full.round() as u16]
+        let steps = |[begin, full]: [f32; 2]| -> [u8; RAMP] {
+            let begin = (STEPS * begin).clamp(0.0, STEPS - 1.0).floor();
+            let full = (STEPS * full).clamp(begin + 1.0, STEPS).round();
+            [begin as u8, full as u8]
         };
         let side = canvas.side;
         let rows = canvas.ramps.chunks_exact(side);
-        let ramps = rows.flat_map(|row| row.iter().chain(&row[..1]).copied().map(steps));
+        let ramps = rows.flat_map(|row| row.iter().chain(&row[..1]).copied().flat_map(steps));
         Self {
             side,
             ramps: ramps.collect(),
@@ -44,20 +44,40 @@ impl StrokeTexture {
 
     /// Takes from `white` what is inked at positions `at` (texels across and down), at thresholds.
     #[inline(always)]
-    pub(super) fn cover(
-        &self,
-        white: &mut [f32],
-        at: &[[f32; BATCH]; 2],
-        threshold: &[f32; BATCH],
-    ) {
+    pub(super) fn cover(&self, white: &mut [f32], at: &mut Places, threshold: &[f32; BATCH]) {
         let count = white.len().min(BATCH);
-        let mut texels = Texels::default();
-        texels.find(self, at, count);
+        self.find(at, count);
         for (i, white) in white[..count].iter_mut().enumerate() {
-            let [begin, full] = texels.ramp(i);
-            let ink = ((threshold[i] - begin) / (full - begin)).clamp(0.0, 1.0);
+            let [begin, full] = at.ramp(i);
+            let ink = ((threshold[i] - begin) / (full - begin)).max(0.0).min(1.0);
             *white *= 1.0 - ink;
         }
+    }
+
+    /// Fetches the texels around places.
+    #[inline(always)]
+    fn find(&self, at: &mut Places, count: usize) {
+        let (wrap, stride) = (self.side as i32 - 1, self.side as i32 + 1);
+        let Places { x, y, upper, lower } = at;
+        for i in 0..count {
+            let (column, row) = (x[i].floor(), y[i].floor());
+            x[i] -= column;
+            y[i] -= row;
+            let (column, row) = (column as i32 & wrap, row as i32);
+            upper[i] = (RAMP as i32 * ((row & wrap) * stride + column)) as u32;
+            lower[i] = (RAMP as i32 * (((row + 1) & wrap) * stride + column)) as u32;
+        }
+        for i in 0..count {
+            upper[i] = self.pair(upper[i]);
+            lower[i] = self.pair(lower[i]);
+        }
+    }
+
+    /// The texel at byte `at` and the one right of it.
+    #[inline(always)]
+    fn pair(&self, at: u32) -> u32 {
+        let bytes = &self.ramps[at as usize..at as usize + 2 * RAMP];
+        u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
     }
 
     /// The mean ink at even steps of the threshold, measured as a drawing has it: anywhere between texels.
@@ -72,12 +92,13 @@ impl StrokeTexture {
             bends[bin + 1] += by * share;
         };
         let side = self.side as f32;
-        let mut texels = Texels::default();
+        let mut places = Places::default();
         for _ in 0..MEASURED / BATCH {
-            let places = [(); 2].map(|()| [(); BATCH].map(|()| side * random.unit()));
-            texels.find(self, &places, BATCH);
+            places.x.fill_with(|| side * random.unit());
+            places.y.fill_with(|| side * random.unit());
+            self.find(&mut places, BATCH);
             for i in 0..BATCH {
-                let [begin, full] = texels.ramp(i);
+                let [begin, full] = places.ramp(i);
                 let slope = f64::from(STEPS) / BINS as f64 / f64::from(full - begin);
                 bend(begin, slope);
                 bend(full, -slope);
@@ -94,62 +115,40 @@ impl StrokeTexture {
     }
 }
 
-/// The texels around places, and where between them the places are.
-struct Texels {
-    /// Index of the texel left above, and of the one below that.
-    left: [[u32; BATCH]; 2],
-    /// Left above, right above, left below, right below: begin and full.
-    corners: [[[u16; BATCH]; 4]; 2],
-    across: [f32; BATCH],
-    down: [f32; BATCH],
+/// Places in a texture, in texels across and down, and then what lies there.
+#[derive(Debug)]
+pub(super) struct Places {
+    /// Across; where texels were fetched, from the left ones to the right ones.
+    pub(super) x: [f32; BATCH],
+    /// Down; likewise.
+    pub(super) y: [f32; BATCH],
+    /// The two texels above, and the two below.
+    upper: [u32; BATCH],
+    lower: [u32; BATCH],
 }
 
-impl Default for Texels {
+impl Default for Places {
     fn default() -> Self {
         Self {
-            left: [[0; BATCH]; 2],
-            corners: [[[0; BATCH]; 4]; 2],
-            across: [0.0; BATCH],
-            down: [0.0; BATCH],
+            x: [0.0; BATCH],
+            y: [0.0; BATCH],
+            upper: [0; BATCH],
+            lower: [0; BATCH],
         }
     }
 }
 
-impl Texels {
-    #[inline(always)]
-    fn find(&mut self, map: &StrokeTexture, at: &[[f32; BATCH]; 2], count: usize) {
-        let (wrap, stride) = (map.side as i32 - 1, map.side as i32 + 1);
-        let [upper, lower] = &mut self.left;
-        for i in 0..count {
-            let (x, y) = (at[0][i], at[1][i]);
-            let (column, row) = (x.floor(), y.floor());
-            self.across[i] = x - column;
-            self.down[i] = y - row;
-            let (column, row) = (column as i32 & wrap, row as i32);
-            upper[i] = ((row & wrap) * stride + column) as u32;
-            lower[i] = (((row + 1) & wrap) * stride + column) as u32;
-        }
-        let [begin, full] = &mut self.corners;
-        for i in 0..count {
-            for (k, left) in [upper[i] as usize, lower[i] as usize]
-                .into_iter()
-                .enumerate()
-            {
-                let pair = &map.ramps[left..left + 2];
-                [begin[2 * k][i], full[2 * k][i]] = pair[0];
-                [begin[2 * k + 1][i], full[2 * k + 1][i]] = pair[1];
-            }
-        }
-    }
-
+impl Places {
     /// Where the i-th place begins to take ink and where it is full.
     #[inline(always)]
-    fn ramp(&self, i: usize) -> [f32; 2] {
-        let (across, down) = (self.across[i], self.down[i]);
+    fn ramp(&self, i: usize) -> [f32; RAMP] {
+        let (across, down) = (self.x[i], self.y[i]);
+        let byte = |pair: u32, k: usize| (pair >> (8 * k) & 0xff) as i32 as f32;
         std::array::from_fn(|k| {
-            let corner = |j: usize| f32::from(self.corners[k][j][i]);
-            let upper = corner(0) + across * (corner(1) - corner(0));
-            let lower = corner(2) + across * (corner(3) - corner(2));
+            let (left, right) = (byte(self.upper[i], k), byte(self.upper[i], k + RAMP));
+            let upper = left + across * (right - left);
+            let (left, right) = (byte(self.lower[i], k), byte(self.lower[i], k + RAMP));
+            let lower = left + across * (right - left);
             upper + down * (lower - upper)
         })
     }

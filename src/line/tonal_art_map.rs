@@ -8,8 +8,8 @@
 //! anti-aliased, and between texels it is the numbers that are interpolated, so lines stay sharp where a
 //! picture of them would blur. A user's own pictures make an ordinary stack.
 //!
-//! Practice: thresholds are in no unit; [`TonalArtMap::threshold`] turns the darkness wanted into one, by
-//! measured coverage, so the mean of a drawn tone is that tone.
+//! Practice: thresholds are in no unit; the darkness wanted is turned into one by measured coverage, so the
+//! mean of a drawn tone is that tone.
 
 pub use super::response::MAX_DENSITY;
 
@@ -18,7 +18,7 @@ use super::random::Random;
 use super::response::Response;
 use super::slice_texture::SliceTexture;
 use super::stroke_synthesis::Canvas;
-use super::stroke_texture::{STEPS, StrokeTexture};
+use super::stroke_texture::{Places, STEPS, StrokeTexture};
 use crate::frame::Plane;
 use crate::params::{Stroke, Style};
 
@@ -84,16 +84,21 @@ impl TonalArtMap {
         }
     }
 
-    /// The threshold at which as much of the paper is inked as `density` (minus the logarithm of what
-    /// stays white) says.
+    /// Where [`TonalArtMap::threshold`] looks a density up: minus the logarithm of what stays white.
     #[inline(always)]
-    pub fn threshold(&self, density: f32) -> f32 {
-        self.response.threshold(density)
+    pub(super) fn entry(&self, density: f32) -> u32 {
+        Response::entry(density)
     }
 
-    /// Takes from `white` what is inked at positions `at` (texels across and down), at thresholds.
+    /// The threshold at which as much of the paper is inked as the density says.
     #[inline(always)]
-    pub fn cover(&self, white: &mut [f32], at: &[[f32; BATCH]; 2], threshold: &[f32; BATCH]) {
+    pub(super) fn threshold(&self, entry: u32) -> f32 {
+        self.response.threshold(entry)
+    }
+
+    /// Takes from `white` what is inked at places, at thresholds.
+    #[inline(always)]
+    pub(super) fn cover(&self, white: &mut [f32], at: &mut Places, threshold: &[f32; BATCH]) {
         match &self.texture {
             Texture::Strokes(texture) => texture.cover(white, at, threshold),
             Texture::Slices(texture) => texture.cover(white, at, threshold),

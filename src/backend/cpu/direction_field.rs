@@ -1,15 +1,15 @@
 //! The field of stroke directions ([LA] section 6.1): curvature patch by patch, averaged over surfaces,
 //! and brought back to pixels.
 
+use super::between_patches::BetweenPatches;
 use super::chains::Cross;
 use super::direction_fill::fill_rest;
 use super::memory::Memory;
-use super::patches::{Links, NONE, Patch, Patches};
+use super::patches::{Patch, Patches};
 use crate::frame::{DepthKind, Frame, Plane, Projection, SightLines, Vector2Planes};
 use crate::line::direction::{fixed_direction, fixed_second_direction};
-use crate::line::direction_field::{Form, doubled, halve_row};
+use crate::line::direction_field::{Form, calm, doubled};
 use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
-use crate::line::patches::NO_PATCH;
 use crate::params::{Fallback, FieldParams, StrokeDirections};
 use crate::plan::Plan;
 use glam::{DVec2, DVec3, Vec2};
@@ -35,13 +35,16 @@ pub(super) fn stroke_fields(
     families
         .enumerate()
         .map(|(order, family)| {
-            let mut doubled = field.doubled(&forms, family);
-            for _ in 0..params.passes {
-                doubled = cross.mean(&doubled, &reach);
-            }
+            let found = field.doubled(&forms, family, order);
+            let mut led = field.calmed(found, &cross, &reach);
             let fallback = |x: f64, y: f64, n: DVec3| field.fallback(x, y, n, order);
-            field.settle(&mut doubled, fallback);
-            let mut found = field.at_pixels(&doubled, memory);
+            field.settle(&mut led, fallback);
+            let between = BetweenPatches {
+                patches: &patches,
+                mask: &frame.mask,
+                doubled: &led,
+            };
+            let mut found = between.all(memory);
             fill_rest(&mut found, &frame.mask, |x, y| {
                 let n = &frame.normal;
                 let normal = [&n.x, &n.y, &n.z].map(|plane| f64::from(plane.at(x, y)));
@@ -59,6 +62,8 @@ struct Field<'a> {
     params: &'a FieldParams,
     frame: &'a Frame,
     patches: &'a Patches,
+    /// The fallback where it is the same everywhere, and at right angles to it.
+    fixed: Option<[Vec2; 2]>,
     sight: SightLines,
     /// Pixels per unit of length, at a distance of 1 in perspective.
     pixels: f64,
@@ -76,8 +81,11 @@ const FORM_REACH: f32 = 2.5;
 /// Turn of the normal, in radians per pixel, that counts half: 17 degrees over a thousand pixels.
 const FLAT_TURN: f64 = 3e-4;
 
-/// Deviations of the noise of curvature that count half.
-const NOISE: f64 = 2.0;
+/// Pixels over which the turn of normals is told, whatever the size of cells: as far as tensors are averaged.
+const TURN_PX: f64 = 8.0;
+
+/// Deviations of the noise of curvature, told over so many pixels, that count half.
+const NOISE: f64 = 3.0;
 
 /// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
 const DEVIATION: f64 = 0.577_350_269;
@@ -85,8 +93,15 @@ const DEVIATION: f64 = 0.577_350_269;
 /// Cosine between normal and sight line below which directions, foreshortened, count less.
 const FACING: f64 = 0.35;
 
-/// How sure the fallback is.
-const FALLBACK: f32 = 0.05;
+/// How sure the fallback is where curvature tells nothing, and how sure curvature must be for the fallback
+/// not to bend it. Higher values bend more; lower ones follow rounding over a ball.
+const FALLBACK: f32 = 0.005;
+const FREE: f32 = 4.0 * FALLBACK;
+
+/// How many times farther than a pass the surroundings reach that lead where directions disagree, and in how
+/// many passes.
+const SURROUNDINGS: f32 = 4.0;
+const SURROUNDING_PASSES: u32 = 2;
 
 /// The most, and the least, that depth makes of the radius.
 const NEAR: f32 = 2.0;
@@ -102,11 +117,19 @@ impl<'a> Field<'a> {
         let cell_px = f64::from(params.cell_px);
         let rounding = f64::from(frame.source.normal_rounding);
         let factor = plan.resolution_factor;
-        let noise = NOISE * DEVIATION * rounding / (2.0 * cell_px);
+        let noise = NOISE * DEVIATION * rounding / TURN_PX;
+        let fixed = match params.fallback {
+            Fallback::Angle(degrees) => {
+                let first = Vec2::from_angle((degrees % 180.0).to_radians());
+                Some([first, first.perp()])
+            }
+            Fallback::Surface => None,
+        };
         Self {
             params,
             frame,
             patches,
+            fixed,
             sight,
             pixels,
             perspective: !frame.camera.is_some_and(|c| is_parallel(c.projection)),
@@ -175,46 +198,60 @@ impl<'a> Field<'a> {
         found.iter().all(|v| v.is_finite()).then_some(found)
     }
 
-    /// Twice the angle of each patch's direction, as long as it is sure: of the larger curvature in
-    /// family 0, of the lesser in 1.
-    fn doubled(&self, forms: &[[f32; 3]], family: usize) -> Vec<[f32; 2]> {
-        let found = |(patch, form): (&Patch, &[f32; 3])| self.direction(patch, form, family);
+    /// The directions of patches, of the larger curvature in family 0, of the lesser in 1: see [`calm`].
+    fn doubled(&self, forms: &[[f32; 3]], family: usize, order: usize) -> Vec<[f32; 3]> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
         all.zip(forms)
-            .map(|pair| found(pair).unwrap_or_default())
+            .map(|(patch, &[x, y, mean])| {
+                let form = Form {
+                    deviator: DVec2::new(x.into(), y.into()),
+                    mean: mean.into(),
+                };
+                let own = self.direction(patch, &form, family).unwrap_or_default();
+                let fallback = self.fallback(patch.at.x, patch.at.y, patch.normal, order);
+                let (sure, flat) = (own.length(), form.flatness(self.doubt) as f32);
+                let sum = own + flat * doubled(fallback);
+                [sum.x, sum.y, sure + flat]
+            })
             .collect()
     }
 
-    fn direction(
-        &self,
-        patch: &Patch,
-        &[x, y, mean]: &[f32; 3],
-        family: usize,
-    ) -> Option<[f32; 2]> {
-        let form = Form {
-            deviator: DVec2::new(x.into(), y.into()),
-            mean: mean.into(),
-        };
+    /// Twice the angle of a patch's own direction, as long as it is sure.
+    fn direction(&self, patch: &Patch, form: &Form, family: usize) -> Option<Vec2> {
         let larger = form.larger()?;
         let axis = if family == 0 { larger } else { larger.perp() };
         let [a, b] = upright_tangents(patch.normal)?;
         let tangent = axis.x * a + axis.y * b;
-        let seen = self
-            .sight
-            .picture_direction(patch.at.x, patch.at.y, tangent)?;
-        let facing = self.sight.facing(patch.at.x, patch.at.y, patch.normal) / FACING;
-        let sure = form.confidence(self.doubt) * facing.clamp(0.0, 1.0).powi(2);
-        Some((sure as f32 * doubled(seen.as_vec2())).to_array())
+        let [x, y] = patch.at.to_array();
+        let seen = self.sight.picture_direction(x, y, tangent)?;
+        let facing = (self.sight.facing(x, y, patch.normal) / FACING).clamp(0.0, 1.0);
+        let sure = form.confidence(self.doubt) * facing.powi(2);
+        Some(sure as f32 * doubled(seen.as_vec2()))
     }
 
+    /// Directions averaged, pass after pass; where they disagree, their surroundings lead.
+    fn calmed(&self, mut found: Vec<[f32; 3]>, cross: &Cross, reach: &[f32]) -> Vec<[f32; 2]> {
+        for _ in 0..self.params.passes {
+            found = cross.mean(&found, reach);
+        }
+        if self.params.passes == 0 {
+            return found.iter().map(|&[x, y, _]| [x, y]).collect();
+        }
+        let wide: Vec<f32> = reach.iter().map(|r| SURROUNDINGS * r).collect();
+        let mut around: Vec<[f32; 2]> = found.iter().map(|&[x, y, _]| [x, y]).collect();
+        for _ in 0..SURROUNDING_PASSES {
+            around = cross.mean(&around, &wide);
+        }
+        let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
+        pairs.map(|(&own, &around)| calm(own, around)).collect()
+    }
+
+    /// The fallback at a place, of the first field made or the second.
     fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
-        match (self.params.fallback, order) {
-            (Fallback::Angle(degrees), _) => {
-                let turn = 90.0 * order as f32;
-                Vec2::from_angle((degrees % 180.0 + turn).to_radians())
-            }
-            (Fallback::Surface, 0) => fixed_direction(normal, &self.sight, x, y),
-            (Fallback::Surface, _) => fixed_second_direction(normal, &self.sight, x, y),
+        match (self.fixed, order) {
+            (Some(fixed), _) => fixed[order],
+            (None, 0) => fixed_direction(normal, &self.sight, x, y),
+            (None, _) => fixed_second_direction(normal, &self.sight, x, y),
         }
     }
 
@@ -227,7 +264,8 @@ impl<'a> Field<'a> {
         let settle = |(i, z): (usize, &mut [f32; 2])| {
             let patch = &self.patches.all[i];
             let last = doubled(fallback(patch.at.x, patch.at.y, patch.normal));
-            let sum = Vec2::from(*z) + FALLBACK * last;
+            let own = Vec2::from(*z);
+            let sum = own + FALLBACK * (1.0 - own.length() / FREE).max(0.0) * last;
             *z = match self.patches.is_speck(i) {
                 true => [0.0; 2],
                 false => sum.try_normalize().unwrap_or(last).to_array(),
@@ -238,106 +276,6 @@ impl<'a> Field<'a> {
             .with_min_len(PATCHES_PER_TASK)
             .enumerate()
             .for_each(settle);
-    }
-
-    /// Directions of pixels, between those of the patches around them; 0 where there is no patch.
-    fn at_pixels(&self, doubled: &[[f32; 2]], memory: &Memory) -> Vector2Planes {
-        let grid = &self.patches.grid;
-        let mut found = memory.vectors(&self.frame.mask);
-        let width = found.x.width();
-        let (x, y) = (found.x.samples_mut(), found.y.samples_mut());
-        grid.bands(x)
-            .into_par_iter()
-            .zip(grid.bands(y))
-            .enumerate()
-            .for_each(|(row, (x, y))| {
-                for column in 0..grid.columns {
-                    self.fill_cell(doubled, column, row, [x, y]);
-                }
-                for (i, (x, y)) in x.chunks_mut(width).zip(y.chunks_mut(width)).enumerate() {
-                    let span = self.frame.mask.span(grid.y_pixels(row).start + i);
-                    halve_row(&mut x[span.clone()], &mut y[span]);
-                }
-            });
-        found
-    }
-
-    /// The pixels of one cell, in the rows of their band.
-    fn fill_cell(&self, doubled: &[[f32; 2]], column: usize, row: usize, [x, y]: [&mut [f32]; 2]) {
-        let Patches { grid, labels, .. } = self.patches;
-        let width = self.frame.mask.width();
-        let patches = self.patches.of_cell(column, row);
-        let (xs, ys) = (grid.x_pixels(column), grid.y_pixels(row));
-        for (i, py) in ys.enumerate() {
-            let labels = &labels[py * width..][xs.clone()];
-            let (x, y) = (
-                &mut x[i * width..][xs.clone()],
-                &mut y[i * width..][xs.clone()],
-            );
-            for ((x, y), &label) in x.iter_mut().zip(y).zip(labels) {
-                if label == NO_PATCH {
-                    (*x, *y) = (0.0, 0.0);
-                }
-            }
-        }
-        for (label, patch) in patches.enumerate() {
-            let around = self.around(patch).map(|i| Vec2::from(doubled[i]));
-            for (i, py) in grid.y_pixels(row).enumerate() {
-                let v = grid.place(1, py);
-                let columns = [0, 1, 2].map(|c| {
-                    let [above, here, below] = [around[c], around[c + 3], around[c + 6]];
-                    here + if v < 0.0 {
-                        -v * (above - here)
-                    } else {
-                        v * (below - here)
-                    }
-                });
-                for px in xs.clone() {
-                    if usize::from(labels[py * width + px]) == label {
-                        let u = grid.place(0, px);
-                        let [left, here, right] = columns;
-                        let z = here
-                            + if u < 0.0 {
-                                -u * (left - here)
-                            } else {
-                                u * (right - here)
-                            };
-                        x[i * width + px] = z.x;
-                        y[i * width + px] = z.y;
-                    }
-                }
-            }
-        }
-    }
-
-    /// A patch and the eight around it, row by row; where the surface does not go on, the nearest of them
-    /// that does.
-    fn around(&self, i: usize) -> [usize; 9] {
-        let Patches { across, down, .. } = self.patches;
-        let go = |links: &[u32], i: usize| match links[i] {
-            NONE => None,
-            there => Some(there as usize),
-        };
-        let beside = |Links { before, after }: &Links, i| [go(before, i), go(after, i)];
-        let [left, right] = beside(across, i);
-        let [above, below] = beside(down, i);
-        let corner =
-            |side: Option<usize>, end: Option<usize>, sideways: &[u32], endways: &[u32]| {
-                let by_side = side.and_then(|s| go(endways, s));
-                let by_end = end.and_then(|e| go(sideways, e));
-                by_side.or(by_end).or(side).or(end).unwrap_or(i)
-            };
-        [
-            corner(left, above, &across.before, &down.before),
-            above.unwrap_or(i),
-            corner(right, above, &across.after, &down.before),
-            left.unwrap_or(i),
-            i,
-            right.unwrap_or(i),
-            corner(left, below, &across.before, &down.after),
-            below.unwrap_or(i),
-            corner(right, below, &across.after, &down.after),
-        ]
     }
 }
 

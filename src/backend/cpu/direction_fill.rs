@@ -61,6 +61,11 @@ pub(super) fn fill_rest(
     let width = mask.width();
     let covered = |i: usize| mask.plane().samples()[i];
     let mut field = Field { directions, width };
+    let all = field.directions.x.samples().len();
+    let is_done = |i: usize| !covered(i) || !field.lacks(i);
+    if (0..all).into_par_iter().all(is_done) {
+        return;
+    }
     field.spread(usize::MAX, covered, |_, _| 1.0, |_, mean, _| mean);
     field.fix(covered, |i| fixed(i % width, i / width));
 }

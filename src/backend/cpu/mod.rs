@@ -1,5 +1,6 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
+mod between_patches;
 mod chains;
 mod contours;
 mod diffusion;

@@ -238,6 +238,19 @@ impl RowOfCells<'_> {
         for column in 0..self.grid.columns {
             let xs = self.grid.x_pixels(column);
             let size = xs.len() * ys.len();
+            let is_open = |y: usize| {
+                self.conductance.row(y)[xs.clone()]
+                    .iter()
+                    .all(|&c| c > OPEN)
+            };
+            if size == self.grid.cell_px.pow(2) && ys.clone().all(is_open) {
+                for row in labels.chunks_mut(width) {
+                    row[xs.clone()].fill(0);
+                }
+                counts.push(1);
+                patches.push(self.whole(&xs, &ys));
+                continue;
+            }
             let (open, own) = (&mut open[..size], &mut own[..size]);
             for (row, y) in open.chunks_mut(xs.len()).zip(ys.clone()) {
                 for (open, &c) in row.iter_mut().zip(&self.conductance.row(y)[xs.clone()]) {
@@ -259,21 +272,23 @@ impl RowOfCells<'_> {
         (counts, patches)
     }
 
-    /// A patch, from the pixels around its middle: a mean over all of it would lie beneath the surface.
+    /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would lie beneath
+    /// the surface.
+    fn whole(&self, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
+        let margin = self.grid.cell_px / 4;
+        let inner = |r: &Range<usize>| r.start + margin..r.end - margin;
+        let columns = inner(xs);
+        let middle = inner(ys).flat_map(|y| columns.clone().map(move |x| (x, y)));
+        self.mean(middle, self.grid.cell_px.pow(2))
+    }
+
+    /// The patch of a part of a cell, likewise.
     fn patch(&self, labels: &[u8], label: u8, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
         let places = || {
             let inside = labels.iter().enumerate().filter(|(_, l)| **l == label);
             inside.map(|(i, _)| (xs.start + i % xs.len(), ys.start + i / xs.len()))
         };
         let pixels = places().count();
-        let is_whole = pixels == self.grid.cell_px.pow(2);
-        let margin = self.grid.cell_px / 4;
-        if is_whole {
-            let inner = |r: &Range<usize>| r.start + margin..r.end - margin;
-            let columns = inner(xs);
-            let middle = inner(ys).flat_map(|y| columns.clone().map(move |x| (x, y)));
-            return self.mean(middle, pixels);
-        }
         let sum = places().fold([0, 0], |[sx, sy], (x, y)| [sx + x, sy + y]);
         let off = |(x, y): (usize, usize)| {
             let square = |sum: usize, p: usize| sum.abs_diff(p * pixels).pow(2);

@@ -7,7 +7,7 @@
     reason = "calling a function compiled for features that were just detected"
 )]
 
-use super::drawing::hatch_batch;
+use super::drawing::{Densities, density_row, hatch_batch};
 use super::light::{Scaler, scale_row};
 use super::relight::{Batch, Scene, light_batch};
 use crate::fast_math::{Function, map_row};
@@ -118,6 +118,12 @@ macro_rules! widened {
 }
 
 widened! {
+    fn density_row(
+        out: &mut [f32],
+        color: [&[f32]; 3],
+        alpha: Option<&[f32]>,
+        densities: &Densities,
+    );
     fn hatch_batch(pixels: &mut Pixels, directions: [&[f32]; 2], hatching: &Hatching);
     fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update);
     fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]);

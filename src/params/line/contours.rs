@@ -1,6 +1,7 @@
 //! What contours can be told.
 
-use crate::error::{Error, Result};
+use super::in_range;
+use crate::error::Result;
 use serde::Serialize;
 
 /// How silhouettes and creases are drawn ([LA] section 6: they come last, over the hatching).
@@ -46,55 +47,16 @@ impl ContourParams {
     /// Refuses values outside their ranges.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] naming the first one.
+    /// [`crate::Error::BadParameter`] naming the first one.
     pub fn validate(&self) -> Result<()> {
-        let share = 0.0..=1.0;
-        let any = 0.0..=f32::MAX;
-        let ranges = [
-            (
-                "--contour-width",
-                self.width_px,
-                1e-3..=1e3,
-                "give more than 0, at most 1000 pixels",
-            ),
-            (
-                "--crease-share",
-                self.crease_share,
-                share.clone(),
-                "give 0 to 1",
-            ),
-            (
-                "--depth-emphasis",
-                self.depth_emphasis,
-                share.clone(),
-                "give 0 to 1",
-            ),
-            ("--jump-emphasis", self.jump_emphasis, share, "give 0 to 1"),
-            (
-                "--shortest-contour",
-                self.shortest_px,
-                any.clone(),
-                "give 0 or more",
-            ),
-            ("--contour-taper", self.taper_px, any, "give 0 or more"),
-            (
-                "--contour-smoothing",
-                self.smoothing_px,
-                0.0..=100.0,
-                "give 0 to 100 pixels",
-            ),
-        ];
-        match ranges
-            .into_iter()
-            .find(|(_, value, range, _)| !range.contains(value))
-        {
-            None => Ok(()),
-            Some((name, value, _, remedy)) => Err(Error::BadParameter {
-                name,
-                found: format!("is {value}"),
-                remedy: remedy.into(),
-            }),
-        }
+        let (share, length) = (0.0..=1.0, 0.0..=1e6);
+        in_range("--contour-width", self.width_px, 1e-3..=1e3)?;
+        in_range("--crease-width", self.crease_share, share.clone())?;
+        in_range("--depth-emphasis", self.depth_emphasis, share.clone())?;
+        in_range("--jump-emphasis", self.jump_emphasis, share)?;
+        in_range("--shortest-contour", self.shortest_px, length.clone())?;
+        in_range("--contour-taper", self.taper_px, length)?;
+        in_range("--contour-smoothing", self.smoothing_px, 0.0..=100.0)
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::backend::cpu::memory::Memory;
 use crate::frame::{Mask, Plane};
 use crate::line::contours::Contour;
-use crate::line::polyline::thinned;
-use crate::line::round_stroke::RoundStroke;
+use crate::line::contours::polyline::thinned;
+use crate::line::contours::round_stroke::RoundStroke;
 use rayon::prelude::*;
 
 /// Rows that one task draws.

@@ -1,7 +1,7 @@
 //! Where silhouettes are drawn: other lines end there, and keep away.
 
 use crate::frame::Frame;
-use crate::line::network::{self, Line};
+use crate::line::contours::network::{self, Line};
 use crate::params::ContourParams;
 use glam::Vec2;
 use std::ops::Range;

@@ -9,10 +9,10 @@ mod silhouettes;
 pub(super) use coverage::coverage;
 
 use crate::frame::{Frame, Plane};
+use crate::line::contours::gaps::close_gaps;
+use crate::line::contours::network::{End, Line, Spot};
+use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
-use crate::line::gaps::close_gaps;
-use crate::line::network::{End, Line, Spot};
-use crate::line::polyline::Smoothing;
 use crate::params::{ContourParams, ShapeParams};
 use ground::Ground;
 use rayon::prelude::*;

@@ -36,7 +36,12 @@ pub(super) fn hatched(
             for from in run.clone().step_by(BATCH) {
                 let columns = from..(from + BATCH).min(run.end);
                 pixels.count = columns.len();
-                densities.row(&mut pixels.wanted[..columns.len()], y, columns.clone());
+                densities.row(
+                    &mut pixels.wanted[..columns.len()],
+                    y,
+                    columns.clone(),
+                    simd,
+                );
                 pixels.white.fill(1.0);
                 for sheet in &sheets {
                     if !sheet.is_used(y, columns.clone()) {

@@ -9,6 +9,7 @@ mod tone;
 pub(super) use art_map::KeptArtMap;
 pub use coordinates::TextureCoordinates;
 pub(super) use hatching::hatch_batch;
+pub(super) use tone::{Densities, density_row};
 
 use super::direction_field::stroke_fields;
 use super::memory::Memory;
@@ -18,7 +19,6 @@ use crate::line::contours::Contour;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, ContourParams, LineParams, Style};
 use std::time::Instant;
-use tone::Densities;
 
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.

@@ -1,13 +1,15 @@
 //! From the luminance of a picture to the optical density that is drawn.
 
 use super::light::luminance;
+use crate::backend::cpu::simd::Simd;
 use crate::frame::{ColorPlanes, Frame};
+use crate::line::hatching::BATCH;
 use crate::line::tonal_art_map::MAX_DENSITY;
 use crate::params::ToneParams;
 use std::ops::Range;
 
 /// The optical density of a picture, -ln(tone), looked up by luminance.
-pub(super) struct Densities<'a> {
+pub(in crate::backend::cpu) struct Densities<'a> {
     color: &'a ColorPlanes,
     frame: &'a Frame,
     weights: [f32; 3],
@@ -43,27 +45,48 @@ impl<'a> Densities<'a> {
         }
     }
 
-    /// The densities of `columns` of row `y`.
-    pub(super) fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>) {
-        let [r, g, b] = [&self.color.r, &self.color.g, &self.color.b]
+    /// The densities of `columns` of row `y`, at most a batch.
+    pub(super) fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
+        let color = [&self.color.r, &self.color.g, &self.color.b]
             .map(|plane| &plane.row(y)[columns.clone()]);
         let alpha = self.frame.alpha.as_ref();
         let alpha = alpha.map(|plane| &plane.row(y)[columns.clone()]);
-        for (i, out) in out.iter_mut().enumerate() {
-            let seen = luminance([r[i], g[i], b[i]], self.weights);
-            // The picture is premultiplied: a rim that covers half a pixel is as light as the rest.
-            let whole = alpha.map_or(1.0, |alpha| alpha[i].clamp(LEAST_ALPHA, 1.0));
-            *out = self.density(seen / (whole * self.white));
+        simd.density_row(out, color, alpha, self);
+    }
+}
+
+/// The optical densities of a batch of colours, premultiplied by alpha.
+#[inline(always)]
+pub(in crate::backend::cpu) fn density_row(
+    out: &mut [f32],
+    [r, g, b]: [&[f32]; 3],
+    alpha: Option<&[f32]>,
+    densities: &Densities,
+) {
+    let count = out.len().min(BATCH);
+    let (r, g, b) = (&r[..count], &g[..count], &b[..count]);
+    let mut share = [0.0; BATCH];
+    for i in 0..count {
+        share[i] = luminance([r[i], g[i], b[i]], densities.weights) / densities.white;
+    }
+    if let Some(alpha) = alpha {
+        // A rim that covers half a pixel is as light as the rest.
+        for (share, &alpha) in share[..count].iter_mut().zip(alpha) {
+            *share /= alpha.max(LEAST_ALPHA).min(1.0);
         }
     }
-
-    #[inline(always)]
-    fn density(&self, share: f32) -> f32 {
+    let mut step = [0_u32; BATCH];
+    for i in 0..count {
         // A NaN is black.
-        let at = STEPS as f32 * share.max(0.0).min(1.0).sqrt();
-        let step = (at as usize).min(STEPS - 1);
-        let (a, b) = (self.table[step], self.table[step + 1]);
-        a + (at - step as f32) * (b - a)
+        let at = STEPS as f32 * share[i].max(0.0).min(1.0).sqrt();
+        let floor = at.floor().min(STEPS as f32 - 1.0);
+        step[i] = floor as i32 as u32;
+        share[i] = at - floor;
+    }
+    for (i, out) in out[..count].iter_mut().enumerate() {
+        let step = step[i] as usize;
+        let (a, b) = (densities.table[step], densities.table[step + 1]);
+        *out = a + share[i] * (b - a);
     }
 }
 

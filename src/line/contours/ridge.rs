@@ -1,6 +1,6 @@
 //! Ridges of a weight: what is left of wide bands of pixels when they are thinned to lines one pixel wide.
 
-use crate::line::lattice::{Lattice, STEPS};
+use crate::line::contours::lattice::{Lattice, STEPS};
 use glam::Vec2;
 
 /// Pixels with weights, of which those above 0 form bands.

@@ -1,7 +1,7 @@
 //! Gaps in lines: ends in the open that face each other a few pixels apart are ends of one line, which its
 //! weight left out where it fell below its threshold.
 
-use crate::line::network::{End, Line, Sets};
+use crate::line::contours::network::{End, Line, Sets};
 use glam::Vec2;
 use std::collections::BTreeMap;
 
@@ -84,7 +84,7 @@ fn facing(tips: &[Tip], widest_px: f32) -> Vec<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::network::Spot;
+    use crate::line::contours::network::Spot;
 
     fn line(from: Vec2, to: Vec2, part: usize) -> Line {
         let count = from.distance(to) as usize;

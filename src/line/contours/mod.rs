@@ -2,12 +2,20 @@
 //!
 //! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per
 //! pixel. Changes: they are lines with a place, a length and a width, as a draughtsman's are: one to an edge,
-//! heavier around what is near and before what is far behind. Practice: [`crate::line::crack`] and
-//! [`crate::line::ridge`] say where edges are, [`crate::line::network`] makes lines of them, and
-//! [`crate::line::round_stroke`] says what a line covers.
+//! heavier around what is near and before what is far behind. Practice: [`crack`] and
+//! [`ridge`] say where edges are, [`network`] makes lines of them, and
+//! [`round_stroke`] says what a line covers.
 
-use crate::line::network::{End, Line};
-use crate::line::polyline::{evened, lengths};
+pub mod crack;
+pub mod gaps;
+pub mod lattice;
+pub mod network;
+pub mod polyline;
+pub mod ridge;
+pub mod round_stroke;
+
+use crate::line::contours::network::{End, Line};
+use crate::line::contours::polyline::{evened, lengths};
 use crate::params::ContourParams;
 use glam::Vec2;
 use serde::Serialize;
@@ -145,7 +153,7 @@ pub fn strength_of_jump(jump: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::network::Spot;
+    use crate::line::contours::network::Spot;
 
     fn straight(log_depth: f32, strength: f32, ends: [End; 2]) -> Line {
         let spot = |i| Spot {

@@ -1,7 +1,7 @@
 //! Networks of lines: paths that meet at junctions become lines that run through them, or end in one point.
 
-use crate::line::lattice::{Lattice, Path};
-use crate::line::polyline::{Smoothing, length, smoothed};
+use crate::line::contours::lattice::{Lattice, Path};
+use crate::line::contours::polyline::{Smoothing, length, smoothed};
 use glam::Vec2;
 
 /// A point that a line passes, and what its width depends on.

@@ -1,0 +1,128 @@
+//! From patches to pixels: directions between those of the patches around a pixel, never across an edge.
+
+use super::memory::Memory;
+use super::patches::{Links, NONE, Patches};
+use crate::frame::{Mask, Vector2Planes};
+use crate::line::direction_field::halve_row;
+use crate::line::patches::NO_PATCH;
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Directions of patches, as twice their angles, to be told at pixels.
+pub(super) struct BetweenPatches<'a> {
+    pub(super) patches: &'a Patches,
+    pub(super) mask: &'a Mask,
+    pub(super) doubled: &'a [[f32; 2]],
+}
+
+impl BetweenPatches<'_> {
+    /// Directions of pixels, between those of the patches around them; 0 where there is no patch.
+    pub(super) fn all(&self, memory: &Memory) -> Vector2Planes {
+        let grid = &self.patches.grid;
+        let mut found = memory.vectors(self.mask);
+        let width = found.x.width();
+        let (x, y) = (found.x.samples_mut(), found.y.samples_mut());
+        grid.bands(x)
+            .into_par_iter()
+            .zip(grid.bands(y))
+            .enumerate()
+            .for_each(|(row, (x, y))| {
+                for column in 0..grid.columns {
+                    self.fill_cell(column, row, [x, y]);
+                }
+                for (i, (x, y)) in x.chunks_mut(width).zip(y.chunks_mut(width)).enumerate() {
+                    let span = self.mask.span(grid.y_pixels(row).start + i);
+                    halve_row(&mut x[span.clone()], &mut y[span]);
+                }
+            });
+        found
+    }
+
+    /// The pixels of one cell, in the rows of their band.
+    fn fill_cell(&self, column: usize, row: usize, [x, y]: [&mut [f32]; 2]) {
+        let Patches { grid, labels, .. } = self.patches;
+        let width = self.mask.width();
+        let patches = self.patches.of_cell(column, row);
+        let (xs, ys) = (grid.x_pixels(column), grid.y_pixels(row));
+        for (i, py) in ys.enumerate() {
+            let labels = &labels[py * width..][xs.clone()];
+            let (x, y) = (
+                &mut x[i * width..][xs.clone()],
+                &mut y[i * width..][xs.clone()],
+            );
+            for ((x, y), &label) in x.iter_mut().zip(y).zip(labels) {
+                if label == NO_PATCH {
+                    (*x, *y) = (0.0, 0.0);
+                }
+            }
+        }
+        for (label, patch) in patches.enumerate() {
+            let around = self.around(patch).map(|[a, b]| {
+                let [a, b] = [a, b].map(|i| Vec2::from(self.doubled[i]));
+                0.5 * (a + b)
+            });
+            for (i, py) in grid.y_pixels(row).enumerate() {
+                let v = grid.place(1, py);
+                let columns = [0, 1, 2].map(|c| {
+                    let [above, here, below] = [around[c], around[c + 3], around[c + 6]];
+                    here + if v < 0.0 {
+                        -v * (above - here)
+                    } else {
+                        v * (below - here)
+                    }
+                });
+                for px in xs.clone() {
+                    if usize::from(labels[py * width + px]) == label {
+                        let u = grid.place(0, px);
+                        let [left, here, right] = columns;
+                        let z = here
+                            + if u < 0.0 {
+                                -u * (left - here)
+                            } else {
+                                u * (right - here)
+                            };
+                        x[i * width + px] = z.x;
+                        y[i * width + px] = z.y;
+                    }
+                }
+            }
+        }
+    }
+
+    /// A patch and the eight around it, row by row, each the mean of two: a corner may be another patch by
+    /// way of the side than by way of the end. Where the surface does not go on it is the nearest that does.
+    fn around(&self, i: usize) -> [[usize; 2]; 9] {
+        let Patches { across, down, .. } = self.patches;
+        let go = |links: &[u32], i: usize| match links[i] {
+            NONE => None,
+            there => Some(there as usize),
+        };
+        let beside = |links: &Links| [go(&links.before, i), go(&links.after, i)];
+        let ([left, right], [above, below]) = (beside(across), beside(down));
+        let either = |a: Option<usize>, b: Option<usize>| match (a, b) {
+            (Some(a), Some(b)) => Some([a, b]),
+            (Some(a), None) | (None, Some(a)) => Some([a, a]),
+            (None, None) => None,
+        };
+        let corner =
+            |side: Option<usize>, end: Option<usize>, sideways: &[u32], endways: &[u32]| {
+                let by_side = side.and_then(|s| go(endways, s));
+                let by_end = end.and_then(|e| go(sideways, e));
+                either(by_side, by_end)
+                    .or_else(|| either(side, end))
+                    .unwrap_or([i; 2])
+            };
+        let next = |there: Option<usize>| [there.unwrap_or(i); 2];
+        [
+            corner(left, above, &across.before, &down.before),
+            next(above),
+            corner(right, above, &across.after, &down.before),
+            next(left),
+            [i; 2],
+            next(right),
+            corner(left, below, &across.before, &down.after),
+            next(below),
+            corner(right, below, &across.after, &down.after),
+        ]
+    }
+}
