@@ -75,9 +75,9 @@ pub fn in_texture(by: &Jacobian, t: [f32; 2]) -> [f32; 2] {
 #[inline(always)]
 fn singular_values(by: &Jacobian) -> [f32; 2] {
     let [[a, c], [b, d]] = *by;
-    let turn = (0.5 * (a + d)).hypot(0.5 * (c - b));
-    let rest = (0.5 * (a - d)).hypot(0.5 * (c + b));
-    [turn + rest, turn - rest]
+    let length = |x: f32, y: f32| 0.5 * (x * x + y * y).sqrt();
+    let (turned, rest) = (length(a + d, c - b), length(a - d, c + b));
+    [turned + rest, turned - rest]
 }
 
 /// How many times too large or too small the distorted texture shows strokes, along the worse axis: 1 is
@@ -98,18 +98,65 @@ pub fn soundness(distortion: f32) -> f32 {
     1.0 - worn * worn * (3.0 - 2.0 * worn)
 }
 
-/// The place at `offset` pixels (rows down) from a pixel at `place`, if the texture goes on from there by
-/// the turn that is in `by`, undistorted.
+/// Cosine and sine of the turn that is in a Jacobian, or a sum of several.
 #[inline(always)]
-pub fn continued(place: [f32; 2], by: &Jacobian, [x, y]: [f32; 2]) -> [f32; 2] {
+pub fn turn(by: &Jacobian) -> [f32; 2] {
     let [dx, dy] = by;
     let [cos, sin] = [dx[0] + dy[1], dx[1] - dy[0]];
-    let length = cos.hypot(sin);
-    let [cos, sin] = match length > 0.0 && length.is_finite() {
+    let length = (cos * cos + sin * sin).sqrt();
+    match length > 0.0 && length.is_finite() {
         true => [cos / length, sin / length],
         false => [1.0, 0.0],
-    };
+    }
+}
+
+/// The place at an offset in pixels (rows down) from a pixel at `place`, if the texture goes on from there by a
+/// [`turn`], undistorted.
+#[inline(always)]
+pub fn continued(place: [f32; 2], [cos, sin]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 2] {
     [place[0] + cos * x - sin * y, place[1] + sin * x + cos * y]
+}
+
+/// The place `here` without the roughness that motion brings in from frame to frame: averaged with those
+/// around it, which lie in pairs on opposite sides: first left and right, then above and below, then the two
+/// diagonals. What is a shift, a turn or any other affine map stays as it is.
+///
+/// A place that is torn from most of its surroundings, which agree among each other, is taken from them. Only
+/// then it is asked for `farther` pairs.
+#[inline(always)]
+pub fn calmed<const N: usize>(
+    here: [f32; 2],
+    near: [Option<[[f32; 2]; 2]>; 4],
+    farther: impl FnOnce() -> [Option<[[f32; 2]; 2]>; N],
+) -> [f32; 2] {
+    let mut calm = here;
+    let mut joined = 0;
+    for (pair, weight) in near.iter().zip([0.125, 0.125, 0.0625, 0.0625]) {
+        if let Some([a, b]) = pair
+            && is_joined(here, *a)
+            && is_joined(here, *b)
+        {
+            calm[0] += weight * ((a[0] - here[0]) + (b[0] - here[0]));
+            calm[1] += weight * ((a[1] - here[1]) + (b[1] - here[1]));
+            joined += 1;
+        }
+    }
+    if joined == near.len() {
+        return calm;
+    }
+    let pairs = near.into_iter().chain(farther()).flatten();
+    let (mut sum, mut agreed) = ([0.0; 2], 0);
+    for [a, b] in pairs {
+        let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+        if is_joined(a, middle) && !is_joined(here, middle) {
+            sum = [sum[0] + middle[0], sum[1] + middle[1]];
+            agreed += 1;
+        }
+    }
+    match agreed > 1 && agreed > joined {
+        true => sum.map(|sum| sum / agreed as f32),
+        false => calm,
+    }
 }
 
 /// The place at `offset` pixels (rows down) from a pixel at `place`, by the Jacobian there.
@@ -206,11 +253,54 @@ mod tests {
     fn what_comes_into_view_goes_on_undistorted() {
         // Compressed to half along x in the picture, turned by a right angle: only the turn goes on.
         let by = [[0.0, 2.0], [-1.0, 0.0]];
-        assert_eq!(continued([5.0, 5.0], &by, [3.0, 0.0]), [5.0, 8.0]);
+        assert_eq!(continued([5.0, 5.0], turn(&by), [3.0, 0.0]), [5.0, 8.0]);
         assert_eq!(extrapolated([5.0, 5.0], &by, [3.0, 0.0]), [5.0, 11.0]);
-        assert_eq!(
-            continued([1.0, 2.0], &[[0.0; 2]; 2], [3.0, 4.0]),
-            [4.0, 6.0]
-        );
+        assert_eq!(turn(&[[0.0; 2]; 2]), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn roughness_is_calmed_and_maps_are_not() {
+        let pairs = |place: &dyn Fn(f32, f32) -> [f32; 2], far: f32| {
+            [[far, 0.0], [0.0, far], [far, far], [far, -far]]
+                .map(|[x, y]| Some([place(-x, -y), place(x, y)]))
+        };
+        let calm = |place: &dyn Fn(f32, f32) -> [f32; 2]| {
+            calmed(place(0.0, 0.0), pairs(place, 1.0), || pairs(place, 2.0))
+        };
+        // An affine map, in numbers that have no rounding.
+        let affine = |x: f32, y: f32| [3.0 + 1.25 * x - 0.5 * y, 7.0 + 0.25 * x + 0.75 * y];
+        assert_eq!(calm(&affine), affine(0.0, 0.0));
+        // A checkerboard of 0.5 px: both straight pairs are off by -1 in sum, of which an eighth counts, the
+        // diagonals by nothing. 0.5 - 2/8 = 0.25, the mean of the board.
+        let board = |x: f32, y: f32| {
+            let off = if (x + y).rem_euclid(2.0) == 0.0 {
+                0.5
+            } else {
+                0.0
+            };
+            [x + off, y]
+        };
+        assert_eq!(calm(&board), [0.25, 0.0]);
+        // One pixel, or a line of two, that went astray.
+        let astray = |x: f32, y: f32| {
+            if x == 0.0 && y == 0.0 {
+                [40.0, 9.0]
+            } else {
+                [x, y]
+            }
+        };
+        assert_eq!(calm(&astray), [0.0, 0.0]);
+        let line = |x: f32, y: f32| {
+            if y == 0.0 || y == 1.0 {
+                [x + 50.0, y]
+            } else {
+                [x, y]
+            }
+        };
+        assert_eq!(calm(&line), [0.0, 0.0]);
+        // A seam between two surfaces stays where it is.
+        let seam = |x: f32, y: f32| if x > 0.0 { [x + 50.0, y] } else { [x, y] };
+        assert_eq!(calm(&seam), [0.0, 0.0]);
+        assert_eq!(calmed::<0>([4.0, 5.0], [None; 4], || []), [4.0, 5.0]);
     }
 }

@@ -1,7 +1,7 @@
 //! One of the drawings that share a hatching, each by its own map of places.
 
-use super::coordinates::jacobian_at;
-use crate::frame::{Frame, Mask, Plane, Vector2Planes};
+use super::coordinates::{Surface, jacobian_at};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::hatching::{BATCH, Pixels};
 use crate::line::texture_coordinates::{Jacobian, STILL, in_texture};
 use std::ops::Range;
@@ -9,8 +9,8 @@ use std::ops::Range;
 /// A map of places and its share of the drawing.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sheet<'a> {
-    /// Places, and the pixels that have one; `None` lies still in the picture.
-    pub(super) place: Option<(&'a Vector2Planes, &'a Mask)>,
+    /// Places, and the surface that has them; `None` lies still in the picture.
+    pub(super) place: Option<(&'a Vector2Planes, Surface<'a>)>,
     /// Where in the texture what lies still is laid.
     pub(super) origin: [f32; 2],
     /// Share of the optical density, 0..1; `None` is all.
@@ -56,7 +56,7 @@ impl Sheet<'_> {
         columns: Range<usize>,
     ) {
         let [xs, ys] = &mut pixels.place;
-        let Some((place, mask)) = self.place else {
+        let Some((place, surface)) = self.place else {
             let window = frame.data_window;
             let first = window.x0 as f32 + columns.start as f32 + 0.5 + self.origin[0];
             for (i, x) in xs.iter_mut().enumerate() {
@@ -68,7 +68,7 @@ impl Sheet<'_> {
         xs[..columns.len()].copy_from_slice(&place.x.row(y)[columns.clone()]);
         ys[..columns.len()].copy_from_slice(&place.y.row(y)[columns.clone()]);
         for (by, x) in lie.by.iter_mut().zip(columns) {
-            *by = jacobian_at(place, mask.plane(), x, y);
+            *by = jacobian_at(place, &surface, x, y);
         }
     }
 
