@@ -6,6 +6,7 @@ pub mod direction;
 pub mod direction_field;
 pub mod hatching;
 pub mod normal_rays;
+pub mod paper;
 pub mod patches;
 mod random;
 mod response;

@@ -16,8 +16,10 @@ use super::memory::Memory;
 use super::{Drawing, DrawingInputs, Run, contours, light, statistics};
 use crate::frame::Plane;
 use crate::line::contours::Contour;
+use crate::line::paper::{grain, graphite};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, ContourParams, LineParams, Style};
+use rayon::prelude::*;
 use std::time::Instant;
 
 impl Run<'_> {
@@ -75,10 +77,15 @@ impl Run<'_> {
                 memory,
             )
         });
-        let drawn = params
-            .contours
-            .as_ref()
-            .map(|params| self.draw_contours(params));
+        let scale = params.strokes.factor(plan.resolution_factor as f32);
+        let drawn = params.contours.map(|contours| {
+            let (covered, lines) = self.draw_contours(&contours.scaled(scale));
+            let covered = match params.strokes.style {
+                Style::Pencil => self.in_graphite(covered, params.strokes.seed),
+                Style::Pen | Style::Pictures => covered,
+            };
+            (covered, lines)
+        });
         let (contours, contour_lines) = drawn.unzip();
         self.outcome.color = made;
         self.outcome.shape.conductance = Some(conductance);
@@ -89,6 +96,21 @@ impl Run<'_> {
             white_point: white,
             coordinates,
         });
+    }
+
+    /// Lines as a pencil draws them on grained paper.
+    fn in_graphite(&self, mut covered: Plane, seed: u64) -> Plane {
+        let window = self.frame.data_window;
+        let width = covered.width();
+        let rows = covered.samples_mut().par_chunks_mut(width);
+        rows.enumerate().for_each(|(y, row)| {
+            let y = window.y0.wrapping_add(y as i32);
+            for (x, coverage) in row.iter_mut().enumerate().filter(|(_, c)| **c > 0.0) {
+                let x = window.x0.wrapping_add(x as i32);
+                *coverage = graphite(*coverage, grain(x, y, seed));
+            }
+        });
+        covered
     }
 
     fn draw_contours(&mut self, params: &ContourParams) -> (Plane, Vec<Contour>) {
