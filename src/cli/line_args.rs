@@ -1,6 +1,7 @@
 //! The names of `hatch`. Every default is read from `params`.
 
 use super::relight_args::{RelightArgs, mirrored};
+use super::sequence::SequenceArgs;
 use crate::params::{
     Adaptive, ContourParams, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneParams,
@@ -23,6 +24,8 @@ pub(super) struct HatchArgs {
     strokes: StrokeFlags,
     #[command(flatten)]
     contours: ContourFlags,
+    #[command(flatten)]
+    pub(super) sequence: SequenceArgs,
 }
 
 /// What becomes light and dark.

@@ -13,4 +13,5 @@ mod response;
 mod slice_texture;
 mod stroke_synthesis;
 mod stroke_texture;
+pub mod texture_coordinates;
 pub mod tonal_art_map;
