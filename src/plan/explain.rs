@@ -482,6 +482,7 @@ mod tests {
         image_height: 1080,
         positions: true,
         normal_rounding: 0.0,
+        moving: false,
         light: LightAvailable::NONE,
     };
     const NOTHING: Available = Available {
@@ -493,6 +494,7 @@ mod tests {
         image_height: 1080,
         positions: false,
         normal_rounding: 0.0,
+        moving: false,
         light: LightAvailable::NONE,
     };
 

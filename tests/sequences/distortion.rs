@@ -208,9 +208,9 @@ fn motion_that_is_no_motion_gives_a_drawing_all_the_same() {
 
 #[test]
 fn frames_may_change_their_size_and_lose_their_surface() {
-    let sized = |width, height, covered| {
+    let sized = |width: usize, height: usize, covered: bool| {
         cards(Window::from_size(width, height), 0.5, move |_, _| {
-            (covered).then_some(5.0)
+            covered.then_some(5.0)
         })
     };
     let rest = |frame: &Frame| motion(frame, |_, _| [0.0; 2]);

@@ -4,8 +4,10 @@ use super::{FAINT, GRID, INK, SERIES, figure, text};
 use crate::report::coherence::{Coherence, Row};
 use plotters::prelude::*;
 
-/// What is measured of each frame, and what the plot calls it.
-const LINES: [(&str, fn(&Row) -> f64); 3] = [
+/// What the plot calls a measure, and how it is read off a frame.
+type Line = (&'static str, fn(&Row) -> f64);
+
+const LINES: [Line; 3] = [
     ("still in the picture", |row| row.still),
     ("carried", |row| row.carried),
     ("floor", |row| row.floor),
