@@ -92,6 +92,7 @@ mod tests {
             at: from.lerp(to, i as f32 / count as f32),
             strength: 1.0,
             log_depth: 0.0,
+            is_beside: false,
         };
         Line {
             spots: (0..=count).map(spot).collect(),

@@ -45,7 +45,7 @@ impl Lattice {
             linked: Vec::new(),
         };
         for (node, step) in links {
-            let to = lattice.neighbour(node, step);
+            let to = lattice.neighbour(node, step).expect("links stay inside");
             for (node, step) in [(node, step), (to, (step + 4) % 8)] {
                 let bits = &mut lattice.links[node as usize];
                 if *bits == 0 {
@@ -73,19 +73,19 @@ impl Lattice {
         &self.linked
     }
 
-    /// Whether a node lies on the rim of the lattice.
-    pub fn on_rim(&self, node: u32) -> bool {
+    /// Whether a node lies on the rim of the lattice, or up to so many steps inside.
+    pub fn on_rim(&self, node: u32, steps: usize) -> bool {
         let [x, y] = self.place(node);
-        x == 0 || y == 0 || x + 1 == self.width || y + 1 == self.height
+        x.min(y) <= steps || x + 1 + steps >= self.width || y + 1 + steps >= self.height
     }
 
-    fn neighbour(&self, node: u32, step: usize) -> u32 {
+    /// The node a step away, if there is one.
+    pub fn neighbour(&self, node: u32, step: usize) -> Option<u32> {
         let [dx, dy] = STEPS[step];
         let [x, y] = self.place(node);
         let (x, y) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
         let inside = (0..self.width as i64).contains(&x) && (0..self.height as i64).contains(&y);
-        assert!(inside, "a link leads out of the lattice");
-        (y * self.width as i64 + x) as u32
+        inside.then(|| (y * self.width as i64 + x) as u32)
     }
 
     /// Every link once, in paths that end only at nodes with another number of links than two, or close.
@@ -112,7 +112,7 @@ impl Lattice {
         let mut at = start;
         loop {
             let step = left[at as usize].trailing_zeros() as usize;
-            let to = self.neighbour(at, step);
+            let to = self.neighbour(at, step).expect("links stay inside");
             left[at as usize] &= !(1 << step);
             left[to as usize] &= !(1 << ((step + 4) % 8));
             if to == start && self.degree(start) == 2 {

@@ -160,6 +160,7 @@ mod tests {
             at: Vec2::new(i as f32, 0.0),
             strength,
             log_depth,
+            is_beside: false,
         };
         Line {
             spots: (0..101).map(spot).collect(),

@@ -13,6 +13,8 @@ pub struct Spot {
     pub strength: f32,
     /// Logarithm of the depth of its nearer side; 0 where depth is unknown.
     pub log_depth: f32,
+    /// Whether another edge runs so close beside it that one line serves both.
+    pub is_beside: bool,
 }
 
 /// How a line ends.
@@ -65,12 +67,15 @@ const STRAIGHT: f32 = 0.77;
 
 /// The lines along the links of `lattice`. `spots` gives those of a path, which leave out its junctions;
 /// branches with fewer spots than `shortest_branch` that end in the open are left out, and so are the fainter
-/// sides of slivers. `smooth` evens out all lines before they are led to meet.
+/// sides of slivers. Those that end up to
+/// `rim` steps from the border of the picture go on beyond it. `smooth` evens out all lines before they are led
+/// to meet.
 pub fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,
     spots: impl Fn(&Path) -> Vec<Spot>,
     shortest_branch: usize,
+    rim: usize,
     smooth: impl FnOnce(&mut [Line]),
 ) -> Vec<Line> {
     let strands: Vec<Strand> = lattice
@@ -86,7 +91,7 @@ pub fn lines(
     let is_branch = |strand: &Strand| {
         let joined = strand.nodes.map(is_junction);
         let open_end = strand.nodes[usize::from(joined[0])];
-        !strand.closed && joined[0] != joined[1] && !lattice.on_rim(open_end)
+        !strand.closed && joined[0] != joined[1] && !lattice.on_rim(open_end, rim)
     };
     let is_short = |strand: &Strand| strand.spots.len() < shortest_branch && is_branch(strand);
     let doubled = doubled(&strands, is_junction);
@@ -96,14 +101,14 @@ pub fn lines(
         .collect();
     let mut network = Network::new(strands, is_junction, place);
     network.pair();
-    network.lines(|node| lattice.on_rim(node), smooth)
+    network.lines(|node| lattice.on_rim(node, rim), smooth)
 }
 
 /// Two sides of a sliver have at most so many spots.
 const SLIVER: usize = 12;
 
-/// Which strands lie beside another so closely that one line is enough: of two between the same junctions the
-/// fainter, and small rings.
+/// Which strands lie beside another so closely that one line is enough: those most spots of which do; of two
+/// short ones between the same junctions the fainter; and small rings.
 fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
     let plainness = |i: usize| {
         strands[i]
@@ -121,7 +126,11 @@ fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
         })
         .collect();
     sides.sort_unstable();
-    let mut doubled = vec![false; strands.len()];
+    let is_beside = |strand: &Strand| {
+        let beside = strand.spots.iter().filter(|spot| spot.is_beside).count();
+        2 * beside > strand.spots.len()
+    };
+    let mut doubled: Vec<bool> = strands.iter().map(is_beside).collect();
     for same in sides.chunk_by(|a, b| a.0 == b.0) {
         let is_ring = same[0].0[0] == same[0].0[1];
         let plainest = same
@@ -129,7 +138,7 @@ fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
             .map(|&(_, i)| i)
             .max_by(|&a, &b| plainness(a).total_cmp(&plainness(b)));
         for &(_, i) in same {
-            doubled[i] = is_ring || plainest != Some(i);
+            doubled[i] |= is_ring || plainest != Some(i);
         }
     }
     doubled

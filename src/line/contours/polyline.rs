@@ -263,12 +263,15 @@ mod tests {
 
     #[test]
     fn steps_between_pixels_become_a_straight_line() {
-        for slope in [0.0, 0.07, 0.2, 0.37, 0.5, 0.81, 1.0] {
+        for slope in [0.0, 0.07, 0.2, 0.37, 0.5, 0.81, 0.97] {
             let across = |p: Vec2| (f64::from(p.y) - slope * f64::from(p.x)) / slope.hypot(1.0);
             let smooth = smoothed(&steps(slope, 200), false, SMOOTHING);
-            let worst = smooth.iter().map(|&p| across(p).abs()).fold(0.0, f64::max);
-            // The steps are half a pixel wide; a line of slope 0.07 has one in 14 pixels.
-            assert!(worst < 0.25, "slope {slope}: {worst}");
+            let worst = |part: &[Vec2]| part.iter().map(|&p| across(p).abs()).fold(0.0, f64::max);
+            // Middles of cracks lie up to half a pixel beside the line. A line of slope 0.07 has a step in 14
+            // pixels, one of slope 0.97 a longer one in 33: of the reach of 28 points something is left.
+            assert!(worst(&smooth) < 0.5, "slope {slope}: {}", worst(&smooth));
+            let inner = worst(&smooth[30..smooth.len() - 30]);
+            assert!(inner < 0.25, "slope {slope}: {inner}");
         }
     }
 

@@ -12,6 +12,8 @@ pub struct RoundStroke {
     /// Half the width at the start, and by how much it grows.
     radius: f32,
     growth: f32,
+    /// Half the width of a pixel as seen along the line.
+    half_pixel: f32,
 }
 
 impl RoundStroke {
@@ -25,12 +27,16 @@ impl RoundStroke {
             per_square: if square > 0.0 { 1.0 / square } else { 0.0 },
             radius: radii[0],
             growth: radii[1] - radii[0],
+            half_pixel: match along.try_normalize() {
+                Some(u) => 0.5 * (u.x.abs() + u.y.abs()),
+                None => 0.5,
+            },
         }
     }
 
     /// How far from the line it covers anything.
     fn reach(&self) -> f32 {
-        self.radius.max(self.radius + self.growth) + 0.5
+        self.radius.max(self.radius + self.growth) + self.half_pixel
     }
 
     /// The first and the last coordinate along y that it covers anything of.
@@ -64,15 +70,18 @@ impl RoundStroke {
         [range[0] - reach, range[1] + reach]
     }
 
-    /// The share of a pixel with its middle at `p` that it covers, as if the pixel were turned along the line.
+    /// The share of a pixel with its middle at `p` that it covers, as if the pixel were turned along the line, as
+    /// wide across it as it is.
     #[inline]
     fn coverage(&self, p: Vec2) -> f32 {
         let offset = p - self.from;
         let t = (offset.dot(self.along) * self.per_square).clamp(0.0, 1.0);
         let radius = self.radius + t * self.growth;
         let distance = (offset - t * self.along).length();
-        // What the stretch from -radius to radius and that from distance - 1/2 to distance + 1/2 share.
-        (radius.min(distance + 0.5) - (distance - 0.5).max(-radius)).max(0.0)
+        // What the stretch from -radius to radius and the pixel's around the distance share.
+        let half = self.half_pixel;
+        let shared = radius.min(distance + half) - (distance - half).max(-radius);
+        (shared / (2.0 * half)).clamp(0.0, 1.0)
     }
 
     /// Covers a row of pixels whose middles have the coordinate `y`: where it covers more than before, so that

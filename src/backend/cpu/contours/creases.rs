@@ -11,6 +11,9 @@ use crate::params::ContourParams;
 use glam::Vec2;
 use rayon::prelude::*;
 
+/// A crease that ends so many pixels from the border of the picture goes on beyond it.
+const RIM: usize = 2;
+
 /// How far beside a crease the middle of its weights lies.
 const MIDDLE_PX: f32 = 0.5;
 
@@ -63,6 +66,7 @@ pub(super) fn lines(
             } else {
                 0.0
             },
+            is_beside: false,
         }
     };
     let spots = |path: &Path| {
@@ -78,6 +82,7 @@ pub(super) fn lines(
         place,
         spots,
         SHORTEST_BRANCH,
+        RIM,
         |lines: &mut [Line]| smooth(lines, params, MIDDLE_PX),
     )
 }

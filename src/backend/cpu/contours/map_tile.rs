@@ -1,6 +1,7 @@
 //! What silhouettes are sought in, made where there may be any: the logarithm of depth, or an occlusion map.
 
 use crate::backend::cpu::simd::Simd;
+use crate::fast_math::ln;
 use crate::frame::{Frame, Plane};
 use crate::params::{ShapeParams, SoftThreshold};
 
@@ -33,6 +34,12 @@ impl<'a> Map<'a> {
             })
         };
         depth.or_else(occlusion)
+    }
+
+    /// The map at a pixel that is covered.
+    pub(super) fn at(&self, x: usize, y: usize) -> f32 {
+        let value = self.plane.at(x, y);
+        if self.is_depth { ln(value) } else { value }
     }
 }
 

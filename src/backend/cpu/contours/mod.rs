@@ -50,6 +50,7 @@ pub(super) fn contours(
         length_px: params.shortest_px,
         twig_px: 0.5 * params.shortest_px,
         strength: strength_of_jump(shape.silhouette.hi),
+        by_strength: false,
     };
     drop_short(&mut silhouettes, least);
     let ground = Ground::new(&silhouettes, frame, params);
@@ -62,6 +63,7 @@ pub(super) fn contours(
             length_px: CREASE_LENGTHS * params.shortest_px,
             twig_px: params.shortest_px,
             strength: PLAIN_CREASE,
+            by_strength: true,
         };
         drop_short(&mut creases, least);
         // Where a silhouette fades into a crease.
@@ -89,6 +91,9 @@ pub(super) fn contours(
     contours
 }
 
+/// How far inside the picture the end of a line may lie that goes on beyond it.
+const ROOM_PX: f32 = 3.0;
+
 /// Leads a line that ends at the border of the picture on beyond it, so far that its end is not seen.
 fn run_off(line: &mut Line, by_px: f32) {
     for end in (0..2).filter(|&end| !line.closed && line.ends[end] == End::Border) {
@@ -96,7 +101,7 @@ fn run_off(line: &mut Line, by_px: f32) {
         let index = end * (line.spots.len() - 1);
         let last = line.spots[index];
         let beyond = Spot {
-            at: last.at + (by_px + 1.0) * ahead,
+            at: last.at + (by_px + ROOM_PX) * ahead,
             ..last
         };
         line.spots.insert(index + end, beyond);
@@ -120,6 +125,8 @@ struct Least {
     twig_px: f32,
     /// Strength that a network has somewhere.
     strength: f32,
+    /// Whether a length counts by how plain the line is: a rough surface is full of blunt creases.
+    by_strength: bool,
 }
 
 /// Leaves out what is too short or nowhere plain: noise.
@@ -132,7 +139,9 @@ fn drop_short(lines: &mut Vec<Line>, least: Least) {
     let mut parts: BTreeMap<usize, (f32, f32)> = BTreeMap::new();
     for line in lines.iter() {
         let (length, strongest) = parts.entry(line.part).or_default();
-        *length += line.length();
+        let sum: f32 = line.spots.iter().map(|spot| spot.strength).sum();
+        let strength = sum / line.spots.len() as f32;
+        *length += line.length() * if least.by_strength { strength } else { 1.0 };
         *strongest = line
             .spots
             .iter()

@@ -52,11 +52,19 @@ pub(super) fn lines(
             |tile, band| finder.cracks(band, tile),
         )
         .collect();
-    let cracks: Vec<Crack> = cracks.into_iter().flatten().collect();
+    let mut cracks: Vec<Crack> = cracks.into_iter().flatten().collect();
     if cracks.is_empty() {
         return Vec::new();
     }
-    let lattice = Lattice::new(width, height, cracks.iter().map(|c| (c.corner, c.step)));
+    let lattice_of =
+        |cracks: &[Crack]| Lattice::new(width, height, cracks.iter().map(|c| (c.corner, c.step)));
+    let mut lattice = lattice_of(&cracks);
+    let risers = finder.risers(&lattice);
+    if !risers.is_empty() {
+        cracks.extend(risers);
+        cracks.sort_unstable_by_key(|c| (c.corner, c.step));
+        lattice = lattice_of(&cracks);
+    }
     let place = |corner: u32| {
         let [x, y] = lattice.place(corner);
         Vec2::new(x as f32, y as f32)
@@ -76,7 +84,7 @@ pub(super) fn lines(
         pairs.chain(closing).collect()
     };
     let smooth = |lines: &mut [Line]| smooth(lines, params, STEP_PX);
-    network::lines(&lattice, place, spots, SHORTEST_BRANCH, smooth)
+    network::lines(&lattice, place, spots, SHORTEST_BRANCH, 0, smooth)
 }
 
 struct Finder<'a> {
@@ -202,6 +210,7 @@ impl<'a> Finder<'a> {
                     at: crack.place(if first { offset } else { -offset }),
                     strength: 1.0,
                     log_depth: self.log_depth(beyond(0)),
+                    is_beside: false,
                 })
             }
         }
@@ -216,13 +225,84 @@ impl<'a> Finder<'a> {
         border_offset([at(-1), at(0), at(1), at(2)])
     }
 
+    /// Cracks that lead from an end of a line to the end beside it: where a filter spread an edge that runs
+    /// almost along rows, or columns, the steps between them are too gentle to be told from slopes.
+    fn risers(&self, lattice: &Lattice) -> Vec<Crack> {
+        let ends = lattice
+            .linked()
+            .iter()
+            .copied()
+            .filter(|&corner| lattice.degree(corner) == 1);
+        let pairs = ends.flat_map(|corner| [RIGHT, DOWN].map(|step| (corner, step)));
+        let beside = |(corner, step): &(u32, usize)| {
+            let to = lattice.neighbour(*corner, *step);
+            to.is_some_and(|to| lattice.degree(to) == 1)
+        };
+        pairs
+            .filter(beside)
+            .filter_map(|(corner, step)| {
+                let [x, y] = lattice.place(corner).map(|v| v as i64);
+                let crack = match step {
+                    RIGHT => Across {
+                        pixel: [x, y - 1],
+                        axis: [0, 1],
+                    },
+                    _ => Across {
+                        pixel: [x - 1, y],
+                        axis: [1, 0],
+                    },
+                };
+                let spot = self.riser(&crack)?;
+                Some(Crack { corner, step, spot })
+            })
+            .collect()
+    }
+
+    /// The spot of a crack across which depth steps by enough once mixtures are parted.
+    fn riser(&self, crack: &Across) -> Option<Spot> {
+        let map = self.map.as_ref()?;
+        let value = |pixel: Pixel| {
+            let [x, y] = self.inside(pixel)?;
+            self.frame
+                .mask
+                .at(x, y)
+                .then(|| map.at(x, y))
+                .filter(|value| value.is_finite())
+        };
+        let sharp = |[x, y]: Pixel| {
+            let around = (0..9).filter_map(|j| value([x + j % 3 - 1, y + j / 3 - 1]));
+            Some(sharpened(value([x, y])?, around))
+        };
+        let pixels = [crack.pixel(0), crack.pixel(1)];
+        let sharp = [sharp(pixels[0])?, sharp(pixels[1])?];
+        let jump = (sharp[1] - sharp[0]).abs();
+        let raw = [value(pixels[0])?, value(pixels[1])?];
+        (jump > map.threshold.lo)
+            .then(|| self.jump_spot(crack, map, jump, spread_offset(raw, sharp)))
+    }
+
+    fn jump_spot(&self, crack: &Across, map: &Map, jump: f32, offset: f32) -> Spot {
+        Spot {
+            at: crack.place(offset),
+            strength: if map.is_depth {
+                strength_of_jump(jump)
+            } else {
+                jump.min(1.0)
+            },
+            log_depth: self
+                .log_depth(crack.pixel(0))
+                .min(self.log_depth(crack.pixel(1))),
+            is_beside: self.is_beside_border(crack),
+        }
+    }
+
     /// The silhouette between two covered pixels.
     fn jump(&self, crack: &Across, tile: &MapTile) -> Option<Spot> {
         let map = self.map.as_ref()?;
         let samples = [-2, -1, 0, 1, 2, 3].map(|i| tile.value(crack.pixel(i)));
         let least = map.threshold.lo;
         let mut jump = unexplained_jump(&samples);
-        if jump <= least || self.is_beside_border(crack) {
+        if jump <= least {
             return None;
         }
         let raw = [samples[2]?, samples[3]?];
@@ -238,17 +318,7 @@ impl<'a> Finder<'a> {
         if map.is_depth {
             jump = jump.min(self.unexplained_by_normals(crack, step));
         }
-        (jump > least).then(|| Spot {
-            at: crack.place(spread_offset(raw, sharp)),
-            strength: if map.is_depth {
-                strength_of_jump(jump)
-            } else {
-                jump.min(1.0)
-            },
-            log_depth: self
-                .log_depth(crack.pixel(0))
-                .min(self.log_depth(crack.pixel(1))),
-        })
+        (jump > least).then(|| self.jump_spot(crack, map, jump, spread_offset(raw, sharp)))
     }
 
     /// Whether the border of coverage runs so close that its own line is enough.
