@@ -65,7 +65,7 @@ impl Default for Pixels {
 
 impl Pixels {
     /// Asks one of `families` families of strokes for its share: all of the tone of one, and of a second,
-    /// laid across it, what is darker than [`CROSSED_FROM`].
+    /// laid across it, half of what is darker than a third of the ink.
     #[inline(always)]
     pub fn share(&mut self, family: usize, families: usize) {
         let wanted = &self.wanted[..self.count];
