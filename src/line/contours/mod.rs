@@ -207,7 +207,7 @@ mod tests {
             (params.width_px, params.width_px)
         );
         // Half way along the taper, half way from the tip's share to all.
-        let half = 0.5 * params.taper_px as f32;
+        let half = 0.5 * params.taper_px;
         let expected = params.width_px * (TIP + 0.5 * (1.0 - TIP));
         assert!((widths[half as usize] - expected).abs() < 1e-5);
     }
