@@ -123,7 +123,7 @@ fn option_rows() -> Vec<(String, String)> {
 #[test]
 fn the_defaults_are_those_of_the_program() {
     // An option that several commands have means the same in all: params hold its default once.
-    let helps = ["enhance", "relight"].map(help_of);
+    let helps = ["enhance", "relight", "hatch"].map(help_of);
     let rows = option_rows();
     for (option, default) in &rows {
         let expected = format!("[default: {default}]");

@@ -4,6 +4,7 @@ use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
 use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
+use super::sequence::SequenceArgs;
 use crate::error::Error;
 use crate::io::picture::ViewTransform;
 use crate::params::{
@@ -81,13 +82,15 @@ Examples:
   relievo hatch render.exr -o drawing.png
   relievo hatch render.exr -o pencil.png --style pencil --directions both
   relievo hatch render.exr --light 135,30 --method warp -o raking.png
-  relievo hatch photo.jpg --normal normals.png -o print.png --stroke-scale 0.3mm --dpi 600";
+  relievo hatch photo.jpg --normal normals.png -o print.png --stroke-scale 0.3mm --dpi 600
+  relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
   relievo report render.exr -o report               report/report.md, report.json and plots
   relievo report render.exr -o report --scale 8     about this scale before others
-  relievo report render.exr -o report --quick       a few seconds, fewer settings";
+  relievo report render.exr -o report --quick       a few seconds, fewer settings
+  relievo report shot.####.exr --frames 1-12 -o report        drawings of a sequence too";
 
 #[derive(Debug, Args)]
 pub(super) struct InspectArgs {
@@ -108,7 +111,7 @@ pub(super) struct InspectArgs {
 }
 
 /// What `shape` and `enhance` share.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct WorkArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
@@ -145,6 +148,8 @@ pub(super) struct ReportArgs {
     pub(super) roles: RoleArgs,
     #[command(flatten)]
     pub(super) shape: ShapeFlags,
+    #[command(flatten)]
+    pub(super) sequence: SequenceArgs,
     /// Directory for report.md, report.json and plots; made where there is none, older ones replaced.
     #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
     pub(super) output: PathBuf,
@@ -160,7 +165,7 @@ pub(super) struct ReportArgs {
 }
 
 /// How shape is found.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Shape")]
 pub(super) struct ShapeFlags {
     /// Size of the features to find, as diffusion steps: more show larger ones only.
@@ -350,7 +355,7 @@ impl ScalingFlags {
 }
 
 /// Where results go.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct OutputArgs {
     /// File to write: .exr .png .jpg .tif .hdr.
@@ -398,7 +403,7 @@ impl From<TransformArg> for ViewTransform {
 }
 
 /// How the work is run and told about.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub(super) struct RunArgs {
     /// Threads; all cores where not given.

@@ -1,84 +1,212 @@
 //! `relievo hatch`.
 
+use super::args::WorkArgs;
 use super::job::{Done, Job, refuse_inputs};
 use super::line_args::{HatchArgs, ToneArg};
 use super::output::{Kind, color_channels, color_layer};
 use super::relight::{illumination, needs};
-use crate::backend::cpu::{DrawingInputs, Runner};
+use super::sequence::{Steps, numbered};
+use crate::backend::cpu::{
+    Drawing, DrawingInputs, Outcome, Runner, SequenceInputs, TextureCoordinates,
+};
 use crate::compose::on_paper;
 use crate::error::{Error, Result};
-use crate::io;
+use crate::frame::Frame;
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::{LightInputs, LobeChoice};
 use crate::io::picture::Picture;
-use crate::light::lights::{DirectionalLight, direction_of};
+use crate::io::sequence::path_of_frame;
+use crate::io::{self, Loaded};
+use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::{StrokeParams, StrokeScale};
+use crate::params::{
+    Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
+};
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The light of a drawing that has no other: from the upper left.
 const LAMP: [f32; 2] = [135.0, 40.0];
 
 pub(super) fn run(args: &HatchArgs) -> Result<()> {
-    let relight = &args.relight;
-    let work = &relight.work;
-    let files: Vec<_> = relight.files().collect();
-    refuse_inputs(work, files.iter().map(PathBuf::as_path))?;
-    let job = Job::new(work)?;
-    work.shape.refuse_more_scales()?;
-    let (shape, light, line) = (work.shape.params(), relight.params(), args.params());
-    let scaling = relight.scaling.params(work.shape.curvature_gain);
-    shape.validate()?;
-    scaling.validate()?;
-    light.validate()?;
-    line.validate()?;
-
-    let art_map = args.pictures().map(|path| own_map(path, &line.strokes));
-    let art_map = art_map.transpose()?;
-    let mut illumination = illumination(&relight.light)?;
-    let mut inputs = work.roles.inputs(&work.input);
-    inputs.albedo.clone_from(&relight.material.albedo);
-    inputs.light = Some(LightInputs {
-        lobes: LobeChoice::Off,
-        occlusion: relight.dims_by_occlusion(),
-        ..LightInputs::default()
-    });
-    let mut needs = needs(&light, shape.foreshortening, &illumination);
-    needs.projection = true;
-    needs.color |= matches!(args.tone.tone, ToneArg::Enhance | ToneArg::Picture);
-    let (loaded, read) = job.load(&inputs, needs)?;
-    let available = Available::in_frame(&loaded.frame);
-    let is_lit = LightKinds::in_light(&illumination) != LightKinds::default();
-    let relit = match args.tone.tone {
-        ToneArg::Relight => true,
-        ToneArg::Auto => is_lit || !available.color,
-        ToneArg::Enhance | ToneArg::Picture => false,
-    };
-    if relit && !is_lit {
-        illumination.directional.push(lamp());
+    let work = &args.relight.work;
+    let output = &work.output.output;
+    let frames = args.sequence.frames(&work.input, Some(output))?;
+    match frames {
+        None => {
+            let job = Job::new(work)?;
+            Hatcher::new(args)?.hatch(&job, work, None)
+        }
+        Some(frames) => {
+            refuse_one_file(work)?;
+            // What can be refused is refused before any work is done.
+            Job::new(&work.of_frame(frames[0]))?;
+            let mut hatcher = Hatcher::new(args)?;
+            frames.iter().try_for_each(|&frame| {
+                let work = work.of_frame(frame);
+                hatcher.hatch(&Job::new(&work)?, &work, Some(frame))
+            })
+        }
     }
-    let tone = match args.tone.tone {
-        _ if relit => ToneFrom::Relit(light, LightKinds::in_light(&illumination)),
-        ToneArg::Picture => ToneFrom::Picture,
-        _ => ToneFrom::Enhanced,
-    };
-    let plan = Plan::hatch(available, shape, scaling, tone, line)?;
-    job.tell_plan(&plan)?;
-    let inputs = DrawingInputs {
-        illumination: Some(&illumination),
-        art_map: art_map.as_ref(),
-    };
-    let outcome = Runner::default().draw(&plan, &loaded.frame, inputs);
-    write(
-        args,
-        &job,
-        &Done {
+}
+
+/// Timings of every frame need a name of their own.
+fn refuse_one_file(work: &WorkArgs) -> Result<()> {
+    match &work.run.timings {
+        Some(path) if path_of_frame(path, 0).is_none() => Err(Error::BadParameter {
+            name: "--timings",
+            found: format!("{} is one file for all frames", path.display()),
+            remedy: "put #### where their numbers go".into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Draws frames one after another.
+struct Hatcher<'a> {
+    args: &'a HatchArgs,
+    art_map: Option<TonalArtMap>,
+    illumination: Illumination,
+    runner: Runner,
+    looks: Looks,
+    steps: Steps,
+    /// Where the texture of strokes lay in the frame before.
+    coordinates: Option<TextureCoordinates>,
+}
+
+/// What frames of a sequence have in common.
+struct Looks {
+    shape: ShapeParams,
+    scaling: ScalingParams,
+    light: RelightParams,
+    line: LineParams,
+}
+
+impl Looks {
+    /// What was chosen from one frame is kept for those that follow: else their tone would flicker.
+    fn keep(&mut self, outcome: &Outcome, drawing: &Drawing) {
+        let kept = |chosen: &mut Adaptive, used: Option<f32>| {
+            if let Some(used) = used {
+                *chosen = Adaptive::Fixed(used);
+            }
+        };
+        kept(&mut self.scaling.curvature_gain, outcome.gain);
+        kept(&mut self.scaling.white_level, outcome.white_level);
+        kept(&mut self.light.environment_gain, outcome.environment_gain);
+        kept(&mut self.line.tone.white_point, Some(drawing.white_point));
+    }
+}
+
+impl<'a> Hatcher<'a> {
+    fn new(args: &'a HatchArgs) -> Result<Self> {
+        let relight = &args.relight;
+        let work = &relight.work;
+        let files: Vec<_> = relight.files().collect();
+        refuse_inputs(work, files.iter().map(PathBuf::as_path))?;
+        work.shape.refuse_more_scales()?;
+        let looks = Looks {
+            shape: work.shape.params(),
+            scaling: relight.scaling.params(work.shape.curvature_gain),
+            light: relight.params(),
+            line: args.params(),
+        };
+        looks.shape.validate()?;
+        looks.scaling.validate()?;
+        looks.light.validate()?;
+        looks.line.validate()?;
+        let art_map = args
+            .pictures()
+            .map(|path| own_map(path, &looks.line.strokes));
+        Ok(Self {
+            args,
+            art_map: art_map.transpose()?,
+            illumination: illumination(&relight.light)?,
+            runner: Runner::default(),
+            looks,
+            steps: Steps::default(),
+            coordinates: None,
+        })
+    }
+
+    /// Draws one picture: that of `work`, a frame of a sequence where it has a number.
+    fn hatch(&mut self, job: &Job, work: &WorkArgs, frame: Option<u32>) -> Result<()> {
+        let moving = frame.filter(|_| self.args.sequence.moves());
+        let (mut loaded, read) = self.load(job, work, frame)?;
+        let motion =
+            moving.and_then(|number| self.steps.motion(number, &mut loaded, work.run.quiet));
+        let plan = self.plan(&loaded.frame, moving.is_some())?;
+        job.tell_plan(&plan)?;
+        let inputs = DrawingInputs {
+            illumination: Some(&self.illumination),
+            art_map: self.art_map.as_ref(),
+            sequence: moving.map(|_| SequenceInputs {
+                before: self.coordinates.as_ref(),
+                motion: motion.as_ref(),
+            }),
+        };
+        let outcome = self.runner.draw(&plan, &loaded.frame, inputs);
+        let mut done = Done {
             loaded,
             outcome,
             read,
-        },
-    )
+        };
+        write(work, job, &done)?;
+        let mut drawing = done.outcome.drawing.take().expect("a drawing was planned");
+        if frame.is_some() {
+            self.looks.keep(&done.outcome, &drawing);
+        }
+        self.coordinates = drawing.coordinates.take();
+        self.runner.take_back(done.outcome);
+        Ok(())
+    }
+
+    fn load(&self, job: &Job, work: &WorkArgs, frame: Option<u32>) -> Result<(Loaded, Duration)> {
+        let relight = &self.args.relight;
+        let mut inputs = work.roles.inputs(&work.input);
+        inputs.albedo.clone_from(&relight.material.albedo);
+        if let (Some(albedo), Some(frame)) = (&mut inputs.albedo, frame) {
+            *albedo = numbered(albedo, frame);
+        }
+        inputs.light = Some(LightInputs {
+            lobes: LobeChoice::Off,
+            occlusion: relight.dims_by_occlusion(),
+            ..LightInputs::default()
+        });
+        let Looks { shape, light, .. } = &self.looks;
+        let mut needs = needs(light, shape.foreshortening, &self.illumination);
+        needs.projection = true;
+        needs.color |= matches!(self.args.tone.tone, ToneArg::Enhance | ToneArg::Picture);
+        if let Some(frame) = frame.filter(|_| self.steps.has_begun()) {
+            needs.motion = true;
+            inputs.motion = self.args.sequence.motion_of(frame);
+        }
+        job.load(&inputs, needs)
+    }
+
+    fn plan(&mut self, frame: &Frame, moving: bool) -> Result<Plan> {
+        let available = Available {
+            moving,
+            ..Available::in_frame(frame)
+        };
+        let is_lit = LightKinds::in_light(&self.illumination) != LightKinds::default();
+        let relit = match self.args.tone.tone {
+            ToneArg::Relight => true,
+            ToneArg::Auto => is_lit || !available.color,
+            ToneArg::Enhance | ToneArg::Picture => false,
+        };
+        if relit && !is_lit {
+            self.illumination.directional.push(lamp());
+        }
+        let looks = &self.looks;
+        let kinds = LightKinds::in_light(&self.illumination);
+        let tone = match self.args.tone.tone {
+            _ if relit => ToneFrom::Relit(looks.light, kinds),
+            ToneArg::Picture => ToneFrom::Picture,
+            _ => ToneFrom::Enhanced,
+        };
+        Plan::hatch(available, looks.shape, looks.scaling, tone, looks.line)
+    }
 }
 
 /// The texture of strokes in a folder of pictures.
@@ -105,8 +233,8 @@ fn lamp() -> DirectionalLight {
     }
 }
 
-fn write(args: &HatchArgs, job: &Job, done: &Done) -> Result<()> {
-    let output = &args.relight.work.output;
+fn write(work: &WorkArgs, job: &Job, done: &Done) -> Result<()> {
+    let output = &work.output;
     let drawing = done
         .outcome
         .drawing

@@ -17,6 +17,7 @@ const EVERYTHING: Needs = Needs {
     color_if_any: false,
     albedo: false,
     projection: true,
+    motion: false,
 };
 
 /// What is known of one file; the JSON form of `inspect`, documented in the README.

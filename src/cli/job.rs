@@ -168,7 +168,9 @@ impl<'a> Job<'a> {
             let environment = outcome
                 .environment_gain
                 .map(|gain| format!("environment gain {gain:.4}, "));
-            let chosen = gain.into_iter().chain(white).chain(whites);
+            let drawing = outcome.drawing.as_ref();
+            let paper = drawing.map(|drawing| format!("white point {:.4}, ", drawing.white_point));
+            let chosen = gain.into_iter().chain(white).chain(paper).chain(whites);
             let chosen: String = chosen.chain(environment).collect();
             let path = self.args.output.output.display();
             message::say(&format!("{path}: {chosen}{:.2} s", total.as_secs_f64()));

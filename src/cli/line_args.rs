@@ -1,6 +1,7 @@
 //! The names of `hatch`. Every default is read from `params`.
 
 use super::relight_args::{RelightArgs, mirrored};
+use super::sequence::SequenceArgs;
 use crate::params::{
     Adaptive, ContourParams, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneParams,
@@ -23,6 +24,8 @@ pub(super) struct HatchArgs {
     strokes: StrokeFlags,
     #[command(flatten)]
     contours: ContourFlags,
+    #[command(flatten)]
+    pub(super) sequence: SequenceArgs,
 }
 
 /// What becomes light and dark.
@@ -122,7 +125,7 @@ struct ContourFlags {
     /// Lines along silhouettes and creases, over the strokes.
     #[arg(long, value_name = "on|off", value_enum, default_value_t = ContoursArg::On)]
     contours: ContoursArg,
-    /// Width of the line around the nearest thing, in pixels.
+    /// Width of the line around the nearest thing, in pixels at scale 1.
     #[arg(long, value_name = "PX", default_value_t = CONTOURS.width_px, allow_negative_numbers = true)]
     contour_width: f32,
     /// Width of creases as a share of that; 0 draws none.

@@ -13,6 +13,7 @@ mod relight;
 mod relight_args;
 mod report;
 mod role_args;
+mod sequence;
 mod shape;
 
 use args::{Cli, Command};

@@ -78,6 +78,7 @@ pub(super) fn needs(
         color_if_any: true,
         albedo: !own_color && illumination.lit_spheres.is_empty(),
         projection: foreshortening != 0.0 || near || !diffuse,
+        motion: false,
     }
 }
 

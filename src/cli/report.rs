@@ -2,9 +2,13 @@
 
 use super::args::ReportArgs;
 use super::message;
+use super::sequence::{Steps, inputs_of_frame};
 use crate::error::{Error, Result};
+use crate::io::inputs::Inputs;
 use crate::io::output::{refuse_overwriting_input, write_atomically};
 use crate::io::{self, Loaded, Needs};
+use crate::params::ShapeParams;
+use crate::report::coherence::{self, MovingFrame};
 use crate::report::{Extent, Report, advice, markdown, plots, run as measure};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -22,7 +26,12 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
             .build_global();
     }
     refuse_collisions(args)?;
-    let loaded = load(args)?;
+    let frames = args.sequence.frames(&args.input, None)?;
+    let first = match frames {
+        Some(frames) => inputs_of_frame(&args.roles, &args.input, frames[0]),
+        None => args.roles.inputs(&args.input),
+    };
+    let loaded = load(args, &first)?;
     if loaded.frame.importance.is_some() {
         return Err(Error::BadParameter {
             name: "--importance",
@@ -37,8 +46,8 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
     } else {
         Extent::Full
     };
-    let name = args.input.file_name().map_or_else(
-        || args.input.display().to_string(),
+    let name = first.picture.file_name().map_or_else(
+        || first.picture.display().to_string(),
         |n| n.to_string_lossy().into(),
     );
     let progress = |doing: &str| {
@@ -49,25 +58,57 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
             ));
         }
     };
-    let report = measure(&name, &loaded.frame, shape, extent, &progress)?;
+    let mut report = measure(&name, &loaded.frame, shape, extent, &progress)?;
+    if let Some(frames) = frames {
+        progress("drawings of the sequence");
+        report.coherence = coherence(args, frames, shape)?;
+    }
     for (file, text) in files(&report) {
         write_text(&args.output.join(file), &text)?;
     }
     message::result(&summary(&report, &args.output))
 }
 
-fn load(args: &ReportArgs) -> Result<Loaded> {
+fn load(args: &ReportArgs, inputs: &Inputs) -> Result<Loaded> {
     // Foreshortened gradients are part of the report whatever was asked for.
     let needs = Needs {
         color: false,
         projection: true,
         ..Needs::default()
     };
-    let loaded = io::load(&args.roles.inputs(&args.input), needs)?;
+    let loaded = io::load(inputs, needs)?;
     for warning in &loaded.warnings {
-        message::warning(args.quiet, &format!("{}: {warning}", args.input.display()));
+        let picture = inputs.picture.display();
+        message::warning(args.quiet, &format!("{picture}: {warning}"));
     }
     Ok(loaded)
+}
+
+/// How well drawings of the frames follow each other.
+fn coherence(
+    args: &ReportArgs,
+    frames: &[u32],
+    shape: ShapeParams,
+) -> Result<Option<coherence::Coherence>> {
+    let mut steps = Steps::default();
+    let moving = frames.iter().map(|&number| {
+        let mut inputs = inputs_of_frame(&args.roles, &args.input, number);
+        let needs = Needs {
+            color_if_any: true,
+            projection: true,
+            motion: steps.has_begun(),
+            ..Needs::default()
+        };
+        inputs.motion = args.sequence.motion_of(number).filter(|_| needs.motion);
+        let mut loaded = io::load(&inputs, needs)?;
+        let motion = steps.motion(number, &mut loaded, args.quiet);
+        Ok(MovingFrame {
+            number,
+            motion: motion.filter(|_| args.sequence.moves()),
+            frame: loaded.frame,
+        })
+    });
+    coherence::measure(moving, shape)
 }
 
 /// No file may stand where the directory goes, no input where a file of the report does. Plots are never
@@ -120,6 +161,10 @@ fn files(report: &Report) -> Vec<(String, String)> {
         files.push((samples, plots::error_against_lights(subject)));
         files.push((equations, plots::both_equations(subject)));
     }
+    files.extend(report.coherence.as_ref().map(|coherence| {
+        let plot = plots::difference_by_frame(coherence);
+        (markdown::COHERENCE_PLOT.into(), plot)
+    }));
     files.push((NUMBERS.into(), json(report)));
     files.push((PAGE.into(), markdown::page(report)));
     files

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// Which layers and files play which role.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Inputs")]
 pub(super) struct RoleArgs {
     /// Normals: a layer of IN or a file.
@@ -74,6 +74,7 @@ impl RoleArgs {
             occlusion: self.occlusion.clone(),
             albedo: None,
             importance: self.importance.clone(),
+            motion: None,
             mask: self.mask.clone(),
             camera: self.camera.clone(),
             normal_space: match self.normal_space {
@@ -88,6 +89,27 @@ impl RoleArgs {
             },
             normal_flip: self.normal_flip,
             light: None,
+        }
+    }
+
+    /// Gives every layer and file the name that `name` makes of its own.
+    pub(super) fn rename(&mut self, name: impl Fn(&str) -> String) {
+        let named = [
+            &mut self.normal,
+            &mut self.depth,
+            &mut self.position,
+            &mut self.color,
+            &mut self.occlusion,
+            &mut self.importance,
+            &mut self.mask,
+        ];
+        for own in named.into_iter().flatten() {
+            *own = name(own);
+        }
+        if let Some(camera) = &mut self.camera
+            && let Some(own) = camera.to_str()
+        {
+            *camera = name(own).into();
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod light_layers;
 mod mask;
+mod motion;
 mod plane;
 mod sight;
 mod space;
@@ -9,6 +10,7 @@ mod window;
 
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayers};
 pub use mask::Mask;
+pub use motion::{AWAY, static_world_motion};
 pub use plane::{
     ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };

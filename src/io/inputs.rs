@@ -26,6 +26,9 @@ pub struct Inputs {
     pub albedo: Option<String>,
     /// Importance; read only where it is named here.
     pub importance: Option<String>,
+    /// Motion since the frame before, in pixels, y up, as previous minus current; read only where
+    /// [`super::Needs`] ask for it.
+    pub motion: Option<String>,
     /// Coverage: a surface was seen where it is above one half.
     pub mask: Option<String>,
     /// A camera file.

@@ -10,7 +10,9 @@ use super::roles::Role;
 use super::sources::{Opened, RolePlanes, RoleSource, read_all};
 use super::view::{Surface, View, turn_to_view};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, Source, Vector3Planes, Window};
+use crate::frame::{
+    AWAY, ColorPlanes, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
+};
 use serde::Serialize;
 use std::rc::Rc;
 
@@ -39,12 +41,17 @@ pub struct Needs {
     /// How view space falls onto the picture: only a foreshortened gradient asks. A camera that is
     /// needed for nothing else is then not looked for.
     pub projection: bool,
+    /// Motion since the frame before, where there is any.
+    pub motion: bool,
 }
 
 /// A frame with all that was concluded on the way.
 pub struct Loaded {
     /// The frame, in view space.
     pub frame: Frame,
+    /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up;
+    /// [`AWAY`] where the file has no finite number.
+    pub motion: Option<Vector2Planes>,
     /// What was concluded.
     pub findings: Vec<Finding>,
     /// What the user should know.
@@ -159,11 +166,13 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
             ..origin(&main)
         },
     };
+    let motion = planes.motion();
     let (depth_kind, finding) = judge_depth(&frame, depth_is_half);
     frame.source.depth_kind = depth_kind;
     notes.findings.extend(finding);
     Ok(Loaded {
         frame,
+        motion,
         findings: notes.findings,
         warnings: notes.warnings,
         photo_bits: photo_bits(&main),
@@ -222,6 +231,9 @@ impl Sources {
             roles.extend(albedo.map_or_else(by_name, |albedo| Ok(Some(albedo)))?);
         }
         roles.extend(find(Role::Mask, &inputs.mask)?);
+        if needs.motion {
+            roles.extend(find(Role::Motion, &inputs.motion)?);
+        }
         if inputs.importance.is_some() {
             roles.extend(find(Role::Importance, &inputs.importance)?);
         }
@@ -290,6 +302,19 @@ impl Planes {
 
     fn scalar(&mut self, role: Role) -> Option<Plane> {
         self.take(role).map(|read| grey(read.planes))
+    }
+
+    /// From previous minus current, as files have it, to how far the surface has come.
+    fn motion(&mut self) -> Option<Vector2Planes> {
+        let planes = self.take(Role::Motion)?.planes;
+        let come = |plane: &Plane| plane.map(|back| if back.is_finite() { -back } else { AWAY });
+        // A file named for motion may hold a picture of one channel: no way along the other axis.
+        let x = come(&planes[0]);
+        let y = match planes.get(1) {
+            Some(plane) => come(plane),
+            None => x.map(|_| 0.0),
+        };
+        Some(Vector2Planes { x, y })
     }
 
     fn color(&mut self, role: Role, notes: &mut Notes) -> (Option<ColorPlanes>, Option<Plane>) {

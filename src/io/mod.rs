@@ -17,6 +17,7 @@ pub mod photo;
 pub mod picture;
 mod recombination;
 pub mod roles;
+pub mod sequence;
 mod sources;
 pub mod srgb;
 mod survey;

@@ -62,6 +62,8 @@ pub enum Role {
 enum Arity {
     /// One.
     Scalar,
+    /// Two: x, y.
+    Pair,
     /// Three: x, y, z.
     Vector,
     /// Three: red, green, blue; or one grey.
@@ -189,11 +191,7 @@ const RULES: &[Rule] = &[
         &["environment", "env", "background"],
     ),
     (Role::Shadow, Arity::Color, &["shadow"]),
-    (
-        Role::Motion,
-        Arity::Vector,
-        &["vector", "motion", "forward"],
-    ),
+    (Role::Motion, Arity::Pair, &["vector", "motion", "backward"]),
     (Role::Mist, Arity::Scalar, &["mist"]),
     (Role::TextureCoordinates, Arity::Vector, &["uv", "st"]),
     (
@@ -251,7 +249,7 @@ pub struct Match {
     pub layer: String,
     /// The part the channels are in.
     pub part: usize,
-    /// One channel index for a scalar or grey layer, else three.
+    /// One channel index for a scalar or grey layer, two for motion, else three.
     pub channels: Vec<usize>,
     /// The channel that holds the coverage of the layer.
     pub alpha: Option<usize>,
@@ -326,12 +324,18 @@ impl Layer {
                 .find(|(c, _)| c == name)
                 .map(|&(_, channel)| channel)
         };
-        let all = |names: [&str; 3]| names.into_iter().map(component).collect::<Option<Vec<_>>>();
+        let all = |names: &[&str]| {
+            let found = names.iter().map(|name| component(name));
+            found.collect::<Option<Vec<_>>>()
+        };
         let one = |names: &[&str]| names.iter().find_map(|n| component(n)).map(|c| vec![c]);
         let alone = || (self.components.len() == 1).then(|| vec![self.components[0].1]);
         let channels = match role.arity() {
-            Arity::Vector => all(["x", "y", "z"]).or_else(|| all(["r", "g", "b"])),
-            Arity::Color => all(["r", "g", "b"]).or_else(|| one(&["y"])).or_else(alone),
+            Arity::Vector => all(&["x", "y", "z"]).or_else(|| all(&["r", "g", "b"])),
+            Arity::Pair => [["x", "y"], ["u", "v"], ["r", "g"]]
+                .iter()
+                .find_map(|pair| all(pair)),
+            Arity::Color => all(&["r", "g", "b"]).or_else(|| one(&["y"])).or_else(alone),
             Arity::Scalar => one(&["z", "v", "t", "", "r"]).or_else(alone),
         }?;
         let alpha = component("a").filter(|a| !channels.contains(a));
@@ -544,6 +548,34 @@ mod tests {
         );
         assert_eq!(find(&layers, Role::Normal).unwrap().part, 1);
         assert_eq!(find(&layers, Role::Depth), None);
+    }
+
+    #[test]
+    fn motion_is_a_pair() {
+        // Blender 3.4 and 5.0: XY lead back to the frame before, ZW on to the next.
+        let whole = single_part(&[
+            "ViewLayer.Normal.X",
+            "ViewLayer.Normal.Y",
+            "ViewLayer.Normal.Z",
+            "ViewLayer.Vector.W",
+            "ViewLayer.Vector.X",
+            "ViewLayer.Vector.Y",
+            "ViewLayer.Vector.Z",
+        ]);
+        assert_eq!(find(&whole, Role::Motion).unwrap().channels, [4, 5]);
+        let half = single_part(&["ViewLayer.Vector.X", "ViewLayer.Vector.Y"]);
+        assert_eq!(find(&half, Role::Motion).unwrap().channels, [0, 1]);
+        let part = layers([(Some("Motion"), vec!["R", "G", "B"])].into_iter());
+        assert_eq!(find(&part, Role::Motion).unwrap().channels, [0, 1]);
+        let backward = single_part(&["backward.u", "backward.v", "forward.u", "forward.v"]);
+        assert_eq!(find(&backward, Role::Motion).unwrap().channels, [0, 1]);
+        // What leads to the next frame only is no way back.
+        let forward = single_part(&["forward.u", "forward.v"]);
+        assert_eq!(find(&forward, Role::Motion), None);
+        assert_eq!(
+            named(&forward, "forward", Role::Motion).unwrap().channels,
+            [0, 1]
+        );
     }
 
     #[test]

@@ -140,15 +140,17 @@ const AGREE: Range<f32> = 0.2..0.8;
 pub fn sums_along<const N: usize>(
     chain: &[([f32; N], f32)],
     sums: &mut [([f32; N], f32)],
-    scratch: &mut Vec<[[f64; N]; 2]>,
+    scratch: &mut Vec<[[f64; 2]; N]>,
 ) {
+    // Of all before a place: their sum, and that of each times its place.
     scratch.clear();
-    scratch.push([[0.0; N]; 2]);
-    let mut so_far = [[0.0; N]; 2];
+    scratch.push([[0.0; 2]; N]);
+    let mut so_far = [[0.0; 2]; N];
     for (i, (value, _)) in chain.iter().enumerate() {
         for c in 0..N {
-            so_far[0][c] += f64::from(value[c]);
-            so_far[1][c] += i as f64 * f64::from(value[c]);
+            let value = f64::from(value[c]);
+            so_far[c][0] += value;
+            so_far[c][1] += i as f64 * value;
         }
         scratch.push(so_far);
     }
@@ -158,22 +160,18 @@ pub fn sums_along<const N: usize>(
         let slope = reach.recip();
         // The last place whose weight is above 0.
         let whole = reach as usize;
-        let far = if whole as f64 == reach {
-            whole.saturating_sub(1)
-        } else {
-            whole
-        };
+        let far = whole - usize::from(whole > 0 && whole as f64 == reach);
         let (back, ahead) = (far.min(i), far.min(last - i));
         let weights = |n: usize| n as f64 - 0.5 * slope * (n * (n + 1)) as f64;
         let [before, here, after, end] =
             [i - back, i, i + 1, i + 1 + ahead].map(|place| &scratch[place]);
         let tilt = slope * i as f64;
+        let (rising, falling) = ([1.0 - tilt, slope], [1.0 + tilt, -slope]);
         for c in 0..N {
-            let behind = [0, 1].map(|k| here[k][c] - before[k][c]);
-            let beyond = [0, 1].map(|k| end[k][c] - after[k][c]);
-            let back = (1.0 - tilt) * behind[0] + slope * behind[1];
-            let ahead = (1.0 + tilt) * beyond[0] - slope * beyond[1];
-            sum.0[c] = (f64::from(value[c]) + back + ahead) as f32;
+            let part = |k: usize| {
+                rising[k] * (here[c][k] - before[c][k]) + falling[k] * (end[c][k] - after[c][k])
+            };
+            sum.0[c] = (f64::from(value[c]) + (part(0) + part(1))) as f32;
         }
         sum.1 = (1.0 + weights(back) + weights(ahead)) as f32;
     }

@@ -23,7 +23,7 @@ impl SliceTexture {
             plane
                 .samples()
                 .iter()
-                .map(|v| v.max(0.0).min(1.0))
+                .map(|&v| if v > 0.0 { v.min(1.0) } else { 0.0 })
                 .collect()
         };
         let mut slices: Vec<Vec<f32>> = pictures.iter().map(ink).collect();

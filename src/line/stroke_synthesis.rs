@@ -196,7 +196,7 @@ impl Painter<'_> {
 }
 
 /// How much earlier or later than its lane a stroke may come, as a share of all lanes.
-const ORDER_JITTER: f32 = 0.25;
+const ORDER_JITTER: f32 = 0.12;
 
 /// The place, 0..1, of the i-th of `count` things in an order in which any first few are spread evenly.
 fn radical_inverse(i: usize, count: usize) -> f32 {

@@ -49,7 +49,7 @@ impl StrokeTexture {
         self.find(at, count);
         for (i, white) in white[..count].iter_mut().enumerate() {
             let [begin, full] = at.ramp(i);
-            let ink = ((threshold[i] - begin) / (full - begin)).max(0.0).min(1.0);
+            let ink = ((threshold[i] - begin) / (full - begin)).clamp(0.0, 1.0);
             *white *= 1.0 - ink;
         }
     }

@@ -63,6 +63,7 @@ impl Stage {
             Self::Contrast => "contrast",
             Self::Tones => "tones",
             Self::DirectionField => "direction-field",
+            Self::TextureCoordinates => "texture-coordinates",
             Self::TonalArtMap => "tonal-art-map",
             Self::Hatching => "hatching",
             Self::Contours => "contours",
@@ -122,7 +123,7 @@ pub(super) fn decide(request: &Request) -> Vec<Decision> {
             decisions.extend(stages.map(|stage| skip(stage, "no new light is asked for")));
         }
     }
-    decisions.extend(drawing(request.drawing));
+    decisions.extend(drawing(request.drawing, request.available.moving));
     decisions
 }
 
@@ -136,10 +137,11 @@ const OF_DRAWN_SHAPE: [Stage; 6] = [
     Stage::NormalRays,
 ];
 
-fn drawing(params: Option<&LineParams>) -> [Decision; 4] {
+fn drawing(params: Option<&LineParams>, moving: bool) -> [Decision; 5] {
     let Some(params) = params else {
         let stages = [
             Stage::DirectionField,
+            Stage::TextureCoordinates,
             Stage::TonalArtMap,
             Stage::Hatching,
             Stage::Contours,
@@ -149,6 +151,13 @@ fn drawing(params: Option<&LineParams>) -> [Decision; 4] {
     let strokes = &params.strokes;
     [
         keep(Stage::DirectionField, "strokes follow the curvature"),
+        match moving {
+            true => keep(Stage::TextureCoordinates, "strokes move with the surface"),
+            false => skip(
+                Stage::TextureCoordinates,
+                "strokes lie still in the picture",
+            ),
+        },
         keep(Stage::TonalArtMap, format!("seed {}", strokes.seed)),
         keep(
             Stage::Hatching,
@@ -473,6 +482,7 @@ mod tests {
         image_height: 1080,
         positions: true,
         normal_rounding: 0.0,
+        moving: false,
         light: LightAvailable::NONE,
     };
     const NOTHING: Available = Available {
@@ -484,6 +494,7 @@ mod tests {
         image_height: 1080,
         positions: false,
         normal_rounding: 0.0,
+        moving: false,
         light: LightAvailable::NONE,
     };
 

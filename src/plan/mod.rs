@@ -108,6 +108,8 @@ pub enum Stage {
     Tones,
     /// The directions that strokes follow.
     DirectionField,
+    /// Where the texture of strokes lies as the surface moves.
+    TextureCoordinates,
     /// The texture of strokes.
     TonalArtMap,
     /// Strokes.
@@ -137,6 +139,9 @@ pub struct Available {
     pub normal_rounding: f32,
     /// Light layers to scale.
     pub light: LightAvailable,
+    /// Whether this is a frame of a sequence whose strokes are to move with the surface; no frame says so
+    /// by itself.
+    pub moving: bool,
 }
 
 /// What tells where the surface seen at a pixel lies.
@@ -164,6 +169,7 @@ impl Available {
                 && frame.source.depth_kind != DepthKind::Relative,
             normal_rounding: frame.source.normal_rounding,
             light: LightAvailable::of(&frame.light),
+            moving: false,
         }
     }
 }

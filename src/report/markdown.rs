@@ -1,7 +1,9 @@
 //! The report as a page of Markdown.
 
+mod coherence;
 mod light;
 
+pub use coherence::COHERENCE_PLOT;
 pub use light::plot_names as light_plot_names;
 
 use super::Report;
@@ -42,9 +44,10 @@ pub fn page(report: &Report) -> String {
         directions(report),
         rim(report),
         light::section(&report.light),
+        coherence::section(report.coherence.as_ref()),
         stability(&report.stability),
     ];
-    for section in sections {
+    for section in sections.iter().filter(|section| !section.is_empty()) {
         page.push_str(section.trim_end());
         page.push_str("\n\n");
     }

@@ -5,6 +5,7 @@
 //! diffusion; times are of the stages, without reading and writing.
 
 pub mod advice;
+pub mod coherence;
 pub mod compare;
 pub mod light;
 pub mod light_reference;
@@ -84,6 +85,8 @@ pub struct Report {
     pub rim_of_frame: Vec<rim::FrameRow>,
     /// Light.
     pub light: light::LightReport,
+    /// Drawings of a sequence, where the report is of one; [`run`] leaves it open.
+    pub coherence: Option<coherence::Coherence>,
     /// Stiff and extreme cases.
     pub stability: Vec<CaseResult>,
 }
@@ -160,6 +163,7 @@ pub fn run(
         rim_of_ball,
         rim_of_frame,
         light,
+        coherence: None,
         stability: stability::all().iter().map(stability::Case::run).collect(),
     })
 }

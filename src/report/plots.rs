@@ -197,8 +197,10 @@ fn ticks(range: &Range<f64>, of: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+mod coherence;
 mod light;
 
+pub use coherence::difference_by_frame;
 pub use light::{both_equations, error_against_lights};
 
 fn solver_panel(area: &Area, sweep: &ScaleSweep, errors: Range<f64>) -> Drawn {

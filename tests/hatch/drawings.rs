@@ -6,8 +6,8 @@ use glam::DVec3;
 use relievo::params::{ContourParams, Fallback, StrokeDirections};
 
 fn cylinder(axis: DVec3) -> Frame {
-    let surface = Surface::cylinder(90.0, axis);
-    grey(&Scene::orthographic(surface, 128.0, 128.0), [256, 256], 0.5)
+    let surface = Surface::cylinder(180.0, axis);
+    grey(&Scene::orthographic(surface, 256.0, 256.0), [512, 512], 0.5)
 }
 
 fn along(directions: StrokeDirections) -> LineParams {
@@ -33,8 +33,8 @@ fn strokes_go_around_a_cylinder_or_along_it_as_asked() {
         let frame = cylinder(axis);
         let across = DVec3::Z.cross(axis.normalize());
         let middle = |x: usize, y: usize| {
-            let from = DVec3::new(x as f64 + 0.5 - 128.0, 128.0 - y as f64 - 0.5, 0.0);
-            from.dot(across).abs() < 30.0
+            let from = DVec3::new(x as f64 + 0.5 - 256.0, 256.0 - y as f64 - 0.5, 0.0);
+            from.dot(across).abs() < 60.0
         };
         for (directions, expected) in [
             (StrokeDirections::Max, angle + 90.0),
@@ -53,43 +53,53 @@ fn strokes_go_around_a_cylinder_or_along_it_as_asked() {
 #[test]
 fn strokes_follow_both_families_of_a_torus() {
     // Seen along its axis: the tube's larger curvature runs outward, the lesser one around the ring.
-    let (ring, tube) = (160.0, 60.0);
+    let (ring, tube) = (320.0, 120.0);
     let surface = Surface::torus(ring, tube, DVec3::Z);
-    let frame = grey(&Scene::orthographic(surface, 256.0, 256.0), [512, 512], 0.5);
+    let frame = grey(
+        &Scene::orthographic(surface, 512.0, 512.0),
+        [1024, 1024],
+        0.5,
+    );
     let polar = |x: usize, y: usize| {
-        let (x, y) = (x as f64 + 0.5 - 256.0, 256.0 - y as f64 - 0.5);
+        let (x, y) = (x as f64 + 0.5 - 512.0, 512.0 - y as f64 - 0.5);
         (x.hypot(y), y.atan2(x).to_degrees())
     };
     for (directions, turn) in [(StrokeDirections::Max, 0.0), (StrokeDirections::Min, 90.0)] {
         let drawn = drawing(&frame, along(directions));
-        for sector in (0..360).step_by(30).map(f64::from) {
+        let errors = (0..360).step_by(30).map(f64::from).map(|sector| {
             let inside = |x, y| {
                 let (radius, angle) = polar(x, y);
                 let off = (angle - sector + 180.0).rem_euclid(360.0) - 180.0;
-                (radius - ring).abs() < 30.0 && off.abs() < 10.0
+                (radius - ring).abs() < 60.0 && off.abs() < 10.0
             };
             let found = stroke_angle(&drawn.hatching, inside);
-            // A sector holds some thirty strokes of a wobbling hand.
-            assert!(
-                apart(found, sector + turn) < 3.0,
-                "{directions:?} at {sector}: {found:.2}"
-            );
-        }
+            (found - sector - turn + 90.0).rem_euclid(180.0) - 90.0
+        });
+        let errors: Vec<f64> = errors.collect();
+        // In a sector of 20 degrees strokes lie on two or three levels 15 degrees apart, by chance a few more
+        // on one side than on the other: off by a third of a level at most, and not one way.
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        assert!(mean.abs() < 1.0, "{directions:?}: mean {mean:.2}");
+        assert!(
+            errors.iter().all(|e| e.abs() < 5.0),
+            "{directions:?}: {errors:.1?}"
+        );
     }
 }
 
 #[test]
 fn a_ball_is_hatched_in_parallel_and_as_asked() {
-    let scene = Scene::orthographic(Surface::ball(100.0), 128.0, 128.0);
-    let frame = grey(&scene, [256, 256], 0.5);
+    let scene = Scene::orthographic(Surface::ball(300.0), 320.0, 320.0);
+    let frame = grey(&scene, [640, 640], 0.5);
     for angle in [45.0_f32, 120.0] {
         let mut line = along(StrokeDirections::Max);
         line.field.fallback = Fallback::Angle(angle);
         let drawn = drawing(&frame, line);
         // Everywhere on it: no swirl.
-        for (left, top) in [(75, 75), (108, 108), (140, 75), (75, 140), (135, 135)] {
-            let part =
-                |x: usize, y: usize| (left..left + 40).contains(&x) && (top..top + 40).contains(&y);
+        for (left, top) in [(130, 130), (250, 250), (370, 130), (130, 370), (370, 370)] {
+            let part = |x: usize, y: usize| {
+                (left..left + 140).contains(&x) && (top..top + 140).contains(&y)
+            };
             let found = stroke_angle(&drawn.hatching, part);
             assert!(
                 apart(found, f64::from(angle)) < 2.0,

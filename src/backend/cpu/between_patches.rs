@@ -4,7 +4,6 @@ use super::memory::Memory;
 use super::patches::{Links, NONE, Patches};
 use crate::frame::{Mask, Vector2Planes};
 use crate::line::direction_field::halve_row;
-use crate::line::patches::NO_PATCH;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -42,18 +41,14 @@ impl BetweenPatches<'_> {
     fn fill_cell(&self, column: usize, row: usize, [x, y]: [&mut [f32]; 2]) {
         let Patches { grid, labels, .. } = self.patches;
         let width = self.mask.width();
-        let patches = self.patches.of_cell(column, row);
         let (xs, ys) = (grid.x_pixels(column), grid.y_pixels(row));
-        for (i, py) in ys.enumerate() {
-            let labels = &labels[py * width..][xs.clone()];
-            let (x, y) = (
-                &mut x[i * width..][xs.clone()],
-                &mut y[i * width..][xs.clone()],
-            );
-            for ((x, y), &label) in x.iter_mut().zip(y).zip(labels) {
-                if label == NO_PATCH {
-                    (*x, *y) = (0.0, 0.0);
-                }
+        let patches = self.patches.of_cell(column, row);
+        let is_whole = patches.len() == 1
+            && usize::from(self.patches.all[patches.start].pixels) == xs.len() * ys.len();
+        if !is_whole {
+            for i in 0..ys.len() {
+                x[i * width..][xs.clone()].fill(0.0);
+                y[i * width..][xs.clone()].fill(0.0);
             }
         }
         for (label, patch) in patches.enumerate() {
@@ -61,28 +56,22 @@ impl BetweenPatches<'_> {
                 let [a, b] = [a, b].map(|i| Vec2::from(self.doubled[i]));
                 0.5 * (a + b)
             });
-            for (i, py) in grid.y_pixels(row).enumerate() {
+            for (i, py) in ys.clone().enumerate() {
                 let v = grid.place(1, py);
-                let columns = [0, 1, 2].map(|c| {
-                    let [above, here, below] = [around[c], around[c + 3], around[c + 6]];
-                    here + if v < 0.0 {
-                        -v * (above - here)
-                    } else {
-                        v * (below - here)
-                    }
+                let [left, here, right] = [0, 1, 2].map(|c| {
+                    let beside = if v < 0.0 { around[c] } else { around[c + 6] };
+                    around[c + 3] + v.abs() * (beside - around[c + 3])
                 });
-                for px in xs.clone() {
-                    if usize::from(labels[py * width + px]) == label {
-                        let u = grid.place(0, px);
-                        let [left, here, right] = columns;
-                        let z = here
-                            + if u < 0.0 {
-                                -u * (left - here)
-                            } else {
-                                u * (right - here)
-                            };
-                        x[i * width + px] = z.x;
-                        y[i * width + px] = z.y;
+                let steps = [left - here, right - here];
+                let pixels = x[i * width..][xs.clone()]
+                    .iter_mut()
+                    .zip(&mut y[i * width..][xs.clone()]);
+                let labels = &labels[py * width..][xs.clone()];
+                for ((px, (x, y)), &own) in xs.clone().zip(pixels).zip(labels) {
+                    let u = grid.place(0, px);
+                    let z = here + u.abs() * steps[usize::from(u >= 0.0)];
+                    if is_whole || usize::from(own) == label {
+                        (*x, *y) = (z.x, z.y);
                     }
                 }
             }

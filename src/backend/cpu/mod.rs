@@ -30,6 +30,7 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
 use drawing::KeptArtMap;
+pub use drawing::TextureCoordinates;
 use light_layers::Curvature;
 use memory::Memory;
 use rayon::prelude::*;
@@ -103,6 +104,10 @@ pub struct Drawing {
     pub contours: Option<Plane>,
     /// The same as lines, silhouettes first.
     pub contour_lines: Vec<Contour>,
+    /// Luminance of paper white that was used.
+    pub white_point: f32,
+    /// Where the texture of strokes lies, for the next frame of a sequence.
+    pub coordinates: Option<TextureCoordinates>,
 }
 
 /// What a run gave.
@@ -164,6 +169,18 @@ pub struct DrawingInputs<'a> {
     pub illumination: Option<&'a Illumination>,
     /// The texture of strokes, for [`crate::params::Style::Pictures`].
     pub art_map: Option<&'a TonalArtMap>,
+    /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
+    /// nothing of it.
+    pub sequence: Option<SequenceInputs<'a>>,
+}
+
+/// What a frame of a sequence takes of the one before; of the first there is nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SequenceInputs<'a> {
+    /// Where the texture of strokes lay.
+    pub before: Option<&'a TextureCoordinates>,
+    /// How far, in pixels, the surface seen at each pixel has come since: x right, y up.
+    pub motion: Option<&'a Vector2Planes>,
 }
 
 impl Runner {
@@ -226,7 +243,7 @@ impl Runner {
                 Goal::Relight => run.relight(inputs.illumination.expect("new light has lights")),
                 _ => run.enhance(),
             }
-            run.draw(params, inputs.art_map);
+            run.draw(params, inputs);
         })
     }
 

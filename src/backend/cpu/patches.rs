@@ -1,7 +1,7 @@
 //! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
 
 use crate::frame::{Frame, Plane};
-use crate::line::patches::{NO_PATCH, joined, label_cell};
+use crate::line::patches::{MAX_CELL_PX, NO_PATCH, joined, label_cell};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -39,6 +39,7 @@ pub(super) struct Grid {
     /// How much of the first cell lies before the frame.
     cut: [usize; 2],
     size: [usize; 2],
+    places: [f32; MAX_CELL_PX],
     pub(super) columns: usize,
     pub(super) rows: usize,
 }
@@ -52,6 +53,7 @@ impl Grid {
             cell_px,
             cut,
             size,
+            places: std::array::from_fn(|inside| (inside as f32 + 0.5) / cell_px as f32 - 0.5),
             columns: (size[0] + cut[0]).div_ceil(cell_px),
             rows: (size[1] + cut[1]).div_ceil(cell_px),
         }
@@ -75,8 +77,7 @@ impl Grid {
 
     /// How far the middle of a pixel lies from that of its cell, in cells, -1/2..1/2.
     pub(super) fn place(&self, axis: usize, pixel: usize) -> f32 {
-        let inside = (pixel + self.cut[axis]) % self.cell_px;
-        (inside as f32 + 0.5) / self.cell_px as f32 - 0.5
+        self.places[(pixel + self.cut[axis]) % self.cell_px]
     }
 
     /// Samples of a plane, one part per row of cells.
@@ -192,7 +193,7 @@ fn pairs_of(
     label: &impl Fn(usize, usize) -> u8,
 ) -> [Vec<(u32, u32)>; 2] {
     let mut pairs = [Vec::new(), Vec::new()];
-    let [mut a, mut b] = [[NO_PATCH; crate::line::patches::MAX_CELL_PX]; 2];
+    let [mut a, mut b] = [[NO_PATCH; MAX_CELL_PX]; 2];
     let ys = grid.y_pixels(row);
     for column in 0..grid.columns {
         let xs = grid.x_pixels(column);
@@ -232,8 +233,8 @@ impl RowOfCells<'_> {
     fn find(&self, labels: &mut [u8]) -> (Vec<u32>, Vec<Patch>) {
         let width = self.grid.size[0];
         let ys = self.grid.y_pixels(self.row);
-        let mut open = [false; 64];
-        let mut own = [NO_PATCH; 64];
+        let mut open = [false; MAX_CELL_PX * MAX_CELL_PX];
+        let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
         let (mut counts, mut patches) = (Vec::with_capacity(self.grid.columns), Vec::new());
         for column in 0..self.grid.columns {
             let xs = self.grid.x_pixels(column);

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// How silhouettes and creases are drawn ([LA] section 6: they come last, over the hatching).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ContourParams {
-    /// Width in pixels of the line around the nearest thing, above 0, at most 1000. Below 1 lines are grey;
+    /// Width in pixels at [stroke scale](crate::params::StrokeParams::scale) 1 of the line around the nearest thing, above 0, at most 1000. Below 1 lines are grey;
     /// wide ones run together.
     pub width_px: f32,
     /// Width of creases as a share of that, 0..1. 0 draws none; 1 makes them as heavy as silhouettes.
@@ -44,6 +44,16 @@ impl Default for ContourParams {
 }
 
 impl ContourParams {
+    /// The same for lines `factor` times as large.
+    pub fn scaled(self, factor: f32) -> Self {
+        Self {
+            width_px: factor * self.width_px,
+            shortest_px: factor * self.shortest_px,
+            taper_px: factor * self.taper_px,
+            ..self
+        }
+    }
+
     /// Refuses values outside their ranges.
     ///
     /// # Errors

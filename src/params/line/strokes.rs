@@ -138,16 +138,22 @@ impl Style {
 }
 
 impl StrokeParams {
-    /// The strokes in a picture of which `resolution_factor` pixels stand for one of the reference.
-    pub fn stroke(&self, resolution_factor: f32) -> Stroke {
-        let own = self.style.stroke();
-        let width = self.width_px.unwrap_or(own.width_px);
-        let scale = match self.scale {
+    /// Output pixels for one at scale 1, in a picture of which `resolution_factor` pixels stand for one of
+    /// the reference.
+    pub fn factor(&self, resolution_factor: f32) -> f32 {
+        let width = self.width_px.unwrap_or(self.style.stroke().width_px);
+        match self.scale {
             StrokeScale::Factor(factor) => factor * resolution_factor,
             StrokeScale::Millimetres(mm) => mm / MM_PER_INCH * self.dpi / width,
-        };
+        }
+    }
+
+    /// The strokes in such a picture.
+    pub fn stroke(&self, resolution_factor: f32) -> Stroke {
+        let own = self.style.stroke();
+        let scale = self.factor(resolution_factor);
         Stroke {
-            width_px: scale * width,
+            width_px: scale * self.width_px.unwrap_or(own.width_px),
             length_px: scale * self.length_px.unwrap_or(own.length_px),
             spacing_px: scale * self.spacing_px.unwrap_or(own.spacing_px),
             wobble: self.wobble.unwrap_or(own.wobble),

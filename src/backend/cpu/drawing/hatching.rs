@@ -1,5 +1,7 @@
 //! Strokes over the frame, row by row.
 
+use super::coordinates::TextureCoordinates;
+use super::sheet::{Lie, Sheet};
 use super::tone::Densities;
 use super::{Memory, Plane, TonalArtMap};
 use crate::backend::cpu::passes::map_rows;
@@ -10,10 +12,12 @@ use crate::line::hatching::{BATCH, Hatching, Pixels};
 use crate::params::StrokeParams;
 use std::f32::consts::PI;
 
-/// How much of the paper strokes cover.
+/// How much of the paper strokes cover; the texture lies still in the picture where no `coordinates` say
+/// otherwise.
 pub(super) fn hatched(
     densities: &Densities,
     directions: &[Vector2Planes],
+    coordinates: Option<&TextureCoordinates>,
     map: &TonalArtMap,
     params: &StrokeParams,
     frame: &Frame,
@@ -23,9 +27,11 @@ pub(super) fn hatched(
     let families: Vec<_> = families
         .map(|(family, direction)| (Hatching::new(map, params, family), direction))
         .collect();
+    let sheets = coordinates.map_or(vec![Sheet::STILL], TextureCoordinates::sheets);
     let simd = Simd::widest();
     let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
         let mut pixels = Pixels::default();
+        let mut lie = Lie::default();
         for run in frame.mask.runs(y) {
             for from in run.clone().step_by(BATCH) {
                 let columns = from..(from + BATCH).min(run.end);
@@ -37,12 +43,19 @@ pub(super) fn hatched(
                     simd,
                 );
                 pixels.white.fill(1.0);
-                place(&mut pixels, frame, y, columns.start);
-                for (family, (hatching, direction)) in families.iter().enumerate() {
-                    pixels.share(family, families.len());
-                    let direction =
-                        [&direction.x, &direction.y].map(|plane| &plane.row(y)[columns.clone()]);
-                    simd.hatch_batch(&mut pixels, direction, hatching);
+                for sheet in &sheets {
+                    if !sheet.is_used(y, columns.clone()) {
+                        continue;
+                    }
+                    sheet.lay(&mut pixels, &mut lie, frame, y, columns.clone());
+                    for (family, (hatching, direction)) in families.iter().enumerate() {
+                        pixels.share(family, families.len());
+                        sheet.take_share(&mut pixels, y, columns.clone());
+                        let direction = [&direction.x, &direction.y]
+                            .map(|plane| &plane.row(y)[columns.clone()]);
+                        let direction = sheet.in_texture(direction, &mut lie);
+                        simd.hatch_batch(&mut pixels, direction, hatching);
+                    }
                 }
                 for (out, white) in out[columns].iter_mut().zip(&pixels.white) {
                     *out = 1.0 - white;
@@ -51,17 +64,6 @@ pub(super) fn hatched(
         }
     });
     ink
-}
-
-/// Puts the texture still in the picture, whatever part of it the frame holds.
-fn place(pixels: &mut Pixels, frame: &Frame, y: usize, from: usize) {
-    let window = frame.data_window;
-    let [xs, ys] = &mut pixels.place;
-    let first = window.x0 as f32 + from as f32 + 0.5;
-    for (i, x) in xs.iter_mut().enumerate() {
-        *x = first + i as f32;
-    }
-    ys.fill(window.y0 as f32 + y as f32 + 0.5);
 }
 
 /// Draws a batch along its directions.

@@ -1,25 +1,30 @@
 //! Drawings: the tone of a picture in strokes along the curvature, and lines along its edges.
 
 mod art_map;
+mod coordinates;
 mod hatching;
+mod sheet;
 mod tone;
 
 pub(super) use art_map::KeptArtMap;
+pub use coordinates::TextureCoordinates;
 pub(super) use hatching::hatch_batch;
 pub(super) use tone::{Densities, density_row};
 
 use super::direction_field::stroke_fields;
 use super::memory::Memory;
-use super::{Drawing, Run, contours, light, statistics};
+use super::{Drawing, DrawingInputs, Run, contours, light, statistics};
 use crate::frame::Plane;
 use crate::line::contours::Contour;
+use crate::line::paper::{grain, graphite};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, ContourParams, LineParams, Style};
+use rayon::prelude::*;
 use std::time::Instant;
 
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.
-    pub(super) fn draw(&mut self, params: &LineParams, own_map: Option<&TonalArtMap>) {
+    pub(super) fn draw(&mut self, params: &LineParams, inputs: DrawingInputs) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let conductance = self.outcome.shape.conductance.take();
         let conductance = conductance.expect("a drawing is planned with its edges");
@@ -39,7 +44,7 @@ impl Run<'_> {
                 kept.of(&params.strokes, plan.resolution_factor as f32)
             })
         });
-        let map = made_map.as_deref().or(own_map);
+        let map = made_map.as_deref().or(inputs.art_map);
         let map = map.expect("strokes of pictures come with them");
         let made = self.outcome.color.take();
         let color = made.as_ref().or(frame.color.as_ref());
@@ -51,14 +56,36 @@ impl Run<'_> {
                 statistics::white_level(color, weights, &frame.mask)
             }),
         };
+        let coordinates = inputs.sequence.map(|sequence| {
+            self.timed("texture-coordinates", || {
+                let carried = sequence.before.zip(sequence.motion);
+                carried.map_or_else(
+                    || TextureCoordinates::new(frame),
+                    |(before, motion)| before.advanced_in(frame, motion, memory),
+                )
+            })
+        });
         let densities = Densities::new(color, frame, weights, white, &params.tone);
         let hatching = self.timed("hatching", || {
-            hatching::hatched(&densities, &directions, map, &params.strokes, frame, memory)
+            hatching::hatched(
+                &densities,
+                &directions,
+                coordinates.as_ref(),
+                map,
+                &params.strokes,
+                frame,
+                memory,
+            )
         });
-        let drawn = params
-            .contours
-            .as_ref()
-            .map(|params| self.draw_contours(params));
+        let scale = params.strokes.factor(plan.resolution_factor as f32);
+        let drawn = params.contours.map(|contours| {
+            let (covered, lines) = self.draw_contours(&contours.scaled(scale));
+            let covered = match params.strokes.style {
+                Style::Pencil => self.in_graphite(covered, params.strokes.seed),
+                Style::Pen | Style::Pictures => covered,
+            };
+            (covered, lines)
+        });
         let (contours, contour_lines) = drawn.unzip();
         self.outcome.color = made;
         self.outcome.shape.conductance = Some(conductance);
@@ -66,7 +93,24 @@ impl Run<'_> {
             hatching,
             contours,
             contour_lines: contour_lines.unwrap_or_default(),
+            white_point: white,
+            coordinates,
         });
+    }
+
+    /// Lines as a pencil draws them on grained paper.
+    fn in_graphite(&self, mut covered: Plane, seed: u64) -> Plane {
+        let window = self.frame.data_window;
+        let width = covered.width();
+        let rows = covered.samples_mut().par_chunks_mut(width);
+        rows.enumerate().for_each(|(y, row)| {
+            let y = window.y0.wrapping_add(y as i32);
+            for (x, coverage) in row.iter_mut().enumerate().filter(|(_, c)| **c > 0.0) {
+                let x = window.x0.wrapping_add(x as i32);
+                *coverage = graphite(*coverage, grain(x, y, seed));
+            }
+        });
+        covered
     }
 
     fn draw_contours(&mut self, params: &ContourParams) -> (Plane, Vec<Contour>) {

@@ -72,13 +72,18 @@ pub(in crate::backend::cpu) fn density_row(
     if let Some(alpha) = alpha {
         // A rim that covers half a pixel is as light as the rest.
         for (share, &alpha) in share[..count].iter_mut().zip(alpha) {
-            *share /= alpha.max(LEAST_ALPHA).min(1.0);
+            *share /= alpha.clamp(LEAST_ALPHA, 1.0);
         }
     }
     let mut step = [0_u32; BATCH];
     for i in 0..count {
         // A NaN is black.
-        let at = STEPS as f32 * share[i].max(0.0).min(1.0).sqrt();
+        let seen = if share[i] > 0.0 {
+            share[i].min(1.0)
+        } else {
+            0.0
+        };
+        let at = STEPS as f32 * seen.sqrt();
         let floor = at.floor().min(STEPS as f32 - 1.0);
         step[i] = floor as i32 as u32;
         share[i] = at - floor;

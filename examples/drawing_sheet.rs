@@ -1,0 +1,97 @@
+//! What `relievo hatch` makes of renders and of a photo: the contact sheet in the README.
+//!
+//! `cargo run --release --example drawing_sheet -- OUT.png`, from the folder that holds `fixtures`.
+
+mod common;
+
+use common::{light_from, load};
+use relievo::backend::cpu::{DrawingInputs, Runner};
+use relievo::compose::on_paper;
+use relievo::frame::{Frame, Plane};
+use relievo::light::lights::Illumination;
+use relievo::params::{
+    AlbedoSource, LineParams, Method, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
+    StrokeScale, Style,
+};
+use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
+use std::error::Error;
+use std::process::ExitCode;
+
+/// Size of a drawing on the sheet; what is larger is cut, around its middle.
+const CELL: [usize; 2] = [480, 360];
+
+fn main() -> ExitCode {
+    common::exit(run())
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let output = std::env::args().nth(1);
+    let output = output.ok_or("usage: drawing_sheet OUT.png")?;
+    let bust = load("fixtures/bust.exr", None)?;
+    let gears = load("fixtures/gears.exr", None)?;
+    let tablet = load(
+        "fixtures/tablet.color.jpg",
+        Some("fixtures/tablet.normal.png"),
+    )?;
+    let pen = LineParams::default();
+    let mut crossed = pen;
+    crossed.strokes.style = Style::Pencil;
+    crossed.directions = StrokeDirections::Both;
+    let mut fine = pen;
+    fine.strokes.scale = StrokeScale::Factor(0.75);
+    let lamp = light_from(135.0, 35.0);
+    let drawings = [
+        drawn(&bust, pen, None)?,
+        drawn(&bust, crossed, None)?,
+        drawn(&gears, pen, Some(&lamp))?,
+        drawn(&tablet, fine, Some(&lamp))?,
+    ];
+    let [width, height] = CELL;
+    let sheet = Plane::from_fn(2 * width, 2 * height, |x, y| {
+        let drawing = &drawings[x / width + 2 * (y / height)];
+        within(drawing, x % width, y % height)
+    });
+    common::write(&output, &on_paper(&[&sheet]))?;
+    Ok(())
+}
+
+/// The ink of a drawing: in the tone of the picture with its shape brought out, or in new light that warps.
+fn drawn(
+    frame: &Frame,
+    line: LineParams,
+    light: Option<&Illumination>,
+) -> Result<Plane, Box<dyn Error>> {
+    let relight = RelightParams {
+        method: Method::Both,
+        albedo: AlbedoSource::White,
+        ..RelightParams::default()
+    };
+    let tone = match light {
+        Some(light) => ToneFrom::Relit(relight, LightKinds::in_light(light)),
+        None => ToneFrom::Enhanced,
+    };
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let plan = Plan::hatch(Available::in_frame(frame), shape, scaling, tone, line)?;
+    let inputs = DrawingInputs {
+        illumination: light,
+        ..DrawingInputs::default()
+    };
+    let drawing = Runner::default().draw(&plan, frame, inputs).drawing;
+    let drawing = drawing.ok_or("no drawing was made")?;
+    let white = on_paper(&[
+        &drawing.hatching,
+        drawing.contours.as_ref().ok_or("no lines")?,
+    ]);
+    Ok(white.r.map(|white| 1.0 - white))
+}
+
+/// A pixel of the middle of a picture; nothing beyond it.
+fn within(ink: &Plane, x: usize, y: usize) -> f32 {
+    let at = |i: usize, cell: usize, size: usize| (i + size / 2).checked_sub(cell / 2);
+    let x = at(x, CELL[0], ink.width()).filter(|&x| x < ink.width());
+    let y = at(y, CELL[1], ink.height()).filter(|&y| y < ink.height());
+    match (x, y) {
+        (Some(x), Some(y)) => ink.at(x, y),
+        _ => 0.0,
+    }
+}

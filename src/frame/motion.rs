@@ -1,0 +1,97 @@
+//! Motion: how far, in pixels, the surface seen at a pixel has come since the frame before, x right, y up.
+
+use super::{Camera, DepthKind, Frame, Plane, SightLines, Vector2Planes};
+use glam::DVec2;
+
+/// A motion out of every picture: where none is known.
+pub const AWAY: f32 = 1e9;
+
+/// The motion of a world that stands still while the camera moves: where the point that is seen now was
+/// seen by the camera `before`. [`AWAY`] where it was behind the eye, and outside the mask. `None` without
+/// depth that is a distance, or without a camera.
+pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Planes> {
+    let (depth, camera, kind) = (
+        frame.depth.as_ref()?,
+        frame.camera?,
+        frame.source.depth_kind,
+    );
+    if kind == DepthKind::Relative {
+        return None;
+    }
+    let sight = SightLines::new(camera.projection);
+    let before_from_view = before.view_from_world * camera.view_from_world.inverse();
+    let (left, top) = (frame.data_window.x0, frame.data_window.y0);
+    let motion = |x: usize, y: usize| {
+        let at = DVec2::new(f64::from(left) + x as f64, f64::from(top) + y as f64) + 0.5;
+        let point = sight.point(at.x, at.y, depth.at(x, y).into(), kind);
+        let came_from = before
+            .projection
+            .pixel_of(before_from_view.transform_point3(point));
+        let moved = came_from
+            .filter(|_| frame.mask.at(x, y))
+            .map(|from| at - from);
+        match moved {
+            Some(moved) if moved.is_finite() => [moved.x as f32, -moved.y as f32],
+            _ => [AWAY; 2],
+        }
+    };
+    let both = Plane::from_fn(depth.width(), depth.height(), motion);
+    Some(Vector2Planes {
+        x: both.map(|m| m[0]),
+        y: both.map(|m| m[1]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{LightLayers, Mask, Projection, Source, Vector3Planes, Window};
+    use glam::{DAffine3, DVec3};
+
+    fn wall_at(distance: f32, camera: Camera) -> Frame {
+        let flat = |value| Plane::filled(8, 6, value);
+        Frame {
+            data_window: Window::from_size(8, 6),
+            display_window: Window::from_size(8, 6),
+            pixel_aspect: 1.0,
+            mask: Mask::full(8, 6),
+            normal: Vector3Planes {
+                x: flat(0.0),
+                y: flat(0.0),
+                z: flat(1.0),
+            },
+            normal_length: None,
+            depth: Some(flat(distance)),
+            occlusion: None,
+            importance: None,
+            color: None,
+            albedo: None,
+            alpha: None,
+            light: LightLayers::default(),
+            camera: Some(camera),
+            source: Source::default(),
+        }
+    }
+
+    #[test]
+    fn a_camera_that_moves_moves_the_picture_the_other_way() {
+        let at = |eye: DVec3| Camera {
+            view_from_world: DAffine3::from_translation(-eye),
+            projection: Projection::Perspective {
+                fx: 100.0,
+                fy: 100.0,
+                cx: 4.0,
+                cy: 3.0,
+            },
+        };
+        // Eye 0.1 to the right and 0.2 up, a wall 5 away: 100 * 0.1 / 5 = 2 px to the left, 4 px down.
+        let frame = wall_at(5.0, at(DVec3::new(0.1, 0.2, 0.0)));
+        let motion = static_world_motion(&frame, &at(DVec3::ZERO)).unwrap();
+        assert!(motion.x.samples().iter().all(|x| (x + 2.0).abs() < 1e-4));
+        assert!(motion.y.samples().iter().all(|y| (y + 4.0).abs() < 1e-4));
+        // One that was beyond the wall saw nothing of it.
+        let beyond = at(DVec3::new(0.0, 0.0, -6.0));
+        let motion = static_world_motion(&frame, &beyond).unwrap();
+        assert!(motion.x.samples().iter().all(|x| *x == AWAY));
+    }
+}

@@ -1,0 +1,251 @@
+//! Sequences: lists of frame numbers, and file names that hold one.
+
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Frame numbers in order, each once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrameList(Vec<u32>);
+
+/// More frames than anything lasts: what is beyond is a slip of the pen.
+const MOST_FRAMES: usize = 1_000_000;
+
+impl FrameList {
+    /// The numbers, rising.
+    pub fn numbers(&self) -> &[u32] {
+        &self.0
+    }
+}
+
+impl std::str::FromStr for FrameList {
+    type Err = String;
+
+    /// `7`, `1-12`, `1-12x2` for every second, and several of them with commas between.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let mut numbers = Vec::new();
+        for item in text.split(',') {
+            numbers.extend(frames(item.trim())?);
+            if numbers.len() > MOST_FRAMES {
+                return Err(format!("more than {MOST_FRAMES} frames"));
+            }
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        Ok(Self(numbers))
+    }
+}
+
+/// The frames of one item of a list.
+fn frames(item: &str) -> std::result::Result<impl Iterator<Item = u32> + use<>, String> {
+    let expected = || format!("'{item}' is no list of frames; expected 7, 1-12, 1-12x2 or 1,5,9");
+    let number = |text: &str| {
+        let digits = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+        let number = text.parse::<u32>().ok().filter(|_| digits);
+        number.ok_or_else(expected)
+    };
+    let (range, step) = match item.split_once('x') {
+        Some((range, step)) if range.contains('-') => (range, number(step)?),
+        Some(_) => return Err(expected()),
+        None => (item, 1),
+    };
+    let (first, last) = match range.split_once('-') {
+        Some((first, last)) => (number(first)?, number(last)?),
+        None => (number(range)?, number(range)?),
+    };
+    if last < first {
+        return Err(format!(
+            "'{item}' runs backward; give the lower frame first"
+        ));
+    }
+    if step == 0 {
+        return Err(format!("'{item}' has a step of 0; give 1 or more"));
+    }
+    // One more than is allowed is enough to be told so.
+    Ok((first..=last).step_by(step as usize).take(MOST_FRAMES + 1))
+}
+
+/// Whether `name` stands for a file of each frame: it has `##` or more, or `%d`, `%04d`.
+///
+/// A single `#` is a letter like others, unless `frames` are given.
+pub fn is_pattern(name: &str) -> bool {
+    placeholders(name).any(|place| place.length > 1)
+}
+
+/// The name for one frame: every row of `#` becomes the number, zeros before it up to that many digits; so
+/// does `%04d`, and `%d` without zeros. `None` where there is no place for a number.
+pub fn of_frame(name: &str, frame: u32) -> Option<String> {
+    let mut made = String::new();
+    let mut from = 0;
+    for place in placeholders(name) {
+        made.push_str(&name[from..place.start]);
+        made.push_str(&format!("{frame:0width$}", width = place.digits));
+        from = place.start + place.length;
+    }
+    (from > 0).then(|| made + &name[from..])
+}
+
+/// [`of_frame`] of a path.
+pub fn path_of_frame(path: &Path, frame: u32) -> Option<PathBuf> {
+    of_frame(path.to_str()?, frame).map(PathBuf::from)
+}
+
+/// What frames are asked for, and of which names; `None` for a single picture.
+///
+/// # Errors
+/// [`Error::BadParameter`] for names that have a place for frame numbers without `frames`, and for `frames`
+/// without a place for them in `input` or `output`.
+pub fn frames_of<'a>(
+    frames: Option<&'a FrameList>,
+    input: &Path,
+    output: Option<&Path>,
+) -> Result<Option<&'a [u32]>> {
+    let named = [("IN", Some(input)), ("-o", output)];
+    let named = named.into_iter();
+    let mut named = named.filter_map(|(name, path)| Some((name, path?)));
+    let bad = |name, path: &Path, what: &str, remedy: &str| {
+        Err(Error::BadParameter {
+            name,
+            found: format!("{} {what}", path.display()),
+            remedy: remedy.into(),
+        })
+    };
+    match frames {
+        None => match named.find(|(_, path)| path.to_str().is_some_and(is_pattern)) {
+            Some((name, path)) => bad(
+                name,
+                path,
+                "names a file of each frame, and no frames are given",
+                "give them, as in --frames 1-12",
+            ),
+            None => Ok(None),
+        },
+        Some(frames) => match named.find(|(_, path)| path_of_frame(path, 0).is_none()) {
+            Some((name, path)) => bad(
+                name,
+                path,
+                "has no place for the numbers of --frames",
+                "put #### or %04d where they go, or leave out --frames",
+            ),
+            None => Ok(Some(frames.numbers())),
+        },
+    }
+}
+
+/// Where a number goes in a name.
+struct Placeholder {
+    start: usize,
+    length: usize,
+    digits: usize,
+}
+
+fn placeholders(name: &str) -> impl Iterator<Item = Placeholder> {
+    let bytes = name.as_bytes();
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        while at < bytes.len() {
+            let start = at;
+            if let Some((length, digits)) = placeholder(&bytes[start..]) {
+                at += length;
+                return Some(Placeholder {
+                    start,
+                    length,
+                    digits,
+                });
+            }
+            at += 1;
+        }
+        None
+    })
+}
+
+/// Length and digits of the place for a number that `text` begins with.
+fn placeholder(text: &[u8]) -> Option<(usize, usize)> {
+    let hashes = text.iter().take_while(|&&b| b == b'#').count();
+    if hashes > 0 {
+        return Some((hashes, hashes));
+    }
+    let digits = text.strip_prefix(b"%")?;
+    let count = digits.iter().take_while(|b| b.is_ascii_digit()).count();
+    let is_number = digits.get(count) == Some(&b'd') && count <= 2;
+    let width = std::str::from_utf8(&digits[..count]).ok()?;
+    is_number.then(|| (count + 2, width.parse().unwrap_or(1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(text: &str) -> std::result::Result<Vec<u32>, String> {
+        text.parse().map(|FrameList(numbers)| numbers)
+    }
+
+    #[test]
+    fn frames_are_listed_in_order_and_once() {
+        assert_eq!(list("7"), Ok(vec![7]));
+        assert_eq!(list("1-4"), Ok(vec![1, 2, 3, 4]));
+        assert_eq!(list("1-12x5"), Ok(vec![1, 6, 11]));
+        assert_eq!(list("9, 1,5"), Ok(vec![1, 5, 9]));
+        assert_eq!(
+            list("1001-1003,1002-1005x3,1002"),
+            Ok(vec![1001, 1002, 1003, 1005])
+        );
+        assert_eq!(list("0003-0003"), Ok(vec![3]));
+        for wrong in [
+            "",
+            ",",
+            "a",
+            "1-",
+            "-3",
+            "1--3",
+            "1-2-3",
+            "1x2",
+            "1-5x",
+            "+1",
+            "1-5x-1",
+            "99999999999",
+        ] {
+            assert!(
+                list(wrong).unwrap_err().contains("expected 7, 1-12"),
+                "{wrong}"
+            );
+        }
+        assert!(list("5-1").unwrap_err().contains("backward"));
+        assert!(list("1-5x0").unwrap_err().contains("step of 0"));
+        assert!(list("0-4294967295").unwrap_err().contains("more than"));
+    }
+
+    #[test]
+    fn names_take_numbers() {
+        let of = |name| of_frame(name, 42);
+        assert_eq!(of("shot.####.exr").unwrap(), "shot.0042.exr");
+        assert_eq!(of("shot.#.exr").unwrap(), "shot.42.exr");
+        assert_eq!(of("%04d/shot.%d.exr").unwrap(), "0042/shot.42.exr");
+        assert_eq!(of("s_###_%3d").unwrap(), "s_042_042");
+        assert_eq!(of_frame("a.##.png", 12345).unwrap(), "a.12345.png");
+        for none in ["shot.exr", "100%.png", "%s.png", "%x4d", "%123d"] {
+            assert_eq!(of(none), None, "{none}");
+        }
+        assert!(is_pattern("a.##.png") && is_pattern("a.%d.png"));
+        assert!(!is_pattern("take #1.png") && !is_pattern("100%.png"));
+    }
+
+    #[test]
+    fn names_and_frames_go_together() {
+        let frames: FrameList = "1-3".parse().unwrap();
+        let [many, out, one] = ["in.####.exr", "out.%04d.png", "one.png"].map(Path::new);
+        let found = frames_of(Some(&frames), many, Some(out)).unwrap();
+        assert_eq!(found, Some([1, 2, 3].as_slice()));
+        assert_eq!(frames_of(Some(&frames), many, None).unwrap(), found);
+        assert_eq!(frames_of(None, one, Some(one)).unwrap(), None);
+        let says =
+            |frames, input, output| frames_of(frames, input, output).unwrap_err().to_string();
+        assert!(
+            says(None, many, Some(out)).starts_with("IN in.####.exr names a file of each frame")
+        );
+        assert!(
+            says(None, one, Some(out)).starts_with("-o out.%04d.png names a file of each frame")
+        );
+        assert!(says(Some(&frames), one, Some(out)).starts_with("IN one.png has no place"));
+        assert!(says(Some(&frames), many, Some(one)).starts_with("-o one.png has no place"));
+    }
+}

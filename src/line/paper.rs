@@ -1,0 +1,68 @@
+//! The grain of paper under a pencil.
+
+/// How high the paper stands at a pixel, 0..1: noise of about two pixels, the same for a seed everywhere.
+#[inline]
+pub fn grain(x: i32, y: i32, seed: u64) -> f32 {
+    let at = |dx: i32, dy: i32| unit(hash(x.wrapping_add(dx), y.wrapping_add(dy), seed));
+    let beside = at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1);
+    let mean = 0.4 * at(0, 0) + 0.15 * beside;
+    // Averaging draws the values together: spread again.
+    (0.5 + SPREAD * (mean - 0.5)).clamp(0.0, 1.0)
+}
+
+const SPREAD: f32 = 1.8;
+
+/// What a pencil line that would cover `coverage` leaves on paper as high as `grain`: graphite sits on what
+/// stands out, and a soft rim breaks up before its middle does.
+#[inline]
+pub fn graphite(coverage: f32, grain: f32) -> f32 {
+    let reach = coverage * (1.0 + GRIP) - GRIP * (1.0 - grain);
+    LIGHTEST_BLACK * reach.clamp(0.0, 1.0)
+}
+
+/// How deep the paper's valleys are against the pressure of a line.
+const GRIP: f32 = 0.7;
+
+/// What graphite covers where it is pressed hard.
+const LIGHTEST_BLACK: f32 = 0.9;
+
+/// Mixes the bits of a place and a seed.
+fn hash(x: i32, y: i32, seed: u64) -> u64 {
+    let place = u64::from(x as u32) << 32 | u64::from(y as u32);
+    let mut mixed = place ^ seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    for _ in 0..2 {
+        mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    }
+    mixed ^ (mixed >> 32)
+}
+
+fn unit(bits: u64) -> f32 {
+    (bits >> 40) as f32 / (1 << 24) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grain_is_even_and_its_neighbours_alike() {
+        let all: Vec<f32> = (0..10_000).map(|i| grain(i % 100, i / 100, 3)).collect();
+        let mean = all.iter().sum::<f32>() / 10_000.0;
+        assert!((mean - 0.5).abs() < 0.01, "{mean}");
+        // Weights .4 and .15 four times share .4 * .15 * 2 of .4^2 + 4 * .15^2 with the next: half.
+        let product = |step: usize| {
+            let pairs = all.iter().zip(&all[step..]);
+            pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f32>()
+        };
+        let next = product(1) / product(0);
+        assert!((next - 0.48).abs() < 0.06, "{next}");
+    }
+
+    #[test]
+    fn graphite_covers_what_stands_out_first() {
+        assert_eq!(graphite(0.0, 1.0), 0.0);
+        assert_eq!(graphite(1.0, 1.0), LIGHTEST_BLACK);
+        assert!(graphite(0.5, 0.9) > graphite(0.5, 0.3));
+        assert_eq!(graphite(0.3, 0.0), 0.0);
+    }
+}

@@ -1,0 +1,299 @@
+//! How well the strokes of a sequence go with its surface: each drawing, moved as the surface did, against
+//! the next, for strokes that lie still in the picture and for strokes that are carried along.
+//!
+//! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
+//! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
+
+use crate::backend::cpu::{DrawingInputs, Outcome, Runner, SequenceInputs, TextureCoordinates};
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
+use crate::light::lights::{DirectionalLight, Illumination, direction_of};
+use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams};
+use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use serde::Serialize;
+
+/// A frame of a sequence.
+#[derive(Debug)]
+pub struct MovingFrame {
+    /// Its number.
+    pub number: u32,
+    /// What is seen.
+    pub frame: Frame,
+    /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up.
+    pub motion: Option<Vector2Planes>,
+}
+
+/// From one frame to the next: mean absolute differences of ink, 0..1, over the pixels seen in both.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Row {
+    /// Number of the later frame.
+    pub frame: u32,
+    /// Mean length of the motion, in pixels.
+    pub motion_px: f64,
+    /// Share of the surface that was seen before.
+    pub seen_before: f64,
+    /// Of strokes that lie still in the picture.
+    pub still: f64,
+    /// Of strokes that move with the surface.
+    pub carried: f64,
+    /// Of the card: what moving a drawing costs by itself.
+    pub floor: f64,
+    /// Largest share of the drawing that one map of places has: 1 where strokes were only moved.
+    pub oldest_share: f64,
+}
+
+/// The whole sequence.
+#[derive(Debug, Clone, Serialize)]
+pub struct Coherence {
+    /// Row by row.
+    pub rows: Vec<Row>,
+    /// Mean of each difference over the rows: still, carried, floor.
+    pub means: [f64; 3],
+}
+
+/// Azimuth and elevation of the light for a sequence without a picture.
+const LAMP: [f32; 2] = [135.0, 40.0];
+
+/// Measures `frames`, taken one after another; frames without motion begin anew. `None` where no two
+/// frames follow each other with motion between.
+///
+/// # Errors
+/// What making a frame fails with, and [`crate::Error::BadParameter`] for parameters outside their range.
+pub fn measure(
+    frames: impl Iterator<Item = Result<MovingFrame>>,
+    shape: ShapeParams,
+) -> Result<Option<Coherence>> {
+    let mut artist = Artist::new(shape);
+    let mut before: Option<Drawn> = None;
+    let mut rows = Vec::new();
+    for moving in frames {
+        let moving = moving?;
+        let drawn = artist.draw(&moving, before.as_ref())?;
+        if let (Some(before), Some(motion)) = (&before, &moving.motion) {
+            rows.push(artist.row(&moving, motion, before, &drawn)?);
+        }
+        before = Some(drawn);
+    }
+    let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64;
+    let means = [mean(|r| r.still), mean(|r| r.carried), mean(|r| r.floor)];
+    Ok((!rows.is_empty()).then_some(Coherence { rows, means }))
+}
+
+/// A frame drawn both ways.
+struct Drawn {
+    frame: Frame,
+    still: Plane,
+    carried: Plane,
+    coordinates: TextureCoordinates,
+}
+
+struct Artist {
+    runner: Runner,
+    shape: ShapeParams,
+    scaling: ScalingParams,
+    line: LineParams,
+    lamp: Illumination,
+}
+
+impl Artist {
+    fn new(shape: ShapeParams) -> Self {
+        let [azimuth, elevation] = LAMP;
+        Self {
+            runner: Runner::default(),
+            shape,
+            scaling: ScalingParams::default(),
+            line: LineParams {
+                contours: None,
+                ..LineParams::default()
+            },
+            lamp: Illumination {
+                directional: vec![DirectionalLight {
+                    to_light: direction_of(azimuth, elevation),
+                    intensity: [1.0; 3],
+                }],
+                ..Illumination::default()
+            },
+        }
+    }
+
+    fn draw(&mut self, moving: &MovingFrame, before: Option<&Drawn>) -> Result<Drawn> {
+        let frame = &moving.frame;
+        let tone = match frame.color {
+            Some(_) => ToneFrom::Enhanced,
+            None => {
+                let kinds = LightKinds::in_light(&self.lamp);
+                ToneFrom::Relit(RelightParams::default(), kinds)
+            }
+        };
+        let plan = self.plan(frame, tone)?;
+        let draw = |sequence| {
+            let inputs = DrawingInputs {
+                illumination: Some(&self.lamp),
+                sequence,
+                ..DrawingInputs::default()
+            };
+            self.runner.draw(&plan, frame, inputs)
+        };
+        let still = draw(None);
+        let carried = draw(Some(SequenceInputs {
+            before: before.map(|before| &before.coordinates),
+            motion: moving.motion.as_ref(),
+        }));
+        self.keep(&still);
+        let still = still.drawing.expect("a drawing was planned");
+        let carried = carried.drawing.expect("a drawing was planned");
+        Ok(Drawn {
+            frame: frame.clone(),
+            still: still.hatching,
+            carried: carried.hatching,
+            coordinates: carried.coordinates.expect("a sequence has coordinates"),
+        })
+    }
+
+    fn plan(&self, frame: &Frame, tone: ToneFrom) -> Result<Plan> {
+        let available = Available {
+            moving: true,
+            ..Available::in_frame(frame)
+        };
+        Plan::hatch(available, self.shape, self.scaling, tone, self.line)
+    }
+
+    /// What is chosen from the first frame holds for all.
+    fn keep(&mut self, outcome: &Outcome) {
+        let white = outcome.drawing.as_ref().map(|drawing| drawing.white_point);
+        for (chosen, used) in [
+            (&mut self.scaling.curvature_gain, outcome.gain),
+            (&mut self.scaling.white_level, outcome.white_level),
+            (&mut self.line.tone.white_point, white),
+        ] {
+            if let Some(used) = used {
+                *chosen = Adaptive::Fixed(used);
+            }
+        }
+    }
+
+    fn row(
+        &self,
+        moving: &MovingFrame,
+        motion: &Vector2Planes,
+        before: &Drawn,
+        drawn: &Drawn,
+    ) -> Result<Row> {
+        let frame = &moving.frame;
+        let seen = before.coordinates.seen_before(frame, motion);
+        let path = Path {
+            before: &before.frame,
+            frame,
+            motion,
+            seen: &seen,
+        };
+        let tone = 1.0 - mean(drawn.carried.samples(), &frame.mask) as f32;
+        let [first, then] = [&before.frame, frame].map(|frame| card(frame, tone));
+        let first = self.draw_card(&first, None)?;
+        let then = self.draw_card(&then, Some((&first.1, motion)))?;
+        let lengths = motion.x.samples().iter().zip(motion.y.samples());
+        let lengths: Vec<f32> = lengths.map(|(x, y)| x.hypot(*y)).collect();
+        let shares = drawn.coordinates.mean_shares();
+        Ok(Row {
+            frame: moving.number,
+            motion_px: mean(&lengths, &seen),
+            seen_before: seen.count() as f64 / frame.mask.count().max(1) as f64,
+            still: path.difference(&before.still, &drawn.still),
+            carried: path.difference(&before.carried, &drawn.carried),
+            floor: path.difference(&first.0, &then.0),
+            oldest_share: shares.first().copied().unwrap_or(1.0),
+        })
+    }
+
+    /// The ink on a card, and where its texture lies.
+    fn draw_card(
+        &self,
+        card: &Frame,
+        before: Option<(&TextureCoordinates, &Vector2Planes)>,
+    ) -> Result<(Plane, TextureCoordinates)> {
+        let mut line = self.line;
+        line.tone.white_point = Adaptive::Fixed(1.0);
+        let available = Available::in_frame(card);
+        let plan = Plan::hatch(available, self.shape, self.scaling, ToneFrom::Picture, line)?;
+        let inputs = DrawingInputs {
+            sequence: Some(SequenceInputs {
+                before: before.map(|(coordinates, _)| coordinates),
+                motion: before.map(|(_, motion)| motion),
+            }),
+            ..DrawingInputs::default()
+        };
+        let drawing = self.runner.draw(&plan, card, inputs).drawing;
+        let drawing = drawing.expect("a drawing was planned");
+        let coordinates = drawing.coordinates.expect("a sequence has coordinates");
+        Ok((drawing.hatching, coordinates))
+    }
+}
+
+/// A card of one tone that faces the viewer, with the outline and depth of `frame`.
+fn card(frame: &Frame, tone: f32) -> Frame {
+    let flat = |value| Plane::filled(frame.mask.width(), frame.mask.height(), value);
+    Frame {
+        normal: Vector3Planes {
+            x: flat(0.0),
+            y: flat(0.0),
+            z: flat(1.0),
+        },
+        normal_length: None,
+        color: Some(ColorPlanes {
+            r: flat(tone),
+            g: flat(tone),
+            b: flat(tone),
+        }),
+        alpha: None,
+        ..frame.clone()
+    }
+}
+
+fn mean(samples: &[f32], mask: &Mask) -> f64 {
+    let covered = samples.iter().zip(mask.plane().samples());
+    let covered = covered.filter(|(_, covered)| **covered);
+    let sum: f64 = covered.map(|(s, _)| f64::from(*s)).sum();
+    sum / mask.count().max(1) as f64
+}
+
+/// The way of the surface between two frames.
+struct Path<'a> {
+    before: &'a Frame,
+    frame: &'a Frame,
+    motion: &'a Vector2Planes,
+    /// The pixels that are compared.
+    seen: &'a Mask,
+}
+
+impl Path<'_> {
+    /// Mean absolute difference between the ink `before`, moved as the surface did, and the ink `now`.
+    fn difference(&self, before: &Plane, now: &Plane) -> f64 {
+        let (then, here) = (self.before.data_window, self.frame.data_window);
+        let (right, down) = (here.x0 - then.x0, here.y0 - then.y0);
+        let mut sum = 0.0;
+        for y in 0..self.seen.height() {
+            for run in self.seen.runs(y) {
+                for x in run {
+                    let u = x as f64 + f64::from(right) - f64::from(self.motion.x.at(x, y));
+                    let v = y as f64 + f64::from(down) + f64::from(self.motion.y.at(x, y));
+                    sum += (f64::from(now.at(x, y)) - between(before, u, v)).abs();
+                }
+            }
+        }
+        sum / self.seen.count().max(1) as f64
+    }
+}
+
+/// A plane between its pixels, linearly; its border goes on outside.
+fn between(plane: &Plane, x: f64, y: f64) -> f64 {
+    let inside = |at: f64, length: usize| at.clamp(0.0, length as f64 - 1.0);
+    let (x, y) = (inside(x, plane.width()), inside(y, plane.height()));
+    let (left, top) = (x.floor(), y.floor());
+    let at = |dx: usize, dy: usize| {
+        let column = (left as usize + dx).min(plane.width() - 1);
+        let row = (top as usize + dy).min(plane.height() - 1);
+        f64::from(plane.at(column, row))
+    };
+    let along = |dy| at(0, dy) + (x - left) * (at(1, dy) - at(0, dy));
+    along(0) + (y - top) * (along(1) - along(0))
+}

@@ -1,0 +1,164 @@
+//! Cards that are shifted and turned: their strokes are shifted and turned with them, and no others come.
+
+use super::*;
+
+const SIZE: [usize; 2] = [200, 140];
+
+fn card() -> Frame {
+    cards(Window::from_size(SIZE[0], SIZE[1]), 0.5, |_, _| Some(7.0))
+}
+
+/// Where a pixel was whose surface has come by whole columns and rows.
+fn shifted(columns: isize, rows: isize) -> impl Fn(usize, usize) -> Option<[usize; 2]> {
+    move |x, y| {
+        let (u, v) = (x as isize - columns, y as isize - rows);
+        let inside = (0..SIZE[0] as isize).contains(&u) && (0..SIZE[1] as isize).contains(&v);
+        inside.then_some([u as usize, v as usize])
+    }
+}
+
+#[test]
+fn a_first_frame_is_the_still_drawing() {
+    let frame = card();
+    let still = draw(&frame, ruled(30.0), None);
+    let mut drawing = first(&frame, ruled(30.0));
+    assert!(still.coordinates.is_none());
+    assert_eq!(drawing.hatching, still.hatching);
+    // And stays it while nothing moves.
+    let rest = motion(&frame, |_, _| [0.0; 2]);
+    for _ in 0..3 {
+        drawing = next(&drawing, &frame, &rest, ruled(30.0));
+        assert_eq!(drawing.hatching, still.hatching);
+    }
+}
+
+#[test]
+fn a_pan_moves_every_stroke_and_changes_none() {
+    let frame = card();
+    let still = first(&frame, ruled(30.0));
+    let pan = motion(&frame, |_, _| [3.0, -2.0]);
+    let mut drawing = first(&frame, ruled(30.0));
+    for step in 1..=20 {
+        drawing = next(&drawing, &frame, &pan, ruled(30.0));
+        // Whole pixels: places are whole ones and a half, all sums are exact, so every bit is there.
+        let carried = difference(
+            &drawing.hatching,
+            &still.hatching,
+            shifted(3 * step, -2 * step),
+        );
+        assert_eq!(carried, 0.0, "after {step} steps");
+        // What comes into view is drawn as the rest.
+        let tone = 1.0 - mean(&drawing.hatching, everywhere);
+        assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
+        assert_eq!(coordinates(&drawing).mean_shares(), [1.0]);
+    }
+    // Strokes that lie still: black and white meet by chance, half of the pixels being ink. Of two drawings
+    // that have nothing in common they differ at 2 * 1/2 * 1/2; lines are anti-aliased, so somewhat less.
+    let swimming = difference(&still.hatching, &still.hatching, shifted(3, -2));
+    assert!(swimming > 0.25, "{swimming}");
+}
+
+#[test]
+fn a_pan_by_parts_of_a_pixel_does_not_drift() {
+    let frame = card();
+    let still = first(&frame, ruled(30.0));
+    let pan = motion(&frame, |_, _| [0.3, 0.7]);
+    let mut drawing = first(&frame, ruled(30.0));
+    for _ in 0..20 {
+        drawing = next(&drawing, &frame, &pan, ruled(30.0));
+    }
+    // 6 columns and 14 rows. Places near 200 are rounded by 1e-5 a step, and ink rises from 0 to 1 over
+    // about a pixel: 20 steps leave less than 1e-3.
+    let carried = difference(&drawing.hatching, &still.hatching, shifted(6, 14));
+    assert!(carried < 1e-3, "{carried}");
+    assert_eq!(coordinates(&drawing).mean_shares(), [1.0]);
+}
+
+#[test]
+fn an_object_that_turns_in_the_picture_keeps_its_strokes() {
+    // A disc, turned by 5 degrees a frame, its strokes with it.
+    let side = 160;
+    let middle = side as f64 / 2.0;
+    let frame = cards(Window::from_size(side, side), 0.5, |x, y| {
+        let from = (x as f64 + 0.5 - middle).hypot(y as f64 + 0.5 - middle);
+        (from < 70.0).then_some(3.0)
+    });
+    let (sin, cos) = 5.0_f64.to_radians().sin_cos();
+    // Counterclockwise as seen, rows down: where (x, y) was is turned the other way.
+    let turn = motion(&frame, |x, y| {
+        let (x, y) = (x - middle, y - middle);
+        [x - (cos * x - sin * y), y - (sin * x + cos * y)]
+    });
+    let start = first(&frame, ruled(20.0));
+    let mut drawing = first(&frame, ruled(20.0));
+    for step in 1..=18 {
+        let degrees = 20.0 + 5.0 * step as f32;
+        drawing = next(&drawing, &frame, &turn, ruled(degrees));
+        assert_eq!(coordinates(&drawing).mean_shares(), [1.0], "at {degrees}");
+    }
+    // A right angle in all. What is at column x, row y was at column side - 1 - y, row x. Affine maps are kept
+    // by interpolation, so only rounding and the rim, which goes on from within, are left.
+    let inside = |x: usize, y: usize| frame.mask.at(x, y).then_some([side - 1 - y, x]);
+    let carried = difference(&drawing.hatching, &start.hatching, inside);
+    assert!(carried < 5e-3, "{carried}");
+    let elsewhere = |x: usize, y: usize| frame.mask.at(x, y).then_some([x, y]);
+    assert!(difference(&drawing.hatching, &start.hatching, elsewhere) > 0.25);
+}
+
+#[test]
+fn what_comes_out_from_behind_goes_on_as_if_it_had_been_seen() {
+    // A card of 60 x 60 passes at 4 px a frame over a background that stays.
+    let at = |step: usize| {
+        move |x: usize, y: usize| {
+            (10 + 4 * step..70 + 4 * step).contains(&x) && (40..100).contains(&y)
+        }
+    };
+    let scene = |step: usize| {
+        let front = at(step);
+        cards(Window::from_size(SIZE[0], SIZE[1]), 0.5, move |x, y| {
+            Some(if front(x, y) { 4.0 } else { 9.0 })
+        })
+    };
+    let start = first(&scene(0), ruled(75.0));
+    let mut drawing = first(&scene(0), ruled(75.0));
+    for step in 1..=25 {
+        let frame = scene(step);
+        let front = at(step);
+        let moves = motion(&frame, |x, y| match front(x as usize, y as usize) {
+            true => [4.0, 0.0],
+            false => [0.0; 2],
+        });
+        drawing = next(&drawing, &frame, &moves, ruled(75.0));
+        assert!(
+            drawing
+                .hatching
+                .samples()
+                .iter()
+                .all(|ink| (0.0..=1.0).contains(ink))
+        );
+        let tone = 1.0 - mean(&drawing.hatching, everywhere);
+        assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
+    }
+    // Both textures began as the still drawing: the background, hidden and seen again, has it still, the card
+    // has taken its part along.
+    let front = at(25);
+    let background = |x, y| (!front(x, y)).then_some([x, y]);
+    assert_eq!(
+        difference(&drawing.hatching, &start.hatching, background),
+        0.0
+    );
+    let card = |x, y| front(x, y).then(|| [x - 100, y]);
+    assert_eq!(difference(&drawing.hatching, &start.hatching, card), 0.0);
+}
+
+#[test]
+fn a_window_that_moves_over_the_picture_changes_nothing() {
+    let whole = card();
+    let still = first(&whole, ruled(30.0));
+    let [left, top] = [17, 9];
+    let part = whole.crop(Window::at(left, top, 120, 90));
+    let rest = motion(&part, |_, _| [0.0; 2]);
+    let drawing = next(&still, &part, &rest, ruled(30.0));
+    let from = |x, y| Some([x + left as usize, y + top as usize]);
+    assert_eq!(difference(&drawing.hatching, &still.hatching, from), 0.0);
+}

@@ -1,0 +1,229 @@
+//! Motion that distorts the texture, and motion that is no motion at all.
+
+use super::*;
+use relievo::frame::AWAY;
+use relievo::line::texture_coordinates::{distortion, soundness};
+
+const SIDE: usize = 256;
+
+fn card() -> Frame {
+    cards(Window::from_size(SIDE, SIDE), 0.5, |_, _| Some(7.0))
+}
+
+/// Motion toward or from the middle: what is `by` times as large as before.
+fn zoom(frame: &Frame, by: f64) -> Vector2Planes {
+    let middle = SIDE as f64 / 2.0;
+    motion(frame, |x, y| {
+        [x, y].map(|at| (at - middle) * (1.0 - 1.0 / by))
+    })
+}
+
+/// Mean size of what is drawn: the inverse of the mean change of ink from pixel to pixel.
+fn size(ink: &Plane) -> f64 {
+    let change = Plane::from_fn(SIDE - 1, SIDE - 1, |x, y| {
+        let here = ink.at(x, y);
+        (ink.at(x + 1, y) - here).hypot(ink.at(x, y + 1) - here)
+    });
+    mean(&change, everywhere).recip()
+}
+
+#[test]
+fn strokes_keep_their_size_while_the_camera_draws_near_or_away() {
+    // Four times as large, or small, in 24 frames.
+    for by in [4.0_f64.powf(1.0 / 24.0), 0.25_f64.powf(1.0 / 24.0)] {
+        let frame = card();
+        let moves = zoom(&frame, by);
+        let mut drawing = first(&frame, ruled(30.0));
+        let meant = size(&drawing.hatching);
+        let swims = {
+            let still = &drawing.hatching;
+            difference(still, still, |x, y| Some([x, (y + 3) % SIDE]))
+        };
+        let mut handed_over = 0;
+        for step in 1..=24 {
+            let before = drawing;
+            drawing = next(&before, &frame, &moves, ruled(30.0));
+            // A map is drawn up to a distortion of 1.5, less and less from 1.2 on.
+            let times = size(&drawing.hatching) / meant;
+            assert!(
+                (1.0 / 1.5..1.5).contains(&times),
+                "{times} after {step} steps of {by}"
+            );
+            let tone = 1.0 - mean(&drawing.hatching, everywhere);
+            assert!(
+                (tone - 0.5).abs() < 0.02,
+                "{tone} after {step} steps of {by}"
+            );
+            let shares = coordinates(&drawing).mean_shares();
+            assert!(
+                (shares.iter().sum::<f64>() - 1.0).abs() < 1e-5,
+                "{shares:?}"
+            );
+            handed_over += usize::from(shares.len() > 1);
+            // Never all anew: the middle of the picture hardly moves, and its strokes change little by little.
+            let middle = |at: usize| (SIDE / 2 - 20..SIDE / 2 + 20).contains(&at);
+            let changed = difference(&drawing.hatching, &before.hatching, |x, y| {
+                (middle(x) && middle(y)).then_some([x, y])
+            });
+            assert!(
+                changed < 0.7 * swims,
+                "{changed} of {swims} after {step} steps of {by}"
+            );
+        }
+        assert!(handed_over > 5);
+    }
+}
+
+#[test]
+fn a_leap_is_drawn_anew_at_once() {
+    // Three times as large in one step: a texture three times too large serves no more at all.
+    assert_eq!(
+        soundness(distortion(&[[1.0 / 3.0, 0.0], [0.0, 1.0 / 3.0]])),
+        0.0
+    );
+    let frame = card();
+    let still = first(&frame, ruled(30.0));
+    let drawing = next(&still, &frame, &zoom(&frame, 3.0), ruled(30.0));
+    let times = size(&drawing.hatching) / size(&still.hatching);
+    assert!((0.9..1.1).contains(&times), "{times}");
+    assert_eq!(coordinates(&drawing).mean_shares(), [1.0]);
+}
+
+#[test]
+fn a_ball_that_turns_in_depth_keeps_size_and_tone() {
+    // Its surface turns by 6 degrees a frame about the vertical: new surface at one rim all the time.
+    let radius = 110.0_f64;
+    let middle = SIDE as f64 / 2.0;
+    let frame = cards(Window::from_size(SIDE, SIDE), 0.5, |x, y| {
+        let (x, y) = (x as f64 + 0.5 - middle, y as f64 + 0.5 - middle);
+        let z = (radius * radius - x * x - y * y).sqrt();
+        (z > 0.0).then_some((1000.0 - z) as f32)
+    });
+    let (sin, cos) = 6.0_f64.to_radians().sin_cos();
+    let turn = motion(&frame, |x, y| {
+        let (x, y) = (x - middle, y - middle);
+        let z = (radius * radius - x * x - y * y).max(0.0).sqrt();
+        // It comes from z' = z cos + x sin; what was behind the rim was not seen.
+        match z * cos + x * sin > 0.0 {
+            true => [x - (x * cos - z * sin), 0.0],
+            false => [f64::from(AWAY), 0.0],
+        }
+    });
+    let mut drawing = first(&frame, ruled(30.0));
+    let meant = size(&drawing.hatching);
+    for step in 1..=30 {
+        drawing = next(&drawing, &frame, &turn, ruled(30.0));
+        let tone = 1.0 - mean(&drawing.hatching, |x, y| frame.mask.at(x, y));
+        assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
+        let times = size(&drawing.hatching) / meant;
+        assert!(
+            (1.0 / 1.5..1.5).contains(&times),
+            "{times} after {step} steps"
+        );
+    }
+}
+
+#[test]
+fn without_depth_motion_tells_what_was_hidden() {
+    // The card passes as above, told by its motion alone; from the third frame on motion can be compared.
+    let front = |step: usize| {
+        move |x: usize, y: usize| {
+            (10 + 4 * step..70 + 4 * step).contains(&x) && (40..100).contains(&y)
+        }
+    };
+    let mut frame = card();
+    frame.depth = None;
+    let start = first(&frame, ruled(75.0));
+    let mut drawing = first(&frame, ruled(75.0));
+    for step in 1..=25 {
+        let front = front(step);
+        let moves = motion(&frame, |x, y| match front(x as usize, y as usize) {
+            true => [4.0, 0.0],
+            false => [0.0; 2],
+        });
+        drawing = next(&drawing, &frame, &moves, ruled(75.0));
+    }
+    // Only what came out in the first step may have taken strokes of the card along: 4 columns.
+    let front = front(25);
+    let background = |x: usize, y: usize| (!front(x, y) && x > 20).then_some([x, y]);
+    let changed = difference(&drawing.hatching, &start.hatching, background);
+    assert!(changed < 1e-3, "{changed}");
+}
+
+#[test]
+fn threads_change_nothing() {
+    let frame = card();
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let mut drawing = first(&frame, ruled(30.0));
+            for _ in 0..8 {
+                drawing = next(&drawing, &frame, &zoom(&frame, 1.09), ruled(30.0));
+            }
+            drawing.hatching
+        })
+    };
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
+}
+
+#[test]
+fn motion_that_is_no_motion_gives_a_drawing_all_the_same() {
+    let odd = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        AWAY,
+        -1e30,
+        1e-30,
+        0.0,
+        7.25,
+    ];
+    for [width, height] in [[1, 1], [1, 9], [9, 1], [2, 2], [64, 3], [67, 33]] {
+        for covered in [0, 1, 3] {
+            let window = Window::from_size(width, height);
+            let mut frame = cards(window, 0.4, |x, y| {
+                (covered > 0 && (x + y) % covered == 0).then_some(5.0)
+            });
+            let mut drawing = first(&frame, ruled(30.0));
+            for step in 0..6 {
+                let any = |x: usize, y: usize| odd[(x * 7 + y * 3 + step) % odd.len()];
+                let moves = Vector2Planes {
+                    x: Plane::from_fn(width, height, any),
+                    y: Plane::from_fn(width, height, |x, y| any(y, x)),
+                };
+                let depth = frame.depth.as_mut().unwrap();
+                depth.samples_mut()[0] = odd[step];
+                drawing = next(&drawing, &frame, &moves, ruled(30.0));
+                let inks = drawing.hatching.samples();
+                assert!(inks.iter().all(|ink| (0.0..=1.0).contains(ink)), "{inks:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn frames_may_change_their_size_and_lose_their_surface() {
+    let sized = |width: usize, height: usize, covered: bool| {
+        cards(Window::from_size(width, height), 0.5, move |_, _| {
+            covered.then_some(5.0)
+        })
+    };
+    let rest = |frame: &Frame| motion(frame, |_, _| [0.0; 2]);
+    let small = sized(40, 30, true);
+    let drawing = first(&small, ruled(30.0));
+    let large = sized(90, 80, true);
+    let grown = next(&drawing, &large, &rest(&large), ruled(30.0));
+    assert_eq!(grown.hatching, draw(&large, ruled(30.0), None).hatching);
+    let nothing = sized(90, 80, false);
+    let gone = next(&grown, &nothing, &rest(&nothing), ruled(30.0));
+    assert!(gone.hatching.samples().iter().all(|&ink| ink == 0.0));
+    // What comes after nothing is drawn as something new.
+    let again = next(&gone, &large, &rest(&large), ruled(30.0));
+    let tone = 1.0 - mean(&again.hatching, everywhere);
+    assert!((tone - 0.5).abs() < 0.02, "{tone}");
+}
