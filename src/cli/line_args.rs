@@ -137,7 +137,7 @@ struct ContourFlags {
     /// Share of its width that a line across the faintest jump of depth, or along the bluntest crease, loses.
     #[arg(long, value_name = "SHARE", default_value_t = CONTOURS.jump_emphasis, allow_negative_numbers = true)]
     jump_emphasis: f32,
-    /// Lines that are shorter with all they are joined to are left out, in pixels; creases three times that.
+    /// Lines that are shorter with all they are joined to are left out, in pixels; creases twice that.
     #[arg(long, value_name = "PX", default_value_t = CONTOURS.shortest_px, allow_negative_numbers = true)]
     shortest_contour: f32,
     /// Pixels over which the open end of a line runs thin.

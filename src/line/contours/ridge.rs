@@ -50,11 +50,17 @@ impl Bands<'_> {
         for &pixel in self.pixels {
             is_left[pixel as usize] = true;
         }
+        let filled = self.gaps(&is_left);
+        for &pixel in &filled {
+            is_left[pixel as usize] = true;
+        }
         let mut waiting = Vec::new();
-        for level in self.by_weight_around() {
+        for level in self.by_weight_around(&filled) {
             waiting.extend(level);
             self.thin(&mut waiting, &mut is_left);
         }
+        // What is left is wider than any edge, or the whole picture: it need not lie in the middle.
+        while self.take(&mut waiting, &mut is_left, |_, _| true) {}
         waiting.sort_unstable();
         let links = waiting.iter().flat_map(|&pixel| {
             let bits = self.neighbours(pixel, &is_left);
@@ -69,48 +75,69 @@ impl Bands<'_> {
         Lattice::new(self.width, self.height, links)
     }
 
+    /// The pixels between bands that run so closely side by side that one line serves both.
+    fn gaps(&self, is_band: &[bool]) -> Vec<u32> {
+        let mut gaps = Vec::new();
+        for &pixel in self.pixels {
+            for [dx, dy] in [STEPS[0], STEPS[2]] {
+                let ahead = |i: i32| self.beside(pixel, [i * dx, i * dy]);
+                let is_in_band = |i: i32| ahead(i).is_some_and(|i| is_band[i]);
+                let wide = (1..=WIDEST_GAP + 1).find(|&i| is_in_band(i)).unwrap_or(1);
+                gaps.extend((1..wide).filter_map(ahead).map(|i| i as u32));
+            }
+        }
+        gaps.sort_unstable();
+        gaps.dedup();
+        gaps
+    }
+
     /// Takes away pixels layer by layer, from each of the four sides in turn: a line two pixels wide loses one
     /// side, not its length.
     fn thin(&self, waiting: &mut Vec<u32>, is_left: &mut [bool]) {
-        let mut take = |waiting: &mut Vec<u32>, may_go: &dyn Fn(u32, &[bool]) -> bool| {
-            let before = waiting.len();
-            let layer: Vec<bool> = waiting
-                .iter()
-                .map(|&pixel| may_go(pixel, is_left))
-                .collect();
-            let mut layer = layer.into_iter();
-            waiting.retain(|&pixel| {
-                let bits = self.neighbours(pixel, is_left);
-                let may_go = layer.next() == Some(true);
-                let stays = !may_go || bits.count_ones() < 2 || !is_simple(bits);
-                is_left[pixel as usize] = stays;
-                stays
-            });
-            before > waiting.len()
-        };
         for _ in 0..MOST_LAYERS {
-            let mut any = false;
-            // From below, the right, above and the left.
+            let before = waiting.len();
+            // From below, the right, above and the left. A band goes on beyond the picture.
             for side in [2, 0, 6, 4] {
-                any |= take(waiting, &|pixel, is_left| {
+                self.take(waiting, is_left, |pixel, is_left| {
                     let neighbour = self.beside(pixel, STEPS[side]);
-                    // A band goes on beyond the picture.
                     neighbour.is_some_and(|i| !is_left[i])
                 });
             }
-            if !any {
+            if waiting.len() == before {
                 break;
             }
         }
-        // What is left is wider than any edge, or the whole picture: it need not lie in the middle.
-        while take(waiting, &|_, _| true) {}
+    }
+
+    /// Takes away, one after the other, those of the waiting pixels that may go as things stand now and that
+    /// are not needed; whether there were any.
+    fn take(
+        &self,
+        waiting: &mut Vec<u32>,
+        is_left: &mut [bool],
+        may_go: impl Fn(u32, &[bool]) -> bool,
+    ) -> bool {
+        let before = waiting.len();
+        let layer: Vec<bool> = waiting
+            .iter()
+            .map(|&pixel| may_go(pixel, is_left))
+            .collect();
+        let mut layer = layer.into_iter();
+        waiting.retain(|&pixel| {
+            let bits = self.neighbours(pixel, is_left);
+            let may_go = layer.next() == Some(true);
+            let stays = !may_go || bits.count_ones() < 2 || !is_simple(bits);
+            is_left[pixel as usize] = stays;
+            stays
+        });
+        before > waiting.len()
     }
 
     /// The pixels in levels, those with the least weight around them first.
-    fn by_weight_around(&self) -> [Vec<u32>; LEVELS] {
+    fn by_weight_around(&self, filled: &[u32]) -> [Vec<u32>; LEVELS] {
         let mut levels = [(); LEVELS].map(|()| Vec::new());
-        for &pixel in self.pixels {
-            let mut sum = 4.0 * self.weight[pixel as usize];
+        for &pixel in self.pixels.iter().chain(filled) {
+            let mut sum = 4.0 * self.weight[pixel as usize].max(0.0);
             for (i, &step) in STEPS.iter().enumerate() {
                 let share = if i % 2 == 0 { 2.0 } else { 1.0 };
                 sum += share * self.weight_beside(pixel, step);
@@ -125,7 +152,7 @@ impl Bands<'_> {
     /// crack between them.
     pub fn middle(&self, pixel: u32) -> Vec2 {
         let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
-        let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize]);
+        let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize].max(0.0));
         for step in STEPS {
             let weight = self.weight_beside(pixel, step);
             sum += weight * Vec2::new(step[0] as f32, step[1] as f32);
@@ -139,6 +166,9 @@ impl Bands<'_> {
         Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset
     }
 }
+
+/// Bands so many pixels apart or fewer are one.
+const WIDEST_GAP: i32 = 2;
 
 /// Levels of weight that are taken away one after the other.
 const LEVELS: usize = 4;
@@ -184,6 +214,22 @@ mod tests {
         let left = ridges_of(20, 5, &weight);
         let on_crest = left.iter().all(|&i| (40..60).contains(&i));
         assert!(left.len() >= 18 && on_crest, "{left:?}");
+    }
+
+    #[test]
+    fn bands_side_by_side_are_one_line() {
+        // Rows 2 and 3, and rows 6 and 7: the two rows between them are filled, and one line runs in the middle.
+        // At the ends, where bands are less heavy, it may part.
+        let weight: Vec<f32> = (0..600)
+            .map(|i| [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0][i / 60])
+            .collect();
+        let left = ridges_of(60, 10, &weight);
+        let inner: Vec<u32> = left
+            .into_iter()
+            .filter(|i| (15..45).contains(&(i % 60)))
+            .collect();
+        let in_middle = inner.iter().all(|&i| i / 60 == 4 || i / 60 == 5);
+        assert!(inner.len() == 30 && in_middle, "{inner:?}");
     }
 
     #[test]

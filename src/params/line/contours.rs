@@ -19,7 +19,7 @@ pub struct ContourParams {
     /// against one before the background, or along a sharp one. At 1 faint lines vanish.
     pub jump_emphasis: f32,
     /// Length in pixels, 0 or more, that lines joined to each other must have together to be drawn; creases
-    /// three times that. 0 draws every speck of noise; high values lose small things.
+    /// twice that, blunt ones more. 0 draws every speck of noise; high values lose small things.
     pub shortest_px: f32,
     /// Length in pixels, 0 or more, over which the open end of a line runs thin. 0 ends it round.
     pub taper_px: f32,

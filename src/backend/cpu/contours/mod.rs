@@ -29,7 +29,7 @@ const GAP_PX: f32 = 8.0;
 
 /// Creases have to be this many times as long as silhouettes to be drawn: a hollow that is darker than its
 /// surroundings is seen without a line, and a rough surface is full of short ones.
-const CREASE_LENGTHS: f32 = 3.0;
+const CREASE_LENGTHS: f32 = 2.0;
 
 /// The weight that a crease must have somewhere.
 const PLAIN_CREASE: f32 = 0.5;
