@@ -483,6 +483,7 @@ mod tests {
         positions: true,
         normal_rounding: 0.0,
         light: LightAvailable::NONE,
+        moving: false,
     };
     const NOTHING: Available = Available {
         depth: false,
@@ -494,6 +495,7 @@ mod tests {
         positions: false,
         normal_rounding: 0.0,
         light: LightAvailable::NONE,
+        moving: false,
     };
 
     #[test]
