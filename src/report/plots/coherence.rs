@@ -4,8 +4,11 @@ use super::{FAINT, GRID, INK, SERIES, figure, text};
 use crate::report::coherence::{Coherence, Row};
 use plotters::prelude::*;
 
+/// A difference of a row.
+type Difference = fn(&Row) -> f64;
+
 /// What is measured of each frame, and what the plot calls it.
-const LINES: [(&str, fn(&Row) -> f64); 3] = [
+const LINES: [(&str, Difference); 3] = [
     ("still in the picture", |row| row.still),
     ("carried", |row| row.carried),
     ("floor", |row| row.floor),

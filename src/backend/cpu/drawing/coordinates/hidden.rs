@@ -26,18 +26,33 @@ struct HiddenPixel {
 /// those that go on from different pixels.
 const RELAXATIONS: usize = 6;
 
+/// Pixels beside the hidden that are taken for hidden too: next to an edge motion is told least well.
+const UNSURE: usize = 2;
+
 /// Pixels to each side of a root whose turn is averaged.
 const AROUND_ROOT: usize = 2;
 
 impl<'a> Hidden<'a> {
     pub(super) fn find(origins: &Plane<Origin>, surface: Surface<'a>) -> Self {
-        let known = origins.map(|origin| origin.is_known());
+        let mut known = origins.map(|origin| origin.is_known());
         let samples = known.samples().iter().zip(surface.covered.samples());
         let hidden = samples.enumerate();
         let hidden = hidden.filter(|(_, (known, covered))| **covered && !**known);
+        let mut hidden: Vec<usize> = hidden.map(|(at, _)| at).collect();
+        let mut edge = 0;
+        for _ in 0..UNSURE {
+            let from = std::mem::replace(&mut edge, hidden.len());
+            for i in from..edge {
+                for next in neighbours(hidden[i], &surface) {
+                    if std::mem::replace(&mut known.samples_mut()[next], false) {
+                        hidden.push(next);
+                    }
+                }
+            }
+        }
         let mut taken = known.clone();
         let mut front = VecDeque::new();
-        for (at, _) in hidden {
+        for at in hidden {
             let mut around = neighbours(at, &surface).into_iter();
             if let Some(root) = around.find(|&next| known.samples()[next]) {
                 taken.samples_mut()[at] = true;
