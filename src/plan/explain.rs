@@ -484,6 +484,7 @@ mod tests {
         normal_rounding: 0.0,
         moving: false,
         light: LightAvailable::NONE,
+        moving: false,
     };
     const NOTHING: Available = Available {
         depth: false,
@@ -496,6 +497,7 @@ mod tests {
         normal_rounding: 0.0,
         moving: false,
         light: LightAvailable::NONE,
+        moving: false,
     };
 
     #[test]

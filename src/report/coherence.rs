@@ -8,7 +8,7 @@ use crate::backend::cpu::{DrawingInputs, Outcome, Runner, SequenceInputs, Textur
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
-use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams};
+use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, ToneParams};
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
 
@@ -212,7 +212,12 @@ impl Artist {
         before: Option<(&TextureCoordinates, &Vector2Planes)>,
     ) -> Result<(Plane, TextureCoordinates)> {
         let mut line = self.line;
-        line.tone.white_point = Adaptive::Fixed(1.0);
+        // Its picture is the tone itself.
+        line.tone = ToneParams {
+            white_point: Adaptive::Fixed(1.0),
+            black_point: 0.0,
+            gamma: 1.0,
+        };
         let available = Available::in_frame(card);
         let plan = Plan::hatch(available, self.shape, self.scaling, ToneFrom::Picture, line)?;
         let inputs = DrawingInputs {

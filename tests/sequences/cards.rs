@@ -2,7 +2,7 @@
 
 use super::*;
 
-const SIZE: [usize; 2] = [200, 140];
+const SIZE: [usize; 2] = [400, 280];
 
 fn card() -> Frame {
     cards(Window::from_size(SIZE[0], SIZE[1]), 0.5, |_, _| Some(7.0))
@@ -36,7 +36,8 @@ fn a_first_frame_is_the_still_drawing() {
 fn a_pan_moves_every_stroke_and_changes_none() {
     let frame = card();
     let still = first(&frame, ruled(30.0));
-    let pan = motion(&frame, |_, _| [3.0, -2.0]);
+    // Across the strokes, not along them.
+    let pan = motion(&frame, |_, _| [2.0, 3.0]);
     let mut drawing = first(&frame, ruled(30.0));
     for step in 1..=20 {
         drawing = next(&drawing, &frame, &pan, ruled(30.0));
@@ -44,7 +45,7 @@ fn a_pan_moves_every_stroke_and_changes_none() {
         let carried = difference(
             &drawing.hatching,
             &still.hatching,
-            shifted(3 * step, -2 * step),
+            shifted(2 * step, 3 * step),
         );
         assert_eq!(carried, 0.0, "after {step} steps");
         // What comes into view is drawn as the rest.
@@ -54,7 +55,7 @@ fn a_pan_moves_every_stroke_and_changes_none() {
     }
     // Strokes that lie still: black and white meet by chance, half of the pixels being ink. Of two drawings
     // that have nothing in common they differ at 2 * 1/2 * 1/2; lines are anti-aliased, so somewhat less.
-    let swimming = difference(&still.hatching, &still.hatching, shifted(3, -2));
+    let swimming = difference(&still.hatching, &still.hatching, shifted(2, 3));
     assert!(swimming > 0.25, "{swimming}");
 }
 
@@ -67,7 +68,7 @@ fn a_pan_by_parts_of_a_pixel_does_not_drift() {
     for _ in 0..20 {
         drawing = next(&drawing, &frame, &pan, ruled(30.0));
     }
-    // 6 columns and 14 rows. Places near 200 are rounded by 1e-5 a step, and ink rises from 0 to 1 over
+    // 6 columns and 14 rows. Places near 400 are rounded by 3e-5 a step, and ink rises from 0 to 1 over
     // about a pixel: 20 steps leave less than 1e-3.
     let carried = difference(&drawing.hatching, &still.hatching, shifted(6, 14));
     assert!(carried < 1e-3, "{carried}");

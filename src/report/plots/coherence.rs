@@ -4,10 +4,11 @@ use super::{FAINT, GRID, INK, SERIES, figure, text};
 use crate::report::coherence::{Coherence, Row};
 use plotters::prelude::*;
 
-/// What the plot calls a measure, and how it is read off a frame.
-type Line = (&'static str, fn(&Row) -> f64);
+/// A difference of a row.
+type Difference = fn(&Row) -> f64;
 
-const LINES: [Line; 3] = [
+/// What is measured of each frame, and what the plot calls it.
+const LINES: [(&str, Difference); 3] = [
     ("still in the picture", |row| row.still),
     ("carried", |row| row.carried),
     ("floor", |row| row.floor),

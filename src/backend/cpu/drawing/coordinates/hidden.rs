@@ -2,14 +2,14 @@
 
 use super::places::{Surface, jacobian_at, place_at};
 use super::step::Origin;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Plane, Vector2Planes};
 use crate::line::texture_coordinates::{continued, turn};
 use std::collections::VecDeque;
 
 /// Pixels that were not seen before, as far as some next to them were that are of the same surface.
 pub(super) struct Hidden<'a> {
     known: Plane<bool>,
-    frame: &'a Frame,
+    surface: Surface<'a>,
     /// In the order of their distance from what is known.
     pixels: Vec<HiddenPixel>,
 }
@@ -26,19 +26,34 @@ struct HiddenPixel {
 /// those that go on from different pixels.
 const RELAXATIONS: usize = 6;
 
+/// Pixels beside the hidden that are taken for hidden too: next to an edge motion is told least well.
+const UNSURE: usize = 2;
+
 /// Pixels to each side of a root whose turn is averaged.
 const AROUND_ROOT: usize = 2;
 
 impl<'a> Hidden<'a> {
-    pub(super) fn find(origins: &Plane<Origin>, frame: &'a Frame) -> Self {
-        let known = origins.map(|origin| origin.is_known());
-        let samples = known.samples().iter().zip(frame.mask.plane().samples());
+    pub(super) fn find(origins: &Plane<Origin>, surface: Surface<'a>) -> Self {
+        let mut known = origins.map(|origin| origin.is_known());
+        let samples = known.samples().iter().zip(surface.covered.samples());
         let hidden = samples.enumerate();
         let hidden = hidden.filter(|(_, (known, covered))| **covered && !**known);
+        let mut hidden: Vec<usize> = hidden.map(|(at, _)| at).collect();
+        let mut edge = 0;
+        for _ in 0..UNSURE {
+            let from = std::mem::replace(&mut edge, hidden.len());
+            for i in from..edge {
+                for next in neighbours(hidden[i], &surface) {
+                    if std::mem::replace(&mut known.samples_mut()[next], false) {
+                        hidden.push(next);
+                    }
+                }
+            }
+        }
         let mut taken = known.clone();
         let mut front = VecDeque::new();
-        for (at, _) in hidden {
-            let mut around = neighbours(at, frame).into_iter();
+        for at in hidden {
+            let mut around = neighbours(at, &surface).into_iter();
             if let Some(root) = around.find(|&next| known.samples()[next]) {
                 taken.samples_mut()[at] = true;
                 front.push_back((at, root));
@@ -46,7 +61,7 @@ impl<'a> Hidden<'a> {
         }
         let mut pixels = Vec::new();
         while let Some((at, root)) = front.pop_front() {
-            let beside = neighbours(at, frame);
+            let beside = neighbours(at, &surface);
             for &next in &beside {
                 if !taken.samples()[next] {
                     taken.samples_mut()[next] = true;
@@ -57,7 +72,7 @@ impl<'a> Hidden<'a> {
         }
         Self {
             known,
-            frame,
+            surface,
             pixels,
         }
     }
@@ -72,7 +87,7 @@ impl<'a> Hidden<'a> {
         };
         let known = Surface {
             covered: &self.known,
-            depth: self.frame.depth.as_ref(),
+            ..self.surface
         };
         let turns: Vec<[f32; 2]> = self
             .pixels
@@ -129,7 +144,7 @@ fn turn_around(map: &Vector2Planes, known: &Surface, at: usize) -> [f32; 2] {
 }
 
 /// The covered pixels around one, those that share a side first, that are of the same surface.
-fn neighbours(at: usize, frame: &Frame) -> Vec<usize> {
+fn neighbours(at: usize, surface: &Surface) -> Vec<usize> {
     const AROUND: [[isize; 2]; 8] = [
         [-1, 0],
         [1, 0],
@@ -140,8 +155,8 @@ fn neighbours(at: usize, frame: &Frame) -> Vec<usize> {
         [-1, 1],
         [1, 1],
     ];
-    let (mask, surface) = (&frame.mask, Surface::of(frame));
-    let (width, height) = (mask.width() as isize, mask.height() as isize);
+    let covered = surface.covered;
+    let (width, height) = (covered.width() as isize, covered.height() as isize);
     let (x, y) = (at as isize % width, at as isize / width);
     let of_surface = |&[dx, dy]: &[isize; 2]| {
         let (u, v) = (x + dx, y + dy);

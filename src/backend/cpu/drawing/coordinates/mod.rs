@@ -93,7 +93,7 @@ impl TextureCoordinates {
     ) -> Self {
         let step = Step::new(self, frame, motion);
         let origins = step.origins();
-        let hidden = Hidden::find(&origins, frame);
+        let hidden = Hidden::find(&origins, Surface::of(frame, Some(motion)));
         let maps = self.maps.iter().filter_map(|map| {
             let fade = match map.fade < 1.0 {
                 true => map.fade - FADE_FRAMES.recip(),
@@ -115,7 +115,7 @@ impl TextureCoordinates {
             next: None,
             born: self.born,
         };
-        next.share_out(frame, memory);
+        next.share_out(frame, motion, memory);
         next
     }
 
@@ -125,9 +125,18 @@ impl TextureCoordinates {
         Mask::new(origins.map(|origin| origin.whole))
     }
 
+    /// The surface that the maps are of.
+    fn surface(&self) -> Surface<'_> {
+        Surface {
+            covered: self.mask.plane(),
+            depth: self.depth.as_ref(),
+            motion: self.motion.as_ref(),
+        }
+    }
+
     /// What the drawing is made of.
     pub(super) fn sheets(&self) -> Vec<Sheet<'_>> {
-        let surface = Surface::new(&self.mask, self.depth.as_ref());
+        let surface = self.surface();
         let moving = self.maps.iter().map(|map| Sheet {
             place: Some((&map.place, surface)),
             origin: [0.0; 2],
@@ -155,9 +164,9 @@ impl TextureCoordinates {
     }
 
     /// Gives every map its share, lets the next be born where it is time, and old ones go.
-    fn share_out(&mut self, frame: &Frame, memory: &Memory) {
+    fn share_out(&mut self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) {
         let covered = self.mask.count() as f64;
-        let surface = Surface::of(frame);
+        let surface = Surface::of(frame, Some(motion));
         let mut weighed = Weighed::of(&self.maps, &self.mask, &surface, memory);
         let asked = weighed.asked();
         if asked > URGENT * covered && self.maps.len() == MOST_MAPS {

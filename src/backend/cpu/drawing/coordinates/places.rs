@@ -1,12 +1,15 @@
 //! Maps of places: what lies next to what in them.
 
-use crate::frame::{Frame, Mask, Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::texture_coordinates::{Jacobian, calmed, jacobian};
 
 /// Largest step of depth, as a share of it, between pixels of one surface, and between frames, once the
 /// median of all is taken out. A surface that comes nearer by more in a frame is laid anew; behind an edge
 /// that is nearer than this to its background the background keeps strokes of what covered it.
 const DEPTH_STEP: f32 = 0.08;
+
+/// Without depth: largest difference of their motions, in pixels and as a share of the lesser.
+const MOTION_STEP: [f32; 2] = [1.5, 0.5];
 
 /// The place that a map gives the pixel of an index.
 #[inline(always)]
@@ -20,26 +23,31 @@ pub(in super::super) struct Surface<'a> {
     /// The pixels that have a place.
     pub(super) covered: &'a Plane<bool>,
     pub(super) depth: Option<&'a Plane>,
+    /// How it has moved; looked at where there is no depth.
+    pub(super) motion: Option<&'a Vector2Planes>,
 }
 
 impl<'a> Surface<'a> {
-    /// That of a frame.
-    pub(super) fn of(frame: &'a Frame) -> Self {
-        Self::new(&frame.mask, frame.depth.as_ref())
-    }
-
-    pub(super) fn new(mask: &'a Mask, depth: Option<&'a Plane>) -> Self {
+    /// That of a frame, and how it has moved where that is known.
+    pub(super) fn of(frame: &'a Frame, motion: Option<&'a Vector2Planes>) -> Self {
         Self {
-            covered: mask.plane(),
-            depth,
+            covered: frame.mask.plane(),
+            depth: frame.depth.as_ref(),
+            motion,
         }
     }
 
     /// Whether the pixel `next` to that at `at` shows the same surface, by index.
     #[inline(always)]
     pub(super) fn joins(&self, at: usize, next: usize) -> bool {
-        let is_one = |depth: &Plane| is_one_depth(depth.samples()[at], depth.samples()[next]);
-        self.covered.samples()[next] && self.depth.is_none_or(is_one)
+        if !self.covered.samples()[next] {
+            return false;
+        }
+        match (self.depth, self.motion) {
+            (Some(depth), _) => is_one_depth(depth.samples()[at], depth.samples()[next]),
+            (None, Some(motion)) => is_one_motion(place_at(motion, at), place_at(motion, next)),
+            (None, None) => true,
+        }
     }
 }
 
@@ -98,4 +106,12 @@ pub(super) fn is_one_depth(a: f32, b: f32) -> bool {
     // Depths that are no numbers part nothing.
     let parted = (a - b).abs() > DEPTH_STEP * a.abs().min(b.abs());
     !parted
+}
+
+/// Whether two motions, of neighbours or of one pixel in two frames, can be of one surface.
+#[inline(always)]
+pub(super) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
+    let length = |x: f32, y: f32| (x * x + y * y).sqrt();
+    let change = length(a[0] - b[0], a[1] - b[1]);
+    change <= MOTION_STEP[0] + MOTION_STEP[1] * length(a[0], a[1]).min(length(b[0], b[1]))
 }

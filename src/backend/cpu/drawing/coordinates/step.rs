@@ -1,7 +1,7 @@
 //! From one frame to the next: where the surface of every pixel was, and the places it had there.
 
 use super::hidden::Hidden;
-use super::places::{Surface, calmed_at, is_one_depth, jacobian_at, place_at};
+use super::places::{Surface, calmed_at, is_one_depth, is_one_motion, jacobian_at, place_at};
 use super::{PlaceMap, TextureCoordinates, origin_in};
 use crate::backend::cpu::ROWS_PER_TASK;
 use crate::backend::cpu::memory::Memory;
@@ -9,9 +9,6 @@ use crate::backend::cpu::passes::map_rows;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::texture_coordinates::{extrapolated, is_joined};
 use rayon::prelude::*;
-
-/// Without depth: largest change of motion from frame to frame, in pixels and as a share of the motion.
-const MOTION_STEP: [f32; 2] = [1.5, 0.5];
 
 /// How often places are averaged with those around them in each frame. What that takes from the curvature of a
 /// map is a thousandth of a pixel; what it takes from roughness of up to eight pixels is most.
@@ -153,10 +150,9 @@ impl<'a> Step<'a> {
         let Some(before) = &self.before.motion else {
             return true;
         };
-        let motion = [&self.motion.x, &self.motion.y].map(|plane| plane.at(now[0], now[1]));
-        let before = [&before.x, &before.y].map(|plane| plane.at(then[0], then[1]));
-        let change = (motion[0] - before[0]).hypot(motion[1] - before[1]);
-        change <= MOTION_STEP[0] + MOTION_STEP[1] * motion[0].hypot(motion[1])
+        let at =
+            |motion: &Vector2Planes, [x, y]: [usize; 2]| place_at(motion, y * motion.x.width() + x);
+        is_one_motion(at(self.motion, now), at(before, then))
     }
 
     /// What the depth of most of the frame changed by: a camera may move fast.
@@ -221,7 +217,7 @@ impl<'a> Step<'a> {
         });
         let mut moved = Vector2Planes { x, y };
         hidden.fill(&mut moved);
-        let surface = Surface::of(self.frame);
+        let surface = Surface::of(self.frame, Some(self.motion));
         for _ in 0..CALMINGS {
             let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
                 for run in mask.runs(y) {
@@ -259,7 +255,7 @@ impl<'a> Step<'a> {
         if joined {
             return Some(moved);
         }
-        let surface = Surface::new(&self.before.mask, self.before.depth.as_ref());
+        let surface = self.before.surface();
         let by = jacobian_at(&map.place, &surface, x, y);
         Some(extrapolated(here, &by, origin.offset(nearest)))
     }
