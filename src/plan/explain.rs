@@ -484,7 +484,6 @@ mod tests {
         normal_rounding: 0.0,
         moving: false,
         light: LightAvailable::NONE,
-        moving: false,
     };
     const NOTHING: Available = Available {
         depth: false,
@@ -497,7 +496,6 @@ mod tests {
         normal_rounding: 0.0,
         moving: false,
         light: LightAvailable::NONE,
-        moving: false,
     };
 
     #[test]
