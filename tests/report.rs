@@ -97,8 +97,8 @@ fn the_files_are_there_and_others_stay() {
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{plot}");
         count += 1;
     }
-    // The frame, three scenes, directions, the rim, lights and equations.
-    assert_eq!(count, 8);
+    // The frame, three scenes, directions, the rim, lights and equations, directions of strokes and strokes.
+    assert_eq!(count, 10);
     // A star that is no mark of bold is told from one that is.
     assert!(page.contains(" \\* |") && !page.contains("***"));
     // Every table has rows of as many cells as its head.
@@ -468,6 +468,75 @@ fn cost_by_lights_has_its_line() {
         .collect();
     // A disc of a tenth of the frame, to a border of pixels.
     assert!((pixels[1] / pixels[0] - 0.1).abs() < 2e-3, "{pixels:?}");
+}
+
+#[test]
+fn directions_of_strokes_come_nearer_to_the_full_field() {
+    let fields = RUN.json["drawing"]["fields"].as_array().unwrap();
+    let names: Vec<_> = fields.iter().map(|f| f["name"].as_str().unwrap()).collect();
+    assert_eq!(
+        names,
+        ["bust.exr", "ellipsoid", "ellipsoid, normals of 8 bits"]
+    );
+    for field in fields {
+        let rows = field["rows"].as_array().unwrap();
+        // 8, 4, 2 and 1 pixels of the picture to one of the field: the finer the nearer, and the last is it.
+        let p95: Vec<_> = rows[..4]
+            .iter()
+            .map(|row| number(&row["from_full"]["p95"]))
+            .collect();
+        assert!(p95.windows(2).all(|w| w[1] < w[0]), "{field}: {p95:?}");
+        assert_eq!(p95[3], 0.0);
+        // More passes are calmer.
+        let turn = |passes: u64| {
+            let at = |row: &&Value| row["cell_px"] == 4 && row["passes"] == passes;
+            number(&rows.iter().find(at).unwrap()["turn"])
+        };
+        assert!((1..=6).all(|passes| turn(passes) < turn(passes - 1)));
+        let known = field["name"] != "bust.exr";
+        assert!(
+            rows.iter()
+                .all(|row| row["from_exact"].is_object() == known)
+        );
+    }
+}
+
+#[test]
+fn a_dozen_or_two_levels_break_the_fewest_strokes() {
+    let rows = RUN.json["drawing"]["strokes"]["rows"].as_array().unwrap();
+    for sets in [1, 2, 4] {
+        let unbroken = |levels: u64| {
+            let at = |row: &&Value| row["sets"] == sets && row["levels"] == levels;
+            number(&rows.iter().find(at).unwrap()["unbroken"])
+        };
+        let best = [12, 16, 24].map(unbroken);
+        // [LA] section 6.2 takes 12 to 24. Fewer turn in jumps, more cut strokes to pieces.
+        for levels in [4, 72, 360] {
+            let worse = unbroken(levels);
+            assert!(
+                best.iter().all(|b| worse < 0.6 * b),
+                "{levels}: {worse}, {best:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn tones_are_drawn_within_two_hundredths() {
+    let tones = RUN.json["drawing"]["tones"].as_array().unwrap();
+    assert_eq!(tones.len(), 2 * 9);
+    for row in tones {
+        assert!(number(&row["worst"]) < 0.02, "{row}");
+    }
+    let page = RUN.read("report.md");
+    for said in [
+        "## Drawing",
+        "### Tones",
+        "strokes.svg",
+        "stroke-directions.svg",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
 }
 
 #[test]

@@ -161,6 +161,11 @@ fn files(report: &Report) -> Vec<(String, String)> {
         files.push((samples, plots::error_against_lights(subject)));
         files.push((equations, plots::both_equations(subject)));
     }
+    let drawing = &report.drawing;
+    let directions = plots::error_of_directions(&drawing.fields);
+    files.push((markdown::FIELD_PLOT.into(), directions));
+    let strokes = plots::strokes_by_levels(&drawing.strokes);
+    files.push((markdown::STROKES_PLOT.into(), strokes));
     files.extend(report.coherence.as_ref().map(|coherence| {
         let plot = plots::difference_by_frame(coherence);
         (markdown::COHERENCE_PLOT.into(), plot)

@@ -1,9 +1,11 @@
 //! The report as a page of Markdown.
 
 mod coherence;
+mod drawing;
 mod light;
 
 pub use coherence::COHERENCE_PLOT;
+pub use drawing::{FIELD_PLOT, STROKES_PLOT};
 pub use light::plot_names as light_plot_names;
 
 use super::Report;
@@ -44,6 +46,7 @@ pub fn page(report: &Report) -> String {
         directions(report),
         rim(report),
         light::section(&report.light),
+        drawing::section(&report.drawing),
         coherence::section(report.coherence.as_ref()),
         stability(&report.stability),
     ];
@@ -503,6 +506,10 @@ fn outcome(verdict: &Verdict) -> (&'static str, String) {
     match verdict {
         Verdict::Bounded(bounds) => ("bounded", values(bounds)),
         Verdict::Lit { largest, bound } => ("lit", format!("{largest:.3e} of {bound:.3e}")),
+        Verdict::Drawn {
+            ink,
+            bounds: [least, most],
+        } => ("drawn", format!("ink {ink:.4} of {least} to {most}")),
         Verdict::Warned { message, .. } | Verdict::Told { message, .. } => {
             ("warned", message.clone())
         }

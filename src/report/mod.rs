@@ -7,6 +7,7 @@
 pub mod advice;
 pub mod coherence;
 pub mod compare;
+pub mod drawing;
 pub mod light;
 pub mod light_reference;
 pub mod machine;
@@ -85,6 +86,8 @@ pub struct Report {
     pub rim_of_frame: Vec<rim::FrameRow>,
     /// Light.
     pub light: light::LightReport,
+    /// Drawings.
+    pub drawing: drawing::DrawingReport,
     /// Drawings of a sequence, where the report is of one; [`run`] leaves it open.
     pub coherence: Option<coherence::Coherence>,
     /// Stiff and extreme cases.
@@ -147,6 +150,7 @@ pub fn run(
     progress(&format!("{name}: foreshortening and min_nz"));
     let (rim_of_ball, rim_of_frame) = (rim::on_ball()?, rim::on_frame(frame, &shape)?);
     let light = light::run(name, frame, shape, extent, progress)?;
+    let drawing = drawing::run(name, frame, shape, extent, progress)?;
     progress("stiff and extreme cases");
     Ok(Report {
         version: env!("CARGO_PKG_VERSION"),
@@ -163,6 +167,7 @@ pub fn run(
         rim_of_ball,
         rim_of_frame,
         light,
+        drawing,
         coherence: None,
         stability: stability::all().iter().map(stability::Case::run).collect(),
     })

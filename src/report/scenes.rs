@@ -66,6 +66,17 @@ impl Scene {
         }
     }
 
+    /// A plane that faces the viewer, the whole picture covered.
+    pub fn plane(width: usize, height: usize) -> Self {
+        Self {
+            name: "plane",
+            about: "a plane that faces the viewer",
+            frame: frame(width, height, |_, _| Some((DVec3::Z, DISTANCE))),
+            foreshortening: 0.0,
+            truth: Truth::Unknown,
+        }
+    }
+
     /// A ball that fills nine tenths of the picture's lesser side.
     pub fn ball(width: usize, height: usize) -> Self {
         let radius = 0.45 * width.min(height) as f64;

@@ -148,6 +148,26 @@ fn in_turn(runner: &Runner, plans: &[Plan], frame: &Frame, effort: Effort) -> Ve
     runs.iter().map(|runs| Timed::of(runs)).collect()
 }
 
+/// Makes `run` once to warm up, then as often as `effort` says; what is not returned goes back to `runner`.
+pub fn measure_runs(
+    runner: &Runner,
+    effort: Effort,
+    run: impl Fn() -> Outcome,
+) -> (Outcome, Timed) {
+    runner.take_back(run());
+    let mut runs: Vec<Timings> = Vec::new();
+    let start = Instant::now();
+    loop {
+        let mut outcome = run();
+        runs.push(std::mem::take(&mut outcome.timings));
+        let enough = runs.len() >= effort.runs || start.elapsed() > effort.limit;
+        if enough && runs.len() >= 2 {
+            return (outcome, Timed::of(&runs));
+        }
+        runner.take_back(outcome);
+    }
+}
+
 /// How near a stage comes to what the machine can do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Utilisation {

@@ -185,7 +185,7 @@ fn subject(
 
 /// At most `most` columns and rows of `frame` around the middle of what is covered, without pictures:
 /// surfaces are white.
-fn middle(frame: &Frame, most: [usize; 2]) -> Frame {
+pub(super) fn middle(frame: &Frame, most: [usize; 2]) -> Frame {
     let (mask, data) = (&frame.mask, frame.data_window);
     let [mut sum_x, mut sum_y] = [0, 0];
     for y in 0..mask.height() {

@@ -1,4 +1,4 @@
-//! The list of cases: everything that shape analysis could stumble over, and what light adds.
+//! The list of cases: everything that shape analysis could stumble over, and what light and drawings add.
 
 use super::frames::{
     gentle, masked, noise, normals, relief, rough, through_a_file, with_conductance, with_depth,
@@ -22,6 +22,7 @@ pub fn all() -> Vec<Case> {
         time_cases(),
         rim_cases(),
         super::light_cases::all(),
+        super::drawing_cases::all(),
     ];
     groups.into_iter().flatten().collect()
 }

@@ -2,6 +2,7 @@
 //! gives a NaN or a panic.
 
 mod cases;
+mod drawing_cases;
 mod frames;
 mod light_cases;
 mod lit;
@@ -25,6 +26,8 @@ pub enum Expected {
     Bounded,
     /// A picture under new light within its bound, nothing to be said.
     Lit,
+    /// A drawing of as much ink as its tone asks for, nothing to be said.
+    Drawn,
     /// A result within its bounds, and a word to the user.
     Warned,
     /// No result, but the reason.
@@ -62,7 +65,14 @@ pub enum Verdict {
         /// What all light together could give.
         bound: f64,
     },
-    /// The same, and the user is told something.
+    /// Every value of a drawing is a share of ink, 0 to 1, and their mean is within its bounds.
+    Drawn {
+        /// The mean over what is covered.
+        ink: f64,
+        /// What it may be.
+        bounds: [f64; 2],
+    },
+    /// A picture within its bound, and the user is told something.
     #[serde(rename = "warned")]
     Told {
         /// What the user is told.
@@ -97,6 +107,7 @@ impl Verdict {
         match self {
             Self::Bounded(_) => expected == Expected::Bounded,
             Self::Lit { .. } => expected == Expected::Lit,
+            Self::Drawn { .. } => expected == Expected::Drawn,
             Self::Told { .. } | Self::Warned { .. } => expected == Expected::Warned,
             Self::Refused { .. } => expected == Expected::Refused,
             Self::Failed { .. } => false,

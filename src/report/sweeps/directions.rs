@@ -114,7 +114,7 @@ fn angles(scene: &Scene, found: &Vector2Planes) -> Tally {
 }
 
 /// The angle between two directions that are the same as their opposites; 90 degrees for none.
-fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
+pub fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
     if found == DVec2::ZERO {
         return 90.0;
     }

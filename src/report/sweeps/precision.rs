@@ -109,7 +109,7 @@ impl Stored {
 }
 
 /// The frame as it would be read, had it been stored so.
-pub(super) fn rounded(frame: &Frame, stored: Stored) -> Frame {
+pub fn rounded(frame: &Frame, stored: Stored) -> Frame {
     let (normal, length) = match stored {
         Stored::Float => return frame.clone(),
         Stored::Half => rounded_normals(frame, |v| f16::from_f32(v).to_f32()),

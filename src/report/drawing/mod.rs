@@ -1,0 +1,192 @@
+//! Drawings: error against time for levels, sets, passes and the field's resolution, and how true tones are.
+//!
+//! What is drawn is a card: the surface of a frame in one even tone, so that the drawing tells of strokes
+//! alone.
+
+pub mod field;
+pub mod strokes;
+pub mod tone;
+
+use super::Extent;
+use super::light::middle;
+use super::scenes::Scene;
+use super::sweeps::precision::{Stored, rounded};
+use super::timing::{Effort, Timed, measure_runs};
+use crate::Result;
+use crate::backend::cpu::{DrawingInputs, Outcome, Runner};
+use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
+use crate::params::{
+    Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, ToneParams,
+};
+use crate::plan::{Available, Plan, ToneFrom};
+use serde::Serialize;
+use std::time::Duration;
+
+/// Everything that was measured of drawings.
+#[derive(Debug, Clone, Serialize)]
+pub struct DrawingReport {
+    /// Directions, on the frame and on an ellipsoid.
+    pub fields: Vec<field::Sweep>,
+    /// Levels and sets, on the frame.
+    pub strokes: strokes::Sweep,
+    /// Tones of a flat card.
+    pub tones: Vec<tone::Row>,
+}
+
+/// Measures drawings of `frame`, called `name`.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn run(
+    name: &str,
+    frame: &Frame,
+    shape: ShapeParams,
+    extent: Extent,
+    progress: &dyn Fn(&str),
+) -> Result<DrawingReport> {
+    let (most, effort) = match extent {
+        Extent::Full => ([960, 720], effort(5, 200)),
+        Extent::Quick => ([480, 360], effort(3, 60)),
+    };
+    let part = middle(frame, most);
+    let bench = Bench::new(&part, shape, effort);
+    progress(&format!("{name}: directions of strokes"));
+    let mut fields = vec![field::sweep(name, &bench, None)?];
+    let (width, height) = super::scene_size(extent);
+    let ellipsoid = Scene::ellipsoid(width, height);
+    for stored in [Stored::Float, Stored::Byte] {
+        let frame = rounded(&ellipsoid.frame, stored);
+        let bench = Bench::new(&frame, ShapeParams::default(), effort);
+        let name = match stored {
+            Stored::Byte => "ellipsoid, normals of 8 bits",
+            Stored::Float | Stored::Half => "ellipsoid",
+        };
+        progress(&format!("{name}: directions of strokes"));
+        fields.push(field::sweep(name, &bench, Some(&ellipsoid))?);
+    }
+    progress(&format!("{name}: levels and sets of strokes"));
+    let strokes = strokes::sweep(name, &bench)?;
+    progress("tones of strokes");
+    let tones = tone::rows()?;
+    Ok(DrawingReport {
+        fields,
+        strokes,
+        tones,
+    })
+}
+
+fn effort(runs: usize, limit_ms: u64) -> Effort {
+    Effort {
+        runs,
+        limit: Duration::from_millis(limit_ms),
+    }
+}
+
+/// The tone in which strokes tell most of themselves.
+const HALF: f32 = 0.5;
+
+/// A card, to be drawn again and again in the same memory.
+struct Bench {
+    card: Frame,
+    shape: ShapeParams,
+    effort: Effort,
+    runner: Runner,
+}
+
+impl Bench {
+    /// The surface of `frame`, half dark.
+    fn new(frame: &Frame, shape: ShapeParams, effort: Effort) -> Self {
+        let mut bench = Self {
+            card: frame.clone(),
+            shape,
+            effort,
+            runner: Runner::default(),
+        };
+        bench.paint(HALF);
+        bench
+    }
+
+    /// Gives the card another tone.
+    fn paint(&mut self, tone: f32) {
+        let mask = &self.card.mask;
+        let even = Plane::filled(mask.width(), mask.height(), tone);
+        self.card.color = Some(ColorPlanes {
+            r: even.clone(),
+            g: even.clone(),
+            b: even,
+        });
+    }
+
+    /// The ink of its drawing, without contours.
+    fn ink(&self, line: LineParams) -> Result<Plane> {
+        Ok(hatching(self.draw(&self.plan(line)?)))
+    }
+
+    /// The same, and what the stages took.
+    fn timed(&self, line: LineParams) -> Result<(Plane, Timed)> {
+        let plan = self.plan(line)?;
+        let (outcome, timed) = measure_runs(&self.runner, self.effort, || self.draw(&plan));
+        Ok((hatching(outcome), timed))
+    }
+
+    fn draw(&self, plan: &Plan) -> Outcome {
+        let inputs = DrawingInputs::default();
+        self.runner.draw(plan, &self.card, inputs)
+    }
+
+    /// The directions that strokes follow.
+    fn field(&self, field: FieldParams) -> Result<Vector2Planes> {
+        let plan = self.plan(LineParams::default())?;
+        let directions = StrokeDirections::Max;
+        let fields = self
+            .runner
+            .stroke_fields(&plan, &self.card, &field, directions);
+        Ok(fields.into_iter().next().expect("one field was asked for"))
+    }
+
+    fn plan(&self, line: LineParams) -> Result<Plan> {
+        let line = LineParams {
+            tone: ToneParams {
+                white_point: Adaptive::Fixed(1.0),
+                black_point: 0.0,
+                gamma: 1.0,
+            },
+            contours: None,
+            ..line
+        };
+        Plan::hatch(
+            Available::in_frame(&self.card),
+            self.shape,
+            ScalingParams::default(),
+            ToneFrom::Picture,
+            line,
+        )
+    }
+}
+
+fn hatching(outcome: Outcome) -> Plane {
+    outcome.drawing.expect("a drawing was planned").hatching
+}
+
+/// Angles between directions, in degrees, over all pixels compared.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Angles {
+    /// Mean.
+    pub mean: f64,
+    /// What 95 in 100 stay below.
+    pub p95: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl Angles {
+    fn of(mut tally: super::compare::Tally) -> Self {
+        let p95 = tally.quantile(0.95);
+        let errors = tally.errors();
+        Self {
+            mean: errors.mean,
+            p95,
+            max: errors.max,
+        }
+    }
+}
