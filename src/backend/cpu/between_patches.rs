@@ -2,8 +2,8 @@
 
 use super::memory::Memory;
 use super::patches::{Links, NONE, Patches};
+use super::simd::Simd;
 use crate::frame::{Mask, Vector2Planes};
-use crate::line::direction_field::halve_row;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -18,6 +18,7 @@ impl BetweenPatches<'_> {
     /// Directions of pixels, between those of the patches around them; 0 where there is no patch.
     pub(super) fn all(&self, memory: &Memory) -> Vector2Planes {
         let grid = &self.patches.grid;
+        let simd = Simd::widest();
         let mut found = memory.vectors(self.mask);
         let width = found.x.width();
         let (x, y) = (found.x.samples_mut(), found.y.samples_mut());
@@ -31,7 +32,7 @@ impl BetweenPatches<'_> {
                 }
                 for (i, (x, y)) in x.chunks_mut(width).zip(y.chunks_mut(width)).enumerate() {
                     let span = self.mask.span(grid.y_pixels(row).start + i);
-                    halve_row(&mut x[span.clone()], &mut y[span]);
+                    simd.halve_row(&mut x[span.clone()], &mut y[span]);
                 }
             });
         found

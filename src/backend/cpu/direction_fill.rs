@@ -1,5 +1,6 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
+use super::ROWS_PER_TASK;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::line::direction::mean_direction;
 use crate::shape::conductance::face_conductance;
@@ -35,20 +36,21 @@ pub(super) fn fill(
         let fixed = fixed(i);
         mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
     };
-    let open = |i: usize| conductance.samples()[i] > 0.0;
     let mut field = Field { directions, width };
+    let is_open = |i: &usize| conductance.samples()[*i] > 0.0;
+    let (open, closed): (Vec<_>, Vec<_>) = field.lacking(mask).into_iter().partition(is_open);
     let through_faces = |from: usize, to: usize| {
         let c = conductance.samples();
         face_conductance(c[from], c[to])
     };
     let unturned = |_, mean, _| mean;
-    field.spread(PLANE_MARGIN_PX, open, through_faces, turned);
-    field.fix(|i| open(i) && is_flat(i), fixed);
-    field.spread(usize::MAX, open, through_faces, unturned);
-    field.fix(open, fixed);
-    let closed = |i: usize| mask.plane().samples()[i] && !open(i);
-    field.spread(usize::MAX, closed, |_, _| 1.0, unturned);
-    field.fix(closed, fixed);
+    field.spread(PLANE_MARGIN_PX, &open, through_faces, turned);
+    let on_planes: Vec<_> = open.iter().copied().filter(|&i| is_flat(i)).collect();
+    field.fix(&on_planes, fixed);
+    field.spread(usize::MAX, &open, through_faces, unturned);
+    field.fix(&open, fixed);
+    field.spread(usize::MAX, &closed, |_, _| 1.0, unturned);
+    field.fix(&closed, fixed);
 }
 
 /// Gives every covered pixel whose direction is 0 one, from whatever neighbours it has, wave after wave; the
@@ -59,15 +61,10 @@ pub(super) fn fill_rest(
     fixed: impl Fn(usize, usize) -> Vec2 + Sync,
 ) {
     let width = mask.width();
-    let covered = |i: usize| mask.plane().samples()[i];
     let mut field = Field { directions, width };
-    let all = field.directions.x.samples().len();
-    let is_done = |i: usize| !covered(i) || !field.lacks(i);
-    if (0..all).into_par_iter().all(is_done) {
-        return;
-    }
-    field.spread(usize::MAX, covered, |_, _| 1.0, |_, mean, _| mean);
-    field.fix(covered, |i| fixed(i % width, i / width));
+    let lacking = field.lacking(mask);
+    field.spread(usize::MAX, &lacking, |_, _| 1.0, |_, mean, _| mean);
+    field.fix(&lacking, |i| fixed(i % width, i / width));
 }
 
 /// Pixels over which a plane's direction turns from its neighbours' to the fixed one.
@@ -100,6 +97,19 @@ impl Field<'_> {
         self.at(i) == Vec2::ZERO
     }
 
+    /// The covered pixels whose direction is 0, in order.
+    fn lacking(&self, mask: &Mask) -> Vec<usize> {
+        let rows: Vec<Vec<usize>> = (0..mask.height())
+            .into_par_iter()
+            .with_min_len(ROWS_PER_TASK)
+            .map(|y| {
+                let pixels = mask.runs(y).flatten().map(|x| y * self.width + x);
+                pixels.filter(|&i| self.lacks(i)).collect()
+            })
+            .collect();
+        rows.concat()
+    }
+
     /// The pixels left, right, above and below.
     fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, count) = (self.width, self.directions.x.samples().len());
@@ -119,22 +129,25 @@ impl Field<'_> {
         mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
     }
 
-    /// Fills pixels of `part` from their neighbours in at most so many `waves`, as `settle` makes of the
-    /// mean and the number of the wave. Each wave sees only the waves before it, so the order within a
-    /// wave changes nothing.
+    /// Fills those of `pixels` that lack a direction from their neighbours in at most so many `waves`, as `settle`
+    /// makes of the mean and the number of the wave. Each wave sees only the waves before it, so the order
+    /// within a wave changes nothing.
     fn spread(
         &mut self,
         waves: usize,
-        part: impl Fn(usize) -> bool + Sync,
+        pixels: &[usize],
         weight: impl Fn(usize, usize) -> f32 + Sync,
         settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
     ) {
-        let all = self.directions.x.samples().len();
-        let mut waiting: Vec<bool> = (0..all)
-            .into_par_iter()
-            .map(|i| self.lacks(i) && part(i))
-            .collect();
-        let mut wave: Vec<usize> = (0..all).into_par_iter().filter(|&i| waiting[i]).collect();
+        let lacking = pixels.iter().copied().filter(|&i| self.lacks(i));
+        let mut wave: Vec<usize> = lacking.collect();
+        if wave.is_empty() {
+            return;
+        }
+        let mut waiting = vec![false; self.directions.x.samples().len()];
+        for &i in &wave {
+            waiting[i] = true;
+        }
         for number in 1..=waves {
             if wave.is_empty() {
                 break;
@@ -164,9 +177,9 @@ impl Field<'_> {
         next
     }
 
-    fn fix(&mut self, part: impl Fn(usize) -> bool, fixed: impl Fn(usize) -> Vec2) {
-        for i in 0..self.directions.x.samples().len() {
-            if part(i) && self.lacks(i) {
+    fn fix(&mut self, pixels: &[usize], fixed: impl Fn(usize) -> Vec2) {
+        for &i in pixels {
+            if self.lacks(i) {
                 self.set(i, fixed(i));
             }
         }

@@ -136,7 +136,10 @@ impl Patches {
                 count
             }));
         }
-        let all: Vec<Patch> = found.into_iter().flat_map(|(_, patches)| patches).collect();
+        let mut all = Vec::with_capacity(count as usize);
+        for (_, patches) in &found {
+            all.extend_from_slice(patches);
+        }
         let label = |x: usize, y: usize| labels[y * width + x];
         let pairs: Vec<[Vec<(u32, u32)>; 2]> = (0..grid.rows)
             .into_par_iter()
@@ -278,9 +281,13 @@ impl RowOfCells<'_> {
     fn whole(&self, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
         let margin = self.grid.cell_px / 4;
         let inner = |r: &Range<usize>| r.start + margin..r.end - margin;
-        let columns = inner(xs);
-        let middle = inner(ys).flat_map(|y| columns.clone().map(move |x| (x, y)));
-        self.mean(middle, self.grid.cell_px.pow(2))
+        let mut middle = Middle::default();
+        for y in inner(ys) {
+            for x in inner(xs) {
+                middle.add(self.frame, x, y);
+            }
+        }
+        middle.patch(self.frame, self.grid.cell_px.pow(2))
     }
 
     /// The patch of a part of a cell, likewise.
@@ -297,32 +304,46 @@ impl RowOfCells<'_> {
         };
         let least = places().map(off).min().unwrap_or(0);
         // All that are as near: one of two would prefer a side.
-        self.mean(places().filter(|&p| off(p) == least), pixels)
+        let mut middle = Middle::default();
+        for (x, y) in places().filter(|&p| off(p) == least) {
+            middle.add(self.frame, x, y);
+        }
+        middle.patch(self.frame, pixels)
+    }
+}
+
+/// Sums over the pixels in the middle of a patch.
+#[derive(Default)]
+struct Middle {
+    normal: DVec3,
+    at: DVec2,
+    depth: f64,
+    count: f64,
+}
+
+impl Middle {
+    fn add(&mut self, frame: &Frame, x: usize, y: usize) {
+        let n = &frame.normal;
+        self.normal += DVec3::new(
+            n.x.at(x, y).into(),
+            n.y.at(x, y).into(),
+            n.z.at(x, y).into(),
+        );
+        self.at += DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        if let Some(depth) = &frame.depth {
+            self.depth += f64::from(depth.at(x, y));
+        }
+        self.count += 1.0;
     }
 
-    fn mean(&self, places: impl Iterator<Item = (usize, usize)>, pixels: usize) -> Patch {
-        let (mut normal, mut at, mut depth, mut count) = (DVec3::ZERO, DVec2::ZERO, 0.0, 0.0);
-        let n = &self.frame.normal;
-        for (x, y) in places {
-            normal += DVec3::new(
-                n.x.at(x, y).into(),
-                n.y.at(x, y).into(),
-                n.z.at(x, y).into(),
-            );
-            at += DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            depth += self
-                .frame
-                .depth
-                .as_ref()
-                .map_or(0.0, |d| f64::from(d.at(x, y)));
-            count += 1.0;
-        }
-        let window = self.frame.data_window;
+    /// The means over them, for a patch of so many pixels.
+    fn patch(self, frame: &Frame, pixels: usize) -> Patch {
+        let window = frame.data_window;
         let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));
         Patch {
-            normal: normal.normalize_or_zero(),
-            at: corner + at / count,
-            depth: (depth / count) as f32,
+            normal: self.normal.normalize_or_zero(),
+            at: corner + self.at / self.count,
+            depth: (self.depth / self.count) as f32,
             pixels: pixels as u16,
         }
     }

@@ -15,6 +15,7 @@ use crate::light::layers::{
     LobeRow, TermScaling, add_change_row, add_direction_row, changed_row, group_sigma_row,
     kappa_row, kappa_toward_row, lobe_luminance_row, lobe_sigma_row, occlude_row,
 };
+use crate::line::direction_field::halve_row;
 use crate::line::hatching::{Hatching, Pixels};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
@@ -124,6 +125,7 @@ widened! {
         alpha: Option<&[f32]>,
         densities: &Densities,
     );
+    fn halve_row(x: &mut [f32], y: &mut [f32]);
     fn hatch_batch(pixels: &mut Pixels, directions: [&[f32]; 2], hatching: &Hatching);
     fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update);
     fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]);
@@ -267,8 +269,11 @@ mod tests {
         let threshold = SoftThreshold { lo: 0.1, hi: 0.5 };
         simd.silhouette_row(&mut silhouette, &x, &seen, columns(), threshold);
         simd.conductance_row(&mut conductance, &gx[0], &gy[0], &covered[0]);
+        let [mut half_x, mut half_y] = [gx[0].clone(), gy[0].clone()];
+        simd.halve_row(&mut half_x, &mut half_y);
 
         let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
+        results.extend([half_x, half_y]);
         for update in [Update::Step(0.2), Update::First, Update::Next] {
             let [mut out_x, mut out_y] = [20, 21].map(|seed| row(seed)[..WIDTH].to_vec());
             let g = [&gx, &gy].map(|rows| Stencil {
