@@ -1,27 +1,27 @@
-//! Error against run time of the stages of shape and of light, on a surface whose curvature is known.
+//! Error against run time of the stages of shape, of light and of drawings, on surfaces that are known.
 //!
 //! `cargo run --release --example measure -- [WIDTH HEIGHT [REPEATS]]`
 //!
 //! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N
 //! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too. Light is
-//! held against double precision at some hundred pixels.
+//! held against double precision at some hundred pixels, the ink of drawings against the tone asked for.
 
-use relievo::backend::cpu::{Outcome, Runner};
+use relievo::backend::cpu::{DrawingInputs, Outcome, Runner};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
-    Material, MaterialParams, Method, RelightParams, Samples, Scale, ScalingParams, ShapeParams,
-    Solver, Tangent,
+    Adaptive, LineParams, Material, MaterialParams, Method, RelightParams, Samples, Scale,
+    ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeParams, Style, Tangent, ToneParams,
 };
-use relievo::plan::{Available, Goal, LightKinds, Plan};
+use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use relievo::report::light::{bare, environment, lit::some_covered};
 use relievo::report::light_reference::{
     Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
 };
 use relievo::report::scenes::{HEIGHT, Scene, WAVE};
-use relievo::report::timing::{Effort, Timed, Times, measure};
+use relievo::report::timing::{Effort, Timed, Times, measure, measure_runs};
 use std::time::Duration;
 
 /// The stages from normals and depth to curvature.
@@ -76,7 +76,101 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (_, timed) = run(&covered_in_part(frame, 0.1), shape, repeats)?;
     let label = "50, 10 % covered | Chebyshev | | ";
     print_stages(label, &timed, width * height);
-    print_light(&Scene::waves(width, height).frame, repeats)
+    print_light(&Scene::waves(width, height).frame, repeats)?;
+    print_drawings(width, height, repeats)
+}
+
+/// The time of drawings beside the error of their tone, a half: of waves without an edge, and of a scene that
+/// is full of them.
+fn print_drawings(
+    width: usize,
+    height: usize,
+    repeats: usize,
+) -> Result<(), Box<dyn std::error::Error>> {
+    println!(
+        "\n| scene | drawing | error of tone | shape min ms | direction-field | hatching | contours |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let usual = LineParams {
+        tone: ToneParams {
+            white_point: Adaptive::Fixed(1.0),
+            black_point: 0.0,
+            gamma: 1.0,
+        },
+        ..LineParams::default()
+    };
+    let of_strokes = |strokes| LineParams { strokes, ..usual };
+    let drawings = [
+        ("pen", usual),
+        (
+            "pen, 2 sets",
+            of_strokes(StrokeParams {
+                sets: 2,
+                ..usual.strokes
+            }),
+        ),
+        (
+            "pen, crossed",
+            LineParams {
+                directions: StrokeDirections::Both,
+                ..usual
+            },
+        ),
+        (
+            "pencil",
+            of_strokes(StrokeParams {
+                style: Style::Pencil,
+                ..usual.strokes
+            }),
+        ),
+    ];
+    let scenes = [Scene::waves(width, height), Scene::barriers(width, height)];
+    for scene in scenes {
+        let half = Plane::filled(width, height, 0.5);
+        let frame = Frame {
+            color: Some(ColorPlanes {
+                r: half.clone(),
+                g: half.clone(),
+                b: half,
+            }),
+            ..scene.frame
+        };
+        for (name, line) in drawings {
+            print_drawing(&format!("{} | {name}", scene.name), &frame, line, repeats)?;
+        }
+    }
+    Ok(())
+}
+
+fn print_drawing(
+    label: &str,
+    frame: &Frame,
+    line: LineParams,
+    repeats: usize,
+) -> Result<(), relievo::Error> {
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let available = Available::in_frame(frame);
+    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
+    let runner = Runner::default();
+    let effort = Effort {
+        runs: repeats,
+        limit: Duration::MAX,
+    };
+    let draw = || runner.draw(&plan, frame, DrawingInputs::default());
+    let (outcome, timed) = measure_runs(&runner, effort, draw);
+    let ink = outcome.drawing.expect("a drawing was planned").hatching;
+    let covered = frame.mask.plane().samples().iter().zip(ink.samples());
+    let ink = covered.filter(|(covered, _)| **covered);
+    let ink: f64 = ink.map(|(_, &ink)| f64::from(ink)).sum();
+    let error = ink / frame.mask.count() as f64 - 0.5;
+    let milliseconds = |stages: &[&str]| -> f64 {
+        let times = stages.iter().filter_map(|stage| timed.stage(stage));
+        1e3 * times.map(|times| times.min).sum::<f64>()
+    };
+    let stages: [&[&str]; 4] = [&SHAPE, &["direction-field"], &["hatching"], &["contours"]];
+    let [shape, field, hatching, contours] = stages.map(milliseconds);
+    println!("| {label} | {error:+.4} | {shape:.1} | {field:.1} | {hatching:.1} | {contours:.1} |");
+    Ok(())
 }
 
 /// The time of new light beside its error.

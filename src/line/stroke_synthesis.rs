@@ -112,6 +112,7 @@ impl Painter<'_> {
         } = self.habits;
         let side = self.side as f32;
         let mut lanes = (side / spacing).round().max(1.0) as usize;
+        let widest = lanes as f32;
         let mut between = 0.0;
         let mut from = 0.0;
         loop {
@@ -120,8 +121,9 @@ impl Painter<'_> {
             let to = (2.0 * half_width * side / pitch / side).min(1.0);
             for lane in 0..lanes {
                 let place = radical_inverse(lane, lanes);
-                let y = (lane as f32 + between) * pitch;
-                self.lane(y, pitch, |jitter| {
+                let at = lane as f32 + between;
+                let stagger = GOLDEN * at * widest / lanes as f32 + between;
+                self.lane([at * pitch, pitch], stagger, |jitter| {
                     from + (to - from) * (place + jitter).clamp(0.0, 1.0)
                 });
             }
@@ -136,19 +138,21 @@ impl Painter<'_> {
         }
     }
 
-    /// Draws strokes end to end along a lane; `order` tells by chance when each appears.
-    fn lane(&mut self, y: f32, pitch: f32, order: impl Fn(f32) -> f32) {
+    /// Draws strokes end to end along a lane at `y`, moved on by `stagger` strokes; `order` tells when each appears
+    /// that comes so much earlier or later than its lane.
+    fn lane(&mut self, [y, pitch]: [f32; 2], stagger: f32, order: impl Fn(f32) -> f32) {
         let side = self.side as f32;
         let count = (side / self.habits.length).round().max(1.0);
         let step = side / count;
-        let start = side * self.random.unit();
         for i in 0..count as usize {
-            let stray = 0.3 * self.random.signed() * step;
+            let along = i as f32 + stagger + STRAY * self.random.signed();
+            let turn = (TURNS[0] * i as f32 + TURNS[1] * stagger / GOLDEN).fract();
+            let turn = 2.0 * turn - 1.0 + 0.3 * self.random.signed();
             let mark = Mark {
-                x: start + i as f32 * step + stray,
+                x: along * step,
                 y: y + 0.6 * self.habits.wobble * pitch * self.random.signed(),
-                half_length: 0.5 * step * (1.0 + 0.25 * self.random.signed()),
-                order: order(ORDER_JITTER * self.random.signed()),
+                half_length: 0.5 * step * (OVERLAP + 0.2 * self.random.signed()),
+                order: order(ORDER_JITTER * turn),
             };
             self.draw(&mark);
         }
@@ -194,6 +198,19 @@ impl Painter<'_> {
         *texel = [texel[0].min(ramp[0]), texel[1].min(ramp[1])];
     }
 }
+
+/// By how much of a stroke each lane is staggered against the one beside it: no two that lie close end at one
+/// place.
+const GOLDEN: f32 = 0.618_034;
+
+/// Steps along and across lanes of an order in which strokes that lie close appear far apart.
+const TURNS: [f32; 2] = [0.754_877_7, 0.569_840_3];
+
+/// How far, in strokes, one strays along its lane.
+const STRAY: f32 = 0.15;
+
+/// Length of a stroke over its share of a lane: strokes that meet end to end leave a gap as often as not.
+const OVERLAP: f32 = 1.05;
 
 /// How much earlier or later than its lane a stroke may come, as a share of all lanes.
 const ORDER_JITTER: f32 = 0.12;
