@@ -120,7 +120,7 @@ impl Form {
 /// Directions that agree add up to a vector as long as they are sure together, the third of `own`; where lines
 /// of forms meet, or noise, they cancel, and a form too small for the radius does not make a swirl.
 #[inline]
-pub fn calm([x, y, sure]: [f32; 3], around: [f32; 2]) -> [f32; 2] {
+pub fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
     let length = (x * x + y * y).sqrt();
     let agreement = if sure > 0.0 { length / sure } else { 0.0 };
     let share = ((agreement - AGREE.start) / (AGREE.end - AGREE.start)).clamp(0.0, 1.0);
@@ -133,47 +133,50 @@ pub fn calm([x, y, sure]: [f32; 3], around: [f32; 2]) -> [f32; 2] {
 /// on it leads alone: 0.8 is that of directions spread evenly over 65 degrees, 0.2 over 150.
 const AGREE: Range<f32> = 0.2..0.8;
 
-/// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s)
-/// and the weights' sums; the value itself, of weight 1, counts in. `reach` is more than 0.
+/// Three components and a weight, which is 1: what is summed along chains.
+pub type Weighted = [f32; 4];
+
+/// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s); the
+/// value itself, of weight 1, counts in. `reach` is more than 0.
 ///
 /// Sums of the values and of the values times their places give any such sum at once, however far it reaches.
-pub fn sums_along<const N: usize>(
-    chain: &[([f32; N], f32)],
-    sums: &mut [([f32; N], f32)],
-    scratch: &mut Vec<[[f64; 2]; N]>,
+#[inline(always)]
+pub fn sums_along(
+    sums: &mut [Weighted],
+    chain: &[Weighted],
+    reach: &[f32],
+    scratch: &mut Vec<[[f64; 4]; 2]>,
 ) {
     // Of all before a place: their sum, and that of each times its place.
     scratch.clear();
-    scratch.push([[0.0; 2]; N]);
-    let mut so_far = [[0.0; 2]; N];
-    for (i, (value, _)) in chain.iter().enumerate() {
-        for c in 0..N {
+    scratch.push([[0.0; 4]; 2]);
+    let [mut sum, mut moment] = [[0.0; 4]; 2];
+    for (i, value) in chain.iter().enumerate() {
+        for c in 0..4 {
             let value = f64::from(value[c]);
-            so_far[c][0] += value;
-            so_far[c][1] += i as f64 * value;
+            sum[c] += value;
+            moment[c] += i as f64 * value;
         }
-        scratch.push(so_far);
+        scratch.push([sum, moment]);
     }
     let last = chain.len() - 1;
-    for (i, (sum, &(value, reach))) in sums.iter_mut().zip(chain).enumerate() {
+    for (i, ((sum, value), &reach)) in sums.iter_mut().zip(chain).zip(reach).enumerate() {
         let reach = f64::from(reach);
         let slope = reach.recip();
         // The last place whose weight is above 0.
         let whole = reach as usize;
         let far = whole - usize::from(whole > 0 && whole as f64 == reach);
         let (back, ahead) = (far.min(i), far.min(last - i));
-        let weights = |n: usize| n as f64 - 0.5 * slope * (n * (n + 1)) as f64;
         let [before, here, after, end] =
             [i - back, i, i + 1, i + 1 + ahead].map(|place| &scratch[place]);
         let tilt = slope * i as f64;
-        let (rising, falling) = ([1.0 - tilt, slope], [1.0 + tilt, -slope]);
-        for c in 0..N {
-            let part = |k: usize| {
-                rising[k] * (here[c][k] - before[c][k]) + falling[k] * (end[c][k] - after[c][k])
-            };
-            sum.0[c] = (f64::from(value[c]) + (part(0) + part(1))) as f32;
+        for c in 0..4 {
+            let rising =
+                (1.0 - tilt) * (here[0][c] - before[0][c]) + slope * (here[1][c] - before[1][c]);
+            let falling =
+                (1.0 + tilt) * (end[0][c] - after[0][c]) - slope * (end[1][c] - after[1][c]);
+            sum[c] = (f64::from(value[c]) + (rising + falling)) as f32;
         }
-        sum.1 = (1.0 + weights(back) + weights(ahead)) as f32;
     }
 }
 
@@ -232,12 +235,14 @@ mod tests {
 
     #[test]
     fn surroundings_lead_where_directions_disagree() {
-        assert_eq!(calm([0.3, 0.0, 0.3], [0.0, 1.0]), [0.3, 0.0]);
-        assert_eq!(calm([0.0, 0.0, 0.3], [0.0, 1.0]), [0.0, 1.0]);
-        assert_eq!(calm([0.0, 0.0, 0.0], [0.0, 0.5]), [0.0, 0.5]);
-        assert_eq!(calm([0.85, 0.0, 1.0], [0.0, 1.0]), [0.85, 0.0]);
+        const AROUND: Weighted = [0.0, 1.0, 1.0, 1.0];
+        let own = |x, y, sure| [x, y, sure, 1.0];
+        assert_eq!(calm(own(0.3, 0.0, 0.3), AROUND), [0.3, 0.0]);
+        assert_eq!(calm(own(0.0, 0.0, 0.3), AROUND), [0.0, 1.0]);
+        assert_eq!(calm(own(0.0, 0.0, 0.0), AROUND), [0.0, 1.0]);
+        assert_eq!(calm(own(0.85, 0.0, 1.0), AROUND), [0.85, 0.0]);
         // Half as long as they are sure is the middle of 0.2 and 0.8: half of both.
-        let [x, y] = calm([0.5, 0.0, 1.0], [0.0, 1.0]);
+        let [x, y] = calm(own(0.5, 0.0, 1.0), AROUND);
         assert!((x - 0.25).abs() < 1e-6 && (y - 0.5).abs() < 1e-6);
     }
 
@@ -253,10 +258,10 @@ mod tests {
     fn sums_are_those_of_the_weights() {
         let values: Vec<f32> = (0..40).map(|i| ((i * i) % 17) as f32 - 8.0).collect();
         for reach in [0.5, 1.0, 1.5, 2.0, 6.0, 7.3, 100.0_f32] {
-            let chain: Vec<_> = values.iter().map(|&v| ([v, 1.0], reach)).collect();
-            let mut sums = vec![([0.0; 2], 0.0); 40];
-            sums_along(&chain, &mut sums, &mut Vec::new());
-            for (i, (sum, weights)) in sums.iter().enumerate() {
+            let chain: Vec<_> = values.iter().map(|&v| [v, 2.0 * v, 0.0, 1.0]).collect();
+            let mut sums = vec![[0.0; 4]; 40];
+            sums_along(&mut sums, &chain, &[reach; 40], &mut Vec::new());
+            for (i, sum) in sums.iter().enumerate() {
                 let weight = |j: usize| (1.0 - i.abs_diff(j) as f32 / reach).max(0.0);
                 let expected: f32 = (0..40).map(|j| weight(j) * values[j]).sum();
                 let expected_weights: f32 = (0..40).map(weight).sum();
@@ -264,8 +269,8 @@ mod tests {
                     (sum[0] - expected).abs() < 1e-3,
                     "{i} {reach}: {sum:?} {expected}"
                 );
-                assert!((weights - expected_weights).abs() < 1e-4);
-                assert!((sum[1] - weights).abs() < 1e-4);
+                assert!((sum[1] - 2.0 * expected).abs() < 2e-3);
+                assert!((sum[3] - expected_weights).abs() < 1e-4);
             }
         }
     }

@@ -31,6 +31,7 @@ impl Canvas {
             habits: Habits::new(stroke, texels_per_px, side),
             side,
             ramps: vec![[f32::INFINITY; 2]; side * side],
+            starts: Vec::new(),
             random,
         };
         painter.fill();
@@ -90,6 +91,8 @@ struct Painter<'a> {
     habits: Habits,
     side: usize,
     ramps: Vec<[f32; 2]>,
+    /// Where each lane lies, and where its strokes begin.
+    starts: Vec<(f32, f32)>,
     random: &'a mut Random,
 }
 
@@ -112,7 +115,6 @@ impl Painter<'_> {
         } = self.habits;
         let side = self.side as f32;
         let mut lanes = (side / spacing).round().max(1.0) as usize;
-        let widest = lanes as f32;
         let mut between = 0.0;
         let mut from = 0.0;
         loop {
@@ -121,9 +123,8 @@ impl Painter<'_> {
             let to = (2.0 * half_width * side / pitch / side).min(1.0);
             for lane in 0..lanes {
                 let place = radical_inverse(lane, lanes);
-                let at = lane as f32 + between;
-                let stagger = GOLDEN * at * widest / lanes as f32 + between;
-                self.lane([at * pitch, pitch], stagger, |jitter| {
+                let y = (lane as f32 + between) * pitch;
+                self.lane(y, pitch, |jitter| {
                     from + (to - from) * (place + jitter).clamp(0.0, 1.0)
                 });
             }
@@ -138,24 +139,46 @@ impl Painter<'_> {
         }
     }
 
-    /// Draws strokes end to end along a lane at `y`, moved on by `stagger` strokes; `order` tells when each appears
-    /// that comes so much earlier or later than its lane.
-    fn lane(&mut self, [y, pitch]: [f32; 2], stagger: f32, order: impl Fn(f32) -> f32) {
+    /// Draws strokes end to end along a lane; `order` tells by chance when each appears.
+    fn lane(&mut self, y: f32, pitch: f32, order: impl Fn(f32) -> f32) {
         let side = self.side as f32;
         let count = (side / self.habits.length).round().max(1.0);
         let step = side / count;
+        let start = self.start(y, pitch);
         for i in 0..count as usize {
-            let along = i as f32 + stagger + STRAY * self.random.signed();
-            let turn = (TURNS[0] * i as f32 + TURNS[1] * stagger / GOLDEN).fract();
-            let turn = 2.0 * turn - 1.0 + 0.3 * self.random.signed();
+            let along = start + i as f32 + STRAY * self.random.signed();
             let mark = Mark {
                 x: along * step,
                 y: y + 0.6 * self.habits.wobble * pitch * self.random.signed(),
                 half_length: 0.5 * step * (OVERLAP + 0.2 * self.random.signed()),
-                order: order(ORDER_JITTER * turn),
+                order: order(ORDER_JITTER * self.random.signed()),
             };
             self.draw(&mark);
         }
+    }
+
+    /// Where the strokes of a lane begin, in strokes, 0..1: of several places by chance that which is farthest from
+    /// where those of the lanes beside it do, so that no ends meet in a hole.
+    fn start(&mut self, y: f32, pitch: f32) -> f32 {
+        let side = self.side as f32;
+        let near = |&&(other, _): &&(f32, f32)| {
+            let apart = (other - y).abs();
+            apart.min(side - apart) < BESIDE * pitch
+        };
+        let beside: Vec<f32> = self.starts.iter().filter(near).map(|lane| lane.1).collect();
+        let room = |start: f32| {
+            let apart = beside.iter().map(|other| (other - start).abs());
+            apart
+                .map(|apart| apart.min(1.0 - apart))
+                .fold(0.5, f32::min)
+        };
+        let tries: [f32; TRIES] = std::array::from_fn(|_| self.random.unit());
+        let best = tries
+            .into_iter()
+            .max_by(|a, b| room(*a).total_cmp(&room(*b)));
+        let best = best.expect("there are several");
+        self.starts.push((y, best));
+        best
     }
 
     fn draw(&mut self, mark: &Mark) {
@@ -199,12 +222,10 @@ impl Painter<'_> {
     }
 }
 
-/// By how much of a stroke each lane is staggered against the one beside it: no two that lie close end at one
-/// place.
-const GOLDEN: f32 = 0.618_034;
-
-/// Steps along and across lanes of an order in which strokes that lie close appear far apart.
-const TURNS: [f32; 2] = [0.754_877_7, 0.569_840_3];
+/// How many lanes away others count as beside one, and how many places are tried. More of either make a
+/// pattern of ends that leans one way, and strokes seem to.
+const BESIDE: f32 = 1.2;
+const TRIES: usize = 3;
 
 /// How far, in strokes, one strays along its lane.
 const STRAY: f32 = 0.15;

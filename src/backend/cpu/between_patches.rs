@@ -64,6 +64,17 @@ impl BetweenPatches<'_> {
                     around[c + 3] + v.abs() * (beside - around[c + 3])
                 });
                 let steps = [left - here, right - here];
+                if let Some(places) = grid.four_across().filter(|_| is_whole && xs.len() == 4) {
+                    let of_four = |out: &mut [f32], here: f32, [left, right]: [f32; 2]| {
+                        let out = &mut out[i * width + xs.start..][..4];
+                        for (k, (out, u)) in out.iter_mut().zip(places).enumerate() {
+                            *out = here + u.abs() * if k < 2 { left } else { right };
+                        }
+                    };
+                    of_four(x, here.x, steps.map(|step| step.x));
+                    of_four(y, here.y, steps.map(|step| step.y));
+                    continue;
+                }
                 let pixels = x[i * width..][xs.clone()]
                     .iter_mut()
                     .zip(&mut y[i * width..][xs.clone()]);

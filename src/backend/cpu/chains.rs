@@ -1,7 +1,8 @@
 //! Chains: patches in a line, each going on in the next. What is averaged runs along them.
 
 use super::patches::{Links, NONE, Patches};
-use crate::line::direction_field::sums_along;
+use super::simd::Simd;
+use crate::line::direction_field::Weighted;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -49,9 +50,9 @@ impl Chains {
         }
     }
 
-    /// [`sums_along`] every chain, in the order of the chains.
-    fn sums<const N: usize>(&self, values: &[[f32; N]], reach: &[f32]) -> Vec<([f32; N], f32)> {
-        let mut sums = vec![([0.0; N], 0.0); values.len()];
+    /// The sums along every chain, in the order of the chains.
+    fn sums(&self, values: &[Weighted], reach: &[f32]) -> Vec<Weighted> {
+        let mut sums = vec![[0.0; 4]; values.len()];
         let mut rest = &mut sums[..];
         let mut parts = Vec::with_capacity(self.tasks.len());
         for task in &self.tasks {
@@ -60,15 +61,18 @@ impl Chains {
             parts.push((task, part));
             rest = after;
         }
+        let simd = Simd::widest();
         parts.into_par_iter().for_each_init(
-            || (Vec::new(), Vec::new()),
-            |(chain, scratch), (task, mut part)| {
+            || (Vec::new(), Vec::new(), Vec::new()),
+            |(chain, far, scratch), (task, mut part)| {
                 for range in task {
                     let (own, after) = part.split_at_mut(range.len());
+                    let members = &self.order[range.clone()];
                     chain.clear();
-                    let members = self.order[range.clone()].iter().map(|&i| i as usize);
-                    chain.extend(members.map(|i| (values[i], reach[i])));
-                    sums_along(chain, own, scratch);
+                    chain.extend(members.iter().map(|&i| values[i as usize]));
+                    far.clear();
+                    far.extend(members.iter().map(|&i| reach[i as usize]));
+                    simd.sums_along(own, chain, far, scratch);
                     part = after;
                 }
             },
@@ -93,7 +97,7 @@ impl Cross {
     }
 
     /// The means of `values` around each patch, along both axes as far as `reach`, in patches.
-    pub(super) fn mean<const N: usize>(&self, values: &[[f32; N]], reach: &[f32]) -> Vec<[f32; N]> {
+    pub(super) fn mean(&self, values: &[Weighted], reach: &[f32]) -> Vec<Weighted> {
         let (across, down) = rayon::join(
             || self.across.sums(values, reach),
             || self.down.sums(values, reach),
@@ -104,8 +108,8 @@ impl Cross {
                 &down[self.down.place[i] as usize],
             );
             // The patch itself is in both.
-            let weights = a.1 + b.1 - 1.0;
-            std::array::from_fn(|c| (a.0[c] + b.0[c] - values[i][c]) / weights)
+            let weights = a[3] + b[3] - 1.0;
+            std::array::from_fn(|c| (a[c] + b[c] - values[i][c]) / weights)
         };
         (0..values.len())
             .into_par_iter()

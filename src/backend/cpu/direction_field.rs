@@ -8,7 +8,7 @@ use super::memory::Memory;
 use super::patches::{Patch, Patches};
 use crate::frame::{DepthKind, Frame, Plane, Projection, SightLines, Vector2Planes};
 use crate::line::direction::{fixed_direction, fixed_second_direction};
-use crate::line::direction_field::{Form, calm, doubled};
+use crate::line::direction_field::{Form, Weighted, calm, doubled};
 use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
 use crate::params::{Fallback, FieldParams, StrokeDirections};
 use crate::plan::Plan;
@@ -103,6 +103,9 @@ const FREE: f32 = 4.0 * FALLBACK;
 const SURROUNDINGS: f32 = 4.0;
 const SURROUNDING_PASSES: u32 = 2;
 
+/// A patch of which no curvature is known.
+const NO_FORM: Weighted = [0.0, 0.0, 0.0, 1.0];
+
 /// The most, and the least, that depth makes of the radius.
 const NEAR: f32 = 2.0;
 const FAR: f32 = 0.25;
@@ -157,18 +160,18 @@ impl<'a> Field<'a> {
     }
 
     /// The curvature of every patch, averaged nearby.
-    fn forms(&self, cross: &Cross) -> Vec<[f32; 3]> {
+    fn forms(&self, cross: &Cross) -> Vec<Weighted> {
         let all = &self.patches.all;
-        let forms: Vec<[f32; 3]> = (0..all.len())
+        let forms: Vec<Weighted> = (0..all.len())
             .into_par_iter()
             .with_min_len(PATCHES_PER_TASK)
-            .map(|i| self.form(i).unwrap_or_default())
+            .map(|i| self.form(i).unwrap_or(NO_FORM))
             .collect();
         cross.mean(&forms, &vec![FORM_REACH * self.cells; all.len()])
     }
 
     /// The tensor of curvature of a patch, per pixel, from the patches around it.
-    fn form(&self, i: usize) -> Option<[f32; 3]> {
+    fn form(&self, i: usize) -> Option<Weighted> {
         let here = &self.patches.all[i];
         let ray = |links: &[u32]| {
             let there: &Patch = self.patches.all.get(links[i] as usize)?;
@@ -194,15 +197,15 @@ impl<'a> Field<'a> {
         ];
         let tensor = curvature_tensor(here.normal, sides)?;
         let [x, y] = (tensor.deviator / self.pixels).to_array();
-        let found = [x, y, tensor.mean / self.pixels].map(|v| v as f32);
+        let found = [x, y, tensor.mean / self.pixels, 1.0].map(|v| v as f32);
         found.iter().all(|v| v.is_finite()).then_some(found)
     }
 
     /// The directions of patches, of the larger curvature in family 0, of the lesser in 1: see [`calm`].
-    fn doubled(&self, forms: &[[f32; 3]], family: usize, order: usize) -> Vec<[f32; 3]> {
+    fn doubled(&self, forms: &[Weighted], family: usize, order: usize) -> Vec<Weighted> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
         all.zip(forms)
-            .map(|(patch, &[x, y, mean])| {
+            .map(|(patch, &[x, y, mean, _])| {
                 let form = Form {
                     deviator: DVec2::new(x.into(), y.into()),
                     mean: mean.into(),
@@ -211,7 +214,7 @@ impl<'a> Field<'a> {
                 let fallback = self.fallback(patch.at.x, patch.at.y, patch.normal, order);
                 let (sure, flat) = (own.length(), form.flatness(self.doubt) as f32);
                 let sum = own + flat * doubled(fallback);
-                [sum.x, sum.y, sure + flat]
+                [sum.x, sum.y, sure + flat, 1.0]
             })
             .collect()
     }
@@ -230,16 +233,16 @@ impl<'a> Field<'a> {
     }
 
     /// Directions averaged, pass after pass; where they disagree, their surroundings lead.
-    fn calmed(&self, mut found: Vec<[f32; 3]>, cross: &Cross, reach: &[f32]) -> Vec<[f32; 2]> {
+    fn calmed(&self, mut found: Vec<Weighted>, cross: &Cross, reach: &[f32]) -> Vec<[f32; 2]> {
         for _ in 0..self.params.passes {
             found = cross.mean(&found, reach);
         }
         if self.params.passes == 0 {
-            return found.iter().map(|&[x, y, _]| [x, y]).collect();
+            return found.iter().map(|&[x, y, ..]| [x, y]).collect();
         }
         let wide: Vec<f32> = reach.iter().map(|r| SURROUNDINGS * r).collect();
-        let mut around: Vec<[f32; 2]> = found.iter().map(|&[x, y, _]| [x, y]).collect();
-        for _ in 0..SURROUNDING_PASSES {
+        let mut around = cross.mean(&found, &wide);
+        for _ in 1..SURROUNDING_PASSES {
             around = cross.mean(&around, &wide);
         }
         let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);

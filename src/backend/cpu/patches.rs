@@ -80,6 +80,11 @@ impl Grid {
         self.places[(pixel + self.cut[axis]) % self.cell_px]
     }
 
+    /// The places of the pixels across a cell of the usual four, the first two left of its middle.
+    pub(super) fn four_across(&self) -> Option<[f32; 4]> {
+        (self.cell_px == 4).then(|| std::array::from_fn(|i| self.places[i]))
+    }
+
     /// Samples of a plane, one part per row of cells.
     pub(super) fn bands<'a, T>(&self, mut samples: &'a mut [T]) -> Vec<&'a mut [T]> {
         let mut bands = Vec::with_capacity(self.rows);
@@ -239,18 +244,13 @@ impl RowOfCells<'_> {
         let mut open = [false; MAX_CELL_PX * MAX_CELL_PX];
         let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
         let (mut counts, mut patches) = (Vec::with_capacity(self.grid.columns), Vec::new());
+        let least = self.least_conductance(&ys);
+        labels.fill(0);
         for column in 0..self.grid.columns {
             let xs = self.grid.x_pixels(column);
             let size = xs.len() * ys.len();
-            let is_open = |y: usize| {
-                self.conductance.row(y)[xs.clone()]
-                    .iter()
-                    .all(|&c| c > OPEN)
-            };
-            if size == self.grid.cell_px.pow(2) && ys.clone().all(is_open) {
-                for row in labels.chunks_mut(width) {
-                    row[xs.clone()].fill(0);
-                }
+            let is_open = least[xs.clone()].iter().all(|&c| c > OPEN);
+            if is_open && size == self.grid.cell_px.pow(2) {
                 counts.push(1);
                 patches.push(self.whole(&xs, &ys));
                 continue;
@@ -263,9 +263,6 @@ impl RowOfCells<'_> {
             }
             let count = label_cell(open, own, xs.len());
             counts.push(count as u32);
-            if count == 0 {
-                continue;
-            }
             for (i, row) in own.chunks(xs.len()).enumerate() {
                 labels[i * width + xs.start..][..xs.len()].copy_from_slice(row);
             }
@@ -274,6 +271,17 @@ impl RowOfCells<'_> {
             }
         }
         (counts, patches)
+    }
+
+    /// The least conductance of each column of pixels within the row of cells.
+    fn least_conductance(&self, ys: &Range<usize>) -> Vec<f32> {
+        let mut least = self.conductance.row(ys.start).to_vec();
+        for y in ys.clone().skip(1) {
+            for (least, &c) in least.iter_mut().zip(self.conductance.row(y)) {
+                *least = least.min(c);
+            }
+        }
+        least
     }
 
     /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would lie beneath

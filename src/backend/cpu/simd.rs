@@ -15,7 +15,7 @@ use crate::light::layers::{
     LobeRow, TermScaling, add_change_row, add_direction_row, changed_row, group_sigma_row,
     kappa_row, kappa_toward_row, lobe_luminance_row, lobe_sigma_row, occlude_row,
 };
-use crate::line::direction_field::halve_row;
+use crate::line::direction_field::{Weighted, halve_row, sums_along};
 use crate::line::hatching::{Hatching, Pixels};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::Rows;
@@ -126,6 +126,12 @@ widened! {
         densities: &Densities,
     );
     fn halve_row(x: &mut [f32], y: &mut [f32]);
+    fn sums_along(
+        sums: &mut [Weighted],
+        chain: &[Weighted],
+        reach: &[f32],
+        scratch: &mut Vec<[[f64; 4]; 2]>,
+    );
     fn hatch_batch(pixels: &mut Pixels, directions: [&[f32]; 2], hatching: &Hatching);
     fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update);
     fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]);
@@ -274,6 +280,13 @@ mod tests {
 
         let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
         results.extend([half_x, half_y]);
+        let chain: Vec<Weighted> = (0..WIDTH)
+            .map(|i| [gx[0][i], gy[0][i], gx[1][i], 1.0])
+            .collect();
+        let reach: Vec<f32> = gy[1].iter().map(|v| 0.5 + 9.0 * v).collect();
+        let mut sums = vec![[0.0; 4]; WIDTH];
+        simd.sums_along(&mut sums, &chain, &reach[..WIDTH], &mut Vec::new());
+        results.push(sums.concat());
         for update in [Update::Step(0.2), Update::First, Update::Next] {
             let [mut out_x, mut out_y] = [20, 21].map(|seed| row(seed)[..WIDTH].to_vec());
             let g = [&gx, &gy].map(|rows| Stencil {
