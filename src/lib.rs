@@ -49,6 +49,8 @@
 //! - **\[LA\]** Y. Kim, J. Yu, X. Yu, S. Lee: *Line-Art Illustration of Dynamic and Specular Surfaces*.
 //!   ACM Transactions on Graphics 27(5), SIGGRAPH Asia 2008.
 //!   <https://doi.org/10.1145/1409060.1409109>
+//! - **\[JL\]** B. Jobard, W. Lefer: *Creating Evenly-Spaced Streamlines of Arbitrary Density*.
+//!   Visualization in Scientific Computing, 1997. <https://doi.org/10.1007/978-3-7091-6876-9_5>
 //! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 

@@ -83,6 +83,7 @@ Examples:
   relievo hatch render.exr -o pencil.png --style pencil --directions both
   relievo hatch render.exr --light 135,30 --method warp -o raking.png
   relievo hatch photo.jpg --normal normals.png -o print.png --stroke-scale 0.3mm --dpi 600
+  relievo hatch render.exr -o plotter.svg --pressure 0    lines of one pen
   relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png";
 
 const REPORT_EXAMPLES: &str = "\

@@ -22,6 +22,7 @@ pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
     } = args;
     let light_files: Vec<_> = light.files().collect();
     refuse_inputs(work, light_files.iter().map(PathBuf::as_path))?;
+    let kind = Kind::of(&work.output.output)?;
     let job = Job::new(work)?;
     let light = light.inputs(scaling);
     let scaling = ScalingParams {
@@ -41,7 +42,7 @@ pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
         .or(frame.color.as_ref())
         .expect("a picture was loaded");
     let alpha = frame.alpha.as_ref();
-    match job.kind {
+    match kind {
         Kind::Picture(format) => {
             let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
             let transform = work.output.view_transform.into();

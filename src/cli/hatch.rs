@@ -16,11 +16,13 @@ use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::{LightInputs, LobeChoice};
 use crate::io::picture::Picture;
 use crate::io::sequence::path_of_frame;
+use crate::io::svg;
 use crate::io::{self, Loaded};
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
     Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
+    Style,
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
@@ -105,11 +107,17 @@ impl<'a> Hatcher<'a> {
         let files: Vec<_> = relight.files().collect();
         refuse_inputs(work, files.iter().map(PathBuf::as_path))?;
         work.shape.refuse_more_scales()?;
+        let mut line = args.params();
+        if is_svg(&work.output.output) {
+            in_lines(&mut line.strokes)?;
+        } else {
+            Kind::of(&work.output.output)?;
+        }
         let looks = Looks {
             shape: work.shape.params(),
             scaling: relight.scaling.params(work.shape.curvature_gain),
             light: relight.params(),
-            line: args.params(),
+            line,
         };
         looks.shape.validate()?;
         looks.scaling.validate()?;
@@ -151,7 +159,7 @@ impl<'a> Hatcher<'a> {
             outcome,
             read,
         };
-        write(work, job, &done)?;
+        write(work, job, &done, self.looks.line.strokes.dpi)?;
         let mut drawing = done.outcome.drawing.take().expect("a drawing was planned");
         if frame.is_some() {
             self.looks.keep(&done.outcome, &drawing);
@@ -209,6 +217,21 @@ impl<'a> Hatcher<'a> {
     }
 }
 
+/// An SVG holds lines, whatever the pen.
+fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
+    match strokes.style {
+        Style::Pen | Style::Lines => strokes.style = Style::Lines,
+        Style::Pencil | Style::Pictures => {
+            return Err(Error::BadParameter {
+                name: "--style",
+                found: "is a texture, and an SVG holds lines".into(),
+                remedy: "leave it out, or write a .png".into(),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// The texture of strokes in a folder of pictures.
 fn own_map(path: &Path, strokes: &StrokeParams) -> Result<TonalArtMap> {
     let StrokeScale::Factor(factor) = strokes.scale else {
@@ -233,18 +256,54 @@ fn lamp() -> DirectionalLight {
     }
 }
 
-fn write(work: &WorkArgs, job: &Job, done: &Done) -> Result<()> {
+/// Whether a drawing is written as lines.
+fn is_svg(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+}
+
+/// The lines of a drawing on a page.
+fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
+    let strokes = drawing.lines.iter();
+    let contours = drawing.contour_lines.iter();
+    svg::Drawing {
+        display_window: frame.display_window,
+        data_window: frame.data_window,
+        pixel_aspect: frame.pixel_aspect,
+        dpi,
+        layers: vec![
+            (
+                "strokes",
+                strokes
+                    .map(|line| (&line.points[..], &line.widths[..]))
+                    .collect(),
+            ),
+            (
+                "contours",
+                contours
+                    .map(|line| (&line.points[..], &line.widths[..]))
+                    .collect(),
+            ),
+        ],
+    }
+}
+
+fn write(work: &WorkArgs, job: &Job, done: &Done, dpi: f32) -> Result<()> {
     let output = &work.output;
     let drawing = done
         .outcome
         .drawing
         .as_ref()
         .expect("a drawing was planned");
+    if is_svg(&output.output) {
+        return job.write_svg(done, &page(&done.loaded.frame, drawing, dpi));
+    }
+    let kind = Kind::of(&output.output)?;
     let layers: Vec<_> = std::iter::once(&drawing.hatching)
         .chain(&drawing.contours)
         .collect();
     let color = &on_paper(&layers);
-    match job.kind {
+    match kind {
         Kind::Picture(format) => job.write_picture(
             done,
             format,

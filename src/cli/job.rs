@@ -2,7 +2,7 @@
 
 use super::args::WorkArgs;
 use super::message;
-use super::output::{Kind, write_exr};
+use super::output::write_exr;
 use crate::backend::cpu::{self, Outcome};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -10,6 +10,7 @@ use crate::io::exr::OutputChannel;
 use crate::io::inputs::{Inputs, LightInputs};
 use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
 use crate::io::picture::{Picture, PictureFormat, write_picture};
+use crate::io::svg;
 use crate::io::{self, Loaded, Needs};
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, Plan};
@@ -19,8 +20,6 @@ use std::time::{Duration, Instant};
 /// A run that has been given a go.
 pub(super) struct Job<'a> {
     args: &'a WorkArgs,
-    /// What kind of file is to be written.
-    pub(super) kind: Kind,
     started: Instant,
 }
 
@@ -34,7 +33,6 @@ pub(super) struct Done {
 impl<'a> Job<'a> {
     /// Refuses what can be refused before any work is done.
     pub(super) fn new(args: &'a WorkArgs) -> Result<Self> {
-        let kind = Kind::of(&args.output.output)?;
         refuse_collisions(args)?;
         if let Some(threads) = args.run.threads {
             // A pool that exists already, in a program that calls this twice, keeps its size.
@@ -44,7 +42,6 @@ impl<'a> Job<'a> {
         }
         Ok(Self {
             args,
-            kind,
             started: Instant::now(),
         })
     }
@@ -139,6 +136,16 @@ impl<'a> Job<'a> {
     pub(super) fn write_exr(&self, done: &Done, channels: Vec<OutputChannel>) -> Result<()> {
         let start = Instant::now();
         write_exr(&self.args.output, &done.loaded, channels)?;
+        self.finish(done, start.elapsed())
+    }
+
+    /// Writes a drawing in lines and ends the run.
+    pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<()> {
+        let path = &self.args.output.output;
+        let start = Instant::now();
+        write_atomically(path, !self.args.output.no_clobber, |w| {
+            svg::write_svg(w, path, drawing)
+        })?;
         self.finish(done, start.elapsed())
     }
 

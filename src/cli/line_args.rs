@@ -81,8 +81,9 @@ mirrored!(DirectionsArg, StrokeDirections { Max, Min, Both });
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Strokes")]
 struct StrokeFlags {
-    /// What strokes are drawn with; a folder holds pictures of strokes along the horizontal, one per tone.
-    #[arg(long, value_name = "pen|pencil|DIR", default_value_t = StyleArg::Known(LINE.strokes.style))]
+    /// What strokes are drawn with; lines are strokes as long as they can be, one by one, as an SVG has them; a
+    /// folder holds pictures of strokes along the horizontal, one per tone.
+    #[arg(long, value_name = "pen|pencil|lines|DIR", default_value_t = StyleArg::Known(LINE.strokes.style))]
     style: StyleArg,
     /// Size of strokes: a factor of the style's own pixels, or the width of a stroke on paper as in 0.3mm.
     #[arg(long, value_name = "S|MMmm", default_value_t = LINE.strokes.scale, allow_negative_numbers = true)]
@@ -177,7 +178,11 @@ enum StyleArg {
 }
 
 /// The styles that have a name.
-const STYLES: [(&str, Style); 2] = [("pen", Style::Pen), ("pencil", Style::Pencil)];
+const STYLES: [(&str, Style); 3] = [
+    ("pen", Style::Pen),
+    ("pencil", Style::Pencil),
+    ("lines", Style::Lines),
+];
 
 impl std::fmt::Display for StyleArg {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -197,7 +202,7 @@ impl std::str::FromStr for StyleArg {
         match known {
             Some((_, style)) => Ok(Self::Known(*style)),
             None if Path::new(text).is_dir() => Ok(Self::Folder(text.into())),
-            None => Err("expected pen, pencil or a folder of pictures of strokes".into()),
+            None => Err("expected pen, pencil, lines or a folder of pictures of strokes".into()),
         }
     }
 }

@@ -23,6 +23,7 @@ pub(super) fn run(args: &RelightArgs) -> Result<()> {
     let work = &args.work;
     let files: Vec<_> = args.files().collect();
     refuse_inputs(work, files.iter().map(PathBuf::as_path))?;
+    let kind = Kind::of(&work.output.output)?;
     let job = Job::new(work)?;
     work.shape.refuse_more_scales()?;
     let (shape, params) = (work.shape.params(), args.params());
@@ -55,7 +56,7 @@ pub(super) fn run(args: &RelightArgs) -> Result<()> {
         outcome,
         read,
     };
-    write(args, &job, &done)
+    write(args, &job, kind, &done)
 }
 
 /// The frame's picture is read for an albedo to be estimated, and for what lies around the surface.
@@ -138,12 +139,12 @@ fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = Directiona
         })
 }
 
-fn write(args: &RelightArgs, job: &Job, done: &Done) -> Result<()> {
+fn write(args: &RelightArgs, job: &Job, kind: Kind, done: &Done) -> Result<()> {
     let work = &args.work;
     let color = done.outcome.color.as_ref().expect("light makes a picture");
     let frame = &done.loaded.frame;
     let alpha = frame.alpha.as_ref();
-    match job.kind {
+    match kind {
         Kind::Picture(format) => {
             let sixteen = done.loaded.photo_bits == Some(16);
             job.write_picture(

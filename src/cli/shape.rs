@@ -12,8 +12,9 @@ use crate::params::ScalingParams;
 use crate::plan::Goal;
 
 pub(super) fn run(args: &WorkArgs) -> Result<()> {
+    let kind = Kind::of(&args.output.output)?;
     let job = Job::new(args)?;
-    let goal = match job.kind {
+    let goal = match kind {
         Kind::Exr => Goal::Layers,
         Kind::Picture(_) => Goal::Display,
     };
@@ -25,7 +26,7 @@ pub(super) fn run(args: &WorkArgs) -> Result<()> {
             ..ScalingParams::default()
         },
     )?;
-    match job.kind {
+    match kind {
         Kind::Picture(format) => {
             let color = done
                 .outcome

@@ -21,6 +21,7 @@ pub mod sequence;
 mod sources;
 pub mod srgb;
 mod survey;
+pub mod svg;
 mod view;
 
 pub use art_map::read_art_map;

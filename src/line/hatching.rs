@@ -70,13 +70,19 @@ impl Pixels {
     pub fn share(&mut self, family: usize, families: usize) {
         let wanted = &self.wanted[..self.count];
         for (density, &wanted) in self.density.iter_mut().zip(wanted) {
-            let crossed = (0.5 * (wanted - CROSSED_FROM)).max(0.0);
-            *density = match (families, family) {
-                (1, _) => wanted,
-                (_, 0) => wanted - crossed,
-                _ => crossed,
-            };
+            *density = share(wanted, family, families);
         }
+    }
+}
+
+/// What of the optical density that is wanted one of `families` families of strokes gives: see [`Pixels::share`].
+#[inline(always)]
+pub fn share(wanted: f32, family: usize, families: usize) -> f32 {
+    let crossed = (0.5 * (wanted - CROSSED_FROM)).max(0.0);
+    match (families, family) {
+        (1, _) => wanted,
+        (_, 0) => wanted - crossed,
+        _ => crossed,
     }
 }
 

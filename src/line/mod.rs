@@ -11,6 +11,7 @@ pub mod patches;
 mod random;
 mod response;
 mod slice_texture;
+pub mod streamlines;
 mod stroke_synthesis;
 mod stroke_texture;
 pub mod texture_coordinates;

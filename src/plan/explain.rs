@@ -2,7 +2,7 @@
 
 use super::enhancement::{Enhancement, Subject};
 use super::{Available, Goal, Points, Relighting, Stage, Sweeps};
-use crate::params::{Adaptive, LineParams, ScalingParams, ShapeParams};
+use crate::params::{Adaptive, LineParams, ScalingParams, ShapeParams, Style};
 use serde::Serialize;
 
 /// Whether a stage runs, and why.
@@ -66,6 +66,7 @@ impl Stage {
             Self::TextureCoordinates => "texture-coordinates",
             Self::TonalArtMap => "tonal-art-map",
             Self::Hatching => "hatching",
+            Self::Streamlines => "streamlines",
             Self::Contours => "contours",
         }
     }
@@ -137,18 +138,24 @@ const OF_DRAWN_SHAPE: [Stage; 6] = [
     Stage::NormalRays,
 ];
 
-fn drawing(params: Option<&LineParams>, moving: bool) -> [Decision; 5] {
+fn drawing(params: Option<&LineParams>, moving: bool) -> [Decision; 6] {
     let Some(params) = params else {
         let stages = [
             Stage::DirectionField,
             Stage::TextureCoordinates,
             Stage::TonalArtMap,
             Stage::Hatching,
+            Stage::Streamlines,
             Stage::Contours,
         ];
         return stages.map(|stage| skip(stage, "no drawing is asked for"));
     };
     let strokes = &params.strokes;
+    let in_lines = strokes.style == Style::Lines;
+    let textured = |stage, reason: String| match in_lines {
+        true => skip(stage, "strokes are lines"),
+        false => keep(stage, reason),
+    };
     [
         keep(Stage::DirectionField, "strokes follow the curvature"),
         match moving {
@@ -158,11 +165,15 @@ fn drawing(params: Option<&LineParams>, moving: bool) -> [Decision; 5] {
                 "strokes lie still in the picture",
             ),
         },
-        keep(Stage::TonalArtMap, format!("seed {}", strokes.seed)),
-        keep(
+        textured(Stage::TonalArtMap, format!("seed {}", strokes.seed)),
+        textured(
             Stage::Hatching,
             format!("{} levels, {} sets", strokes.levels, strokes.sets),
         ),
+        match in_lines {
+            true => keep(Stage::Streamlines, "every stroke is a line of its own"),
+            false => skip(Stage::Streamlines, "strokes come from a texture"),
+        },
         match params.contours {
             Some(contours) => keep(
                 Stage::Contours,

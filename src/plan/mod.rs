@@ -13,7 +13,7 @@ pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
 use crate::error::{Error, Result};
 use crate::frame::{DepthKind, Frame};
-use crate::params::{LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver};
+use crate::params::{LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, Style};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
 
@@ -114,6 +114,8 @@ pub enum Stage {
     TonalArtMap,
     /// Strokes.
     Hatching,
+    /// Strokes as lines.
+    Streamlines,
     /// Lines along silhouettes and creases.
     Contours,
 }
@@ -249,6 +251,13 @@ impl Plan {
     ) -> Result<Self> {
         scaling.validate()?;
         drawing.validate()?;
+        if available.moving && drawing.strokes.style == Style::Lines {
+            return Err(Error::BadParameter {
+                name: "--style",
+                found: "is lines, which do not move with the surface".into(),
+                remedy: "take pen or pencil, or give --motion none".into(),
+            });
+        }
         let (goal, relighting) = match tone {
             ToneFrom::Picture => (Goal::Picture, None),
             ToneFrom::Enhanced => (Goal::Enhance, None),

@@ -49,7 +49,7 @@ fn renders_and_photos_are_drawn_with_every_tool() {
     let desk = tempfile::tempdir().unwrap();
     let normal = fixture("tablet.normal.png");
     let normal = ["--normal", normal.to_str().unwrap()];
-    for style in ["pen", "pencil"] {
+    for style in ["pen", "pencil", "lines"] {
         let bust = drawn(desk.path(), "bust.exr", &["--style", style]);
         assert_eq!((bust.width, bust.height), (480, 360));
         // Paper around the bust, ink on it.
@@ -60,6 +60,58 @@ fn renders_and_photos_are_drawn_with_every_tool() {
             &[&normal[..], &["--style", style]].concat(),
         );
         assert!((0.05..0.95).contains(&light(&tablet)));
+    }
+}
+
+#[test]
+fn an_svg_holds_lines_in_millimetres() {
+    let desk = tempfile::tempdir().unwrap();
+    let written = |flags: &[&str]| {
+        let ran = hatch(
+            desk.path(),
+            "bust.exr",
+            &[flags, &["-o", "bust.svg"]].concat(),
+        );
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert!(ran.status.success(), "{said}");
+        std::fs::read_to_string(desk.path().join("bust.svg")).unwrap()
+    };
+    let page = written(&["--dpi", "96"]);
+    // 480 x 360 pixels at 96 to the inch are 5 x 3.75 inches.
+    assert!(page.starts_with("<svg ") && page.ends_with("</svg>\n"));
+    assert!(page.contains("width=\"127.000mm\" height=\"95.250mm\" viewBox=\"0 0 480 360\""));
+    assert!(!page.contains("NaN") && !page.contains("inf"));
+    // Every point lies on the page, but for lines that run off it.
+    let numbers = page.split("<path d=\"").skip(1).flat_map(|path| {
+        let path = path.split('"').next().unwrap();
+        let points = path
+            .split(['M', 'L'])
+            .filter(|p| !p.is_empty() && *p != "h0");
+        points
+            .map(|p| p.split_once(' ').unwrap())
+            .collect::<Vec<_>>()
+    });
+    let mut count = 0;
+    for (x, y) in numbers {
+        let [x, y] = [x, y.trim_end_matches("h0")].map(|v| v.parse::<f32>().unwrap());
+        assert!(
+            (-6.0..486.0).contains(&x) && (-6.0..366.0).contains(&y),
+            "{x} {y}"
+        );
+        count += 1;
+    }
+    assert!(count > 3000, "{count}");
+    // One pen for all strokes without pressure.
+    let page = written(&["--pressure", "0", "--contours", "off"]);
+    assert_eq!(page.matches("<g stroke-width").count(), 1);
+    for flags in [&["--style", "pencil"][..], &["--style", "."]] {
+        let ran = hatch(
+            desk.path(),
+            "bust.exr",
+            &[flags, &["-o", "other.svg"]].concat(),
+        );
+        assert!(refusal(ran, 2).contains("--style is a texture, and an SVG holds lines"));
+        assert!(!desk.path().join("other.svg").exists());
     }
 }
 

@@ -129,6 +129,22 @@ fn tone_is_that_of_the_picture_whatever_the_strokes() {
 }
 
 #[test]
+fn lines_are_as_dark_as_they_should_be() {
+    // Lines end at the rim of the ball, and around its back none is.
+    let scene = Scene::orthographic(Surface::ball(200.0), 256.0, 256.0);
+    for luminance in [0.3_f32, 0.5, 0.8, 0.9] {
+        let mut line = along(StrokeDirections::Max);
+        line.strokes.style = Style::Lines;
+        let frame = grey(&scene, [512, 512], luminance);
+        let drawn = drawing(&frame, line);
+        let covered = frame.mask.count() as f64 / (512.0 * 512.0);
+        let ink = mean(&drawn.hatching) / covered;
+        let error = 1.0 - ink - f64::from(luminance);
+        assert!(error.abs() < 0.03, "{luminance} drawn {error:+.4}");
+    }
+}
+
+#[test]
 fn points_and_curve_of_tone_are_kept() {
     let plane = Scene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0);
     let mut line = along(StrokeDirections::Max);
@@ -157,18 +173,23 @@ fn threads_change_no_bit() {
         contours: Some(ContourParams::default()),
         ..LineParams::default()
     };
-    let by = |threads| {
+    let by = |threads, line| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
         pool.install(|| drawing(&frame, line))
     };
-    let one = by(1);
-    for threads in [2, 3, 8] {
-        let other = by(threads);
-        assert_eq!(one.hatching, other.hatching);
-        assert_eq!(one.contours, other.contours);
+    let [textured, mut lines] = [line; 2];
+    lines.strokes.style = Style::Lines;
+    for line in [textured, lines] {
+        let one = by(1, line);
+        for threads in [2, 3, 8] {
+            let other = by(threads, line);
+            assert_eq!(one.hatching, other.hatching);
+            assert_eq!(one.contours, other.contours);
+            assert_eq!(one.lines, other.lines);
+        }
     }
 }
 

@@ -26,6 +26,7 @@ use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
 use crate::line::contours::Contour;
+use crate::line::streamlines::Streamline;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
@@ -100,6 +101,8 @@ pub struct CurvaturePlanes {
 pub struct Drawing {
     /// Strokes along the curvature.
     pub hatching: Plane,
+    /// The same as lines, for [`crate::params::Style::Lines`].
+    pub lines: Vec<Streamline>,
     /// Lines along silhouettes and creases, where they were asked for; also outside the mask.
     pub contours: Option<Plane>,
     /// The same as lines, silhouettes first.

@@ -48,6 +48,15 @@ impl RoundStroke {
         ]
     }
 
+    /// The first and the last coordinate along x that it covers anything of.
+    pub fn across(&self) -> [f32; 2] {
+        let ends = [self.from.x, self.from.x + self.along.x];
+        [
+            ends[0].min(ends[1]) - self.reach(),
+            ends[0].max(ends[1]) + self.reach(),
+        ]
+    }
+
     /// The columns that it covers anything of in the pixel row whose middle is `y`: the first and the last
     /// coordinate along x, or the last before the first.
     fn columns(&self, y: f32) -> [f32; 2] {

@@ -14,6 +14,8 @@ pub enum Style {
     Pencil,
     /// Pictures of one's own at several tones; sizes are factors of theirs.
     Pictures,
+    /// Ink, every stroke a line of its own that runs as long as it can: for plotters, and to be edited.
+    Lines,
 }
 
 /// How large strokes are.
@@ -125,6 +127,13 @@ impl Style {
                 spacing_px: 6.0,
                 wobble: 0.3,
                 pressure: 0.3,
+            },
+            Self::Lines => Stroke {
+                width_px: 1.2,
+                length_px: 10_000.0,
+                spacing_px: 6.0,
+                wobble: 0.0,
+                pressure: 0.5,
             },
             Self::Pencil => Stroke {
                 width_px: 2.4,

@@ -204,6 +204,18 @@ fn settings() -> Vec<Case> {
             ANY,
         ),
         on_ball(
+            "lines of scale 0.1",
+            "an eighth of a pixel wide",
+            strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(0.1))),
+            ANY,
+        ),
+        on_ball(
+            "lines of scale 500",
+            "each wider than the picture",
+            strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(500.0))),
+            ANY,
+        ),
+        on_ball(
             "1 level",
             "one angle for all",
             strokes(|s| s.levels = 1),

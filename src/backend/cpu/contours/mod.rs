@@ -6,7 +6,7 @@ mod ground;
 mod map_tile;
 mod silhouettes;
 
-pub(super) use coverage::coverage;
+pub(super) use coverage::{DrawnLine, Overlap, coverage};
 
 use crate::frame::{Frame, Plane};
 use crate::line::contours::gaps::close_gaps;

@@ -3,6 +3,7 @@
 mod art_map;
 mod coordinates;
 mod hatching;
+mod lines;
 mod sheet;
 mod tone;
 
@@ -19,6 +20,7 @@ use crate::line::contours::Contour;
 use crate::line::paper::{grain, graphite};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Adaptive, ContourParams, LineParams, Style};
+use crate::plan::Stage;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -38,14 +40,6 @@ impl Run<'_> {
                 memory,
             )
         });
-        let made_map = (params.strokes.style != Style::Pictures).then(|| {
-            let kept = &self.runner.art_map;
-            self.timed("tonal-art-map", || {
-                kept.of(&params.strokes, plan.resolution_factor as f32)
-            })
-        });
-        let map = made_map.as_deref().or(inputs.art_map);
-        let map = map.expect("strokes of pictures come with them");
         let made = self.outcome.color.take();
         let color = made.as_ref().or(frame.color.as_ref());
         let color = color.expect("a drawing is planned with its tone");
@@ -66,23 +60,49 @@ impl Run<'_> {
             })
         });
         let densities = Densities::new(color, frame, weights, white, &params.tone);
-        let hatching = self.timed("hatching", || {
-            hatching::hatched(
-                &densities,
-                &directions,
-                coordinates.as_ref(),
-                map,
-                &params.strokes,
-                frame,
-                memory,
-            )
-        });
-        let scale = params.strokes.factor(plan.resolution_factor as f32);
+        let strokes = &params.strokes;
+        let factor = plan.resolution_factor as f32;
+        let mut lines = Vec::new();
+        let hatching = if plan.has(Stage::Streamlines) {
+            self.timed("streamlines", || {
+                let conductance = &conductance;
+                lines = lines::lines(
+                    &densities,
+                    &directions,
+                    conductance,
+                    strokes,
+                    factor,
+                    frame,
+                    memory,
+                );
+                lines::inked(&lines, frame, memory)
+            })
+        } else {
+            let made_map = (strokes.style != Style::Pictures).then(|| {
+                let kept = &self.runner.art_map;
+                self.timed("tonal-art-map", || kept.of(strokes, factor))
+            });
+            let map = made_map.as_deref().or(inputs.art_map);
+            let map = map.expect("strokes of pictures come with them");
+            let coordinates = coordinates.as_ref();
+            self.timed("hatching", || {
+                hatching::hatched(
+                    &densities,
+                    &directions,
+                    coordinates,
+                    map,
+                    strokes,
+                    frame,
+                    memory,
+                )
+            })
+        };
+        let scale = strokes.factor(factor);
         let drawn = params.contours.map(|contours| {
             let (covered, lines) = self.draw_contours(&contours.scaled(scale));
             let covered = match params.strokes.style {
                 Style::Pencil => self.in_graphite(covered, params.strokes.seed),
-                Style::Pen | Style::Pictures => covered,
+                Style::Pen | Style::Pictures | Style::Lines => covered,
             };
             (covered, lines)
         });
@@ -91,6 +111,7 @@ impl Run<'_> {
         self.outcome.shape.conductance = Some(conductance);
         self.outcome.drawing = Some(Drawing {
             hatching,
+            lines,
             contours,
             contour_lines: contour_lines.unwrap_or_default(),
             white_point: white,
@@ -128,7 +149,16 @@ impl Run<'_> {
                 .expect("contours are planned with their edges"),
         };
         let lines = contours::contours(&weights, frame, &plan.shape, params);
-        let covered = contours::coverage(&lines, &frame.mask, memory);
+        let drawn = lines.iter().map(|line| contours::DrawnLine {
+            points: &line.points,
+            widths: &line.widths,
+        });
+        let covered = contours::coverage(
+            &drawn.collect::<Vec<_>>(),
+            contours::Overlap::Joined,
+            &frame.mask,
+            memory,
+        );
         self.outcome.timings.push(("contours", start.elapsed()));
         (covered, lines)
     }

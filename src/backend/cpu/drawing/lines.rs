@@ -1,0 +1,100 @@
+//! Strokes as lines over the frame, family by family.
+
+use super::tone::Densities;
+use super::{Memory, Plane};
+use crate::backend::cpu::contours::{DrawnLine, Overlap, coverage};
+use crate::backend::cpu::passes::map_rows;
+use crate::backend::cpu::simd::Simd;
+use crate::frame::{Frame, Vector2Planes};
+use crate::line::hatching::{BATCH, share};
+use crate::line::streamlines::{Nib, Streamline, streamlines};
+use crate::params::StrokeParams;
+use rayon::prelude::*;
+
+/// Conductance from which on a line may pass: the middle of the soft steps of silhouettes and creases.
+const OPEN: f32 = 0.5;
+
+/// The lines of every family in turn.
+pub(super) fn lines(
+    densities: &Densities,
+    directions: &[Vector2Planes],
+    conductance: &Plane,
+    params: &StrokeParams,
+    resolution_factor: f32,
+    frame: &Frame,
+    memory: &Memory,
+) -> Vec<Streamline> {
+    let stroke = params.stroke(resolution_factor);
+    let nib = Nib {
+        width: stroke.width_px,
+        pressure: stroke.pressure,
+        widest_spacing: WIDEST * stroke.spacing_px,
+        longest: stroke.length_px,
+    };
+    let families = directions.len();
+    let of_family = |(family, field): (usize, &Vector2Planes)| {
+        let wanted = |density| 1.0 - (-share(density, family, families)).exp();
+        streamlines(
+            field,
+            &inks(densities, conductance, wanted, frame, memory),
+            &nib,
+        )
+    };
+    let found: Vec<_> = directions.par_iter().enumerate().map(of_family).collect();
+    found.concat()
+}
+
+/// Distance between lines in the lightest tone that is drawn over that in a light tone.
+const WIDEST: f32 = 4.0;
+
+/// The ink that lines are to cover; 0 where none may pass.
+fn inks(
+    densities: &Densities,
+    conductance: &Plane,
+    wanted: impl Fn(f32) -> f32 + Sync,
+    frame: &Frame,
+    memory: &Memory,
+) -> Plane {
+    let simd = Simd::widest();
+    let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
+        for run in frame.mask.runs(y) {
+            for from in run.clone().step_by(BATCH) {
+                let columns = from..(from + BATCH).min(run.end);
+                densities.row(&mut out[columns.clone()], y, columns.clone(), simd);
+                let open = &conductance.row(y)[columns.clone()];
+                for (ink, &open) in out[columns].iter_mut().zip(open) {
+                    *ink = if open > OPEN { wanted(*ink) } else { 0.0 };
+                }
+            }
+        }
+    });
+    ink
+}
+
+/// How much of the paper the lines cover.
+pub(super) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Plane {
+    let drawn = lines.iter().map(|line| DrawnLine {
+        points: &line.points,
+        widths: &line.widths,
+    });
+    let mut covered = coverage(
+        &drawn.collect::<Vec<_>>(),
+        Overlap::Beside,
+        &frame.mask,
+        memory,
+    );
+    // Ink beyond a silhouette lies under its line.
+    let width = covered.width();
+    let rows = covered.samples_mut().par_chunks_mut(width);
+    rows.enumerate().for_each(|(y, row)| {
+        let covered = frame.mask.plane().row(y);
+        for (ink, _) in row
+            .iter_mut()
+            .zip(covered)
+            .filter(|(_, covered)| !**covered)
+        {
+            *ink = 0.0;
+        }
+    });
+    covered
+}
