@@ -231,10 +231,11 @@ fn frames_may_change_their_size_and_lose_their_surface() {
     let rest = |frame: &Frame| motion(frame, |_, _| [0.0; 2]);
     let small = sized(40, 30, true);
     let drawing = first(&small, ruled(30.0));
-    let large = sized(90, 80, true);
+    // Large enough that chance evens out.
+    let large = sized(300, 240, true);
     let grown = next(&drawing, &large, &rest(&large), ruled(30.0));
     assert_eq!(grown.hatching, draw(&large, ruled(30.0), None).hatching);
-    let nothing = sized(90, 80, false);
+    let nothing = sized(300, 240, false);
     let gone = next(&grown, &nothing, &rest(&nothing), ruled(30.0));
     assert!(gone.hatching.samples().iter().all(|&ink| ink == 0.0));
     // What comes after nothing is drawn as something new.
