@@ -54,6 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let picture = Picture {
         color: &strip,
         alpha: None,
+        grey: false,
         bits: 8,
         transform: ViewTransform::Srgb,
     };

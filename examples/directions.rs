@@ -64,6 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let picture = Picture {
         color: &color,
         alpha: None,
+        grey: false,
         bits: 8,
         transform: ViewTransform::None,
     };

@@ -148,6 +148,7 @@ fn written(path: &Path, format: PictureFormat, color: &ColorPlanes) {
     let picture = Picture {
         color,
         alpha: None,
+        grey: false,
         bits: 8,
         transform: ViewTransform::Srgb,
     };

@@ -115,6 +115,7 @@ pub(crate) fn write(path: &str, color: &ColorPlanes) -> relievo::Result<()> {
     let picture = Picture {
         color,
         alpha: None,
+        grey: false,
         bits: 8,
         transform: ViewTransform::Srgb,
     };

@@ -52,6 +52,7 @@ pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
                 &Picture {
                     color,
                     alpha,
+                    grey: false,
                     bits,
                     transform,
                 },

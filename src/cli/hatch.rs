@@ -310,6 +310,7 @@ fn write(work: &WorkArgs, job: &Job, done: &Done, dpi: f32) -> Result<()> {
             &Picture {
                 color,
                 alpha: None,
+                grey: true,
                 bits: 8,
                 transform: output.view_transform.into(),
             },

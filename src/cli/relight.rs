@@ -153,6 +153,7 @@ fn write(args: &RelightArgs, job: &Job, kind: Kind, done: &Done) -> Result<()> {
                 &Picture {
                     color,
                     alpha,
+                    grey: false,
                     bits: if sixteen { 16 } else { 8 },
                     transform: work.output.view_transform.into(),
                 },

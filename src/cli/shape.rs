@@ -41,6 +41,7 @@ pub(super) fn run(args: &WorkArgs) -> Result<()> {
                 &Picture {
                     color,
                     alpha: None,
+                    grey: false,
                     bits: 8,
                     transform,
                 },

@@ -191,6 +191,7 @@ mod tests {
         let picture = Picture {
             color: &color,
             alpha: None,
+            grey: false,
             bits: 8,
             transform: ViewTransform::Srgb,
         };

@@ -59,6 +59,8 @@ pub struct Picture<'a> {
     pub color: &'a ColorPlanes,
     /// Coverage, 0..1.
     pub alpha: Option<&'a Plane>,
+    /// Whether it is grey, its planes alike: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
+    pub grey: bool,
     /// Bits per sample, 8 or 16; JPEG always has 8, HDR its own.
     pub bits: u8,
     /// How values are encoded; HDR is always linear.
@@ -125,12 +127,22 @@ fn write_codes(
     let alpha = picture
         .alpha
         .filter(|a| format.holds_alpha() && a.samples().iter().any(|&a| a < 1.0 || a.is_nan()));
-    let codes = codes(picture, alpha, max_code(bits));
-    let (bytes, kind) = match (bits, alpha.is_some()) {
-        (8, false) => (narrowed(&codes), ExtendedColorType::Rgb8),
-        (8, true) => (narrowed(&codes), ExtendedColorType::Rgba8),
-        (_, false) => (native_bytes(&codes), ExtendedColorType::Rgb16),
-        (_, true) => (native_bytes(&codes), ExtendedColorType::Rgba16),
+    let max = max_code(bits);
+    let codes = match picture.grey && alpha.is_none() {
+        true => grey_codes(picture, max),
+        false => codes(picture, alpha, max),
+    };
+    let kind = match (bits, codes.len() / picture.color.r.samples().len().max(1)) {
+        (8, 1) => ExtendedColorType::L8,
+        (8, 4) => ExtendedColorType::Rgba8,
+        (8, _) => ExtendedColorType::Rgb8,
+        (_, 1) => ExtendedColorType::L16,
+        (_, 4) => ExtendedColorType::Rgba16,
+        _ => ExtendedColorType::Rgb16,
+    };
+    let bytes = match bits {
+        8 => narrowed(&codes),
+        _ => native_bytes(&codes),
     };
     let (width, height) = (
         picture.color.r.width() as u32,
@@ -144,6 +156,14 @@ fn write_codes(
         }
         _ => image::codecs::png::PngEncoder::new(w).write_image(&bytes, width, height, kind),
     }
+}
+
+/// The stored codes of a grey picture, one for each pixel.
+fn grey_codes(picture: &Picture, max: u32) -> Vec<u16> {
+    let samples = picture.color.r.samples().par_iter();
+    samples
+        .map(|&v| code(v.into(), picture.transform, max))
+        .collect()
 }
 
 /// The stored codes, interleaved: three for each pixel, four with alpha.
@@ -232,6 +252,41 @@ mod tests {
     }
 
     #[test]
+    fn a_grey_picture_holds_one_sample_per_pixel_and_looks_the_same() {
+        let color = grey(64, 48, (0..64 * 48).map(|i| i as f32 / 3072.0).collect());
+        for format in [PictureFormat::Png, PictureFormat::Tiff] {
+            for bits in [8, 16] {
+                let of = |grey| Picture {
+                    color: &color,
+                    alpha: None,
+                    grey,
+                    bits,
+                    transform: ViewTransform::Srgb,
+                };
+                let size = |picture: &Picture| {
+                    let mut file = Cursor::new(Vec::new());
+                    write_picture(&mut file, Path::new("test"), format, picture).unwrap();
+                    file.into_inner().len()
+                };
+                assert!(size(&of(true)) < size(&of(false)), "{format:?} {bits}");
+                let [one, three] = [true, false].map(|grey| round_trip(format, &of(grey)));
+                assert_eq!(
+                    one.to_linear()[0],
+                    three.to_linear()[0],
+                    "{format:?} {bits}"
+                );
+                // With alpha there are four samples either way.
+                let half = Plane::filled(64, 48, 0.5);
+                let with_alpha = |grey| Picture {
+                    alpha: Some(&half),
+                    ..of(grey)
+                };
+                assert_eq!(size(&with_alpha(true)), size(&with_alpha(false)));
+            }
+        }
+    }
+
+    #[test]
     fn every_code_survives_the_way_to_linear_and_back() {
         for bits in [8, 16] {
             let count = 1usize << bits;
@@ -251,6 +306,7 @@ mod tests {
             let picture = Picture {
                 color: &color,
                 alpha: None,
+                grey: false,
                 bits,
                 transform: ViewTransform::Srgb,
             };
@@ -271,6 +327,7 @@ mod tests {
         let picture = Picture {
             color: &color,
             alpha: None,
+            grey: false,
             bits: 16,
             transform: ViewTransform::None,
         };
@@ -286,6 +343,7 @@ mod tests {
         let picture = Picture {
             color: &color,
             alpha: Some(&alpha),
+            grey: false,
             bits: 16,
             transform: ViewTransform::None,
         };
@@ -306,6 +364,7 @@ mod tests {
         let picture = Picture {
             color: &color,
             alpha: Some(&alpha),
+            grey: false,
             bits: 8,
             transform: ViewTransform::Srgb,
         };
@@ -318,6 +377,7 @@ mod tests {
         let picture = Picture {
             color: &color,
             alpha: None,
+            grey: false,
             bits: 16,
             transform: ViewTransform::Srgb,
         };

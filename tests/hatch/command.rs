@@ -40,8 +40,8 @@ fn refusal(ran: Output, code: i32) -> String {
 
 /// Mean of the picture's light.
 fn light(photo: &Photo) -> f32 {
-    let green = &photo.to_linear()[1];
-    green.samples().iter().sum::<f32>() / green.samples().len() as f32
+    let grey = &photo.to_linear()[0];
+    grey.samples().iter().sum::<f32>() / grey.samples().len() as f32
 }
 
 #[test]
