@@ -42,6 +42,13 @@ pub(super) fn hatched(
                     columns.clone(),
                     simd,
                 );
+                if pixels.wanted[..columns.len()]
+                    .iter()
+                    .all(|&wanted| wanted <= 0.0)
+                {
+                    out[columns].fill(0.0);
+                    continue;
+                }
                 pixels.white.fill(1.0);
                 for sheet in &sheets {
                     if !sheet.is_used(y, columns.clone()) {
