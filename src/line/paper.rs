@@ -4,10 +4,16 @@
 #[inline]
 pub fn grain(x: i32, y: i32, seed: u64) -> f32 {
     let at = |dx: i32, dy: i32| unit(hash(x.wrapping_add(dx), y.wrapping_add(dy), seed));
+    rough(at, SPREAD)
+}
+
+/// Roughness of about two pixels of noise `at` a place and beside it, 0..1, times `spread`: averaging draws the
+/// values together.
+#[inline]
+pub(super) fn rough(at: impl Fn(i32, i32) -> f32, spread: f32) -> f32 {
     let beside = at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1);
     let mean = 0.4 * at(0, 0) + 0.15 * beside;
-    // Averaging draws the values together: spread again.
-    (0.5 + SPREAD * (mean - 0.5)).clamp(0.0, 1.0)
+    (0.5 + spread * (mean - 0.5)).clamp(0.0, 1.0)
 }
 
 const SPREAD: f32 = 1.8;

@@ -8,6 +8,7 @@
 
 use super::contours::polyline::evened;
 use crate::frame::{Plane, Vector2Planes};
+use crate::params::Stroke;
 use glam::Vec2;
 use std::collections::VecDeque;
 
@@ -55,7 +56,20 @@ const SEEDS: usize = 3;
 /// Spots to either side over which widths change.
 const WIDTH_REACH: usize = 6;
 
+/// Distance between lines in the lightest tone that is drawn over that in a light tone.
+const WIDEST: f32 = 4.0;
+
 impl Nib {
+    /// What draws such strokes.
+    pub fn of(stroke: &Stroke) -> Self {
+        Self {
+            width: stroke.width_px,
+            pressure: stroke.pressure,
+            widest_spacing: WIDEST * stroke.spacing_px,
+            longest: stroke.length_px,
+        }
+    }
+
     /// The distance between lines that cover a share `ink` of the paper.
     fn spacing(&self, ink: f32) -> f32 {
         // Thin lines in light tones, thick ones in dark tones.

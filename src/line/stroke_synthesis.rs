@@ -1,5 +1,6 @@
 //! Strokes drawn one by one on a square that repeats, in lanes, each lane where paper is still white.
 
+use super::paper::rough;
 use super::random::Random;
 use crate::params::{Stroke, Style};
 
@@ -259,20 +260,20 @@ fn soften(ramps: &mut [[f32; 2]], side: usize, random: &mut Random) {
     }
 }
 
-/// The grain of paper: noise of a pixel or two, 0..1.
+/// The grain of paper, which repeats with the square.
 fn grain(side: usize, random: &mut Random) -> Vec<f32> {
     let white: Vec<f32> = (0..side * side).map(|_| random.unit()).collect();
-    let wrap = side - 1;
-    let at = |x: usize, y: usize| white[(y & wrap) * side + (x & wrap)];
+    let wrap = |at: usize, by: i32| at.wrapping_add_signed(by as isize) & (side - 1);
     (0..side * side)
         .map(|i| {
             let (x, y) = (i % side, i / side);
-            let around = at(x + 1, y) + at(x + side - 1, y) + at(x, y + 1) + at(x, y + side - 1);
-            let mean = 0.4 * at(x, y) + 0.15 * around;
-            (0.5 + 1.6 * (mean - 0.5)).clamp(0.0, 1.0)
+            rough(|dx, dy| white[wrap(y, dy) * side + wrap(x, dx)], SPREAD)
         })
         .collect()
 }
+
+/// Of the grain that graphite takes.
+const SPREAD: f32 = 1.6;
 
 /// Puts thresholds in the order of all texels: even steps from the first to the last to take ink.
 fn rank(ramps: &mut [[f32; 2]]) {

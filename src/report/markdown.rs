@@ -3,6 +3,7 @@
 mod coherence;
 mod drawing;
 mod light;
+mod stability;
 
 pub use coherence::COHERENCE_PLOT;
 pub use drawing::{FIELD_PLOT, STROKES_PLOT};
@@ -11,7 +12,6 @@ pub use light::plot_names as light_plot_names;
 use super::Report;
 use super::advice::{BUDGETS, cheapest, milliseconds, rounded, scientific, sentence};
 use super::compare::Errors;
-use super::stability::{CaseResult, Verdict};
 use super::sweeps::rim::{BANDS, FORESHORTENINGS};
 use super::sweeps::solver::{Row, ScaleSweep, SceneSweep};
 use super::timing::{Times, Utilisation};
@@ -48,7 +48,7 @@ pub fn page(report: &Report) -> String {
         light::section(&report.light),
         drawing::section(&report.drawing),
         coherence::section(report.coherence.as_ref()),
-        stability(&report.stability),
+        stability::section(&report.stability),
     ];
     for section in sections.iter().filter(|section| !section.is_empty()) {
         page.push_str(section.trim_end());
@@ -462,58 +462,4 @@ fn rim(report: &Report) -> String {
         table(&head, on_ball),
         table(&frame_head, on_frame),
     )
-}
-
-fn stability(cases: &[CaseResult]) -> String {
-    let wrong = cases.iter().filter(|case| !case.as_expected).count();
-    let verdict = match wrong {
-        0 => format!(
-            "All {} cases end as declared; none in a NaN or a panic.",
-            cases.len()
-        ),
-        n => format!("**{n} of {} cases do not end as declared.**", cases.len()),
-    };
-    let rows = cases.iter().map(|case| {
-        let (outcome, what) = outcome(&case.verdict);
-        let outcome = if case.as_expected {
-            outcome.to_string()
-        } else {
-            format!("**{outcome}**, not {:?}", case.expected)
-        };
-        vec![case.name.into(), case.done.into(), outcome, what]
-    });
-    format!(
-        "## Stability\n\n{verdict}\n\n{}",
-        table(
-            &[
-                "case",
-                "what is done",
-                "outcome",
-                "values and bounds, or what is said"
-            ],
-            rows
-        )
-    )
-}
-
-fn outcome(verdict: &Verdict) -> (&'static str, String) {
-    let values = |b: &super::stability::Bounds| {
-        format!(
-            "|g| {:.3e} of {:.3e}, |trace| {:.3e} of {:.3e}",
-            b.slope, b.slope_bound, b.trace, b.trace_bound
-        )
-    };
-    match verdict {
-        Verdict::Bounded(bounds) => ("bounded", values(bounds)),
-        Verdict::Lit { largest, bound } => ("lit", format!("{largest:.3e} of {bound:.3e}")),
-        Verdict::Drawn {
-            ink,
-            bounds: [least, most],
-        } => ("drawn", format!("ink {ink:.4} of {least} to {most}")),
-        Verdict::Warned { message, .. } | Verdict::Told { message, .. } => {
-            ("warned", message.clone())
-        }
-        Verdict::Refused { message } => ("refused", message.clone()),
-        Verdict::Failed { what } => ("failed", what.clone()),
-    }
 }

@@ -29,7 +29,6 @@ use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
 use stability::CaseResult;
-use std::time::Duration;
 use sweeps::{directions, precision, rim, run, solver};
 use timing::{Effort, Times, Utilisation};
 
@@ -175,14 +174,8 @@ pub fn run(
 
 fn effort(extent: Extent) -> Effort {
     match extent {
-        Extent::Full => Effort {
-            runs: 7,
-            limit: Duration::from_millis(250),
-        },
-        Extent::Quick => Effort {
-            runs: 5,
-            limit: Duration::from_millis(150),
-        },
+        Extent::Full => Effort::new(7, 250),
+        Extent::Quick => Effort::new(5, 150),
     }
 }
 

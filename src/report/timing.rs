@@ -53,6 +53,16 @@ pub struct Effort {
     pub limit: Duration,
 }
 
+impl Effort {
+    /// So many runs, or so many milliseconds.
+    pub fn new(runs: usize, limit_ms: u64) -> Self {
+        Self {
+            runs,
+            limit: Duration::from_millis(limit_ms),
+        }
+    }
+}
+
 /// Times of a plan that was run several times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timed {

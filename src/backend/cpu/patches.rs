@@ -111,7 +111,7 @@ pub(super) struct Patches {
 }
 
 /// Conductance from which on a pixel is open: the middle of the soft steps of silhouettes and creases.
-const OPEN: f32 = 0.5;
+pub(super) const OPEN: f32 = 0.5;
 
 impl Patches {
     pub(super) fn new(frame: &Frame, conductance: &Plane, cell_px: usize) -> Self {

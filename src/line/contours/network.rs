@@ -67,9 +67,8 @@ const STRAIGHT: f32 = 0.77;
 
 /// The lines along the links of `lattice`. `spots` gives those of a path, which leave out its junctions;
 /// branches with fewer spots than `shortest_branch` that end in the open are left out, and so are the fainter
-/// sides of slivers. Those that end up to
-/// `rim` steps from the border of the picture go on beyond it. `smooth` evens out all lines before they are led
-/// to meet.
+/// sides of slivers. Those that end up to `rim` steps from the border of the picture go on beyond it. `smooth`
+/// evens out all lines before they are led to meet.
 pub fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,

@@ -7,8 +7,8 @@ use serde::Serialize;
 /// How silhouettes and creases are drawn ([LA] section 6: they come last, over the hatching).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ContourParams {
-    /// Width in pixels at [stroke scale](crate::params::StrokeParams::scale) 1 of the line around the nearest thing, above 0, at most 1000. Below 1 lines are grey;
-    /// wide ones run together.
+    /// Width in pixels at [stroke scale](crate::params::StrokeParams::scale) 1 of the line around the nearest
+    /// thing, above 0, at most 1000. Below 1 lines are grey; wide ones run together.
     pub width_px: f32,
     /// Width of creases as a share of that, 0..1. 0 draws none; 1 makes them as heavy as silhouettes.
     pub crease_share: f32,

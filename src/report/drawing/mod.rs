@@ -20,7 +20,6 @@ use crate::params::{
 };
 use crate::plan::{Available, Plan, ToneFrom};
 use serde::Serialize;
-use std::time::Duration;
 
 /// Everything that was measured of drawings.
 #[derive(Debug, Clone, Serialize)]
@@ -45,8 +44,8 @@ pub fn run(
     progress: &dyn Fn(&str),
 ) -> Result<DrawingReport> {
     let (most, effort) = match extent {
-        Extent::Full => ([960, 720], effort(5, 200)),
-        Extent::Quick => ([480, 360], effort(3, 60)),
+        Extent::Full => ([960, 720], Effort::new(5, 200)),
+        Extent::Quick => ([480, 360], Effort::new(3, 60)),
     };
     let part = middle(frame, most);
     let bench = Bench::new(&part, shape, effort);
@@ -73,13 +72,6 @@ pub fn run(
         strokes,
         tones,
     })
-}
-
-fn effort(runs: usize, limit_ms: u64) -> Effort {
-    Effort {
-        runs,
-        limit: Duration::from_millis(limit_ms),
-    }
 }
 
 /// The tone in which strokes tell most of themselves.

@@ -4,6 +4,7 @@ use super::Bench;
 use crate::Result;
 use crate::params::{Fallback, FieldParams, LineParams, ShapeParams, StrokeParams, Style};
 use crate::report::scenes::Scene;
+use crate::report::timing::Effort;
 use serde::Serialize;
 
 /// Tones that are tried, from black to white.
@@ -32,7 +33,7 @@ pub struct Row {
 
 pub(super) fn rows() -> Result<Vec<Row>> {
     let [width, height] = CARD;
-    let once = super::effort(1, 0);
+    let once = Effort::new(1, 0);
     let mut bench = Bench::new(
         &Scene::plane(width, height).frame,
         ShapeParams::default(),

@@ -24,7 +24,6 @@ use crate::params::{
 use glam::Vec3;
 use lit::Bench;
 use serde::Serialize;
-use std::time::Duration;
 
 /// Even lights of the reference.
 pub const REFERENCE_LIGHTS: usize = 16_384;
@@ -120,8 +119,8 @@ pub fn run(
     progress: &dyn Fn(&str),
 ) -> Result<LightReport> {
     let (most, effort) = match extent {
-        Extent::Full => ([128, 96], effort(5, 150)),
-        Extent::Quick => ([80, 60], effort(3, 20)),
+        Extent::Full => ([128, 96], Effort::new(5, 150)),
+        Extent::Quick => ([80, 60], Effort::new(3, 20)),
     };
     let environment = environment();
     let most_lookups = match extent {
@@ -149,13 +148,6 @@ pub fn run(
         functions,
         cost,
     })
-}
-
-fn effort(runs: usize, limit_ms: u64) -> Effort {
-    Effort {
-        runs,
-        limit: Duration::from_millis(limit_ms),
-    }
 }
 
 fn subject(

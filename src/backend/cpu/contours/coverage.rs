@@ -2,8 +2,10 @@
 
 use crate::backend::cpu::memory::Memory;
 use crate::frame::{Mask, Plane};
+use crate::line::contours::Contour;
 use crate::line::contours::polyline::thinned;
 use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::streamlines::Streamline;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -18,6 +20,24 @@ const BEND_PX: f32 = 0.03;
 pub(in crate::backend::cpu) struct DrawnLine<'a> {
     pub(in crate::backend::cpu) points: &'a [Vec2],
     pub(in crate::backend::cpu) widths: &'a [f32],
+}
+
+impl<'a> From<&'a Contour> for DrawnLine<'a> {
+    fn from(line: &'a Contour) -> Self {
+        Self {
+            points: &line.points,
+            widths: &line.widths,
+        }
+    }
+}
+
+impl<'a> From<&'a Streamline> for DrawnLine<'a> {
+    fn from(line: &'a Streamline) -> Self {
+        Self {
+            points: &line.points,
+            widths: &line.widths,
+        }
+    }
 }
 
 /// What lines make of pixels that several of them cover in part.

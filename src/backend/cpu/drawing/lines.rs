@@ -4,15 +4,13 @@ use super::tone::Densities;
 use super::{Memory, Plane};
 use crate::backend::cpu::contours::{DrawnLine, Overlap, coverage};
 use crate::backend::cpu::passes::map_rows;
+use crate::backend::cpu::patches::OPEN;
 use crate::backend::cpu::simd::Simd;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::hatching::{BATCH, share};
 use crate::line::streamlines::{Nib, Streamline, streamlines};
 use crate::params::StrokeParams;
 use rayon::prelude::*;
-
-/// Conductance from which on a line may pass: the middle of the soft steps of silhouettes and creases.
-const OPEN: f32 = 0.5;
 
 /// The lines of every family in turn.
 pub(super) fn lines(
@@ -25,12 +23,7 @@ pub(super) fn lines(
     memory: &Memory,
 ) -> Vec<Streamline> {
     let stroke = params.stroke(resolution_factor);
-    let nib = Nib {
-        width: stroke.width_px,
-        pressure: stroke.pressure,
-        widest_spacing: WIDEST * stroke.spacing_px,
-        longest: stroke.length_px,
-    };
+    let nib = Nib::of(&stroke);
     let families = directions.len();
     let of_family = |(family, field): (usize, &Vector2Planes)| {
         let wanted = |density| 1.0 - (-share(density, family, families)).exp();
@@ -43,9 +36,6 @@ pub(super) fn lines(
     let found: Vec<_> = directions.par_iter().enumerate().map(of_family).collect();
     found.concat()
 }
-
-/// Distance between lines in the lightest tone that is drawn over that in a light tone.
-const WIDEST: f32 = 4.0;
 
 /// The ink that lines are to cover; 0 where none may pass.
 fn inks(
@@ -73,16 +63,8 @@ fn inks(
 
 /// How much of the paper the lines cover.
 pub(super) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Plane {
-    let drawn = lines.iter().map(|line| DrawnLine {
-        points: &line.points,
-        widths: &line.widths,
-    });
-    let mut covered = coverage(
-        &drawn.collect::<Vec<_>>(),
-        Overlap::Beside,
-        &frame.mask,
-        memory,
-    );
+    let drawn: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
+    let mut covered = coverage(&drawn, Overlap::Beside, &frame.mask, memory);
     // Ink beyond a silhouette lies under its line.
     let width = covered.width();
     let rows = covered.samples_mut().par_chunks_mut(width);

@@ -12,6 +12,7 @@ pub use coordinates::TextureCoordinates;
 pub(super) use hatching::hatch_batch;
 pub(super) use tone::{Densities, density_row};
 
+use super::contours::{DrawnLine, Overlap};
 use super::direction_field::stroke_fields;
 use super::memory::Memory;
 use super::{Drawing, DrawingInputs, Run, contours, light, statistics};
@@ -149,16 +150,8 @@ impl Run<'_> {
                 .expect("contours are planned with their edges"),
         };
         let lines = contours::contours(&weights, frame, &plan.shape, params);
-        let drawn = lines.iter().map(|line| contours::DrawnLine {
-            points: &line.points,
-            widths: &line.widths,
-        });
-        let covered = contours::coverage(
-            &drawn.collect::<Vec<_>>(),
-            contours::Overlap::Joined,
-            &frame.mask,
-            memory,
-        );
+        let drawn: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
+        let covered = contours::coverage(&drawn, Overlap::Joined, &frame.mask, memory);
         self.outcome.timings.push(("contours", start.elapsed()));
         (covered, lines)
     }
