@@ -67,5 +67,6 @@ pub mod params;
 pub mod plan;
 pub mod report;
 pub mod shape;
+pub mod trace;
 
 pub use error::{Error, Result};

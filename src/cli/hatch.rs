@@ -11,13 +11,13 @@ use crate::backend::cpu::{
 };
 use crate::compose::on_paper;
 use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::frame::{Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::{LightInputs, LobeChoice};
 use crate::io::picture::Picture;
 use crate::io::sequence::path_of_frame;
 use crate::io::svg;
-use crate::io::{self, Loaded};
+use crate::io::{self, Loaded, load_specular};
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
@@ -26,6 +26,7 @@ use crate::params::{
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The light of a drawing that has no other: from the upper left.
@@ -73,6 +74,8 @@ struct Hatcher<'a> {
     runner: Runner,
     looks: Looks,
     steps: Steps,
+    /// The surroundings of the frame before, and their file.
+    surroundings: Option<(PathBuf, Arc<Surroundings>)>,
     /// Where the texture of strokes lay in the frame before.
     coordinates: Option<TextureCoordinates>,
 }
@@ -133,6 +136,7 @@ impl<'a> Hatcher<'a> {
             runner: Runner::default(),
             looks,
             steps: Steps::default(),
+            surroundings: None,
             coordinates: None,
         })
     }
@@ -143,9 +147,11 @@ impl<'a> Hatcher<'a> {
         let (mut loaded, read) = self.load(job, work, frame)?;
         let motion =
             moving.and_then(|number| self.steps.motion(number, &mut loaded, work.run.quiet));
-        let plan = self.plan(&loaded.frame, moving.is_some())?;
+        let scene = self.specular_scene(&mut loaded, frame)?;
+        let plan = self.plan(&loaded.frame, moving.is_some(), scene.is_some())?;
         job.tell_plan(&plan)?;
         let inputs = DrawingInputs {
+            specular: scene.as_ref(),
             illumination: Some(&self.illumination),
             art_map: self.art_map.as_ref(),
             sequence: moving.map(|_| SequenceInputs {
@@ -192,9 +198,35 @@ impl<'a> Hatcher<'a> {
         job.load(&inputs, needs)
     }
 
-    fn plan(&mut self, frame: &Frame, moving: bool) -> Result<Plan> {
+    /// What mirrors and lenses show, if anything is named; what lies behind fills the frame where it is empty.
+    fn specular_scene(
+        &mut self,
+        loaded: &mut Loaded,
+        frame: Option<u32>,
+    ) -> Result<Option<SpecularScene>> {
+        let mut flags = self.args.relight.specular.clone();
+        if let Some(frame) = frame {
+            flags.rename(|name| numbered(name, frame));
+        }
+        let inputs = flags.inputs();
+        if inputs.is_empty() {
+            return Ok(None);
+        }
+        let known = self.surroundings.take();
+        let known = known.filter(|(path, _)| Some(path) == inputs.surroundings.as_ref());
+        let known = known.map(|(_, surroundings)| surroundings);
+        let mut scene = load_specular(&inputs, loaded, known)?;
+        self.surroundings = inputs.surroundings.zip(scene.surroundings.clone());
+        scene.fill_from_behind(&mut loaded.frame);
+        Ok(Some(scene))
+    }
+
+    fn plan(&mut self, frame: &Frame, moving: bool, is_specular: bool) -> Result<Plan> {
+        let relight = &self.args.relight;
+        let specular = relight.specular.params(&self.looks.light.material)?;
         let available = Available {
             moving,
+            specular: is_specular.then_some(specular),
             ..Available::in_frame(frame)
         };
         let is_lit = LightKinds::in_light(&self.illumination) != LightKinds::default();

@@ -15,6 +15,7 @@ mod report;
 mod role_args;
 mod sequence;
 mod shape;
+mod specular_args;
 
 use args::{Cli, Command};
 use clap::Parser;

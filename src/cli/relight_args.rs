@@ -1,6 +1,7 @@
 //! The names of `relight`. Every default is read from `params`.
 
 use super::args::{ScalingFlags, WorkArgs};
+use super::specular_args::SpecularFlags;
 use crate::params::{
     Adaptive, AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples,
     Tangent, WarpBy, WarpingParams,
@@ -25,6 +26,8 @@ pub(super) struct RelightArgs {
     pub(super) scaling: ScalingFlags,
     #[command(flatten)]
     pub(super) material: MaterialFlags,
+    #[command(flatten)]
+    pub(super) specular: SpecularFlags,
 }
 
 /// What lights the surface.
@@ -294,5 +297,6 @@ impl RelightArgs {
             .filter(|path| path.exists())
             .into_iter()
             .chain(lights.cloned())
+            .chain(self.specular.files())
     }
 }

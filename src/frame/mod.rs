@@ -4,8 +4,11 @@ mod light_layers;
 mod mask;
 mod motion;
 mod plane;
+mod ray;
 mod sight;
 mod space;
+mod specular;
+mod surroundings;
 mod window;
 
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayers};
@@ -14,8 +17,11 @@ pub use motion::{AWAY, static_world_motion};
 pub use plane::{
     ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };
+pub use ray::Ray;
 pub use sight::SightLines;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};
+pub use specular::SpecularScene;
+pub use surroundings::{Surroundings, map_direction};
 pub use window::Window;
 
 use std::collections::BTreeMap;

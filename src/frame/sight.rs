@@ -29,7 +29,7 @@ impl SightLines {
     /// The sight line through picture position (`x`, `y`): where it starts, and its direction with
     /// z = -1, along which depth counts.
     #[inline]
-    fn line(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+    pub fn line(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         match self.projection {
             Projection::Perspective { fx, fy, cx, cy } => {
                 (DVec3::ZERO, DVec3::new((x - cx) / fx, (cy - y) / fy, -1.0))
@@ -77,6 +77,32 @@ impl SightLines {
         offset.is_finite().then_some(offset)
     }
 
+    /// The unit tangent, at the point of depth 1 or any other of the sight line through (`x`, `y`), of a surface with
+    /// the normal `normal` that is seen to go in a `direction` of the picture, x right and y up: the other
+    /// way round than [`picture_direction`](Self::picture_direction). `None` where the surface is seen
+    /// along itself.
+    #[inline]
+    pub fn tangent(&self, x: f64, y: f64, direction: DVec2, normal: DVec3) -> Option<DVec3> {
+        let (_, line) = self.line(x, y);
+        let (sx, sy) = self.pixels_per_unit();
+        let across = DVec3::new(direction.x / sx, direction.y / sy, 0.0);
+        let tangent = across - normal.dot(across) / normal.dot(line) * line;
+        tangent.try_normalize()
+    }
+
+    /// Pixels per unit of length along x and y, at a depth of 1 in perspective.
+    fn pixels_per_unit(&self) -> (f64, f64) {
+        match self.projection {
+            Projection::Perspective { fx, fy, .. } => (fx, fy),
+            Projection::Orthographic { sx, sy, .. } => (sx, sy),
+        }
+    }
+
+    /// The projection.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
     /// Cosine of the angle between a unit normal and the sight line through (`x`, `y`), toward the eye.
     #[inline]
     pub fn facing(&self, x: f64, y: f64, normal: DVec3) -> f64 {
@@ -93,10 +119,7 @@ impl SightLines {
         let across = (tangent + tangent.z * line).truncate();
         let least = MIN_SEEN * MIN_SEEN * line.length_squared();
         let is_seen = across.length_squared() > least;
-        let (sx, sy) = match self.projection {
-            Projection::Perspective { fx, fy, .. } => (fx, fy),
-            Projection::Orthographic { sx, sy, .. } => (sx, sy),
-        };
+        let (sx, sy) = self.pixels_per_unit();
         is_seen.then(|| (across * DVec2::new(1.0, sy / sx)).try_normalize())?
     }
 }
@@ -170,5 +193,9 @@ mod tests {
             .unwrap();
         assert!(seen.distance(expected) < 1e-6);
         assert_eq!(sight.picture_direction(at.x, at.y, point.normalize()), None);
+        // And back: the tangent square to a normal that is seen so.
+        let normal = tangent.any_orthogonal_vector().normalize();
+        let back = sight.tangent(at.x, at.y, seen, normal).unwrap();
+        assert!(back.distance(tangent.normalize()) < 1e-9);
     }
 }

@@ -8,7 +8,7 @@ use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
 use super::sources::{Opened, RolePlanes, RoleSource, read_all};
-use super::view::{Surface, View, turn_to_view};
+use super::view::{NormalReading, Surface, turn_to_view};
 use crate::error::{Error, Result};
 use crate::frame::{
     AWAY, ColorPlanes, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
@@ -60,7 +60,10 @@ pub struct Loaded {
     pub photo_bits: Option<u8>,
     /// Whether the picture was stored as half floats.
     pub color_is_half: bool,
-    main: Rc<Opened>,
+    /// Whether it is known where in the world the camera stands: positions of the world can be used.
+    pub camera_is_placed: bool,
+    pub(super) normals: NormalReading,
+    pub(super) main: Rc<Opened>,
 }
 
 impl Loaded {
@@ -125,8 +128,9 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         .as_ref()
         .filter(|_| depth.is_none() && !only_occlusion(inputs));
     let projection = needs.projection || from_positions.is_some();
-    let View { camera, findings } = turn_to_view(inputs, &surface, projection, &mut normal)?;
-    notes.findings.extend(findings);
+    let view = turn_to_view(inputs, &surface, projection, &mut normal)?;
+    let camera = view.camera;
+    notes.findings.extend(view.findings);
     let depth_role = match &depth {
         Some(_) => Role::Depth,
         None => Role::Position,
@@ -177,6 +181,8 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         warnings: notes.warnings,
         photo_bits: photo_bits(&main),
         color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
+        camera_is_placed: view.is_placed,
+        normals: view.normals,
         main,
     })
 }
@@ -371,7 +377,7 @@ fn varying(plane: Option<&Plane>) -> Option<Plane> {
         .then(|| plane.clone())
 }
 
-fn shown(main: &Opened, window: Window) -> (Window, f32) {
+pub(super) fn shown(main: &Opened, window: Window) -> (Window, f32) {
     match main {
         Opened::Exr { file, .. } => (file.display_window, file.pixel_aspect),
         Opened::Photo { .. } => (window, 1.0),

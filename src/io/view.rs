@@ -21,6 +21,10 @@ pub(super) struct Surface<'a> {
 /// The camera, where one was found, and what was concluded.
 pub(super) struct View {
     pub(super) camera: Option<Camera>,
+    /// Whether it is known where in the world the camera stands, and not only how it is turned.
+    pub(super) is_placed: bool,
+    /// How the stored normals were read.
+    pub(super) normals: NormalReading,
     pub(super) findings: Vec<Finding>,
 }
 
@@ -35,7 +39,9 @@ pub(super) fn turn_to_view(
     let mut findings = Vec::new();
     let spared = !projection && inputs.camera.is_none();
     let unaided = spared.then(|| Reading::of(inputs, surface, normal, None, &[]).ok());
-    let in_view_already = unaided.flatten().filter(|r| r.space == NormalSpace::View);
+    let in_view_already = unaided
+        .flatten()
+        .filter(|r| r.normals.space == NormalSpace::View);
     let (reading, camera) = match in_view_already {
         Some(reading) => (reading, None),
         None => {
@@ -45,23 +51,43 @@ pub(super) fn turn_to_view(
         }
     };
     findings.push(reading.finding());
-    match (reading.space, &camera) {
-        (NormalSpace::World, Some(camera)) => rotate(normal, camera),
-        (NormalSpace::World, None) => {
-            return Err(no_camera(inputs, &reading.reason, &findings));
-        }
-        (NormalSpace::View, _) if reading.flip_z => {
-            normal.z.samples_mut().iter_mut().for_each(|z| *z = -*z);
-        }
-        (NormalSpace::View, _) => {}
+    let normals = reading.normals;
+    if normals.space == NormalSpace::World && camera.is_none() {
+        return Err(no_camera(inputs, &reading.reason, &findings));
     }
-    Ok(View { camera, findings })
+    normals.turn(normal, camera.as_ref());
+    let is_placed = inputs.camera.is_some() || surface.position.is_some();
+    Ok(View {
+        is_placed: is_placed && camera.is_some(),
+        camera,
+        normals,
+        findings,
+    })
+}
+
+/// How stored normals are to be read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NormalReading {
+    space: NormalSpace,
+    flip_z: bool,
+}
+
+impl NormalReading {
+    /// Turns stored normals to view space, in place. Those in world space take a camera.
+    pub(super) fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>) {
+        match (self.space, camera) {
+            (NormalSpace::World, Some(camera)) => rotate(normal, camera),
+            (NormalSpace::View, _) if self.flip_z => {
+                normal.z.samples_mut().iter_mut().for_each(|z| *z = -*z);
+            }
+            _ => {}
+        }
+    }
 }
 
 /// How the stored normals are to be read.
 struct Reading {
-    space: NormalSpace,
-    flip_z: bool,
+    normals: NormalReading,
     reason: String,
 }
 
@@ -76,8 +102,10 @@ impl Reading {
     ) -> Result<Self> {
         match inputs.normal_space {
             Some(space) => Ok(Self {
-                space,
-                flip_z: false,
+                normals: NormalReading {
+                    space,
+                    flip_z: false,
+                },
                 reason: "as told".into(),
             }),
             None => judged(inputs, surface, normal, camera, findings),
@@ -85,7 +113,7 @@ impl Reading {
     }
 
     fn finding(&self) -> Finding {
-        let (name, flag) = match (self.space, self.flip_z) {
+        let (name, flag) = match (self.normals.space, self.normals.flip_z) {
             (NormalSpace::World, _) => ("world", "--normal-space world"),
             (NormalSpace::View, false) => ("view", "--normal-space view"),
             (NormalSpace::View, true) => (
@@ -120,15 +148,16 @@ fn judged(
     let reason = verdict.reason;
     match verdict.conclusion {
         NormalSpaceConclusion::Certain { space, flip_z } => Ok(Reading {
-            space,
-            flip_z,
+            normals: NormalReading { space, flip_z },
             reason,
         }),
         NormalSpaceConclusion::WorldWithoutCamera => Err(no_camera(inputs, &reason, findings)),
         // An empty mask has no normals to be read either way.
         NormalSpaceConclusion::Ambiguous if surface.mask.count() == 0 => Ok(Reading {
-            space: NormalSpace::View,
-            flip_z: false,
+            normals: NormalReading {
+                space: NormalSpace::View,
+                flip_z: false,
+            },
             reason,
         }),
         NormalSpaceConclusion::Ambiguous => Err(Error::Undetermined {

@@ -5,6 +5,7 @@ mod line;
 mod relight;
 mod run;
 mod shape;
+mod specular;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams};
 pub use line::{
@@ -17,3 +18,4 @@ pub use relight::{
 };
 pub use run::{RunOptions, TileSize};
 pub use shape::{MAX_DIRECTION_STEP_PX, Scale, ShapeParams, SoftThreshold, Solver};
+pub use specular::{Bend, MAX_SEARCH_STEPS, SearchParams, SpecularParams};

@@ -2,7 +2,9 @@
 
 use super::enhancement::{Enhancement, Subject};
 use super::{Available, Goal, Points, Relighting, Stage, Sweeps};
-use crate::params::{Adaptive, LineParams, ScalingParams, ShapeParams, Style};
+use crate::params::{
+    Adaptive, Bend, LineParams, ScalingParams, ShapeParams, SpecularParams, Style,
+};
 use serde::Serialize;
 
 /// Whether a stage runs, and why.
@@ -62,6 +64,7 @@ impl Stage {
             Self::LightLookups => "light-lookups",
             Self::Contrast => "contrast",
             Self::Tones => "tones",
+            Self::SpecularTrace => "specular-trace",
             Self::DirectionField => "direction-field",
             Self::TextureCoordinates => "texture-coordinates",
             Self::TonalArtMap => "tonal-art-map",
@@ -124,8 +127,27 @@ pub(super) fn decide(request: &Request) -> Vec<Decision> {
             decisions.extend(stages.map(|stage| skip(stage, "no new light is asked for")));
         }
     }
+    decisions.push(specular(request.available.specular));
     decisions.extend(drawing(request.drawing, request.available.moving));
     decisions
+}
+
+fn specular(params: Option<SpecularParams>) -> Decision {
+    let Some(SpecularParams { bend, search }) = params else {
+        return skip(
+            Stage::SpecularTrace,
+            "nothing is known that mirrors or lenses could show",
+        );
+    };
+    let bent = match bend {
+        Bend::Mirror => "mirrored".into(),
+        Bend::Glass { ior } => format!("refracted by {ior}"),
+        Bend::Straight => "straight on".into(),
+    };
+    keep(
+        Stage::SpecularTrace,
+        format!("sight lines {bent}, {} search steps", search.steps),
+    )
 }
 
 /// What of the shape a drawing asks for, whatever its tone is made of.
@@ -494,6 +516,7 @@ mod tests {
         positions: true,
         normal_rounding: 0.0,
         moving: false,
+        specular: None,
         light: LightAvailable::NONE,
     };
     const NOTHING: Available = Available {
@@ -506,6 +529,7 @@ mod tests {
         positions: false,
         normal_rounding: 0.0,
         moving: false,
+        specular: None,
         light: LightAvailable::NONE,
     };
 

@@ -13,7 +13,9 @@ pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
 use crate::error::{Error, Result};
 use crate::frame::{DepthKind, Frame};
-use crate::params::{LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, Style};
+use crate::params::{
+    LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, SpecularParams, Style,
+};
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
 
@@ -106,6 +108,8 @@ pub enum Stage {
     Contrast,
     /// Few tones.
     Tones,
+    /// What mirrors and lenses show.
+    SpecularTrace,
     /// The directions that strokes follow.
     DirectionField,
     /// Where the texture of strokes lies as the surface moves.
@@ -139,6 +143,8 @@ pub struct Available {
     pub positions: bool,
     /// Largest rounding error of a component of the normals.
     pub normal_rounding: f32,
+    /// How specular pixels are traced, where what they show is known; no frame says so by itself.
+    pub specular: Option<SpecularParams>,
     /// Light layers to scale.
     pub light: LightAvailable,
     /// Whether this is a frame of a sequence whose strokes are to move with the surface; no frame says so
@@ -172,6 +178,7 @@ impl Available {
             normal_rounding: frame.source.normal_rounding,
             light: LightAvailable::of(&frame.light),
             moving: false,
+            specular: None,
         }
     }
 }
@@ -189,6 +196,8 @@ pub struct Plan {
     pub relighting: Option<Relighting>,
     /// How the picture that was made is drawn, if it is.
     pub drawing: Option<LineParams>,
+    /// How specular pixels are traced, if they are.
+    pub specular: Option<SpecularParams>,
     /// How the gradient is diffused.
     pub sweeps: Sweeps,
     /// Sigmas of further scales, in pixels of the reference.
@@ -349,6 +358,7 @@ impl Plan {
             scaling,
             relighting,
             drawing,
+            specular: available.specular,
             sweeps,
             more_px: more_px.to_vec(),
             resolution_factor,

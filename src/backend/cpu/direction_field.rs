@@ -12,17 +12,19 @@ use crate::line::direction_field::{Form, Weighted, calm, doubled};
 use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
 use crate::params::{Fallback, FieldParams, StrokeDirections};
 use crate::plan::Plan;
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// One field for each of the directions wanted: unit directions in the picture, x right, y up, 0 outside
-/// the mask.
+/// the mask. Where there are `given` ones, other than 0, they are followed as they are.
+#[expect(clippy::too_many_arguments, reason = "one call, each of another kind")]
 pub(super) fn stroke_fields(
     plan: &Plan,
     params: &FieldParams,
     directions: StrokeDirections,
     frame: &Frame,
     conductance: &Plane,
+    given: Option<&[Vector2Planes]>,
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
     let patches = Patches::new(frame, conductance, params.cell_px as usize);
@@ -37,6 +39,9 @@ pub(super) fn stroke_fields(
         .map(|(order, family)| {
             let found = field.doubled(&forms, family, order);
             let mut led = field.calmed(found, &cross, &reach);
+            if let Some(given) = given {
+                field.follow(&mut led, &given[order]);
+            }
             let fallback = |x: f64, y: f64, n: DVec3| field.fallback(x, y, n, order);
             field.settle(&mut led, fallback);
             let between = BetweenPatches {
@@ -247,6 +252,28 @@ impl<'a> Field<'a> {
         }
         let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
         pairs.map(|(&own, &around)| calm(own, around)).collect()
+    }
+
+    /// Puts the mean of the `given` directions of a patch, as far as there are any, in place of its own.
+    fn follow(&self, doubled_directions: &mut [[f32; 2]], given: &Vector2Planes) {
+        let mut sums = vec![Vec3::ZERO; doubled_directions.len()];
+        let mask = &self.frame.mask;
+        for y in 0..mask.height() {
+            let row = given.x.row(y).iter().zip(given.y.row(y)).enumerate();
+            for (x, (&across, &up)) in row {
+                let direction = Vec2::new(across, up);
+                if direction != Vec2::ZERO
+                    && let Some(patch) = self.patches.of_pixel(x, y)
+                {
+                    sums[patch] += doubled(direction).extend(1.0);
+                }
+            }
+        }
+        for (own, sum) in doubled_directions.iter_mut().zip(sums) {
+            if sum.z > 0.0 {
+                *own = (sum.truncate() / sum.z).to_array();
+            }
+        }
     }
 
     /// The fallback at a place, of the first field made or the second.

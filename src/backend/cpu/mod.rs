@@ -18,12 +18,13 @@ mod patches;
 mod percentile;
 mod relight;
 mod simd;
+mod specular;
 mod statistics;
 mod tiles;
 mod wave;
 
 use crate::fast_math::Function;
-use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{ColorPlanes, Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
@@ -36,6 +37,7 @@ use memory::Memory;
 pub use outcome::{CurvaturePlanes, Drawing, Outcome, ScaleShape, Shape};
 use rayon::prelude::*;
 use relight::KeptEnvironment;
+use specular::KeptDirections;
 use std::time::Instant;
 
 /// Rows that one task takes at the least: enough work to be worth handing out.
@@ -69,6 +71,7 @@ pub struct Runner {
     memory: Memory,
     environment: KeptEnvironment,
     art_map: KeptArtMap,
+    map_directions: KeptDirections,
 }
 
 /// What a drawing takes beside the frame.
@@ -78,6 +81,8 @@ pub struct DrawingInputs<'a> {
     pub illumination: Option<&'a Illumination>,
     /// The texture of strokes, for [`crate::params::Style::Pictures`].
     pub art_map: Option<&'a TonalArtMap>,
+    /// What mirrors and lenses show, where the plan traces it.
+    pub specular: Option<&'a SpecularScene>,
     /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
     /// nothing of it.
     pub sequence: Option<SequenceInputs<'a>>,
@@ -129,7 +134,8 @@ impl Runner {
         assert!(plan.has(Stage::Conductance), "strokes stop at edges");
         let edges = edges::edges_and_gradient(plan, frame, &self.memory);
         let memory = &self.memory;
-        direction_field::stroke_fields(plan, params, directions, frame, &edges.conductance, memory)
+        let conductance = &edges.conductance;
+        direction_field::stroke_fields(plan, params, directions, frame, conductance, None, memory)
     }
 
     /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.

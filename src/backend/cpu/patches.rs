@@ -170,6 +170,18 @@ impl Patches {
         self.first[cell] as usize..self.first[cell + 1] as usize
     }
 
+    /// The patch that a pixel belongs to, if any.
+    pub(super) fn of_pixel(&self, x: usize, y: usize) -> Option<usize> {
+        let Grid {
+            cell_px, cut, size, ..
+        } = &self.grid;
+        let [column, row] = [(x + cut[0]) / cell_px, (y + cut[1]) / cell_px];
+        let label = self.labels[y * size[0] + x];
+        let cell = self.of_cell(column, row);
+        (label != NO_PATCH && cell.len() > usize::from(label))
+            .then(|| cell.start + usize::from(label))
+    }
+
     /// Whether a patch is a speck: a few pixels shut in by edges, which tell of noise.
     pub(super) fn is_speck(&self, i: usize) -> bool {
         let alone = [&self.across, &self.down]

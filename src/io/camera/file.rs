@@ -35,12 +35,36 @@ const ROTATION_TOLERANCE: f64 = 2e-3;
 /// to a panorama, or was made for a picture of another shape.
 pub fn read_camera(path: &Path, display_window: Window, pixel_aspect: f32) -> Result<Camera> {
     let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
-    camera_of_json(&text, display_window, f64::from(pixel_aspect)).map_err(
-        |Rejected { found, remedy }| Error::Unsupported {
-            path: path.to_path_buf(),
-            found,
-            remedy,
-        },
+    camera_of_json(&text, display_window, f64::from(pixel_aspect))
+        .map_err(|rejected| rejected.in_file(path))
+}
+
+/// Reads where a panorama was seen from, in world space, and the turn from world space to its own (x right, y
+/// up, -z in the middle of the picture): `world_to_camera` of a file as [`read_camera`] reads it.
+///
+/// # Errors
+/// If the file cannot be read, is not JSON, or has no such matrix of a rotation and a translation.
+pub fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
+    let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
+    let parsed = || {
+        let json: Value = serde_json::from_str(&text).map_err(not_json)?;
+        let matrix = present(&json, "world_to_camera").ok_or_else(|| {
+            Rejected::new(
+                "has no world_to_camera",
+                "write the rows of a 4x4 matrix: where the panorama was seen from",
+            )
+        })?;
+        rigid_transform(matrix)
+    };
+    let (map_from_world, _) = parsed().map_err(|rejected: Rejected| rejected.in_file(path))?;
+    let center = map_from_world.inverse().translation;
+    Ok((center, map_from_world.matrix3))
+}
+
+fn not_json(error: serde_json::Error) -> Rejected {
+    Rejected::new(
+        format!("not a JSON camera ({error})"),
+        "write an object with world_to_camera and focal_px",
     )
 }
 
@@ -58,6 +82,14 @@ impl Rejected {
             remedy: remedy.into(),
         }
     }
+
+    fn in_file(self, path: &Path) -> Error {
+        Error::Unsupported {
+            path: path.to_path_buf(),
+            found: self.found,
+            remedy: self.remedy,
+        }
+    }
 }
 
 type Parsed<T> = std::result::Result<T, Rejected>;
@@ -69,12 +101,7 @@ enum Kind {
 }
 
 fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
-    let json: Value = serde_json::from_str(text).map_err(|e| {
-        Rejected::new(
-            format!("not a JSON camera ({e})"),
-            "write an object with world_to_camera and focal_px",
-        )
-    })?;
+    let json: Value = serde_json::from_str(text).map_err(not_json)?;
     if !json.is_object() {
         return Err(Rejected::new(
             format!("holds {} instead of a JSON object", described(&json)),

@@ -8,9 +8,11 @@ mod file;
 mod from_depth;
 mod hypotheses;
 mod model;
+mod panorama;
 mod recover;
 mod samples;
 
-pub use file::read_camera;
+pub use file::{read_camera, read_pose};
 pub use from_depth::{DepthCamera, recover_camera_from_depth};
+pub use panorama::{PanoramaPose, recover_panorama};
 pub use recover::{RecoveredCamera, RecoveryFailure, recover_camera};

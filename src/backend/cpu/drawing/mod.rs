@@ -15,8 +15,9 @@ pub(super) use tone::{Densities, density_row};
 use super::contours::{DrawnLine, Overlap};
 use super::direction_field::stroke_fields;
 use super::memory::Memory;
-use super::{Drawing, DrawingInputs, Run, contours, light, statistics};
-use crate::frame::Plane;
+use super::specular::seen_through;
+use super::{Drawing, DrawingInputs, Run, contours, edges, light, statistics};
+use crate::frame::{Frame, Plane};
 use crate::line::contours::Contour;
 use crate::line::paper::{grain, graphite};
 use crate::line::tonal_art_map::TonalArtMap;
@@ -25,21 +26,53 @@ use crate::plan::Stage;
 use rayon::prelude::*;
 use std::time::Instant;
 
+/// The edges that a drawing follows: those of the frame, or of what is seen in its mirrors and lenses.
+struct DrawnEdges<'a> {
+    conductance: Option<&'a Plane>,
+    silhouette: Option<&'a Plane>,
+    crease: Option<&'a Plane>,
+}
+
+const WITH_EDGES: &str = "a drawing is planned with its edges";
+
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.
     pub(super) fn draw(&mut self, params: &LineParams, inputs: DrawingInputs) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let conductance = self.outcome.shape.conductance.take();
-        let conductance = conductance.expect("a drawing is planned with its edges");
+        let seen = plan.specular.and_then(|specular| {
+            let scene = inputs
+                .specular
+                .expect("specular pixels are planned with what they show");
+            let kept = &self.runner.map_directions;
+            self.timed("specular-trace", || {
+                seen_through(plan, frame, scene, &specular, params, kept, memory)
+            })
+        });
+        // Lines stop at the edges of what is seen in a mirror, as they do at those of other things.
+        let own = std::mem::take(&mut self.outcome.shape);
+        let through = seen.as_ref().map(|seen| {
+            self.timed("specular-edges", || {
+                edges::edges_and_gradient(plan, &seen.frame, memory)
+            })
+        });
+        let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
+        let edges = match &through {
+            Some(edges) => DrawnEdges {
+                conductance: Some(&edges.conductance),
+                silhouette: edges.silhouette.as_ref(),
+                crease: edges.crease.as_ref(),
+            },
+            None => DrawnEdges {
+                conductance: own.conductance.as_ref(),
+                silhouette: own.silhouette.as_ref(),
+                crease: own.crease.as_ref(),
+            },
+        };
+        let conductance = edges.conductance.expect(WITH_EDGES);
         let directions = self.timed("direction-field", || {
-            stroke_fields(
-                plan,
-                &params.field,
-                params.directions,
-                frame,
-                &conductance,
-                memory,
-            )
+            let given = seen.as_ref().map(|seen| &seen.directions[..]);
+            let (field, wanted) = (&params.field, params.directions);
+            stroke_fields(plan, field, wanted, drawn, conductance, given, memory)
         });
         let made = self.outcome.color.take();
         let color = made.as_ref().or(frame.color.as_ref());
@@ -66,14 +99,13 @@ impl Run<'_> {
         let mut lines = Vec::new();
         let hatching = if plan.has(Stage::Streamlines) {
             self.timed("streamlines", || {
-                let conductance = &conductance;
                 lines = lines::lines(
                     &densities,
                     &directions,
                     conductance,
                     strokes,
                     factor,
-                    frame,
+                    drawn,
                     memory,
                 );
                 lines::inked(&lines, frame, memory)
@@ -100,7 +132,7 @@ impl Run<'_> {
         };
         let scale = strokes.factor(factor);
         let drawn = params.contours.map(|contours| {
-            let (covered, lines) = self.draw_contours(&contours.scaled(scale));
+            let (covered, lines) = self.draw_contours(&edges, drawn, &contours.scaled(scale));
             let covered = match params.strokes.style {
                 Style::Pencil => self.in_graphite(covered, params.strokes.seed),
                 Style::Pen | Style::Pictures | Style::Lines => covered,
@@ -109,7 +141,7 @@ impl Run<'_> {
         });
         let (contours, contour_lines) = drawn.unzip();
         self.outcome.color = made;
-        self.outcome.shape.conductance = Some(conductance);
+        self.outcome.shape = own;
         self.outcome.drawing = Some(Drawing {
             hatching,
             lines,
@@ -135,19 +167,17 @@ impl Run<'_> {
         covered
     }
 
-    fn draw_contours(&mut self, params: &ContourParams) -> (Plane, Vec<Contour>) {
-        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+    fn draw_contours(
+        &mut self,
+        edges: &DrawnEdges,
+        frame: &Frame,
+        params: &ContourParams,
+    ) -> (Plane, Vec<Contour>) {
+        let (plan, memory) = (self.plan, &self.runner.memory);
         let start = Instant::now();
-        let shape = &self.outcome.shape;
         let weights = contours::Weights {
-            silhouette: shape
-                .silhouette
-                .as_ref()
-                .expect("contours are planned with their edges"),
-            crease: shape
-                .crease
-                .as_ref()
-                .expect("contours are planned with their edges"),
+            silhouette: edges.silhouette.expect(WITH_EDGES),
+            crease: edges.crease.expect(WITH_EDGES),
         };
         let lines = contours::contours(&weights, frame, &plan.shape, params);
         let drawn: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();

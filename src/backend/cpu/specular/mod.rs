@@ -1,0 +1,126 @@
+//! What specular pixels show: where strokes on it lie in the picture, and its shape as it appears there.
+
+mod map_directions;
+mod met_points;
+mod seen;
+mod tangents;
+
+pub(super) use map_directions::KeptDirections;
+
+use super::direction_field::stroke_fields;
+use super::edges;
+use super::memory::Memory;
+use crate::frame::{Frame, LightLayers, SpecularScene, Vector2Planes};
+use crate::params::{LineParams, SpecularParams};
+use crate::plan::Plan;
+use crate::trace::Tracer;
+use met_points::met_pixels;
+use seen::{SeenPixel, seen_pixels};
+use tangents::Tangents;
+
+/// What a frame's specular pixels show.
+pub(super) struct SeenThrough {
+    /// The frame with the shape of what is seen in them, as it appears there.
+    pub(super) frame: Frame,
+    /// The directions of strokes on it, in the order wanted: unit, in the picture, x right, y up; 0 elsewhere and
+    /// where they cannot be told.
+    pub(super) directions: Vec<Vector2Planes>,
+}
+
+/// What the specular pixels of `frame` show of `scene`, with the directions that strokes by `params` take there.
+/// `None` where nothing can be traced.
+pub(super) fn seen_through(
+    plan: &Plan,
+    frame: &Frame,
+    scene: &SpecularScene,
+    specular: &SpecularParams,
+    params: &LineParams,
+    kept: &KeptDirections,
+    memory: &Memory,
+) -> Option<SeenThrough> {
+    let tracer = Tracer::new(frame, scene, specular)?;
+    let wanted = params.directions.wanted();
+    let behind = scene.behind.as_ref().map(|behind| {
+        let edges = edges::edges_and_gradient(plan, behind, memory);
+        let conductance = &edges.conductance;
+        let (field, directions) = (&params.field, params.directions);
+        stroke_fields(plan, field, directions, behind, conductance, None, memory)
+    });
+    let tangents = Tangents {
+        tracer: &tracer,
+        camera: frame.camera?,
+        behind: behind.unwrap_or_default(),
+        around: scene.surroundings.as_ref().map(|map| kept.of(map)),
+        families: [0, 1].into_iter().filter(|&f| wanted[f]).collect(),
+        fallback: params.field.fallback,
+    };
+    let pixels = match &scene.hit_position {
+        Some(points) => met_pixels(frame, scene, points, &tangents)?,
+        None => seen_pixels(frame, &tracer, &tangents),
+    };
+    let mut directions = vec![blank(frame); tangents.families.len()];
+    for pixel in &pixels {
+        for (plane, direction) in directions.iter_mut().zip(pixel.directions) {
+            plane.x.row_mut(pixel.y)[pixel.x] = direction.x;
+            plane.y.row_mut(pixel.y)[pixel.x] = direction.y;
+        }
+    }
+    Some(SeenThrough {
+        frame: as_it_appears(frame, &pixels),
+        directions,
+    })
+}
+
+fn blank(frame: &Frame) -> Vector2Planes {
+    let plane = || frame.normal.x.map(|_| 0.0);
+    Vector2Planes {
+        x: plane(),
+        y: plane(),
+    }
+}
+
+/// The shape of the frame with that of what its specular pixels show in its place; without the picture.
+fn as_it_appears(frame: &Frame, pixels: &[SeenPixel]) -> Frame {
+    let mut normal = frame.normal.clone();
+    let mut depth = frame.depth.clone();
+    let mut lengths = frame.normal_length.clone();
+    let kind = frame.source.depth_kind;
+    let front = seen::sight_of(frame);
+    for pixel in pixels {
+        let (x, y) = (pixel.x, pixel.y);
+        normal.x.row_mut(y)[x] = pixel.normal.x;
+        normal.y.row_mut(y)[x] = pixel.normal.y;
+        normal.z.row_mut(y)[x] = pixel.normal.z;
+        if let (Some(depth), Some(sight)) = (&mut depth, &front) {
+            depth.row_mut(y)[x] = match kind {
+                crate::frame::DepthKind::Ray => {
+                    let window = frame.data_window;
+                    let [x, y] = [(window.x0, x), (window.y0, y)]
+                        .map(|(first, i)| f64::from(first) + i as f64 + 0.5);
+                    pixel.depth * sight.line(x, y).1.length() as f32
+                }
+                _ => pixel.depth,
+            };
+        }
+        if let Some(lengths) = &mut lengths {
+            lengths.row_mut(y)[x] = 1.0;
+        }
+    }
+    Frame {
+        data_window: frame.data_window,
+        display_window: frame.display_window,
+        pixel_aspect: frame.pixel_aspect,
+        mask: frame.mask.clone(),
+        normal,
+        normal_length: lengths,
+        depth,
+        occlusion: frame.occlusion.clone(),
+        importance: None,
+        color: None,
+        albedo: None,
+        alpha: frame.alpha.clone(),
+        light: LightLayers::default(),
+        camera: frame.camera,
+        source: frame.source.clone(),
+    }
+}

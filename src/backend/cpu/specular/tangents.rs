@@ -1,0 +1,71 @@
+//! Directions that strokes take on what specular pixels show, in space.
+
+use crate::frame::{Camera, SightLines, Vector2Planes, Vector3Planes};
+use crate::params::Fallback;
+use crate::trace::{Hit, Met, Tracer};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+/// The directions on everything that a trace may meet.
+pub(super) struct Tangents<'a> {
+    pub(super) tracer: &'a Tracer<'a>,
+    pub(super) camera: Camera,
+    /// On what lies behind: the strokes drawn there, one field for each of the directions wanted.
+    pub(super) behind: Vec<Vector2Planes>,
+    /// On the surroundings: the curvature larger in size, in world space; 0 where there is none.
+    pub(super) around: Option<Arc<Vector3Planes>>,
+    /// The directions wanted: of the larger curvature, 0, or the lesser, 1.
+    pub(super) families: Vec<usize>,
+    pub(super) fallback: Fallback,
+}
+
+impl Tangents<'_> {
+    /// The tangent at a hit that strokes of the direction wanted in this `order` take; of any length.
+    pub(super) fn at(&self, hit: &Hit, order: usize) -> Option<DVec3> {
+        match hit.met {
+            Met::Behind(at) => {
+                let surface = self.tracer.behind()?;
+                let direction = surface.direction_at(&self.behind[order], at, hit.point)?;
+                let sight = SightLines::new(self.camera.projection);
+                sight.tangent(at.x, at.y, direction, hit.normal)
+            }
+            Met::Surroundings(world) => {
+                let map = self.tracer.around()?;
+                let found = map.direction_at(self.around.as_ref()?, world);
+                Some(match found {
+                    Some(larger) => {
+                        let larger = self.camera.view_from_world.transform_vector3(larger);
+                        let along = larger - larger.dot(hit.normal) * hit.normal;
+                        self.of_family(along, hit.normal, order)
+                    }
+                    None => self.fallback(hit.normal, order),
+                })
+            }
+        }
+    }
+
+    /// The direction wanted in this order, from that of the larger curvature.
+    pub(super) fn of_family(&self, larger: DVec3, normal: DVec3, order: usize) -> DVec3 {
+        match self.families[order] {
+            0 => larger,
+            _ => normal.cross(larger),
+        }
+    }
+
+    /// On a plane that curvature does not lead: the angle of the fallback from a horizontal, or upright; a second
+    /// direction at right angles to the first.
+    pub(super) fn fallback(&self, normal: DVec3, order: usize) -> DVec3 {
+        let up = [DVec3::X, DVec3::Y]
+            .into_iter()
+            .find_map(|axis| axis.cross(normal).try_normalize())
+            .unwrap_or(DVec3::Y);
+        let up = if up.y < 0.0 { -up } else { up };
+        let right = up.cross(normal);
+        let first = match self.fallback {
+            Fallback::Angle(degrees) => DVec2::from_angle(f64::from(degrees).to_radians()),
+            Fallback::Surface => DVec2::Y,
+        };
+        let direction = if order == 0 { first } else { first.perp() };
+        direction.x * right + direction.y * up
+    }
+}

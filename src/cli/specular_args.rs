@@ -1,0 +1,106 @@
+//! The names of what mirrors and lenses show. Every default is read from `params`.
+
+use crate::error::Result;
+use crate::io::SpecularInputs;
+use crate::params::{Bend, Material, MaterialParams, SearchParams, SpecularParams};
+use clap::Args;
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+static SEARCH: LazyLock<SearchParams> = LazyLock::new(SearchParams::default);
+
+/// What mirrors and lenses show.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Mirrors and lenses")]
+pub(super) struct SpecularFlags {
+    /// Which pixels are mirrors or lenses, above one half: a layer of IN or a file; all that are covered where it
+    /// is not given.
+    #[arg(long, value_name = "NAME|FILE")]
+    specular_mask: Option<String>,
+    /// Back faces of a lens, normals and depth by the same camera: sight lines are refracted twice, by --ior.
+    #[arg(long, value_name = "FILE")]
+    back: Option<PathBuf>,
+    /// The scene without its mirrors and lenses, by the same camera: depth, and normals and colour if any.
+    #[arg(long, value_name = "FILE")]
+    behind: Option<PathBuf>,
+    /// All directions around the mirror or lens, equirectangular: positions (or distances), and normals and colour
+    /// if any.
+    #[arg(long, value_name = "FILE")]
+    surroundings: Option<PathBuf>,
+    /// Where surroundings without positions were seen from: a camera file with world_to_camera.
+    #[arg(long, value_name = "FILE")]
+    surroundings_camera: Option<PathBuf>,
+    /// World-space points that mirrored or refracted sight lines meet, where the renderer tells them: a layer of
+    /// IN or a file. Nothing is searched for then.
+    #[arg(long, value_name = "NAME|FILE")]
+    hit_position: Option<String>,
+    /// Steps of the search along mirrored and refracted sight lines: fewer miss thin things.
+    #[arg(long, value_name = "N", default_value_t = SEARCH.steps)]
+    search_steps: u32,
+}
+
+impl SpecularFlags {
+    /// Which files and layers are named.
+    pub(super) fn inputs(&self) -> SpecularInputs {
+        SpecularInputs {
+            mask: self.specular_mask.clone(),
+            back: self.back.clone(),
+            behind: self.behind.clone(),
+            surroundings: self.surroundings.clone(),
+            surroundings_camera: self.surroundings_camera.clone(),
+            hit_position: self.hit_position.clone(),
+        }
+    }
+
+    /// How sight lines go on: refracted where back faces are named or the material is glass, else mirrored.
+    pub(super) fn params(&self, material: &MaterialParams) -> Result<SpecularParams> {
+        let is_glass = self.back.is_some() || material.material == Material::Glass;
+        let bend = match (is_glass, material.thin) {
+            (false, _) => Bend::Mirror,
+            (true, true) => Bend::Straight,
+            (true, false) => Bend::Glass { ior: material.ior },
+        };
+        let search = SearchParams {
+            steps: self.search_steps,
+            ..*SEARCH
+        };
+        search.validate()?;
+        Ok(SpecularParams { bend, search })
+    }
+
+    /// Every input that is a file of its own.
+    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let named = [&self.specular_mask, &self.hit_position];
+        let named = named.into_iter().flatten().map(PathBuf::from);
+        let files = [
+            &self.back,
+            &self.behind,
+            &self.surroundings,
+            &self.surroundings_camera,
+        ];
+        named
+            .filter(|path| path.exists())
+            .chain(files.into_iter().flatten().cloned())
+            .collect::<Vec<_>>()
+            .into_iter()
+    }
+
+    /// Gives every layer and file the name that `name` makes of its own.
+    pub(super) fn rename(&mut self, name: impl Fn(&str) -> String) {
+        let layers = [&mut self.specular_mask, &mut self.hit_position];
+        for own in layers.into_iter().flatten() {
+            *own = name(own);
+        }
+        let files = [
+            &mut self.back,
+            &mut self.behind,
+            &mut self.surroundings,
+            &mut self.surroundings_camera,
+        ];
+        for own in files.into_iter().flatten() {
+            if let Some(path) = own.to_str() {
+                *own = name(path).into();
+            }
+        }
+    }
+}

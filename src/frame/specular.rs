@@ -1,0 +1,110 @@
+//! What mirrors and lenses show: everything a trace beyond the visible surface may meet.
+
+use super::{Frame, Mask, Plane, Surroundings, Vector3Planes};
+use std::sync::Arc;
+
+/// What surrounds the specular surfaces of a frame, as far as it is known. All but the surroundings is seen by
+/// the frame's own camera.
+#[derive(Debug, Clone, Default)]
+pub struct SpecularScene {
+    /// Which pixels of the frame are specular; all that are covered where it is `None`.
+    pub mask: Option<Mask>,
+    /// Back faces of transparent things; which way their normals point does not matter.
+    pub back: Option<Frame>,
+    /// The scene without its specular things.
+    pub behind: Option<Frame>,
+    /// What lies around the specular thing.
+    pub surroundings: Option<Arc<Surroundings>>,
+    /// Where the bent sight line of each pixel ends, in view space; not finite where it is not known.
+    pub hit_position: Option<Vector3Planes>,
+}
+
+impl SpecularScene {
+    /// Whether there is anything that a bent sight line may meet.
+    pub fn shows_anything(&self) -> bool {
+        self.behind.is_some() || self.surroundings.is_some() || self.hit_position.is_some()
+    }
+
+    /// Whether the pixel at column `x` of row `y` of `frame` is specular.
+    #[inline]
+    pub fn is_specular(&self, frame: &Frame, x: usize, y: usize) -> bool {
+        frame.mask.at(x, y) && self.mask.as_ref().is_none_or(|mask| mask.at(x, y))
+    }
+}
+
+impl SpecularScene {
+    /// Puts what lies behind where `frame` shows no surface, so that both are drawn as one picture. Colour is laid over
+    /// that of what lies behind as far as it has an alpha, else it is taken to show both. What was filled is not
+    /// specular.
+    pub fn fill_from_behind(&mut self, frame: &mut Frame) {
+        let Some(behind) = &self.behind else {
+            return;
+        };
+        let own = self.mask.take().unwrap_or_else(|| frame.mask.clone());
+        let covered = frame.mask.clone();
+        self.mask = Some(Mask::new(Plane::from_fn(
+            own.width(),
+            own.height(),
+            |x, y| own.at(x, y) && covered.at(x, y),
+        )));
+        let mut filled = covered.plane().clone();
+        for y in 0..covered.height() {
+            for x in 0..covered.width() {
+                let Some(at) = pixel_of(behind, frame, x, y) else {
+                    continue;
+                };
+                lay_over(frame, behind, [x, y], at);
+                if !covered.at(x, y) && behind.mask.at(at[0], at[1]) {
+                    copy_shape(frame, behind, [x, y], at);
+                    filled.row_mut(y)[x] = true;
+                }
+            }
+        }
+        frame.mask = Mask::new(filled);
+    }
+}
+
+/// The pixel of `behind` that shows what the pixel at (`x`, `y`) of `frame` shows.
+fn pixel_of(behind: &Frame, frame: &Frame, x: usize, y: usize) -> Option<[usize; 2]> {
+    let (own, other) = (frame.data_window, behind.data_window);
+    let at = [own.x0 - other.x0 + x as i32, own.y0 - other.y0 + y as i32];
+    let is_inside = at[0] >= 0
+        && at[1] >= 0
+        && (at[0] as usize) < other.width()
+        && (at[1] as usize) < other.height();
+    is_inside.then(|| at.map(|i| i as usize))
+}
+
+fn copy_shape(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [usize; 2]) {
+    let to = &mut frame.normal;
+    let from = &behind.normal;
+    to.x.row_mut(y)[x] = from.x.at(bx, by);
+    to.y.row_mut(y)[x] = from.y.at(bx, by);
+    to.z.row_mut(y)[x] = from.z.at(bx, by);
+    if let (Some(to), Some(from)) = (&mut frame.depth, &behind.depth) {
+        to.row_mut(y)[x] = from.at(bx, by);
+    }
+    if let Some(lengths) = &mut frame.normal_length {
+        lengths.row_mut(y)[x] = 1.0;
+    }
+}
+
+/// Colour over that of what lies behind.
+fn lay_over(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [usize; 2]) {
+    let (Some(color), Some(alpha), Some(other)) =
+        (&mut frame.color, &mut frame.alpha, &behind.color)
+    else {
+        return;
+    };
+    let own = alpha.at(x, y).clamp(0.0, 1.0);
+    let share = 1.0 - own;
+    for (to, from) in [
+        (&mut color.r, &other.r),
+        (&mut color.g, &other.g),
+        (&mut color.b, &other.b),
+    ] {
+        to.row_mut(y)[x] += share * from.at(bx, by);
+    }
+    let beyond = behind.alpha.as_ref().map_or(1.0, |alpha| alpha.at(bx, by));
+    alpha.row_mut(y)[x] = own + share * beyond.clamp(0.0, 1.0);
+}

@@ -1,0 +1,70 @@
+//! A distance map: what lies around an object, seen from a point inside it.
+
+use super::{ColorPlanes, Vector3Planes};
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// What lies around a point, in every direction: an equirectangular map, its middle straight ahead (-z of
+/// the map's own space, y up) and its left and right edges behind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surroundings {
+    /// Where it was seen from, in world space.
+    pub center: DVec3,
+    /// World space to the map's own.
+    pub map_from_world: DMat3,
+    /// Points of the surfaces in world space, from the centre; 0 where nothing is.
+    pub points: Vector3Planes,
+    /// Unit normals in world space; 0 where nothing is.
+    pub normal: Vector3Planes,
+    /// Largest rounding error of a component of the normals as they were stored.
+    pub normal_rounding: f32,
+    /// The picture, scene-linear.
+    pub color: Option<ColorPlanes>,
+}
+
+impl Surroundings {
+    /// Number of columns.
+    pub fn width(&self) -> usize {
+        self.points.x.width()
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> usize {
+        self.points.x.height()
+    }
+
+    /// Where a direction of world space, of any length but 0, falls on the map, in pixels from its
+    /// upper left corner.
+    #[inline]
+    pub fn position(&self, world: DVec3) -> DVec2 {
+        let to = self.map_from_world * world;
+        let across = to.x.atan2(-to.z) / TAU + 0.5;
+        let down = 0.5 - to.y.atan2(to.x.hypot(to.z)) / PI;
+        DVec2::new(across * self.width() as f64, down * self.height() as f64)
+    }
+
+    /// The point of a pixel, from the centre; 0 where nothing is.
+    #[inline]
+    pub fn point_at(&self, x: usize, y: usize) -> DVec3 {
+        at(&self.points, x, y)
+    }
+
+    /// The unit normal of a pixel, or 0.
+    #[inline]
+    pub fn normal_at(&self, x: usize, y: usize) -> DVec3 {
+        at(&self.normal, x, y)
+    }
+}
+
+fn at(planes: &Vector3Planes, x: usize, y: usize) -> DVec3 {
+    let Vector3Planes { x: a, y: b, z: c } = planes;
+    DVec3::new(a.at(x, y).into(), b.at(x, y).into(), c.at(x, y).into())
+}
+
+/// The unit direction, in the map's own space, of the middle of a pixel of an equirectangular map.
+pub fn map_direction(x: usize, y: usize, width: usize, height: usize) -> DVec3 {
+    let azimuth = ((x as f64 + 0.5) / width as f64 - 0.5) * TAU;
+    let elevation = (0.5 - (y as f64 + 0.5) / height as f64) * PI;
+    let ((sin_a, cos_a), (sin_e, cos_e)) = (azimuth.sin_cos(), elevation.sin_cos());
+    DVec3::new(cos_e * sin_a, sin_e, -cos_e * cos_a)
+}

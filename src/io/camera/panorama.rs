@@ -1,0 +1,188 @@
+//! Where a panorama was seen from, and which way up, from its world-space positions.
+
+use super::file::dmat3;
+use super::samples::quantile;
+use crate::frame::{Plane, Vector3Planes, map_direction};
+use glam::{DMat3, DVec3};
+use nalgebra::{Matrix3, Vector3};
+
+/// The place and the turn of an equirectangular panorama.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PanoramaPose {
+    /// Where it was seen from, in world space.
+    pub center: DVec3,
+    /// World space to the map's own: x right, y up, -z in the middle of the picture.
+    pub map_from_world: DMat3,
+    /// Median angle between where pixels look and where their positions lie, in pixels.
+    pub residual_px: f64,
+}
+
+/// About how many pixels are looked at.
+const SAMPLES: usize = 4000;
+
+/// Fewer tell nothing.
+const FEWEST: usize = 16;
+
+/// Rounds of turning and placing; each round leaves a fraction of the error.
+const ROUNDS: usize = 400;
+
+/// A round that moves the centre by less, as a share of the distances, is the last.
+const SETTLED: f64 = 1e-13;
+
+/// A pixel: where it looks in the map's own space, and the position that it shows.
+struct Sighting {
+    direction: DVec3,
+    position: DVec3,
+}
+
+/// The pose that the `positions` of a panorama tell, where `seen` is true. `None` where too few are seen, or they are
+/// no panorama of these proportions: its mirror image, a cube, a fisheye.
+///
+/// In turns the positions are turned onto the directions of their pixels (Wahba's problem), and the centre is put
+/// where the lines through the positions along those directions come closest to each other.
+pub fn recover_panorama(positions: &Vector3Planes, seen: &Plane<bool>) -> Option<PanoramaPose> {
+    let sightings = sightings(positions, seen);
+    if sightings.len() < FEWEST {
+        return None;
+    }
+    let count = sightings.len() as f64;
+    let mut center = sightings.iter().map(|s| s.position).sum::<DVec3>() / count;
+    let size = sightings
+        .iter()
+        .map(|s| s.position.distance(center))
+        .sum::<f64>()
+        / count;
+    let mut turn = turned(&sightings, center)?;
+    for _ in 0..ROUNDS {
+        let moved = nearest_point(&sightings, turn)?;
+        let step = moved.distance(center);
+        center = moved;
+        turn = turned(&sightings, center)?;
+        if step < SETTLED * size {
+            break;
+        }
+    }
+    let per_pixel = std::f64::consts::PI / positions.x.height() as f64;
+    let off = |s: &Sighting| {
+        let to = (turn * (s.position - center)).normalize_or_zero();
+        to.cross(s.direction).length().atan2(to.dot(s.direction)) / per_pixel
+    };
+    let mut residuals: Vec<f64> = sightings.iter().map(off).collect();
+    let residual_px = quantile(&mut residuals, 0.5);
+    residual_px.is_finite().then_some(PanoramaPose {
+        center,
+        map_from_world: turn,
+        residual_px,
+    })
+}
+
+/// Pixels spread over the map, with those near the poles thinned out as their solid angle is.
+fn sightings(positions: &Vector3Planes, seen: &Plane<bool>) -> Vec<Sighting> {
+    let (width, height) = (seen.width(), seen.height());
+    let step = ((width * height) as f64 / SAMPLES as f64).sqrt().max(1.0) as usize;
+    let mut found = Vec::new();
+    for y in (step / 2..height).step_by(step) {
+        let cosine = ((0.5 - (y as f64 + 0.5) / height as f64) * std::f64::consts::PI).cos();
+        let across = ((step as f64 / cosine.max(0.05)) as usize).max(1);
+        for x in (0..width).step_by(across).filter(|&x| seen.at(x, y)) {
+            let at = |plane: &Plane| f64::from(plane.at(x, y));
+            found.push(Sighting {
+                direction: map_direction(x, y, width, height),
+                position: DVec3::new(at(&positions.x), at(&positions.y), at(&positions.z)),
+            });
+        }
+    }
+    found
+}
+
+/// The rotation that best carries directions from the centre onto those of the map.
+fn turned(sightings: &[Sighting], center: DVec3) -> Option<DMat3> {
+    let mut sum = Matrix3::zeros();
+    for s in sightings {
+        let from = (s.position - center).normalize_or_zero();
+        sum += vector(s.direction) * vector(from).transpose();
+    }
+    if !sum.iter().all(|e| e.is_finite()) {
+        return None;
+    }
+    let svd = sum.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let sign = (u * v_t).determinant().signum();
+    Some(dmat3(
+        &(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t),
+    ))
+}
+
+/// The point nearest to all lines through the positions along the directions: least squares.
+fn nearest_point(sightings: &[Sighting], turn: DMat3) -> Option<DVec3> {
+    let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for s in sightings {
+        let along = vector(turn.transpose() * s.direction);
+        let across = Matrix3::identity() - along * along.transpose();
+        matrix += across;
+        right += across * vector(s.position);
+    }
+    let found = matrix.lu().solve(&right)?;
+    Some(DVec3::new(found.x, found.y, found.z))
+}
+
+fn vector(v: DVec3) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A panorama of a box seen from a point inside.
+    fn box_seen(turn: DMat3, center: DVec3) -> Vector3Planes {
+        let at = |x, y| {
+            let direction = turn.transpose() * map_direction(x, y, 128, 64);
+            let sides = DVec3::new(3.0, 2.0, 1.5).to_array();
+            let t = (0..3)
+                .map(|k| (sides[k].copysign(direction[k]) - center[k]) / direction[k])
+                .fold(f64::INFINITY, f64::min);
+            center + t * direction
+        };
+        let plane = |k: usize| Plane::from_fn(128, 64, |x, y| at(x, y)[k] as f32);
+        Vector3Planes {
+            x: plane(0),
+            y: plane(1),
+            z: plane(2),
+        }
+    }
+
+    #[test]
+    fn the_pose_of_a_panorama_is_found_again() {
+        let turns = [
+            DMat3::IDENTITY,
+            DMat3::from_rotation_x(-1.6) * DMat3::from_rotation_z(2.9),
+        ];
+        for turn in turns {
+            let center = DVec3::new(0.9, -0.8, 0.4);
+            let found = recover_panorama(&box_seen(turn, center), &Plane::filled(128, 64, true));
+            let found = found.unwrap();
+            // Positions are rounded to f32: 1e-7 of a few units.
+            assert!(found.center.distance(center) < 1e-5, "{found:?}");
+            assert!(
+                (found.map_from_world - turn)
+                    .to_cols_array()
+                    .iter()
+                    .all(|e| e.abs() < 1e-5)
+            );
+            assert!(found.residual_px < 1e-3);
+        }
+    }
+
+    #[test]
+    fn what_is_no_panorama_shows_in_the_residual() {
+        let mut mirrored = box_seen(DMat3::IDENTITY, DVec3::new(0.5, 0.2, 0.1));
+        mirrored.x = mirrored.x.map(|x| -x);
+        let seen = Plane::filled(128, 64, true);
+        assert!(recover_panorama(&mirrored, &seen).is_none_or(|pose| pose.residual_px > 5.0));
+        assert_eq!(
+            recover_panorama(&mirrored, &Plane::filled(128, 64, false)),
+            None
+        );
+    }
+}

@@ -1,0 +1,364 @@
+//! What mirrors and lenses show, read from files: the frame's own specular pixels, back faces, what lies behind, the
+//! surroundings, and where a renderer tells it the points that bent sight lines meet.
+
+use super::coverage::{self, is_distance};
+use super::depth::depth_of_positions;
+use super::load::{Loaded, grey, missing, shown, three};
+use super::normals::{decode, judge_encoding, normalise};
+use super::normals_of_points::normals_of_points;
+use super::roles::Role;
+use super::sources::{Opened, RolePlanes, RoleSource, read_all};
+use super::surroundings::read_surroundings;
+use crate::error::{Error, Result};
+use crate::frame::{
+    Camera, ColorPlanes, DepthKind, Frame, LightLayers, Mask, Plane, SightLines, Source,
+    SpecularScene, Surroundings, Vector3Planes, Window,
+};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Which files and layers tell what mirrors and lenses show.
+#[derive(Debug, Clone, Default)]
+pub struct SpecularInputs {
+    /// Which pixels are specular, above one half: a layer of the picture, or a file.
+    pub mask: Option<String>,
+    /// Back faces of transparent things, seen by the same camera: normals and depth.
+    pub back: Option<PathBuf>,
+    /// The scene without its specular things, seen by the same camera: depth, and normals and colour if any.
+    pub behind: Option<PathBuf>,
+    /// What lies around a specular thing: an equirectangular map of world-space positions, or of distances, and
+    /// normals and colour if any.
+    pub surroundings: Option<PathBuf>,
+    /// Where a map of distances was seen from: a camera file, of which only `world_to_camera` counts.
+    pub surroundings_camera: Option<PathBuf>,
+    /// World-space points that bent sight lines meet: a layer of the picture, or a file.
+    pub hit_position: Option<String>,
+}
+
+impl SpecularInputs {
+    /// Whether anything is to be read.
+    pub fn is_empty(&self) -> bool {
+        let Self {
+            mask,
+            back,
+            behind,
+            surroundings,
+            surroundings_camera,
+            hit_position,
+        } = self;
+        mask.is_none()
+            && hit_position.is_none()
+            && [back, behind, surroundings, surroundings_camera]
+                .iter()
+                .all(|path| path.is_none())
+    }
+}
+
+/// Reads what `inputs` name, to go with the frame that was `loaded`. Surroundings that are `known` from an earlier
+/// frame are not read again.
+///
+/// # Errors
+/// Any [`Error`] of reading; [`Error::BadParameter`] for inputs that lack one another;
+/// [`Error::Undetermined`] where the frame's camera, or the place of it, is not known.
+pub fn load_specular(
+    inputs: &SpecularInputs,
+    loaded: &Loaded,
+    known: Option<Arc<Surroundings>>,
+) -> Result<SpecularScene> {
+    refuse_what_lacks(inputs)?;
+    let frame = &loaded.frame;
+    let path = loaded.main.path();
+    let Some(camera) = frame.camera else {
+        return Err(Error::Undetermined {
+            path: path.into(),
+            found: "has no camera, and mirrors and lenses bend sight lines".into(),
+            remedy: "give --camera FILE".into(),
+        });
+    };
+    if frame.depth.is_none() || frame.source.depth_kind == DepthKind::Relative {
+        return Err(Error::MissingAov {
+            path: path.into(),
+            found: "has no depth that is a distance, and mirrors and lenses have to be somewhere"
+                .into(),
+            remedy: "name one with --depth or --position".into(),
+        });
+    }
+    let world = || match loaded.camera_is_placed {
+        true => Ok(camera),
+        false => Err(Error::Undetermined {
+            path: path.into(),
+            found: "tells how its camera is turned, but not where in the world it stands".into(),
+            remedy: "give --camera FILE, or a layer of positions with --position".into(),
+        }),
+    };
+    let layer = |path: &Path| {
+        Layer {
+            path,
+            loaded,
+            camera,
+        }
+        .read()
+    };
+    let surroundings = inputs.surroundings.as_ref().map(|path| {
+        world()?;
+        if let Some(known) = &known {
+            return Ok(known.clone());
+        }
+        read_surroundings(path, inputs.surroundings_camera.as_deref()).map(Arc::new)
+    });
+    let hit_position = inputs.hit_position.as_ref().map(|name| {
+        let position = vector_of("--hit-position", name, loaded)?;
+        Ok::<_, Error>(in_view(&position, &world()?))
+    });
+    Ok(SpecularScene {
+        mask: inputs
+            .mask
+            .as_ref()
+            .map(|name| specular_mask(name, loaded))
+            .transpose()?,
+        back: inputs.back.as_deref().map(layer).transpose()?,
+        behind: inputs.behind.as_deref().map(layer).transpose()?,
+        surroundings: surroundings.transpose()?,
+        hit_position: hit_position.transpose()?,
+    })
+}
+
+fn refuse_what_lacks(inputs: &SpecularInputs) -> Result<()> {
+    let bad = |name, found: &str, remedy: &str| {
+        Err(Error::BadParameter {
+            name,
+            found: found.into(),
+            remedy: remedy.into(),
+        })
+    };
+    let shows =
+        inputs.behind.is_some() || inputs.surroundings.is_some() || inputs.hit_position.is_some();
+    let around = "give --surroundings FILE, --behind FILE or --hit-position LAYER";
+    if inputs.mask.is_some() && !shows {
+        return bad(
+            "--specular-mask",
+            "names mirrors, but nothing for them to show",
+            around,
+        );
+    }
+    if inputs.back.is_some() && !shows {
+        return bad(
+            "--back",
+            "bends sight lines, but there is nothing for them to meet",
+            around,
+        );
+    }
+    if inputs.surroundings_camera.is_some() && inputs.surroundings.is_none() {
+        return bad(
+            "--surroundings-camera",
+            "tells where a map was seen from, and there is none",
+            "give --surroundings FILE",
+        );
+    }
+    Ok(())
+}
+
+/// A source by a name that the user gave, over the frame's own pixels.
+fn source_of(flag: &'static str, role: Role, name: &str, loaded: &Loaded) -> Result<RolePlanes> {
+    let source = RoleSource::resolve(role, Some(name), &loaded.main)
+        .map_err(|error| renamed(error, role, flag))?
+        .expect("a source that is named is there or an error");
+    let window = loaded.frame.data_window;
+    if source.window() != window {
+        return Err(Error::SizeMismatch {
+            path: source.file.path().to_path_buf(),
+            found: format!("{} ({})", source.window(), source.label()),
+            expected: format!("the normals are {window}"),
+        });
+    }
+    Ok(read_all(&[source])?.remove(0))
+}
+
+/// An error about a role, told by the flag that was given.
+fn renamed(error: Error, role: Role, flag: &str) -> Error {
+    match error {
+        Error::MissingAov {
+            path,
+            found,
+            remedy,
+        } => Error::MissingAov {
+            path,
+            found,
+            remedy: remedy.replace(&format!("--{}", role.name()), flag),
+        },
+        other => other,
+    }
+}
+
+fn specular_mask(name: &str, loaded: &Loaded) -> Result<Mask> {
+    let plane = grey(source_of("--specular-mask", Role::Mask, name, loaded)?.planes);
+    Ok(Mask::new(plane.map(|share| share > 0.5)))
+}
+
+fn vector_of(flag: &'static str, name: &str, loaded: &Loaded) -> Result<Vector3Planes> {
+    let [x, y, z] = three(source_of(flag, Role::Position, name, loaded)?.planes);
+    Ok(Vector3Planes { x, y, z })
+}
+
+/// World-space points in view space; what is not there, 0 or not finite, becomes NaN.
+fn in_view(position: &Vector3Planes, camera: &Camera) -> Vector3Planes {
+    let Vector3Planes { x, y, z } = position;
+    let all = Plane::from_fn(x.width(), x.height(), |i, j| {
+        let world = DVec3::new(x.at(i, j).into(), y.at(i, j).into(), z.at(i, j).into());
+        match world == DVec3::ZERO {
+            true => DVec3::NAN.as_vec3(),
+            false => camera.view_from_world.transform_point3(world).as_vec3(),
+        }
+    });
+    Vector3Planes {
+        x: all.map(|p| p.x),
+        y: all.map(|p| p.y),
+        z: all.map(|p| p.z),
+    }
+}
+
+/// A file that the frame's camera saw too.
+struct Layer<'a> {
+    path: &'a Path,
+    loaded: &'a Loaded,
+    camera: Camera,
+}
+
+impl Layer<'_> {
+    fn read(&self) -> Result<Frame> {
+        let file = Opened::open(self.path)?;
+        let find = |role| RoleSource::resolve(role, None, &file);
+        let place = match find(Role::Depth)? {
+            Some(depth) => depth,
+            None => find(Role::Position)?
+                .filter(|_| self.loaded.camera_is_placed)
+                .ok_or_else(|| missing(&file, Role::Depth, "another file"))?,
+        };
+        let sources = [Some(place), find(Role::Normal)?, find(Role::Color)?];
+        let sources: Vec<_> = sources.into_iter().flatten().collect();
+        let data_window = self.common_window(&file, &sources)?;
+        let mut depth = None;
+        let (mut normal, mut color, mut alpha) = (None, None, None);
+        for (source, read) in sources.iter().zip(read_all(&sources)?) {
+            let RolePlanes {
+                planes,
+                alpha: coverage,
+            } = read;
+            match source.role {
+                Role::Depth => depth = Some(grey(planes)),
+                Role::Position => depth = Some(depth_of_positions(&vector(planes), &self.camera)),
+                Role::Normal => normal = Some(vector(planes)),
+                _ => {
+                    let [r, g, b] = three(planes).map(finite);
+                    color = Some(ColorPlanes { r, g, b });
+                    alpha = coverage.map(finite);
+                }
+            }
+        }
+        let depth = depth.expect("read above");
+        let kind = self.loaded.frame.source.depth_kind;
+        let (mask, normal) = match normal {
+            Some(normal) => self.with_normals(normal, &depth),
+            None => self.without_normals(&depth, data_window),
+        };
+        let mut depth = depth;
+        coverage::blank_outside(&mut depth, &mask);
+        let (display_window, pixel_aspect) = shown(&file, data_window);
+        Ok(Frame {
+            data_window,
+            display_window,
+            pixel_aspect,
+            mask,
+            normal,
+            normal_length: None,
+            depth: Some(depth),
+            occlusion: None,
+            importance: None,
+            color,
+            albedo: None,
+            alpha,
+            light: LightLayers::default(),
+            camera: Some(self.camera),
+            source: Source {
+                depth_kind: kind,
+                ..Source::default()
+            },
+        })
+    }
+
+    /// The window of all sources, in a picture of the frame's own size.
+    fn common_window(&self, file: &Rc<Opened>, sources: &[RoleSource]) -> Result<Window> {
+        let window = sources[0].window();
+        let (display, _) = shown(file, window);
+        let wanted = self.loaded.frame.display_window;
+        let mismatch = |found: String, expected: String| Error::SizeMismatch {
+            path: self.path.to_path_buf(),
+            found,
+            expected,
+        };
+        if display != wanted {
+            return Err(mismatch(
+                display.to_string(),
+                format!("the picture is {wanted}"),
+            ));
+        }
+        match sources.iter().find(|source| source.window() != window) {
+            Some(other) => Err(mismatch(
+                format!("{} ({})", other.window(), other.label()),
+                format!("its depth is {window}"),
+            )),
+            None => Ok(window),
+        }
+    }
+
+    /// Mask and unit normals in view space, read as those of the frame are.
+    fn with_normals(&self, mut normal: Vector3Planes, depth: &Plane) -> (Mask, Vector3Planes) {
+        let encoding = judge_encoding(&normal);
+        decode(&mut normal, encoding, super::inputs::Flip::default());
+        let mask = coverage::coverage(&coverage::Evidence {
+            normal: &normal,
+            depth: Some(depth),
+            alpha: None,
+            mask: None,
+        });
+        normalise(&mut normal, mask.plane());
+        self.loaded.normals.turn(&mut normal, Some(&self.camera));
+        (mask, normal)
+    }
+
+    /// The same from depth alone.
+    fn without_normals(&self, depth: &Plane, window: Window) -> (Mask, Vector3Planes) {
+        let sight = SightLines::new(self.camera.projection);
+        let kind = self.loaded.frame.source.depth_kind;
+        let point = |x: usize, y: usize| {
+            let depth = depth.at(x, y);
+            let [x, y] = [(window.x0, x), (window.y0, y)]
+                .map(|(first, i)| f64::from(first) + i as f64 + 0.5);
+            is_distance(depth).then(|| sight.point(x, y, depth.into(), kind))
+        };
+        let size = [depth.width(), depth.height()];
+        let normal = normals_of_points(size, false, point, |point| match self.camera.projection {
+            crate::frame::Projection::Perspective { .. } => -point,
+            crate::frame::Projection::Orthographic { .. } => DVec3::Z,
+        });
+        let mask = coverage::coverage(&coverage::Evidence {
+            normal: &normal,
+            depth: Some(depth),
+            alpha: None,
+            mask: None,
+        });
+        (mask, normal)
+    }
+}
+
+fn vector(planes: Vec<Plane>) -> Vector3Planes {
+    let [x, y, z] = three(planes);
+    Vector3Planes { x, y, z }
+}
+
+fn finite(mut plane: Plane) -> Plane {
+    coverage::sanitise(&mut plane);
+    plane
+}

@@ -1,0 +1,187 @@
+//! Reading distance maps: equirectangular panoramas with positions or distances.
+
+use super::camera::{read_pose, recover_panorama};
+use super::coverage::{is_distance, sanitise};
+use super::load::{grey, missing, three};
+use super::normals::{decode, judge_encoding, normalise};
+use super::normals_of_points::normals_of_points;
+use super::roles::Role;
+use super::sources::{Opened, RoleSource, read_all};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, Plane, Surroundings, Vector3Planes, map_direction};
+use glam::{DMat3, DVec3};
+use std::path::Path;
+
+/// Median residual, in pixels, above which positions are no equirectangular panorama.
+const WORST_RESIDUAL_PX: f64 = 1.0;
+
+/// Error of normals made from points, of which facets leave the most.
+const MADE_ROUNDING: f32 = 1e-3;
+
+/// The surroundings in the panorama at `path`: world-space positions, which tell by themselves where it was seen from,
+/// or distances from there together with a `pose` file; normals, else made from the points; colour where there is any.
+///
+/// # Errors
+/// Any [`Error`] of reading; [`Error::MissingAov`] without positions or distances;
+/// [`Error::Unsupported`] for what is no equirectangular map, or distances without a pose.
+pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surroundings> {
+    let file = Opened::open(path)?;
+    let find = |role| RoleSource::resolve(role, None, &file);
+    let positions = find(Role::Position)?;
+    let place = match &positions {
+        Some(positions) => positions.clone(),
+        None => find(Role::Depth)?.ok_or_else(|| {
+            missing(
+                &file,
+                Role::Position,
+                "another file: a panorama with positions",
+            )
+        })?,
+    };
+    let window = place.window();
+    let unsupported = |found: String, remedy: &str| Error::Unsupported {
+        path: path.to_path_buf(),
+        found,
+        remedy: remedy.into(),
+    };
+    if window.width() != 2 * window.height() {
+        return Err(unsupported(
+            format!("is {window}, and no equirectangular map, which is twice as wide as high"),
+            "render a panorama of all directions",
+        ));
+    }
+    let mut sources = vec![place];
+    sources.extend(find(Role::Normal)?);
+    sources.extend(find(Role::Color)?);
+    sources.retain(|source| source.window() == window);
+    let pose = pose.map(read_pose).transpose()?;
+    let mut read = sources
+        .iter()
+        .map(|source| source.role)
+        .zip(read_all(&sources)?)
+        .collect::<Vec<_>>();
+    let mut take = |role: Role| {
+        let index = read.iter().position(|(own, _)| *own == role)?;
+        Some(read.swap_remove(index).1.planes)
+    };
+    let (points, center, map_from_world) = if positions.is_some() {
+        let positions = vector(take(Role::Position).expect("found above"));
+        let seen = seen(&positions);
+        let (center, map_from_world) = match pose {
+            Some(pose) => pose,
+            None => {
+                let found = recover_panorama(&positions, &seen)
+                    .filter(|found| found.residual_px < WORST_RESIDUAL_PX);
+                let found = found.ok_or_else(|| {
+                    unsupported(
+                        "its positions are not those of an equirectangular panorama".into(),
+                        "give one with positions in world space, or say where it was seen from with --surroundings-camera FILE",
+                    )
+                })?;
+                (found.center, found.map_from_world)
+            }
+        };
+        (points_of(&positions, &seen, center), center, map_from_world)
+    } else {
+        let Some((center, map_from_world)) = pose else {
+            return Err(unsupported(
+                "holds distances, but not where it was seen from".into(),
+                "give --surroundings-camera FILE, or a panorama with positions",
+            ));
+        };
+        let depth = grey(take(Role::Depth).expect("found above"));
+        (points_at(&depth, map_from_world), center, map_from_world)
+    };
+    let normal_rounding = sources
+        .iter()
+        .find(|source| source.role == Role::Normal)
+        .map_or(MADE_ROUNDING, RoleSource::rounding);
+    let normal = match take(Role::Normal) {
+        Some(planes) => unit(vector(planes), &points),
+        None => made_normals(&points),
+    };
+    let color = take(Role::Color).map(|planes| {
+        let [r, g, b] = three(planes).map(|mut plane| {
+            sanitise(&mut plane);
+            plane
+        });
+        ColorPlanes { r, g, b }
+    });
+    Ok(Surroundings {
+        center,
+        map_from_world,
+        points,
+        normal,
+        normal_rounding,
+        color,
+    })
+}
+
+/// Positions that are not finite, out of all reach, or exactly 0 are no surface.
+fn seen(positions: &Vector3Planes) -> Plane<bool> {
+    Plane::from_fn(positions.x.width(), positions.x.height(), |x, y| {
+        let p = at(positions, x, y);
+        p != DVec3::ZERO && is_distance(p.length() as f32)
+    })
+}
+
+/// Positions from the centre; 0 where nothing is.
+fn points_of(positions: &Vector3Planes, seen: &Plane<bool>, center: DVec3) -> Vector3Planes {
+    planes_of(seen.width(), seen.height(), |x, y| {
+        let is_seen = seen.at(x, y);
+        is_seen.then(|| at(positions, x, y) - center)
+    })
+}
+
+/// The same from distances.
+fn points_at(distance: &Plane, map_from_world: DMat3) -> Vector3Planes {
+    let (width, height) = (distance.width(), distance.height());
+    let world_from_map = map_from_world.transpose();
+    planes_of(width, height, |x, y| {
+        let distance = distance.at(x, y);
+        is_distance(distance)
+            .then(|| world_from_map * (f64::from(distance) * map_direction(x, y, width, height)))
+    })
+}
+
+fn planes_of(
+    width: usize,
+    height: usize,
+    value: impl Fn(usize, usize) -> Option<DVec3>,
+) -> Vector3Planes {
+    let all = Plane::from_fn(width, height, |x, y| {
+        value(x, y).unwrap_or(DVec3::ZERO).as_vec3()
+    });
+    Vector3Planes {
+        x: all.map(|v| v.x),
+        y: all.map(|v| v.y),
+        z: all.map(|v| v.z),
+    }
+}
+
+/// Unit normals; 0 where nothing is, or a normal has no direction.
+fn unit(mut normal: Vector3Planes, points: &Vector3Planes) -> Vector3Planes {
+    let encoding = judge_encoding(&normal);
+    decode(&mut normal, encoding, super::inputs::Flip::default());
+    let covered = Plane::from_fn(points.x.width(), points.x.height(), |x, y| {
+        at(points, x, y) != DVec3::ZERO && at(&normal, x, y).is_finite()
+    });
+    normalise(&mut normal, &covered);
+    normal
+}
+
+fn made_normals(points: &Vector3Planes) -> Vector3Planes {
+    let point = |x: usize, y: usize| Some(at(points, x, y)).filter(|&p| p != DVec3::ZERO);
+    let size = [points.x.width(), points.x.height()];
+    normals_of_points(size, true, point, |from_center| -from_center)
+}
+
+fn vector(planes: Vec<Plane>) -> Vector3Planes {
+    let [x, y, z] = three(planes);
+    Vector3Planes { x, y, z }
+}
+
+fn at(planes: &Vector3Planes, x: usize, y: usize) -> DVec3 {
+    let at = |plane: &Plane| f64::from(plane.at(x, y));
+    DVec3::new(at(&planes.x), at(&planes.y), at(&planes.z))
+}

@@ -1,0 +1,71 @@
+//! Directions of what a mirror or lens shows, brought back to the picture ([LA] sections 5.3 and 5.4).
+//!
+//! Theory: the rays that leave at neighbouring pixels are a general linear camera whose plane lies in the back
+//! faces, the external one; those inside are another, the internal one, whose plane lies in the front. The paper
+//! projects a tangent at the point met through the external camera onto the back faces, that through the internal
+//! one onto the front, and that onto the picture. Changes: the axes of both planes are the steps of their rays
+//! from pixel to pixel, so an offset on either is an offset in pixels as it stands; the internal camera then
+//! adds nothing but errors of its own order (tested), and drawings leave it out. Steps are taken across both neighbours where there are two, which
+//! is of second order. Practice: [`external_camera`], and [`LocalCamera::seen`] of a tangent.
+
+use super::linear_camera::LocalCamera;
+use crate::frame::Ray;
+use crate::trace::Path;
+
+/// The paths of the pixels beside one, as far as there are any.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Beside<'a> {
+    /// Left and right.
+    pub across: [Option<&'a Path>; 2],
+    /// Below and above: y points up.
+    pub up: [Option<&'a Path>; 2],
+}
+
+/// A step to one side that is this many times longer than that to the other leads to another surface.
+const JUMP: f64 = 3.0;
+
+/// The camera of the rays that leave a mirror or lens: external refractions, or reflections. `None` where an axis has
+/// no neighbour, or the surface is seen along itself.
+#[inline]
+pub fn external_camera(here: &Path, beside: &Beside) -> Option<LocalCamera> {
+    camera(here, beside, |path| Some(path.leaving()))
+}
+
+/// The camera of the rays inside a lens, which meet its back faces; `None` also for a mirror.
+#[inline]
+pub fn internal_camera(here: &Path, beside: &Beside) -> Option<LocalCamera> {
+    camera(here, beside, |path| path.exit.map(|_| path.entry))
+}
+
+fn camera(here: &Path, beside: &Beside, ray: impl Fn(&Path) -> Option<Ray>) -> Option<LocalCamera> {
+    let own = ray(here)?;
+    let steps = [
+        step(&own, beside.across, &ray)?,
+        step(&own, beside.up, &ray)?,
+    ];
+    LocalCamera::new(own, steps)
+}
+
+/// How a ray changes from pixel to pixel, from the paths on both sides or on one.
+fn step(
+    own: &Ray,
+    [before, after]: [Option<&Path>; 2],
+    ray: &impl Fn(&Path) -> Option<Ray>,
+) -> Option<Ray> {
+    let behind = before.and_then(ray).map(|before| own.minus(&before));
+    let ahead = after.and_then(ray).map(|after| after.minus(own));
+    let (Some(behind), Some(ahead)) = (behind, ahead) else {
+        return behind.or(ahead);
+    };
+    let (short, long) = (behind.start.length(), ahead.start.length());
+    Some(if long > JUMP * short {
+        behind
+    } else if short > JUMP * long {
+        ahead
+    } else {
+        Ray {
+            start: 0.5 * (behind.start + ahead.start),
+            direction: 0.5 * (behind.direction + ahead.direction),
+        }
+    })
+}

@@ -1,0 +1,157 @@
+//! A distance map as a surface that rays may meet.
+
+use super::search::{first_crossing, steps_for};
+use super::texels::{Sides, TangentPlane, Texel, agreed, around, mean_at};
+use crate::frame::{ColorPlanes, Plane, Ray, Surroundings, Vector3Planes};
+use crate::params::SearchParams;
+use glam::DVec3;
+
+/// What lies around an object, to be met by rays in world space.
+#[derive(Debug, Clone)]
+pub struct DistanceMap<'a> {
+    surroundings: &'a Surroundings,
+    /// Tangent planes, about the centre, row after row.
+    planes: Vec<TangentPlane>,
+}
+
+/// Sine of the angle between a ray and the direction of its start from the centre, below which it runs through the
+/// centre as good as exactly.
+const THROUGH_CENTER: f64 = 1e-9;
+
+impl<'a> DistanceMap<'a> {
+    /// The map of these surroundings.
+    pub fn new(surroundings: &'a Surroundings) -> Self {
+        let (width, height) = (surroundings.width(), surroundings.height());
+        let plane = |i: usize| {
+            let (x, y) = (i % width, i / width);
+            let point = surroundings.point_at(x, y);
+            match point == DVec3::ZERO {
+                true => TangentPlane::NONE,
+                false => TangentPlane::new(point, surroundings.normal_at(x, y), point.length()),
+            }
+        };
+        Self {
+            surroundings,
+            planes: (0..width * height).map(plane).collect(),
+        }
+    }
+
+    /// The surroundings.
+    pub fn surroundings(&self) -> &'a Surroundings {
+        self.surroundings
+    }
+
+    /// The point, in world space, where a ray first goes through the surroundings from inside; `None` where it
+    /// passes behind all that is seen from the centre, or leaves through a hole.
+    ///
+    /// Steps are even in the angle seen from the centre. With its start at the distance `r0`, at the angle
+    /// `Theta` to its direction, the ray at the angle phi from its start is `r0 sin(Theta) / sin(Theta - phi)`
+    /// from the centre.
+    pub fn first_hit(&self, ray: &Ray, search: &SearchParams) -> Option<DVec3> {
+        let center = self.surroundings.center;
+        let from = ray.start - center;
+        let ahead = ray.direction.try_normalize()?;
+        let start = from.length();
+        let toward = from.try_normalize().unwrap_or(ahead);
+        let across = ahead - toward.dot(ahead) * toward;
+        let sine = across.length();
+        if sine < THROUGH_CENTER {
+            let (distance, ..) = self.distance_toward(ahead)?;
+            return Some(center + distance * ahead);
+        }
+        let across = across / sine;
+        let turn = sine.atan2(toward.dot(ahead));
+        let place = |s: f64| {
+            let (sin, cos) = (s * turn).sin_cos();
+            let rest = ((1.0 - s) * turn).sin();
+            (cos * toward + sin * across, start * sine / rest)
+        };
+        let steps = steps_for(search, turn / std::f64::consts::PI);
+        let s = first_crossing(steps, search.refinements, |s| {
+            let (direction, distance) = place(s);
+            let (surface, ..) = self.distance_toward(direction)?;
+            // At the end of the turn the ray is infinitely far away.
+            Some(1.0 - (distance / surface).min(FAR_BEHIND))
+        })?;
+        let (direction, distance) = place(s);
+        Some(center + distance * direction)
+    }
+
+    /// The distance of the surroundings from their centre in the direction of a point of world space.
+    #[inline]
+    pub fn distance_of(&self, point: DVec3) -> Option<f64> {
+        let toward = (point - self.surroundings.center).try_normalize()?;
+        self.distance_toward(toward).map(|(distance, ..)| distance)
+    }
+
+    /// The unit normal at a point of the surroundings.
+    #[inline]
+    pub fn normal_at(&self, point: DVec3) -> Option<DVec3> {
+        self.mean_at(point, |t| self.surroundings.normal_at(t.x, t.y))?
+            .try_normalize()
+    }
+
+    /// The colour there.
+    #[inline]
+    pub fn color_at(&self, color: &ColorPlanes, point: DVec3) -> Option<[f32; 3]> {
+        let mean = self.mean_at(point, |t| {
+            let [r, g, b] = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(t.x, t.y)));
+            DVec3::new(r, g, b)
+        })?;
+        Some(mean.as_vec3().to_array())
+    }
+
+    /// The direction there, of any length, of a field of directions on the surfaces, each equal to its opposite;
+    /// `None` where the field is 0.
+    #[inline]
+    pub fn direction_at(&self, field: &Vector3Planes, point: DVec3) -> Option<DVec3> {
+        let own = |t: &Texel| vector(field, t.x, t.y);
+        let mut sense = DVec3::ZERO;
+        for t in self.texels(point - self.surroundings.center) {
+            let here = own(&t);
+            if t.weight * here.length_squared() > sense.length_squared() {
+                sense = t.weight.sqrt() * here;
+            }
+        }
+        let alike = |t: &Texel| {
+            let here = own(t);
+            if here.dot(sense) < 0.0 { -here } else { here }
+        };
+        self.mean_at(point, alike)
+            .filter(|mean| mean.length_squared() > 0.0)
+    }
+
+    #[inline]
+    fn mean_at(&self, point: DVec3, value: impl Fn(&Texel) -> DVec3) -> Option<DVec3> {
+        let toward = point - self.surroundings.center;
+        let (_, told, texels) = self.distance_toward(toward.try_normalize()?)?;
+        mean_at(toward.length(), told, &texels, value)
+    }
+
+    #[inline]
+    fn texels(&self, direction: DVec3) -> [Texel; 4] {
+        let map = self.surroundings;
+        let size = [map.width(), map.height()];
+        around(map.position(direction), size, Sides::Wraps)
+    }
+
+    /// The distance of the surroundings in a unit direction, with what each texel around it tells.
+    #[inline]
+    fn distance_toward(&self, direction: DVec3) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
+        let map = self.surroundings;
+        let texels = self.texels(direction);
+        let told = texels.map(|t| {
+            let plane = &self.planes[t.y * map.width() + t.x];
+            plane.along(DVec3::ZERO, direction)
+        });
+        Some((agreed(told, &texels)?, told, texels))
+    }
+}
+
+/// How many times the distance of the surroundings counts as infinitely far behind them.
+const FAR_BEHIND: f64 = 1e3;
+
+fn vector(planes: &Vector3Planes, x: usize, y: usize) -> DVec3 {
+    let at = |plane: &Plane| f64::from(plane.at(x, y));
+    DVec3::new(at(&planes.x), at(&planes.y), at(&planes.z))
+}

@@ -1,0 +1,131 @@
+//! Where a way first goes behind a surface: even steps, then the secant rule.
+
+use crate::params::SearchParams;
+
+/// Gap between both sides of a crossing above which the way passes behind an edge and does not meet the surface
+/// there, as a share of the distance.
+const JUMP: f64 = 0.05;
+
+/// A gap that is as good as none.
+const TOUCHING: f64 = 1e-12;
+
+/// Fewest steps of a search, however short the way.
+const FEWEST_STEPS: u32 = 4;
+
+/// Steps for a way that is this `share` of the longest.
+#[inline]
+pub(super) fn steps_for(search: &SearchParams, share: f64) -> u32 {
+    let steps = (f64::from(search.steps) * share).ceil() as u32;
+    steps.clamp(FEWEST_STEPS.min(search.steps), search.steps)
+}
+
+/// The first place `s` of a way, 0..1, in so many even `steps` and `refinements`, where it goes through a surface from the front.
+///
+/// `gap` tells how far the place lies in front of the surface, as a share of the distance: above 0 in front, below
+/// behind, `None` where there is no surface. Where the gap jumps to below 0 the way passes behind an edge; it is
+/// followed on, unseen, until it comes out in front of a surface again. Source: [LA] section 5.2, after the
+/// linear and secant search in distance maps; the secant rule is the Illinois one, which keeps the surface
+/// between its two ends.
+#[inline]
+pub fn first_crossing(
+    steps: u32,
+    refinements: u32,
+    gap: impl Fn(f64) -> Option<f64>,
+) -> Option<f64> {
+    let mut before: Option<End> = None;
+    for k in 0..=steps {
+        let s = f64::from(k) / f64::from(steps);
+        let here = gap(s).map(|gap| End { s, gap });
+        if let (Some(front), Some(behind)) = (before, here)
+            && front.gap > 0.0
+            && behind.gap <= 0.0
+            && let Some(found) = narrowed(refinements, front, behind, &gap)
+        {
+            return Some(found);
+        }
+        // Where there is no surface the way is in front of whatever comes next.
+        before = here.or(before.filter(|end| end.gap > 0.0));
+    }
+    None
+}
+
+/// A place of the way and its gap.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    s: f64,
+    gap: f64,
+}
+
+/// The crossing between two places; `None` where the gap jumps.
+#[inline]
+fn narrowed(
+    refinements: u32,
+    mut front: End,
+    mut behind: End,
+    gap: &impl Fn(f64) -> Option<f64>,
+) -> Option<f64> {
+    // The end that stayed twice in a row counts half: both ends come in.
+    let mut weights = [1.0, 1.0];
+    for _ in 0..refinements {
+        let (near, far) = (weights[0] * front.gap, weights[1] * behind.gap);
+        if near - far <= TOUCHING {
+            break;
+        }
+        let s = front.s + (behind.s - front.s) * near / (near - far);
+        match gap(s) {
+            Some(gap) if gap <= 0.0 => {
+                behind = End { s, gap };
+                weights = [0.5 * weights[0], 1.0];
+            }
+            Some(gap) => {
+                front = End { s, gap };
+                weights = [1.0, 0.5 * weights[1]];
+            }
+            None => front.s = s,
+        }
+    }
+    if front.gap - behind.gap > JUMP {
+        return None;
+    }
+    let share = front.gap / (front.gap - behind.gap).max(TOUCHING);
+    Some(front.s + (behind.s - front.s) * share.clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crossing(gap: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        first_crossing(16, 12, gap)
+    }
+
+    #[test]
+    fn a_smooth_surface_is_met_where_it_lies() {
+        // exp(-2 s) meets 0.3 at ln(1/0.3)/2.
+        let found = crossing(|s| Some((-2.0 * s).exp() - 0.3)).unwrap();
+        assert!((found - (1.0_f64 / 0.3).ln() / 2.0).abs() < 1e-12);
+        assert_eq!(crossing(|s| Some(1.0 + s)), None);
+        assert_eq!(crossing(|_| None), None);
+        assert_eq!(crossing(|_| Some(f64::NAN)), None);
+    }
+
+    #[test]
+    fn what_is_passed_behind_is_not_met() {
+        // A post from 0.3 to 0.4 in front of a wall that is met at 0.8.
+        let gap = |s: f64| {
+            Some(if (0.3..0.4).contains(&s) {
+                -0.5
+            } else {
+                0.8 - s
+            })
+        };
+        let found = crossing(gap).unwrap();
+        assert!((found - 0.8).abs() < 1e-12);
+        // The way starts behind the surface: it has to come out first.
+        let gap = |s: f64| Some(if s < 0.2 { -0.1 } else { 0.6 - s });
+        assert!((crossing(gap).unwrap() - 0.6).abs() < 1e-12);
+        // A hole, with the surface beyond it.
+        let gap = |s: f64| (s < 0.5 || s > 0.7).then_some(0.71 - s);
+        assert!((crossing(gap).unwrap() - 0.71).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,295 @@
+//! A frame as a surface that rays may meet: what its camera saw of it.
+
+use super::search::{first_crossing, steps_for};
+use super::texels::{Sides, TangentPlane, Texel, agreed, around, mean_at};
+use crate::frame::{
+    ColorPlanes, DepthKind, Frame, Plane, Projection, Ray, SightLines, Vector2Planes,
+};
+use crate::params::SearchParams;
+use glam::{DVec2, DVec3};
+
+/// The pixels of a frame as points of its visible surface.
+#[derive(Debug, Clone, Copy)]
+pub struct VisibleSurface<'a> {
+    frame: &'a Frame,
+    depth: &'a Plane,
+    sight: SightLines,
+}
+
+impl<'a> VisibleSurface<'a> {
+    /// The surface of `frame` seen along `sight` lines. `None` where the frame has no depth that is a
+    /// distance.
+    pub fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
+        let depth = frame.depth.as_ref()?;
+        let is_distance = frame.source.depth_kind != DepthKind::Relative;
+        is_distance.then_some(Self {
+            frame,
+            depth,
+            sight,
+        })
+    }
+
+    /// Where in the picture, of the display window, the middle of a pixel lies.
+    #[inline]
+    pub fn middle(&self, x: usize, y: usize) -> DVec2 {
+        self.corner() + DVec2::new(x as f64, y as f64) + 0.5
+    }
+
+    /// The point of view space that a pixel shows.
+    #[inline]
+    pub fn point(&self, x: usize, y: usize) -> DVec3 {
+        let at = self.middle(x, y);
+        self.sight
+            .point(at.x, at.y, self.depth(x, y), DepthKind::Planar)
+    }
+
+    /// The normal of a pixel.
+    #[inline]
+    pub fn normal(&self, x: usize, y: usize) -> DVec3 {
+        let n = &self.frame.normal;
+        DVec3::new(
+            n.x.at(x, y).into(),
+            n.y.at(x, y).into(),
+            n.z.at(x, y).into(),
+        )
+    }
+
+    /// Depth along the view axis of a covered pixel.
+    #[inline]
+    fn depth(&self, x: usize, y: usize) -> f64 {
+        let depth = f64::from(self.depth.at(x, y));
+        match self.frame.source.depth_kind {
+            DepthKind::Ray => {
+                let at = self.middle(x, y);
+                depth / self.sight.line(at.x, at.y).1.length()
+            }
+            DepthKind::Planar | DepthKind::Relative => depth,
+        }
+    }
+
+    fn corner(&self) -> DVec2 {
+        let window = self.frame.data_window;
+        DVec2::new(window.x0.into(), window.y0.into())
+    }
+}
+
+/// The visible surface of a frame, to be met by rays.
+#[derive(Debug, Clone)]
+pub struct SeenSurface<'a> {
+    visible: VisibleSurface<'a>,
+    /// Tangent planes in view space, row after row.
+    planes: Vec<TangentPlane>,
+    /// Least and greatest depth along the view axis.
+    depths: [f64; 2],
+}
+
+/// Rays are followed a little beyond the nearest and the farthest depth.
+const BEYOND: f64 = 1.001;
+
+impl<'a> SeenSurface<'a> {
+    /// The surface of `frame` seen along `sight` lines. `None` where the frame has no depth that is a
+    /// distance, or shows nothing.
+    pub fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
+        let visible = VisibleSurface::new(frame, sight)?;
+        let width = frame.mask.width();
+        let mut planes = vec![TangentPlane::NONE; width * frame.mask.height()];
+        let mut depths = [f64::INFINITY, 0.0_f64];
+        for (y, planes) in planes.chunks_mut(width).enumerate() {
+            for x in frame.mask.runs(y).flatten() {
+                let depth = visible.depth(x, y);
+                depths = [depths[0].min(depth), depths[1].max(depth)];
+                planes[x] = TangentPlane::new(visible.point(x, y), visible.normal(x, y), depth);
+            }
+        }
+        (depths[0] <= depths[1]).then_some(Self {
+            visible,
+            planes,
+            depths,
+        })
+    }
+
+    /// The frame.
+    pub fn frame(&self) -> &'a Frame {
+        self.visible.frame
+    }
+
+    /// Where a ray first goes through the surface from the viewer's side: the point, and where in the picture it
+    /// is seen. `None` if it leaves the picture before, or passes behind all there is.
+    pub fn first_hit(&self, ray: &Ray, search: &SearchParams) -> Option<(DVec3, DVec2)> {
+        let way = self.way(ray)?;
+        let [from, to] = way.places;
+        let steps = steps_for(search, from.distance(to) / self.span());
+        let s = first_crossing(steps, search.refinements, |s| {
+            let (at, depth) = way.place(s);
+            let (surface, ..) = self.depth_at(at)?;
+            Some(1.0 - depth / surface)
+        })?;
+        let (at, depth) = way.place(s);
+        let point = self
+            .visible
+            .sight
+            .point(at.x, at.y, depth, DepthKind::Planar);
+        Some((point, at))
+    }
+
+    /// Depth along the view axis at a place of the picture; `None` where there is no surface.
+    #[inline]
+    pub fn depth_at_place(&self, at: DVec2) -> Option<f64> {
+        self.depth_at(at).map(|(depth, ..)| depth)
+    }
+
+    /// The unit normal at a place of the picture where the surface lies at the depth of `point`.
+    #[inline]
+    pub fn normal_at(&self, at: DVec2, point: DVec3) -> Option<DVec3> {
+        let (_, told, texels) = self.depth_at(at)?;
+        mean_at(-point.z, told, &texels, |t| self.visible.normal(t.x, t.y))?.try_normalize()
+    }
+
+    /// The colour there.
+    #[inline]
+    pub fn color_at(&self, color: &ColorPlanes, at: DVec2, point: DVec3) -> Option<[f32; 3]> {
+        let (_, told, texels) = self.depth_at(at)?;
+        let own = |t: &Texel| {
+            let [r, g, b] = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(t.x, t.y)));
+            DVec3::new(r, g, b)
+        };
+        Some(mean_at(-point.z, told, &texels, own)?.as_vec3().to_array())
+    }
+
+    /// The unit direction there of a field of directions in the picture, each equal to its opposite.
+    #[inline]
+    pub fn direction_at(&self, field: &Vector2Planes, at: DVec2, point: DVec3) -> Option<DVec2> {
+        let (_, told, texels) = self.depth_at(at)?;
+        let doubled = |t: &Texel| {
+            let [x, y] = [&field.x, &field.y].map(|p| f64::from(p.at(t.x, t.y)));
+            DVec3::new(x * x - y * y, 2.0 * x * y, 0.0)
+        };
+        let mean = mean_at(-point.z, told, &texels, doubled)?;
+        let half = 0.5 * mean.y.atan2(mean.x);
+        (mean.length_squared() > 0.0).then(|| DVec2::from_angle(half))
+    }
+
+    /// Width and height of the picture together, in pixels.
+    fn span(&self) -> f64 {
+        let window = self.frame().data_window;
+        (window.width() + window.height()) as f64
+    }
+
+    /// Depth along the view axis at a place of the picture, with what each texel around it tells.
+    #[inline]
+    fn depth_at(&self, at: DVec2) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
+        let mask = &self.frame().mask;
+        let size = [mask.width(), mask.height()];
+        let inside = at - self.visible.corner();
+        let is_inside = inside.x >= 0.0
+            && inside.y >= 0.0
+            && inside.x <= size[0] as f64
+            && inside.y <= size[1] as f64;
+        if !is_inside {
+            return None;
+        }
+        let texels = around(inside, size, Sides::Ends);
+        let (start, line) = self.visible.sight.line(at.x, at.y);
+        let told = texels.map(|t| self.planes[t.y * size[0] + t.x].along(start, line));
+        Some((agreed(told, &texels)?, told, texels))
+    }
+
+    /// The way of a ray through the picture, as far as it may meet the surface; `None` where it may not.
+    fn way(&self, ray: &Ray) -> Option<Way> {
+        let projection = self.visible.sight.projection();
+        let inverse = matches!(projection, Projection::Perspective { .. });
+        let [nearest, farthest] = self.depths;
+        let (start, falls) = (-ray.start.z, ray.direction.z);
+        let [near, far] = [nearest / BEYOND, farthest * BEYOND];
+        if inverse && start <= 0.0 {
+            return None;
+        }
+        // Beyond the depths of the surface there is nothing to be met; what stays at its depth leaves the
+        // picture, as far as it reaches.
+        let window = self.frame().data_window;
+        let across = ray.direction.truncate().length();
+        let reach = self.units_of(self.span(), start.max(near)) / across;
+        let to_depth = match falls < 0.0 {
+            true => (far - start) / -falls,
+            false => (start - near) / falls,
+        };
+        let length = to_depth.min(reach);
+        if !(length > 0.0) || !length.is_finite() {
+            return None;
+        }
+        let end = ray.start + length * ray.direction;
+        let (from, to) = (projection.pixel_of(ray.start)?, projection.pixel_of(end)?);
+        let way = Way {
+            places: [from, to],
+            depths: [start, -end.z],
+            inverse,
+        };
+        let [first, last] = inside(
+            way.places,
+            self.visible.corner(),
+            window.width(),
+            window.height(),
+        )?;
+        Some(way.part(first, last))
+    }
+
+    /// How long so many pixels are at a depth.
+    fn units_of(&self, pixels: f64, depth: f64) -> f64 {
+        match self.visible.sight.projection() {
+            Projection::Perspective { fx, fy, .. } => 2.0 * pixels * depth / fx.abs().min(fy.abs()),
+            Projection::Orthographic { sx, sy, .. } => 2.0 * pixels / sx.abs().min(sy.abs()),
+        }
+    }
+}
+
+/// A straight way through the picture: evenly in its pixels, along which 1/depth is linear in perspective, else
+/// depth.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    places: [DVec2; 2],
+    depths: [f64; 2],
+    inverse: bool,
+}
+
+impl Way {
+    #[inline]
+    fn place(&self, s: f64) -> (DVec2, f64) {
+        let [from, to] = self.places;
+        let [near, far] = self.depths;
+        let depth = match self.inverse {
+            true => 1.0 / ((1.0 - s) / near + s / far),
+            false => near + s * (far - near),
+        };
+        (from + s * (to - from), depth)
+    }
+
+    fn part(&self, first: f64, last: f64) -> Self {
+        let ends = [self.place(first), self.place(last)];
+        Self {
+            places: ends.map(|end| end.0),
+            depths: ends.map(|end| end.1),
+            ..*self
+        }
+    }
+}
+
+/// The part of a line, as shares of it, that lies inside a rectangle.
+fn inside([from, to]: [DVec2; 2], corner: DVec2, width: usize, height: usize) -> Option<[f64; 2]> {
+    let (start, step) = (from - corner, to - from);
+    let [mut first, mut last] = [0.0_f64, 1.0_f64];
+    for (start, step, size) in [
+        (start.x, step.x, width as f64),
+        (start.y, step.y, height as f64),
+    ] {
+        let (a, b) = (-start / step, (size - start) / step);
+        if step == 0.0 {
+            if !(0.0..=size).contains(&start) {
+                return None;
+            }
+            continue;
+        }
+        first = first.max(a.min(b));
+        last = last.min(a.max(b));
+    }
+    (first < last).then_some([first, last])
+}

@@ -1,0 +1,139 @@
+//! The four texels around a place of a map, each of which stands for the tangent plane of its surface.
+
+use glam::{DVec2, DVec3};
+
+/// A texel and its bilinear weight.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Texel {
+    pub(super) x: usize,
+    pub(super) y: usize,
+    pub(super) weight: f64,
+}
+
+/// What lies beyond the sides of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sides {
+    /// Nothing: the nearest texel goes on.
+    Ends,
+    /// The other side.
+    Wraps,
+}
+
+/// The texels around the place `at`, in pixels from the upper left corner of a map; 0 in every weight of a
+/// place that is not finite.
+#[inline]
+pub(super) fn around(at: DVec2, [width, height]: [usize; 2], sides: Sides) -> [Texel; 4] {
+    let corner = at - 0.5;
+    let (left, top) = (corner.x.floor(), corner.y.floor());
+    let (across, down) = (corner.x - left, corner.y - top);
+    let column = |x: f64| match sides {
+        Sides::Ends => x.clamp(0.0, (width - 1) as f64) as usize,
+        Sides::Wraps => (x as i64).rem_euclid(width as i64) as usize,
+    };
+    let row = |y: f64| y.clamp(0.0, (height - 1) as f64) as usize;
+    let texel = |x: f64, y: f64, weight: f64| Texel {
+        x: column(x),
+        y: row(y),
+        weight: if weight >= 0.0 { weight } else { 0.0 },
+    };
+    [
+        texel(left, top, (1.0 - across) * (1.0 - down)),
+        texel(left + 1.0, top, across * (1.0 - down)),
+        texel(left, top + 1.0, (1.0 - across) * down),
+        texel(left + 1.0, top + 1.0, across * down),
+    ]
+}
+
+/// Distances that differ by more than this share belong to different surfaces.
+pub(super) const APART: f64 = 0.02;
+
+/// A tangent plane tells nothing of distances beyond this factor of its own point's.
+const FARTHEST: f64 = 1.25;
+
+/// The tangent plane of the surface in a texel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TangentPlane {
+    normal: [f32; 3],
+    /// The plane's distance from the origin along the normal.
+    offset: f32,
+    /// Distance of the texel's own point, along its line; 0 where there is no surface.
+    own: f32,
+}
+
+impl TangentPlane {
+    /// No surface.
+    pub(super) const NONE: Self = Self {
+        normal: [0.0; 3],
+        offset: 0.0,
+        own: 0.0,
+    };
+
+    /// The plane through a `point`, `own` along its line.
+    pub(super) fn new(point: DVec3, normal: DVec3, own: f64) -> Self {
+        Self {
+            normal: normal.as_vec3().to_array(),
+            offset: normal.dot(point) as f32,
+            own: own as f32,
+        }
+    }
+
+    /// How far along a `line` from `start` the plane is met; the texel's own distance where it is seen too much along
+    /// itself to tell. `None` where there is no surface.
+    #[inline(always)]
+    pub(super) fn along(&self, start: DVec3, line: DVec3) -> Option<f64> {
+        let normal = DVec3::from(self.normal.map(f64::from));
+        let own = f64::from(self.own);
+        let told = (f64::from(self.offset) - normal.dot(start)) / normal.dot(line);
+        let is_near = told > own / FARTHEST && told < own * FARTHEST;
+        (own > 0.0).then_some(if is_near { told } else { own })
+    }
+}
+
+/// One distance from those that the texels around a place tell: their mean where they agree, else the nearest
+/// texel's. `None` where none tells any.
+#[inline]
+pub(super) fn agreed(told: [Option<f64>; 4], texels: &[Texel; 4]) -> Option<f64> {
+    let (mut sum, mut weights, mut heaviest) = (0.0, 0.0, (0.0, 0.0));
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for (told, texel) in told.into_iter().zip(texels) {
+        let Some(distance) = told else { continue };
+        (least, most) = (least.min(distance), most.max(distance));
+        sum += texel.weight * distance;
+        weights += texel.weight;
+        if texel.weight > heaviest.0 {
+            heaviest = (texel.weight, distance);
+        }
+    }
+    if weights <= 0.0 {
+        return None;
+    }
+    let agree = most <= least * (1.0 + APART);
+    Some(if agree { sum / weights } else { heaviest.1 })
+}
+
+/// The mean of the values of those texels that lie at `distance`, as they tell it; of the heaviest where none does.
+/// `None` where there is none.
+#[inline]
+pub(super) fn mean_at(
+    distance: f64,
+    told: [Option<f64>; 4],
+    texels: &[Texel; 4],
+    value: impl Fn(&Texel) -> DVec3,
+) -> Option<DVec3> {
+    let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+    let mut heaviest: Option<&Texel> = None;
+    for (told, texel) in told.into_iter().zip(texels) {
+        let Some(told) = told else { continue };
+        if heaviest.is_none_or(|other| texel.weight > other.weight) {
+            heaviest = Some(texel);
+        }
+        if (told / distance - 1.0).abs() < APART && texel.weight > 0.0 {
+            sum += texel.weight * value(texel);
+            weights += texel.weight;
+        }
+    }
+    match weights > 0.0 {
+        true => Some(sum / weights),
+        false => heaviest.map(value),
+    }
+}

@@ -1,0 +1,253 @@
+//! The sight lines of a frame, bent by its specular surfaces, and what they meet.
+
+use super::{DistanceMap, SeenSurface, VisibleSurface};
+use crate::frame::{Camera, Frame, Ray, SightLines, SpecularScene};
+use crate::params::{Bend, SearchParams, SpecularParams};
+use glam::{DQuat, DVec2, DVec3};
+
+/// The way of a sight line through a specular thing, in view space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Path {
+    /// Unit direction of the sight line, away from the eye.
+    pub sight: DVec3,
+    /// How far the eye, or the plane of an orthographic camera, is from the surface.
+    pub length: f64,
+    /// From the visible surface on: the ray that leaves, or the one inside.
+    pub entry: Ray,
+    /// The ray that leaves at the back faces, where there are two.
+    pub exit: Option<Ray>,
+    /// Unit normal of the visible surface.
+    pub normal: DVec3,
+    bend: Bend,
+}
+
+impl Path {
+    /// The ray that leaves the thing; its direction is unit.
+    pub fn leaving(&self) -> Ray {
+        self.exit.unwrap_or(self.entry)
+    }
+
+    /// Length of the way from the eye to the point from which the ray leaves.
+    pub fn length_inside(&self) -> f64 {
+        let inside = self
+            .exit
+            .map_or(0.0, |exit| exit.start.distance(self.entry.start));
+        self.length + inside
+    }
+
+    /// A direction at what the leaving ray meets, turned to where it appears to lie: a flat mirror shows its image
+    /// behind it, mirrored.
+    pub fn as_it_appears(&self, direction: DVec3) -> DVec3 {
+        match self.bend {
+            Bend::Mirror => direction.reflect(self.normal),
+            Bend::Glass { .. } | Bend::Straight => {
+                DQuat::from_rotation_arc(self.leaving().direction, self.sight) * direction
+            }
+        }
+    }
+}
+
+/// What a ray met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The point, in view space.
+    pub point: DVec3,
+    /// The unit normal there, toward where the ray came from.
+    pub normal: DVec3,
+    /// Which surface it is on.
+    pub met: Met,
+}
+
+/// The surface that a ray met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Met {
+    /// What lies behind, seen at this place of the picture.
+    Behind(DVec2),
+    /// The surroundings, at this point of world space.
+    Surroundings(DVec3),
+}
+
+/// Bends and follows the sight lines of a frame.
+#[derive(Debug)]
+pub struct Tracer<'a> {
+    frame: &'a Frame,
+    scene: &'a SpecularScene,
+    sight: SightLines,
+    front: VisibleSurface<'a>,
+    back: Option<SeenSurface<'a>>,
+    behind: Option<SeenSurface<'a>>,
+    around: Option<(DistanceMap<'a>, Camera)>,
+    bend: Bend,
+    search: SearchParams,
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer over `frame`. `None` without a camera or depth that is a distance.
+    pub fn new(
+        frame: &'a Frame,
+        scene: &'a SpecularScene,
+        params: &SpecularParams,
+    ) -> Option<Self> {
+        let camera = frame.camera?;
+        let sight = SightLines::new(camera.projection);
+        let surface = |layer: &'a Option<Frame>| SeenSurface::new(layer.as_ref()?, sight);
+        Some(Self {
+            frame,
+            scene,
+            sight,
+            front: VisibleSurface::new(frame, sight)?,
+            back: surface(&scene.back),
+            behind: surface(&scene.behind),
+            around: scene
+                .surroundings
+                .as_ref()
+                .map(|around| (DistanceMap::new(around), camera)),
+            bend: params.bend,
+            search: params.search,
+        })
+    }
+
+    /// What lies behind, as far as it is known.
+    pub fn behind(&self) -> Option<&SeenSurface<'a>> {
+        self.behind.as_ref()
+    }
+
+    /// The map of the surroundings, as far as they are known.
+    pub fn around(&self) -> Option<&DistanceMap<'a>> {
+        self.around.as_ref().map(|(map, _)| map)
+    }
+
+    /// The surface itself.
+    pub fn front(&self) -> &VisibleSurface<'a> {
+        &self.front
+    }
+
+    /// The way of the sight line of a pixel through the specular thing that it shows. `None` where it shows none, is
+    /// seen from behind, where all light is mirrored inside, or where the back faces are not met.
+    pub fn path(&self, x: usize, y: usize) -> Option<Path> {
+        self.path_bent(x, y, self.bend)
+    }
+
+    /// The same for another way to go on.
+    pub fn path_bent(&self, x: usize, y: usize, bend: Bend) -> Option<Path> {
+        if !self.scene.is_specular(self.frame, x, y) {
+            return None;
+        }
+        let at = self.front.middle(x, y);
+        let (start, line) = self.sight.line(at.x, at.y);
+        let sight = line.normalize();
+        let point = self.front.point(x, y);
+        let normal = self.front.normal(x, y);
+        let faces = normal.dot(sight) < 0.0;
+        if !faces {
+            return None;
+        }
+        let (direction, exit) = match bend {
+            Bend::Mirror => (sight.reflect(normal), None),
+            Bend::Straight => (sight, None),
+            Bend::Glass { ior } => {
+                let ior = f64::from(ior);
+                let inside = refracted(sight, normal, 1.0 / ior)?;
+                let entry = Ray {
+                    start: point,
+                    direction: inside,
+                };
+                match &self.back {
+                    Some(back) => (inside, Some(self.left(back, &entry, ior)?)),
+                    None => (inside, None),
+                }
+            }
+        };
+        Some(Path {
+            sight,
+            length: point.distance(start),
+            entry: Ray {
+                start: point,
+                direction,
+            },
+            exit,
+            normal,
+            bend,
+        })
+    }
+
+    /// The ray that leaves through the back faces.
+    fn left(&self, back: &SeenSurface, inside: &Ray, ior: f64) -> Option<Ray> {
+        let (point, at) = back.first_hit(inside, &self.search)?;
+        let normal = back.normal_at(at, point)?;
+        let against = if normal.dot(inside.direction) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
+        Some(Ray {
+            start: point,
+            direction: refracted(inside.direction, against, ior)?,
+        })
+    }
+
+    /// What a ray meets: what lies behind in the picture, else the surroundings.
+    pub fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let behind = self.behind.as_ref();
+        behind
+            .and_then(|surface| {
+                let (point, at) = surface.first_hit(ray, &self.search)?;
+                let normal = against(surface.normal_at(at, point)?, ray.direction);
+                Some(Hit {
+                    point,
+                    normal,
+                    met: Met::Behind(at),
+                })
+            })
+            .or_else(|| self.hit_around(ray))
+    }
+
+    fn hit_around(&self, ray: &Ray) -> Option<Hit> {
+        let (map, camera) = self.around.as_ref()?;
+        let world_from_view = camera.view_from_world.inverse();
+        let ray_in_world = Ray {
+            start: world_from_view.transform_point3(ray.start),
+            direction: world_from_view.transform_vector3(ray.direction),
+        };
+        let world = map.first_hit(&ray_in_world, &self.search)?;
+        let normal = camera
+            .view_from_world
+            .transform_vector3(map.normal_at(world)?);
+        Some(Hit {
+            point: camera.view_from_world.transform_point3(world),
+            normal: against(normal, ray.direction),
+            met: Met::Surroundings(world),
+        })
+    }
+
+    /// The colour of what was met, where it has any.
+    pub fn color(&self, hit: &Hit) -> Option<[f32; 3]> {
+        match hit.met {
+            Met::Behind(at) => {
+                let surface = self.behind.as_ref()?;
+                let color = surface.frame().color.as_ref()?;
+                surface.color_at(color, at, hit.point)
+            }
+            Met::Surroundings(world) => {
+                let (map, _) = self.around.as_ref()?;
+                map.color_at(map.surroundings().color.as_ref()?, world)
+            }
+        }
+    }
+}
+
+/// `direction` refracted at a surface with the unit normal `against` it, by the ratio `eta` of the indices before and
+/// behind; unit. `None` where all light is mirrored.
+#[inline]
+fn refracted(direction: DVec3, against: DVec3, eta: f64) -> Option<DVec3> {
+    let refracted = direction.refract(against, eta);
+    (refracted != DVec3::ZERO).then_some(refracted)
+}
+
+fn against(normal: DVec3, direction: DVec3) -> DVec3 {
+    if normal.dot(direction) > 0.0 {
+        -normal
+    } else {
+        normal
+    }
+}
