@@ -7,11 +7,12 @@ use super::output::{Kind, color_channels, color_layer};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use crate::backend::cpu::Runner;
 use crate::error::{Error, Result};
-use crate::io::Needs;
+use crate::frame::SpecularScene;
 use crate::io::environment::{read_environment, read_lit_sphere};
 use crate::io::exr::OutputType;
 use crate::io::inputs::{LightInputs, LobeChoice};
 use crate::io::picture::Picture;
+use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
 use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
@@ -40,8 +41,20 @@ pub(super) fn run(args: &RelightArgs) -> Result<()> {
         occlusion: args.dims_by_occlusion(),
         ..LightInputs::default()
     });
-    let (loaded, read) = job.load(&inputs, needs(&params, shape.foreshortening, &illumination))?;
-    let available = Available::in_frame(&loaded.frame);
+    let (mut loaded, read) =
+        job.load(&inputs, needs(&params, shape.foreshortening, &illumination))?;
+    let specular = args.specular.inputs();
+    let scene = match specular.is_empty() {
+        true => None,
+        false => Some(specular_scene(&specular, &params, &mut loaded)?),
+    };
+    let traced = scene
+        .as_ref()
+        .map(|_| args.specular.params(&params.material));
+    let available = Available {
+        specular: traced.transpose()?,
+        ..Available::in_frame(&loaded.frame)
+    };
     let kinds = LightKinds::in_light(&illumination);
     let plan = Plan::relight(available, shape, scaling, params, kinds)?;
     job.tell_plan(&plan)?;
@@ -50,13 +63,51 @@ pub(super) fn run(args: &RelightArgs) -> Result<()> {
             message::warning(work.run.quiet, &warning);
         }
     }
-    let outcome = Runner::default().relight(&plan, &loaded.frame, &illumination);
+    let runner = Runner::default();
+    let outcome = match &scene {
+        Some(scene) => runner.relight_specular(&plan, &loaded.frame, &illumination, scene),
+        None => runner.relight(&plan, &loaded.frame, &illumination),
+    };
     let done = Done {
         loaded,
         outcome,
         read,
     };
     write(args, &job, kind, &done)
+}
+
+/// What mirrors and lenses show, for materials that are either.
+fn specular_scene(
+    inputs: &SpecularInputs,
+    params: &RelightParams,
+    loaded: &mut Loaded,
+) -> Result<SpecularScene> {
+    let material = params.material.material;
+    if !matches!(material, Material::Mirror | Material::Glass) {
+        return Err(Error::BadParameter {
+            name: "--material",
+            found: "is neither mirror nor glass, and shows nothing of what is around it".into(),
+            remedy: "give --material mirror or --material glass, or leave out what it could show"
+                .into(),
+        });
+    }
+    if inputs.back.is_some() && material == Material::Mirror {
+        return Err(Error::BadParameter {
+            name: "--back",
+            found: "are the back faces of a lens, and --material is mirror".into(),
+            remedy: "give --material glass".into(),
+        });
+    }
+    if inputs.hit_position.is_some() {
+        return Err(Error::BadParameter {
+            name: "--hit-position",
+            found: "tells where strokes lie, and not what light has been bent to".into(),
+            remedy: "leave it out: new light follows the sight lines itself".into(),
+        });
+    }
+    let mut scene = load_specular(inputs, loaded, None)?;
+    scene.fill_from_behind(&mut loaded.frame);
+    Ok(scene)
 }
 
 /// The frame's picture is read for an albedo to be estimated, and for what lies around the surface.

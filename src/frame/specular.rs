@@ -25,6 +25,16 @@ impl SpecularScene {
         self.behind.is_some() || self.surroundings.is_some() || self.hit_position.is_some()
     }
 
+    /// The specular pixels of `frame`; `None` where all that are covered are.
+    pub fn mask_in(&self, frame: &Frame) -> Option<Mask> {
+        let own = self.mask.as_ref()?;
+        Some(Mask::new(Plane::from_fn(
+            own.width(),
+            own.height(),
+            |x, y| own.at(x, y) && frame.mask.at(x, y),
+        )))
+    }
+
     /// Whether the pixel at column `x` of row `y` of `frame` is specular.
     #[inline]
     pub fn is_specular(&self, frame: &Frame, x: usize, y: usize) -> bool {

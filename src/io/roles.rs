@@ -20,6 +20,8 @@ pub enum Role {
     Position,
     Occlusion,
     Mask,
+    SpecularMask,
+    HitPosition,
     Importance,
     DiffuseDirect,
     DiffuseIndirect,
@@ -83,6 +85,11 @@ const RULES: &[Rule] = &[
     (Role::Normal, Arity::Vector, &["normal", "normals", "n"]),
     (Role::Depth, Arity::Scalar, &["depth", "z", ""]),
     (Role::Position, Arity::Vector, &["position", "p"]),
+    (
+        Role::HitPosition,
+        Arity::Vector,
+        &["hitposition", "hitpoint", "hitp"],
+    ),
     (
         Role::Occlusion,
         Arity::Color,

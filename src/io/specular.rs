@@ -109,7 +109,7 @@ pub fn load_specular(
         read_surroundings(path, inputs.surroundings_camera.as_deref()).map(Arc::new)
     });
     let hit_position = inputs.hit_position.as_ref().map(|name| {
-        let position = vector_of("--hit-position", name, loaded)?;
+        let position = vector(named(Role::HitPosition, name, loaded)?);
         Ok::<_, Error>(in_view(&position, &world()?))
     });
     Ok(SpecularScene {
@@ -160,10 +160,9 @@ fn refuse_what_lacks(inputs: &SpecularInputs) -> Result<()> {
     Ok(())
 }
 
-/// A source by a name that the user gave, over the frame's own pixels.
-fn source_of(flag: &'static str, role: Role, name: &str, loaded: &Loaded) -> Result<RolePlanes> {
-    let source = RoleSource::resolve(role, Some(name), &loaded.main)
-        .map_err(|error| renamed(error, role, flag))?
+/// The planes that the user named for a role, over the frame's own pixels.
+fn named(role: Role, name: &str, loaded: &Loaded) -> Result<Vec<Plane>> {
+    let source = RoleSource::resolve(role, Some(name), &loaded.main)?
         .expect("a source that is named is there or an error");
     let window = loaded.frame.data_window;
     if source.window() != window {
@@ -173,33 +172,12 @@ fn source_of(flag: &'static str, role: Role, name: &str, loaded: &Loaded) -> Res
             expected: format!("the normals are {window}"),
         });
     }
-    Ok(read_all(&[source])?.remove(0))
-}
-
-/// An error about a role, told by the flag that was given.
-fn renamed(error: Error, role: Role, flag: &str) -> Error {
-    match error {
-        Error::MissingAov {
-            path,
-            found,
-            remedy,
-        } => Error::MissingAov {
-            path,
-            found,
-            remedy: remedy.replace(&format!("--{}", role.name()), flag),
-        },
-        other => other,
-    }
+    Ok(read_all(&[source])?.remove(0).planes)
 }
 
 fn specular_mask(name: &str, loaded: &Loaded) -> Result<Mask> {
-    let plane = grey(source_of("--specular-mask", Role::Mask, name, loaded)?.planes);
+    let plane = grey(named(Role::SpecularMask, name, loaded)?);
     Ok(Mask::new(plane.map(|share| share > 0.5)))
-}
-
-fn vector_of(flag: &'static str, name: &str, loaded: &Loaded) -> Result<Vector3Planes> {
-    let [x, y, z] = three(source_of(flag, Role::Position, name, loaded)?.planes);
-    Ok(Vector3Planes { x, y, z })
 }
 
 /// World-space points in view space; what is not there, 0 or not finite, becomes NaN.

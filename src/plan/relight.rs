@@ -83,6 +83,8 @@ pub struct Relighting {
     pub environment: EnvironmentUse,
     /// How many lit spheres.
     pub lit_spheres: u8,
+    /// Whether mirrors and lenses show what is traced around them.
+    pub traced: bool,
     /// Where the albedo comes from.
     pub albedo: Albedo,
 }
@@ -136,6 +138,7 @@ impl Relighting {
             sums,
             environment,
             lit_spheres: kinds.lit_spheres,
+            traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),
             albedo: albedo(&params, kinds, available)?,
         })
     }
@@ -223,8 +226,10 @@ impl Relighting {
                 matches!(
                     self.environment,
                     EnvironmentUse::Prefiltered | EnvironmentUse::Mirrored
-                ) || self.lit_spheres > 0,
+                ) || self.lit_spheres > 0
+                    || self.traced,
                 match (self.lit_spheres, self.environment) {
+                    _ if self.traced => "what mirrored or refracted sight lines meet",
                     (0, EnvironmentUse::Mirrored) => "where mirrored or refracted sight lines lead",
                     (0, _) => "prefiltered light about the normal and the mirrored view",
                     (1, _) => "a lit sphere, by the normal",
@@ -289,11 +294,13 @@ fn refuse_what_lacks(
     kinds: LightKinds,
     available: Available,
 ) -> Result<()> {
-    if mirrors(params.material.material) && !kinds.environment && kinds.lit_spheres == 0 {
+    let is_specular = mirrors(params.material.material);
+    let surrounded = kinds.environment || kinds.lit_spheres > 0 || available.specular.is_some();
+    if is_specular && !surrounded {
         return Err(bad(
             "--material",
             "mirrors what is around it, and nothing is",
-            "give --environment FILE",
+            "give --environment FILE, --surroundings FILE or --behind FILE",
         ));
     }
     if mirrors(params.material.material) && (kinds.directional || kinds.points) {
@@ -303,7 +310,9 @@ fn refuse_what_lacks(
             "leave it out, or choose another --material",
         ));
     }
-    let any = kinds.directional || kinds.points || kinds.environment || kinds.lit_spheres > 0;
+    let traced = is_specular && available.specular.is_some();
+    let any =
+        traced || kinds.directional || kinds.points || kinds.environment || kinds.lit_spheres > 0;
     if !any && params.material.ambient == 0.0 {
         return Err(bad(
             "--light",

@@ -1,7 +1,7 @@
 //! A distance map as a surface that rays may meet.
 
-use super::search::{first_crossing, steps_for};
-use super::texels::{Sides, TangentPlane, Texel, agreed, around, mean_at};
+use super::search::{Crossing, first_crossing, steps_for};
+use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
 use crate::frame::{ColorPlanes, Plane, Ray, Surroundings, Vector3Planes};
 use crate::params::SearchParams;
 use glam::DVec3;
@@ -41,13 +41,13 @@ impl<'a> DistanceMap<'a> {
         self.surroundings
     }
 
-    /// The point, in world space, where a ray first goes through the surroundings from inside; `None` where it
-    /// passes behind all that is seen from the centre, or leaves through a hole.
+    /// Where a ray in world space first goes through the surroundings from inside, with the point that shows it: itself
+    /// where it is seen from the centre. `None` where nothing is around.
     ///
     /// Steps are even in the angle seen from the centre. With its start at the distance `r0`, at the angle
     /// `Theta` to its direction, the ray at the angle phi from its start is `r0 sin(Theta) / sin(Theta - phi)`
     /// from the centre.
-    pub fn first_hit(&self, ray: &Ray, search: &SearchParams) -> Option<DVec3> {
+    pub fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec3>> {
         let center = self.surroundings.center;
         let from = ray.start - center;
         let ahead = ray.direction.try_normalize()?;
@@ -57,7 +57,8 @@ impl<'a> DistanceMap<'a> {
         let sine = across.length();
         if sine < THROUGH_CENTER {
             let (distance, ..) = self.distance_toward(ahead)?;
-            return Some(center + distance * ahead);
+            let point = center + distance * ahead;
+            return Some(Reached::Seen(point, point));
         }
         let across = across / sine;
         let turn = sine.atan2(toward.dot(ahead));
@@ -67,14 +68,32 @@ impl<'a> DistanceMap<'a> {
             (cos * toward + sin * across, start * sine / rest)
         };
         let steps = steps_for(search, turn / std::f64::consts::PI);
-        let s = first_crossing(steps, search.refinements, |s| {
+        let crossing = first_crossing(steps, search.refinements, |s| {
             let (direction, distance) = place(s);
             let (surface, ..) = self.distance_toward(direction)?;
             // At the end of the turn the ray is infinitely far away.
             Some(1.0 - (distance / surface).min(FAR_BEHIND))
-        })?;
-        let (direction, distance) = place(s);
-        Some(center + distance * direction)
+        });
+        match crossing {
+            Crossing::Met(s) => {
+                let (direction, distance) = place(s);
+                let point = center + distance * direction;
+                Some(Reached::Seen(point, point))
+            }
+            Crossing::Unseen(s) => {
+                let (direction, distance) = place(s);
+                let texel = heaviest(&self.texels(direction));
+                let plane = &self.planes[texel.y * self.surroundings.width() + texel.x];
+                let about_center = Ray {
+                    start: from,
+                    direction: ahead,
+                };
+                let point = plane.continued(&about_center, distance * direction)?;
+                let shown = self.surroundings.point_at(texel.x, texel.y);
+                Some(Reached::Beyond(center + point, center + shown))
+            }
+            Crossing::Nothing => None,
+        }
     }
 
     /// The distance of the surroundings from their centre in the direction of a point of world space.

@@ -19,20 +19,30 @@ pub(super) fn steps_for(search: &SearchParams, share: f64) -> u32 {
     steps.clamp(FEWEST_STEPS.min(search.steps), search.steps)
 }
 
-/// The first place `s` of a way, 0..1, in so many even `steps` and `refinements`, where it goes through a surface from the front.
+/// What becomes of a way along a surface; places are shares of it, 0..1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Crossing {
+    /// It goes through the surface here.
+    Met(f64),
+    /// It leaves, or goes on behind an edge for good, and what it may meet there is not seen. Here it was last seen in
+    /// front of a surface.
+    Unseen(f64),
+    /// It is nowhere in front of a surface.
+    Nothing,
+}
+
+/// The first place of a way, in so many even `steps` and `refinements`, where it goes through a surface from the
+/// front.
 ///
-/// `gap` tells how far the place lies in front of the surface, as a share of the distance: above 0 in front, below
+/// `gap` tells how far a place lies in front of the surface, as a share of the distance: above 0 in front, below
 /// behind, `None` where there is no surface. Where the gap jumps to below 0 the way passes behind an edge; it is
 /// followed on, unseen, until it comes out in front of a surface again. Source: [LA] section 5.2, after the
 /// linear and secant search in distance maps; the secant rule is the Illinois one, which keeps the surface
 /// between its two ends.
 #[inline]
-pub fn first_crossing(
-    steps: u32,
-    refinements: u32,
-    gap: impl Fn(f64) -> Option<f64>,
-) -> Option<f64> {
+pub fn first_crossing(steps: u32, refinements: u32, gap: impl Fn(f64) -> Option<f64>) -> Crossing {
     let mut before: Option<End> = None;
+    let mut in_front = None;
     for k in 0..=steps {
         let s = f64::from(k) / f64::from(steps);
         let here = gap(s).map(|gap| End { s, gap });
@@ -41,12 +51,15 @@ pub fn first_crossing(
             && behind.gap <= 0.0
             && let Some(found) = narrowed(refinements, front, behind, &gap)
         {
-            return Some(found);
+            return Crossing::Met(found);
+        }
+        if here.is_some_and(|end| end.gap > 0.0) {
+            in_front = Some(s);
         }
         // Where there is no surface the way is in front of whatever comes next.
         before = here.or(before.filter(|end| end.gap > 0.0));
     }
-    None
+    in_front.map_or(Crossing::Nothing, Crossing::Unseen)
 }
 
 /// A place of the way and its gap.
@@ -64,6 +77,9 @@ fn narrowed(
     mut behind: End,
     gap: &impl Fn(f64) -> Option<f64>,
 ) -> Option<f64> {
+    if behind.gap > -TOUCHING {
+        return Some(behind.s);
+    }
     // The end that stayed twice in a row counts half: both ends come in.
     let mut weights = [1.0, 1.0];
     for _ in 0..refinements {
@@ -95,37 +111,41 @@ fn narrowed(
 mod tests {
     use super::*;
 
-    fn crossing(gap: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    fn crossing(gap: impl Fn(f64) -> Option<f64>) -> Crossing {
         first_crossing(16, 12, gap)
+    }
+
+    fn met(gap: impl Fn(f64) -> Option<f64>) -> f64 {
+        match crossing(gap) {
+            Crossing::Met(s) => s,
+            other => panic!("{other:?}"),
+        }
     }
 
     #[test]
     fn a_smooth_surface_is_met_where_it_lies() {
         // exp(-2 s) meets 0.3 at ln(1/0.3)/2.
-        let found = crossing(|s| Some((-2.0 * s).exp() - 0.3)).unwrap();
+        let found = met(|s| Some((-2.0 * s).exp() - 0.3));
         assert!((found - (1.0_f64 / 0.3).ln() / 2.0).abs() < 1e-12);
-        assert_eq!(crossing(|s| Some(1.0 + s)), None);
-        assert_eq!(crossing(|_| None), None);
-        assert_eq!(crossing(|_| Some(f64::NAN)), None);
+        assert_eq!(crossing(|s| Some(1.0 + s)), Crossing::Unseen(1.0));
+        assert_eq!(crossing(|_| None), Crossing::Nothing);
+        assert_eq!(crossing(|_| Some(f64::NAN)), Crossing::Nothing);
     }
 
     #[test]
     fn what_is_passed_behind_is_not_met() {
         // A post from 0.3 to 0.4 in front of a wall that is met at 0.8.
-        let gap = |s: f64| {
-            Some(if (0.3..0.4).contains(&s) {
-                -0.5
-            } else {
-                0.8 - s
-            })
-        };
-        let found = crossing(gap).unwrap();
-        assert!((found - 0.8).abs() < 1e-12);
+        let post = 0.3..0.4;
+        let gap = |s: f64| Some(if post.contains(&s) { -0.5 } else { 0.8 - s });
+        assert!((met(gap) - 0.8).abs() < 1e-12);
         // The way starts behind the surface: it has to come out first.
         let gap = |s: f64| Some(if s < 0.2 { -0.1 } else { 0.6 - s });
-        assert!((crossing(gap).unwrap() - 0.6).abs() < 1e-12);
+        assert!((met(gap) - 0.6).abs() < 1e-12);
         // A hole, with the surface beyond it.
-        let gap = |s: f64| (s < 0.5 || s > 0.7).then_some(0.71 - s);
-        assert!((crossing(gap).unwrap() - 0.71).abs() < 1e-12);
+        let gap = |s: f64| (s < 0.5 || s > 0.7).then_some(0.75 - s);
+        assert!((met(gap) - 0.75).abs() < 1e-12);
+        // Behind the post for good: last seen one step before it.
+        let gap = |s: f64| Some(if s > 0.3 { -0.5 } else { 0.8 - s });
+        assert_eq!(crossing(gap), Crossing::Unseen(0.25));
     }
 }

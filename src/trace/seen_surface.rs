@@ -1,7 +1,7 @@
 //! A frame as a surface that rays may meet: what its camera saw of it.
 
-use super::search::{first_crossing, steps_for};
-use super::texels::{Sides, TangentPlane, Texel, agreed, around, mean_at};
+use super::search::{Crossing, first_crossing, steps_for};
+use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
 use crate::frame::{
     ColorPlanes, DepthKind, Frame, Plane, Projection, Ray, SightLines, Vector2Planes,
 };
@@ -113,29 +113,57 @@ impl<'a> SeenSurface<'a> {
         self.visible.frame
     }
 
-    /// Where a ray first goes through the surface from the viewer's side: the point, and where in the picture it
-    /// is seen. `None` if it leaves the picture before, or passes behind all there is.
-    pub fn first_hit(&self, ray: &Ray, search: &SearchParams) -> Option<(DVec3, DVec2)> {
+    /// Where a ray first goes through the surface from the viewer's side, with the place of the picture that shows it.
+    /// `None` where it is nowhere in front of the surface.
+    pub fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec2>> {
         let way = self.way(ray)?;
         let [from, to] = way.places;
         let steps = steps_for(search, from.distance(to) / self.span());
-        let s = first_crossing(steps, search.refinements, |s| {
+        let crossing = first_crossing(steps, search.refinements, |s| {
             let (at, depth) = way.place(s);
             let (surface, ..) = self.depth_at(at)?;
             Some(1.0 - depth / surface)
-        })?;
-        let (at, depth) = way.place(s);
-        let point = self
-            .visible
-            .sight
-            .point(at.x, at.y, depth, DepthKind::Planar);
-        Some((point, at))
+        });
+        let point_at = |s: f64| {
+            let (at, depth) = way.place(s);
+            let sight = &self.visible.sight;
+            (sight.point(at.x, at.y, depth, DepthKind::Planar), at)
+        };
+        match crossing {
+            Crossing::Met(s) => {
+                let (point, at) = point_at(s);
+                Some(Reached::Seen(point, at))
+            }
+            Crossing::Unseen(s) => {
+                let (seen, at) = point_at(s);
+                let (.., texels) = self.depth_at(at)?;
+                let texel = heaviest(&texels);
+                let plane = &self.planes[texel.y * self.frame().mask.width() + texel.x];
+                let point = plane.continued(ray, seen)?;
+                Some(Reached::Beyond(
+                    point,
+                    self.visible.middle(texel.x, texel.y),
+                ))
+            }
+            Crossing::Nothing => None,
+        }
     }
 
     /// Depth along the view axis at a place of the picture; `None` where there is no surface.
     #[inline]
     pub fn depth_at_place(&self, at: DVec2) -> Option<f64> {
         self.depth_at(at).map(|(depth, ..)| depth)
+    }
+
+    /// The point of the surface at a place of the picture.
+    #[inline]
+    pub fn point_at(&self, at: DVec2) -> Option<DVec3> {
+        let depth = self.depth_at_place(at)?;
+        Some(
+            self.visible
+                .sight
+                .point(at.x, at.y, depth, DepthKind::Planar),
+        )
     }
 
     /// The unit normal at a place of the picture where the surface lies at the depth of `point`.

@@ -1,5 +1,6 @@
 //! The four texels around a place of a map, each of which stands for the tangent plane of its surface.
 
+use crate::frame::Ray;
 use glam::{DVec2, DVec3};
 
 /// A texel and its bilinear weight.
@@ -44,11 +45,29 @@ pub(super) fn around(at: DVec2, [width, height]: [usize; 2], sides: Sides) -> [T
     ]
 }
 
+/// The heaviest of these texels.
+pub(super) fn heaviest(texels: &[Texel; 4]) -> Texel {
+    let heavier = |a: Texel, b: &Texel| if b.weight > a.weight { *b } else { a };
+    texels.iter().fold(texels[0], heavier)
+}
+
 /// Distances that differ by more than this share belong to different surfaces.
 pub(super) const APART: f64 = 0.02;
 
 /// A tangent plane tells nothing of distances beyond this factor of its own point's.
 const FARTHEST: f64 = 1.25;
+
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reached<P> {
+    /// On the surface: the point, and the place of the map that shows it.
+    Seen(DVec3, P),
+    /// Unseen, on the plane of the surface that this place shows, as far as that goes on.
+    Beyond(DVec3, P),
+}
+
+/// A plane is taken to go on as far as this many times the distance over which it was seen.
+const GOES_ON: f64 = 4.0;
 
 /// The tangent plane of the surface in a texel.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +94,16 @@ impl TangentPlane {
             offset: normal.dot(point) as f32,
             own: own as f32,
         }
+    }
+
+    /// Where a ray meets the plane, no nearer than `seen` and not too far beyond; `None` where there is no surface.
+    pub(super) fn continued(&self, ray: &Ray, seen: DVec3) -> Option<DVec3> {
+        let normal = DVec3::from(self.normal.map(f64::from));
+        let along = (f64::from(self.offset) - normal.dot(ray.start)) / normal.dot(ray.direction);
+        let point = ray.start + along * ray.direction;
+        let (way, so_far) = (point.distance(ray.start), seen.distance(ray.start));
+        let goes_on = self.own > 0.0 && along > 0.0 && way >= so_far;
+        (goes_on && way < GOES_ON * so_far.max(f64::from(self.own))).then_some(point)
     }
 
     /// How far along a `line` from `start` the plane is met; the texel's own distance where it is seen too much along

@@ -1,6 +1,6 @@
 //! The sight lines of a frame, bent by its specular surfaces, and what they meet.
 
-use super::{DistanceMap, SeenSurface, VisibleSurface};
+use super::{DistanceMap, Reached, SeenSurface, VisibleSurface};
 use crate::frame::{Camera, Frame, Ray, SightLines, SpecularScene};
 use crate::params::{Bend, SearchParams, SpecularParams};
 use glam::{DQuat, DVec2, DVec3};
@@ -56,14 +56,16 @@ pub struct Hit {
     pub normal: DVec3,
     /// Which surface it is on.
     pub met: Met,
+    /// Whether it is seen; else the surface beside is taken to go on to there.
+    pub is_seen: bool,
 }
 
 /// The surface that a ray met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Met {
-    /// What lies behind, seen at this place of the picture.
+    /// What lies behind, as this place of the picture shows it.
     Behind(DVec2),
-    /// The surroundings, at this point of world space.
+    /// The surroundings, as they are at this point of world space.
     Surroundings(DVec3),
 }
 
@@ -173,7 +175,9 @@ impl<'a> Tracer<'a> {
 
     /// The ray that leaves through the back faces.
     fn left(&self, back: &SeenSurface, inside: &Ray, ior: f64) -> Option<Ray> {
-        let (point, at) = back.first_hit(inside, &self.search)?;
+        let Reached::Seen(point, at) = back.reached(inside, &self.search)? else {
+            return None;
+        };
         let normal = back.normal_at(at, point)?;
         let against = if normal.dot(inside.direction) > 0.0 {
             -normal
@@ -186,20 +190,33 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// What a ray meets: what lies behind in the picture, else the surroundings.
+    /// What a ray meets: what is seen behind in the picture, else of the surroundings; else what may lie there unseen.
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let behind = self.behind.as_ref();
-        behind
-            .and_then(|surface| {
-                let (point, at) = surface.first_hit(ray, &self.search)?;
-                let normal = against(surface.normal_at(at, point)?, ray.direction);
-                Some(Hit {
-                    point,
-                    normal,
-                    met: Met::Behind(at),
-                })
-            })
-            .or_else(|| self.hit_around(ray))
+        let behind = self.hit_behind(ray);
+        if behind.is_some_and(|hit| hit.is_seen) {
+            return behind;
+        }
+        let around = self.hit_around(ray);
+        match around.is_some_and(|hit| hit.is_seen) {
+            true => around,
+            false => behind.or(around),
+        }
+    }
+
+    fn hit_behind(&self, ray: &Ray) -> Option<Hit> {
+        let surface = self.behind.as_ref()?;
+        let (point, at, is_seen) = parts(surface.reached(ray, &self.search)?);
+        let shown = if is_seen {
+            point
+        } else {
+            surface.point_at(at)?
+        };
+        Some(Hit {
+            point,
+            normal: against(surface.normal_at(at, shown)?, ray.direction),
+            met: Met::Behind(at),
+            is_seen,
+        })
     }
 
     fn hit_around(&self, ray: &Ray) -> Option<Hit> {
@@ -209,19 +226,23 @@ impl<'a> Tracer<'a> {
             start: world_from_view.transform_point3(ray.start),
             direction: world_from_view.transform_vector3(ray.direction),
         };
-        let world = map.first_hit(&ray_in_world, &self.search)?;
+        let (world, shown, is_seen) = parts(map.reached(&ray_in_world, &self.search)?);
         let normal = camera
             .view_from_world
-            .transform_vector3(map.normal_at(world)?);
+            .transform_vector3(map.normal_at(shown)?);
         Some(Hit {
             point: camera.view_from_world.transform_point3(world),
             normal: against(normal, ray.direction),
-            met: Met::Surroundings(world),
+            met: Met::Surroundings(shown),
+            is_seen,
         })
     }
 
-    /// The colour of what was met, where it has any.
+    /// The colour of what was met, where it is seen and has any.
     pub fn color(&self, hit: &Hit) -> Option<[f32; 3]> {
+        if !hit.is_seen {
+            return None;
+        }
         match hit.met {
             Met::Behind(at) => {
                 let surface = self.behind.as_ref()?;
@@ -242,6 +263,13 @@ impl<'a> Tracer<'a> {
 fn refracted(direction: DVec3, against: DVec3, eta: f64) -> Option<DVec3> {
     let refracted = direction.refract(against, eta);
     (refracted != DVec3::ZERO).then_some(refracted)
+}
+
+fn parts<P>(reached: Reached<P>) -> (DVec3, P, bool) {
+    match reached {
+        Reached::Seen(point, shown) => (point, shown, true),
+        Reached::Beyond(point, shown) => (point, shown, false),
+    }
 }
 
 fn against(normal: DVec3, direction: DVec3) -> DVec3 {

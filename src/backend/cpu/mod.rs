@@ -28,7 +28,7 @@ use crate::frame::{ColorPlanes, Frame, Plane, SpecularScene, SymmetricPlanes, Ve
 use crate::light::layers::TermScaling;
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::{Adaptive, FieldParams, RunOptions, StrokeDirections};
+use crate::params::{Adaptive, FieldParams, LineParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
 use drawing::KeptArtMap;
 pub use drawing::TextureCoordinates;
@@ -138,13 +138,58 @@ impl Runner {
         direction_field::stroke_fields(plan, params, directions, frame, conductance, None, memory)
     }
 
+    /// The directions that strokes by `params` follow on `frame` and on what its specular pixels show of `scene`, in
+    /// the form of [`Runner::stroke_fields`].
+    ///
+    /// # Panics
+    /// If the plan leaves out conductance, or does not trace specular pixels.
+    pub fn stroke_fields_through(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        scene: &SpecularScene,
+        params: &LineParams,
+    ) -> Vec<Vector2Planes> {
+        let specular = plan.specular.expect("the plan traces specular pixels");
+        let kept = &self.map_directions;
+        let seen =
+            specular::seen_through(plan, frame, scene, &specular, params, kept, &self.memory);
+        let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
+        let given = seen.as_ref().map(|seen| &seen.directions[..]);
+        let edges = edges::edges_and_gradient(plan, drawn, &self.memory);
+        direction_field::stroke_fields(
+            plan,
+            &params.field,
+            params.directions,
+            drawn,
+            &edges.conductance,
+            given,
+            &self.memory,
+        )
+    }
+
     /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.
     ///
     /// # Panics
     /// If the plan was made for another goal, other inputs or other kinds of light.
     pub fn relight(&self, plan: &Plan, frame: &Frame, illumination: &Illumination) -> Outcome {
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, |run| run.relight(illumination))
+        self.start(plan, frame, |run| run.relight(illumination, None))
+    }
+
+    /// [`Runner::relight`] of mirrors and lenses that show what is around them: the specular pixels of `scene`, or all.
+    ///
+    /// # Panics
+    /// As [`Runner::relight`] does.
+    pub fn relight_specular(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: &Illumination,
+        scene: &SpecularScene,
+    ) -> Outcome {
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
+        self.start(plan, frame, |run| run.relight(illumination, Some(scene)))
     }
 
     /// Runs `plan`, made by [`Plan::hatch`], on `frame`.
@@ -155,7 +200,10 @@ impl Runner {
         let params = plan.drawing.as_ref().expect("a drawing is planned");
         self.start(plan, frame, |run| {
             match plan.goal {
-                Goal::Relight => run.relight(inputs.illumination.expect("new light has lights")),
+                Goal::Relight => {
+                    let illumination = inputs.illumination.expect("new light has lights");
+                    run.relight(illumination, inputs.specular);
+                }
                 _ => run.enhance(),
             }
             run.draw(params, inputs);

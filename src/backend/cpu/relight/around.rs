@@ -4,6 +4,7 @@
 use super::Scene;
 use super::batch::Batch;
 use super::shade::Term;
+use super::traced::add_traced;
 use crate::frame::{ColorPlanes, Plane};
 use crate::light::batch::{BATCH, Vectors};
 use crate::light::brdf::{fresnel, refracted, thin_sheet};
@@ -100,9 +101,9 @@ impl KeptEnvironment {
 
 /// A map to be looked up, and the luminance that counts as intensity 1.
 #[derive(Debug)]
-struct Map {
-    environment: Environment,
-    largest: f32,
+pub(super) struct Map {
+    pub(super) environment: Environment,
+    pub(super) largest: f32,
 }
 
 impl<'a> Around<'a> {
@@ -317,6 +318,14 @@ pub(super) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, 
 #[inline(always)]
 pub(super) fn add_lookups(batch: &mut Batch, scene: &Scene) {
     let gain = scene.around.ready.gain.unwrap_or(1.0);
+    if let Some(mirrors) = &scene.mirrors {
+        let far_away = match &scene.around.ready.used {
+            Used::Mirrored(map) => Some((map, gain)),
+            _ => None,
+        };
+        add_traced(batch, scene, mirrors, far_away);
+        return;
+    }
     match &scene.around.ready.used {
         Used::Nothing | Used::Lights(_) | Used::Lookups(..) => {}
         Used::Prefiltered { diffuse, specular } => {

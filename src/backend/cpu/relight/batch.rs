@@ -175,6 +175,14 @@ impl Batch {
         }
     }
 
+    /// The lane, column and row of every pixel.
+    pub(super) fn places(&self) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
+        self.pieces.iter().flat_map(|piece| {
+            let columns = piece.columns.clone().enumerate();
+            columns.map(|(i, x)| (piece.lane + i, x, piece.y))
+        })
+    }
+
     /// Writes what the pixels show to rows that begin with row `first` of the frame.
     pub(super) fn scatter(&self, rows: &mut [&mut [f32]; 3], first: usize, width: usize) {
         for Piece { y, columns, lane } in &self.pieces {

@@ -6,6 +6,7 @@ mod batch;
 mod curvature;
 mod rim;
 mod shade;
+mod traced;
 
 pub(super) use around::{Around, KeptEnvironment};
 pub(super) use batch::Batch;
@@ -14,13 +15,16 @@ pub(super) use shade::light_batch;
 use super::memory::Memory;
 use super::simd::Simd;
 use super::{Run, Shape, light, normal_rays};
-use crate::frame::{ColorPlanes, Frame, Plane, Projection, SightLines, Vector2Planes};
+use crate::frame::{
+    ColorPlanes, Frame, Mask, Plane, Projection, SightLines, SpecularScene, Vector2Planes,
+};
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
 use crate::params::{Adaptive, Magnitudes, Quantisation, RelightParams};
 use crate::plan::{Albedo, EnvironmentUse, Relighting, Stage};
 use curvature::{Curvature, CurvatureRow, Kind};
 use rayon::prelude::*;
+use traced::Mirrors;
 
 /// Rows that one task lights: few, so that threads end together, and enough to fill batches.
 const ROWS_PER_TASK: usize = 8;
@@ -47,6 +51,10 @@ pub(super) struct Scene<'a> {
     points: &'a [PointLight],
     sight: SightLines,
     around: Around<'a>,
+    /// What mirrors and lenses show, where that is more than the environment.
+    mirrors: Option<Mirrors<'a>>,
+    /// The pixels that are lit.
+    lit: &'a Mask,
     /// Direction to the eye per column and row, of z 1; `None` for parallel sight lines.
     eye: Option<[Vec<f32>; 2]>,
     tones: Option<Quantisation>,
@@ -60,7 +68,11 @@ impl Scene<'_> {
 
 impl Run<'_> {
     /// Lights the frame anew.
-    pub(super) fn relight(&mut self, illumination: &Illumination) {
+    pub(super) fn relight(
+        &mut self,
+        illumination: &Illumination,
+        specular: Option<&SpecularScene>,
+    ) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let relighting = plan
             .relighting
@@ -82,6 +94,13 @@ impl Run<'_> {
                 albedo::estimated(frame, weights, memory)
             })
         });
+        let traced = specular.zip(plan.specular).filter(|_| relighting.traced);
+        let mirrors = traced.and_then(|(scene, params)| {
+            self.timed("specular-maps", || {
+                Mirrors::new(frame, scene, &params, weights)
+            })
+        });
+        let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));
         let shape = std::mem::take(&mut self.outcome.shape);
         let gain = self.outcome.gain.unwrap_or(0.0);
         let eye = eye_directions(frame);
@@ -101,12 +120,16 @@ impl Run<'_> {
             magnitudes: plan.scaling.magnitudes(),
             invariant_point: plan.scaling.invariant_point,
             luminance: weights,
-            is_glossy: around.is_mirrored() || shading.is_some_and(|s| s.lobes.are_glossy()),
+            is_glossy: mirrors.is_some()
+                || around.is_mirrored()
+                || shading.is_some_and(|s| s.lobes.are_glossy()),
             shading,
             lights: &illumination.directional,
             points: &illumination.points,
             sight: sight_lines(frame),
             around,
+            mirrors,
+            lit: specular_mask.as_ref().unwrap_or(&frame.mask),
             eye,
             tones: relighting.params.tones(),
         };
@@ -198,7 +221,7 @@ fn sight_lines(frame: &Frame) -> SightLines {
 
 /// The lit picture; where uncovered that of the frame, or black.
 fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
-    let mask = &scene.frame.mask;
+    let mask = scene.lit;
     let width = mask.width();
     let simd = Simd::widest();
     let mut planes = [(); 3].map(|()| memory.unwritten(mask));
@@ -241,7 +264,7 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
 
 /// Fills what shows no surface: with the picture of the frame where there is one, else black.
 fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
-    let mask = &scene.frame.mask;
+    let mask = scene.lit;
     let width = mask.width();
     let color = scene.frame.color.as_ref();
     let planes = color.map(|color| [&color.r, &color.g, &color.b]);

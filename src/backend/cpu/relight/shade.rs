@@ -314,7 +314,7 @@ fn look_even_up(
 fn compose(batch: &mut Batch, scene: &Scene) {
     let material = &scene.params().material;
     let (kd, ks) = (material.diffuse_gain, material.specular());
-    if scene.around.has_lookups() {
+    if scene.mirrors.is_some() || scene.around.has_lookups() {
         add_lookups(batch, scene);
     }
     let scales = scene.relighting.scales && material.ambient > 0.0;

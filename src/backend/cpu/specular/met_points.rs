@@ -115,7 +115,12 @@ impl MetPoints<'_> {
 
     /// The point as a hit on what lies behind or around, where it is on one of them.
     fn on_known_surface(&self, point: DVec3, normal: DVec3, tangents: &Tangents) -> Option<Hit> {
-        let hit = |met| Hit { point, normal, met };
+        let hit = |met| Hit {
+            point,
+            normal,
+            met,
+            is_seen: true,
+        };
         let behind = tangents.tracer.behind().and_then(|surface| {
             let at = self.sight.projection().pixel_of(point)?;
             let depth = surface.depth_at_place(at)?;

@@ -25,7 +25,11 @@ impl Tangents<'_> {
         match hit.met {
             Met::Behind(at) => {
                 let surface = self.tracer.behind()?;
-                let direction = surface.direction_at(&self.behind[order], at, hit.point)?;
+                let shown = match hit.is_seen {
+                    true => hit.point,
+                    false => surface.point_at(at)?,
+                };
+                let direction = surface.direction_at(&self.behind[order], at, shown)?;
                 let sight = SightLines::new(self.camera.projection);
                 sight.tangent(at.x, at.y, direction, hit.normal)
             }
