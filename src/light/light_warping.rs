@@ -40,6 +40,16 @@ pub fn scale_factor(k: f32, alpha: f32) -> f32 {
 /// this many times the other one the light fades as it sets. Smaller values damp the warp itself.
 pub const MOST_BRIGHTENED: f32 = 4.0;
 
+/// The cosine with the normal that a warped light counts with, 0 where it does not: `unwarped` is that of the
+/// direction the surface takes it to come from, `warped` that of the direction it does come from.
+///
+/// Both equations of [LW] section 6.1 need the same one, or they are two integrals: in equation 1 `warped`
+/// belongs to the direction looked up, in equation 2 to the light as it stands.
+#[inline(always)]
+pub fn counted_cosine(unwarped: f32, warped: f32) -> f32 {
+    unwarped.min(MOST_BRIGHTENED * warped).max(0.0)
+}
+
 /// A warping of directions: the symmetric matrix Lambda that acts on x and y of half vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Warp {
@@ -247,6 +257,17 @@ mod tests {
         [0.0, -0.02, 0.0],
         [1.0, 0.3, -0.2],
     ];
+
+    #[test]
+    fn a_light_counts_where_both_its_directions_are_above() {
+        assert_eq!(counted_cosine(0.5, 0.5), 0.5);
+        assert_eq!(counted_cosine(0.5, 1.0), 0.5);
+        assert_eq!(counted_cosine(0.5, 0.1), 0.4);
+        for below in [0.0, -0.0, -0.3, -1.0] {
+            assert_eq!(counted_cosine(0.5, below), 0.0);
+            assert_eq!(counted_cosine(below, 0.5), 0.0);
+        }
+    }
 
     #[test]
     fn the_factor_is_as_printed() {

@@ -13,6 +13,7 @@ pub mod diffusion;
 pub mod gradient;
 pub mod hessian;
 pub mod silhouette;
+pub mod view_hessian;
 
 /// Pixels that edge weights read to each side.
 pub const EDGE_REACH: usize = 1;

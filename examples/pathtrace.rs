@@ -1,0 +1,208 @@
+//! A small path tracer that warps and scales light on its way: what the kernels of `relievo` do in a renderer of
+//! one's own, no picture and no frame in between.
+//!
+//! `cargo run --release --example pathtrace -- --help`; `enhancement.rs` and `path.rs` beside this file are
+//! where it happens.
+
+#[path = "pathtrace/camera.rs"]
+mod camera;
+mod common;
+#[cfg(test)]
+#[path = "pathtrace/energy_tests.rs"]
+mod energy_tests;
+#[path = "pathtrace/enhancement.rs"]
+mod enhancement;
+#[path = "pathtrace/geometry.rs"]
+mod geometry;
+#[path = "pathtrace/layers.rs"]
+mod layers;
+#[cfg(test)]
+#[path = "pathtrace/layers_tests.rs"]
+mod layers_tests;
+#[path = "pathtrace/light.rs"]
+mod light;
+#[path = "pathtrace/material.rs"]
+mod material;
+#[path = "pathtrace/mesh.rs"]
+mod mesh;
+#[path = "pathtrace/mesh_curvature.rs"]
+mod mesh_curvature;
+#[path = "pathtrace/path.rs"]
+mod path;
+#[path = "pathtrace/render.rs"]
+mod render;
+#[path = "pathtrace/sampler.rs"]
+mod sampler;
+#[path = "pathtrace/scene.rs"]
+mod scene;
+#[path = "pathtrace/sheet.rs"]
+mod sheet;
+#[path = "pathtrace/stage.rs"]
+mod stage;
+#[path = "pathtrace/timing.rs"]
+mod timing;
+#[path = "pathtrace/tree.rs"]
+mod tree;
+#[path = "pathtrace/urn.rs"]
+mod urn;
+#[cfg(test)]
+#[path = "pathtrace/warp_tests.rs"]
+mod warp_tests;
+
+use clap::{Parser, Subcommand};
+use enhancement::{Bounces, Enhancement};
+use layers::{Extras, write_layers};
+use mesh::Mesh;
+use path::{Direct, Tracing};
+use relievo::io::output::write_atomically;
+use render::Job;
+use stage::Setting;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Columns and rows of the urn where nothing else is asked for: about two to a pixel of the pictures.
+const URN: [usize; 2] = [1100, 800];
+
+/// How tall a thing stands on the table.
+const HEIGHT: f32 = 2.0;
+
+/// A small path tracer that warps and scales light on its way.
+#[derive(Debug, Parser)]
+#[command(name = "pathtrace")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene to an EXR file that relievo reads.
+    Render(RenderArguments),
+    /// Render the pictures of the README as one.
+    Sheet {
+        /// A JPEG or PNG file.
+        output: PathBuf,
+        /// Paths per pixel; twice as many where there are mirrors.
+        #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+        samples: u32,
+        /// Width of a picture, in pixels.
+        #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(16..=2000))]
+        width: u32,
+    },
+    /// Measure what enhancement costs.
+    Timing {
+        /// Rounds, in each of which every kind of rendering takes its turn.
+        #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=1000))]
+        rounds: u32,
+    },
+    /// Write the urn as OBJ.
+    Model {
+        /// An OBJ file.
+        output: PathBuf,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+struct RenderArguments {
+    /// An EXR file.
+    output: PathBuf,
+    /// The thing on the table, as OBJ; the urn if none is named.
+    #[arg(long)]
+    obj: Option<PathBuf>,
+    /// What it is made of, and what lights it.
+    #[arg(long, value_enum, default_value = "mirrors")]
+    setting: Setting,
+    /// Bounces at which light is warped.
+    #[arg(long, value_enum, default_value = "none")]
+    warp: Bounces,
+    /// Bounces at which it is scaled.
+    #[arg(long, value_enum, default_value = "none")]
+    scale: Bounces,
+    /// Radius of the features to bring out, where the thing is 2 tall.
+    #[arg(long, default_value_t = Enhancement::default().feature)]
+    feature: f32,
+    /// How direct light is found.
+    #[arg(long, value_enum, default_value = "both")]
+    direct: Direct,
+    /// Paths per pixel.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    samples: u32,
+    /// Width and height in pixels.
+    #[arg(long, num_args = 2, default_values_t = [640, 480], value_parser = clap::value_parser!(u32).range(1..=16384))]
+    size: Vec<u32>,
+    /// Add layers of where things are that mirrors and glass show: HitPosition.X, .Y and .Z.
+    #[arg(long)]
+    hit_positions: bool,
+}
+
+fn main() -> ExitCode {
+    common::exit(run(Arguments::parse()))
+}
+
+fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
+    match arguments.command {
+        Command::Render(arguments) => render(&arguments),
+        Command::Sheet {
+            output,
+            samples,
+            width,
+        } => sheet::write_sheet(&output, samples, width as usize),
+        Command::Timing { rounds } => {
+            print!("{}", timing::table(rounds as usize));
+            Ok(())
+        }
+        Command::Model { output } => {
+            let urn = the_urn();
+            write_atomically(&output, true, |w| {
+                urn.write(w).map_err(|source| relievo::Error::Io {
+                    path: output.clone(),
+                    action: "write",
+                    source,
+                })
+            })?;
+            Ok(())
+        }
+    }
+}
+
+fn the_urn() -> Mesh {
+    urn::urn(URN[0], URN[1])
+}
+
+fn render(arguments: &RenderArguments) -> Result<(), Box<dyn Error>> {
+    if !(arguments.feature >= 0.0 && arguments.feature.is_finite()) {
+        return Err(format!("--feature is {}: give 0 or more", arguments.feature).into());
+    }
+    let thing = match &arguments.obj {
+        Some(path) => Mesh::read(path, HEIGHT)?,
+        None => the_urn(),
+    };
+    let scene = stage::scene(arguments.setting, thing);
+    let size = [arguments.size[0], arguments.size[1]].map(|side| side as usize);
+    let job = Job {
+        scene: &scene,
+        camera: stage::camera(arguments.setting, size),
+        tracing: Tracing {
+            enhancement: Enhancement {
+                warp: arguments.warp,
+                scale: arguments.scale,
+                feature: arguments.feature,
+                ..Enhancement::default()
+            },
+            direct: arguments.direct,
+            max_bounces: MAX_BOUNCES,
+        },
+        samples: arguments.samples,
+        seed: 1,
+    };
+    let extras = Extras {
+        hit_positions: arguments.hit_positions,
+        ambient_reach: HEIGHT,
+    };
+    write_layers(Path::new(&arguments.output), &job, extras)?;
+    Ok(())
+}
+
+/// Surfaces that a path of the pictures may meet.
+const MAX_BOUNCES: usize = 12;

@@ -1,0 +1,247 @@
+//! Where light comes from, and how to find it.
+
+use super::geometry::Ray;
+use glam::Vec3;
+use relievo::light::environment::Environment;
+use std::f32::consts::{PI, TAU};
+
+/// A rectangle that shines to the side that its sides turn counterclockwise on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AreaLight {
+    pub(crate) corner: Vec3,
+    pub(crate) sides: [Vec3; 2],
+    pub(crate) radiance: Vec3,
+}
+
+/// Light from one direction, by chance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LightSample {
+    pub(crate) to_light: Vec3,
+    /// How far it comes; infinite from the environment.
+    pub(crate) distance: f32,
+    pub(crate) radiance: Vec3,
+    /// Solid-angle density of the direction.
+    pub(crate) density: f32,
+}
+
+impl AreaLight {
+    /// Along the normal, as long as the area.
+    fn area(&self) -> Vec3 {
+        self.sides[0].cross(self.sides[1])
+    }
+
+    fn sample(&self, from: Vec3, [u, v]: [f32; 2]) -> Option<LightSample> {
+        let offset = self.corner + u * self.sides[0] + v * self.sides[1] - from;
+        let distance = offset.length();
+        let to_light = offset / distance;
+        let density = self.density(to_light, distance);
+        density.is_finite().then_some(LightSample {
+            to_light,
+            distance,
+            radiance: self.radiance,
+            density,
+        })
+    }
+
+    /// Solid-angle density of its points seen `distance` away; infinite from behind.
+    pub(crate) fn density(&self, to_light: Vec3, distance: f32) -> f32 {
+        let facing = -self.area().dot(to_light);
+        if facing > 0.0 {
+            distance * distance / facing
+        } else {
+            f32::INFINITY
+        }
+    }
+}
+
+/// Light from all around that can be sampled by its brightness.
+pub(crate) struct Surroundings {
+    map: Environment,
+    /// For each pixel how likely it and those before it are, in reading order.
+    shares: Vec<f64>,
+    share_sum: f64,
+}
+
+/// Widest map that is sampled; the light itself is looked up at full size.
+const SAMPLED_WIDTH: usize = 512;
+
+impl Surroundings {
+    /// `None` where nothing shines.
+    pub(crate) fn new(map: Environment) -> Option<Self> {
+        let map = map.resized(SAMPLED_WIDTH);
+        let (width, height) = (map.width(), map.height());
+        let brightness = |x: usize, y: usize| map.pixel(x, y).iter().sum::<f32>();
+        // Looking up is linear between pixels: one is as bright as the brightest beside it, for nothing that
+        // shines may be left out. Beyond a pole lies the whole row.
+        let around = |x: usize, y: usize| {
+            let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+            let beside_pole = y == 0 || y + 1 == height;
+            let columns = if beside_pole {
+                0..width
+            } else {
+                x + width - 1..x + width + 2
+            };
+            let pixels = rows.flat_map(|y| columns.clone().map(move |x| (x % width, y)));
+            pixels.map(|(x, y)| brightness(x, y)).fold(0.0, f32::max)
+        };
+        let mut share_sum = 0.0;
+        let mut shares = Vec::with_capacity(width * height);
+        for y in 0..height {
+            let pole = (y == 0 || y + 1 == height).then(|| around(0, y));
+            for x in 0..width {
+                share_sum += f64::from(pole.unwrap_or_else(|| around(x, y))) * map.solid_angle(y);
+                shares.push(share_sum);
+            }
+        }
+        (share_sum > 0.0).then_some(Self {
+            map,
+            shares,
+            share_sum,
+        })
+    }
+
+    pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
+        self.map.radiance(direction.to_array()).into()
+    }
+
+    fn sample(&self, choice: f32, [u, v]: [f32; 2]) -> LightSample {
+        let wanted = f64::from(choice) * self.share_sum;
+        let pixel = self.shares.partition_point(|&share| share <= wanted);
+        let pixel = pixel.min(self.shares.len() - 1);
+        let (x, y) = (pixel % self.map.width(), pixel / self.map.width());
+        // Even over the pixel: its columns by angle, its rows by height.
+        let [top, bottom] = self.heights(y);
+        let height = top + v * (bottom - top);
+        let aside = (1.0 - height * height).max(0.0).sqrt();
+        let azimuth = ((x as f32 + u) / self.map.width() as f32 - 0.5) * TAU;
+        let to_light = Vec3::new(aside * azimuth.sin(), height, -aside * azimuth.cos());
+        LightSample {
+            to_light,
+            distance: f32::INFINITY,
+            radiance: self.radiance(to_light),
+            density: self.density_of(pixel),
+        }
+    }
+
+    /// Sines of the elevation at both edges of a row.
+    fn heights(&self, row: usize) -> [f32; 2] {
+        [row, row + 1].map(|edge| (PI * edge as f32 / self.map.height() as f32).cos())
+    }
+
+    fn density_of(&self, pixel: usize) -> f32 {
+        let before = if pixel == 0 {
+            0.0
+        } else {
+            self.shares[pixel - 1]
+        };
+        let share = (self.shares[pixel] - before) / self.share_sum;
+        (share / self.map.solid_angle(pixel / self.map.width())) as f32
+    }
+
+    /// Solid-angle density of the samples around a direction.
+    pub(crate) fn density(&self, direction: Vec3) -> f32 {
+        let [column, row] = self.map.position(direction.to_array());
+        let (width, height) = (self.map.width(), self.map.height());
+        let whole = |at: f32, count: usize| ((at + 0.5).max(0.0) as usize).min(count - 1);
+        self.density_of(whole(row, height) * width + whole(column, width))
+    }
+}
+
+/// All light that can be sampled.
+#[derive(Default)]
+pub(crate) struct Lights {
+    pub(crate) areas: Vec<AreaLight>,
+    pub(crate) surroundings: Option<Surroundings>,
+}
+
+impl Lights {
+    fn count(&self) -> usize {
+        self.areas.len() + usize::from(self.surroundings.is_some())
+    }
+
+    /// How likely a sample is of one certain light.
+    pub(crate) fn share(&self) -> f32 {
+        1.0 / self.count().max(1) as f32
+    }
+
+    /// Light that comes from one of them, each as likely as the others.
+    pub(crate) fn sample(&self, from: Vec3, choice: f32, at: [f32; 2]) -> Option<LightSample> {
+        let scaled = choice * self.count() as f32;
+        let which = (scaled as usize).min(self.count().checked_sub(1)?);
+        let sample = match self.areas.get(which) {
+            Some(area) => area.sample(from, at)?,
+            // What is left of the choice is as even as the choice was.
+            None => self.surroundings.as_ref()?.sample(scaled.fract(), at),
+        };
+        Some(LightSample {
+            density: sample.density * self.share(),
+            ..sample
+        })
+    }
+
+    /// What arrives along a ray that meets nothing.
+    pub(crate) fn beyond(&self, ray: &Ray) -> Vec3 {
+        let around = self.surroundings.as_ref();
+        around.map_or(Vec3::ZERO, |around| around.radiance(ray.direction))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::Sampler;
+
+    #[test]
+    fn samples_of_the_surroundings_add_up_to_their_power() {
+        // Radiance over density has the power as its mean, and densities are the same both ways.
+        let map = Environment::from_fn(32, 16, |x, y| match (x, y) {
+            (7, 5) => [40.0, 1.0, 0.0],
+            (20, 0) => [9.0; 3],
+            _ => [0.0, 0.0, 0.01],
+        });
+        let around = Surroundings::new(map).unwrap();
+        let even = |u: f32, v: f32| {
+            let (z, azimuth) = (1.0 - 2.0 * u, TAU * v);
+            let aside = (1.0 - z * z).sqrt();
+            Vec3::new(aside * azimuth.cos(), z, aside * azimuth.sin())
+        };
+        let count = 1 << 18;
+        let (mut sampled, mut looked_up, mut density) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        for i in 0..count {
+            let mut s = Sampler::new(2, 0, i);
+            let light = around.sample(s.one(), s.pair());
+            let again = around.density(light.to_light);
+            // On the border of two pixels a rounding decides.
+            if (light.density / again - 1.0).abs() > 1e-4 {
+                density += 1.0;
+            }
+            sampled += light.radiance / light.density / count as f32;
+            let [u, v] = s.pair();
+            looked_up += around.radiance(even(u, v)) * (4.0 * PI / count as f32);
+        }
+        assert!(density < 1e-3 * count as f32, "{density} densities differ");
+        let error = (sampled - looked_up).abs() / looked_up;
+        assert!(error.max_element() < 0.01, "{sampled}, not {looked_up}");
+    }
+
+    #[test]
+    fn an_area_light_fills_its_solid_angle() {
+        // The mean of 1/density is the solid angle; that of a square 2 wide, 1 away, is 4 asin(1/2): a sixth
+        // of the sphere.
+        let light = AreaLight {
+            corner: Vec3::new(-1.0, 1.0, -1.0),
+            sides: [Vec3::X * 2.0, Vec3::Z * 2.0],
+            radiance: Vec3::ONE,
+        };
+        let count = 1 << 12;
+        let sum: f64 = (0..count)
+            .map(|i| {
+                let light = light.sample(Vec3::ZERO, Sampler::new(1, 0, i).pair());
+                1.0 / f64::from(light.expect("seen from below").density)
+            })
+            .sum();
+        let expected = f64::from(4.0 * PI / 6.0);
+        assert!((sum / f64::from(count) / expected - 1.0).abs() < 1e-3);
+        assert!(light.sample(2.0 * Vec3::Y, [0.5; 2]).is_none());
+    }
+}

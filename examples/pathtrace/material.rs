@@ -1,0 +1,202 @@
+//! What surfaces are made of, and which way light leaves them.
+
+use glam::Vec3;
+use relievo::light::brdf::{AshikhminShirley, Cosines};
+use relievo::params::{MaterialParams, RelightParams};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+
+/// What a surface is made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Material {
+    /// Diffuse of one albedo; black for what only shines.
+    Matte(Vec3),
+    /// Diffuse under a glossy coat.
+    Glossy(Glossy),
+    /// A perfect mirror of this tint.
+    Mirror(Vec3),
+    /// Clear glass of this index.
+    Glass(f32),
+}
+
+/// An Ashikhmin-Shirley surface without grain ([RS] section 5.2).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Glossy {
+    albedo: Vec3,
+    exponent: f32,
+    model: AshikhminShirley,
+}
+
+/// Diffuse and specular: lobes are kept apart all the way, as they are scaled and written apart.
+pub(crate) type PerLobe<T> = [T; 2];
+
+/// Directions at a point: all of unit length and away from it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Directions {
+    pub(crate) normal: Vec3,
+    pub(crate) to_eye: Vec3,
+    pub(crate) to_light: Vec3,
+}
+
+impl Glossy {
+    pub(crate) fn new(albedo: Vec3, exponent: f32, reflectance: f32) -> Self {
+        Self {
+            albedo,
+            exponent,
+            model: AshikhminShirley::new(&MaterialParams {
+                coat: [exponent; 2],
+                reflectance,
+                ..RelightParams::default().material
+            }),
+        }
+    }
+
+    /// Solid-angle density of the directions to light that the coat is sampled with: half vectors by
+    /// `(n.h)^exponent`, each of which stands for `4 h.e` times its solid angle of directions.
+    fn coat_density(&self, d: &Directions) -> f32 {
+        let half = (d.to_eye + d.to_light).normalize_or(d.normal);
+        let cosine = half.dot(d.normal).max(0.0);
+        let halves = (self.exponent + 1.0) / TAU * cosine.powf(self.exponent);
+        halves / (4.0 * half.dot(d.to_eye).max(1e-6))
+    }
+}
+
+impl Material {
+    /// Whether light leaves in one direction alone.
+    pub(crate) fn is_clear(&self) -> bool {
+        matches!(self, Self::Mirror(_) | Self::Glass(_))
+    }
+
+    /// Albedo of its diffuse lobe.
+    pub(crate) fn albedo(&self) -> Vec3 {
+        match self {
+            Self::Matte(albedo) | Self::Glossy(Glossy { albedo, .. }) => *albedo,
+            Self::Mirror(_) | Self::Glass(_) => Vec3::ZERO,
+        }
+    }
+
+    /// What is reflected to the eye of light from a direction above the surface: BRDF times the cosine, per
+    /// lobe.
+    #[inline]
+    pub(crate) fn reflected(&self, d: &Directions) -> PerLobe<Vec3> {
+        let (nl, ne) = (d.normal.dot(d.to_light), d.normal.dot(d.to_eye));
+        if nl <= 0.0 || ne <= 0.0 {
+            return [Vec3::ZERO; 2];
+        }
+        match self {
+            Self::Matte(albedo) => [*albedo * (nl * FRAC_1_PI), Vec3::ZERO],
+            Self::Glossy(Glossy { albedo, model, .. }) => {
+                let half = (d.to_eye + d.to_light).normalize_or(d.normal);
+                let cosines = Cosines {
+                    nl,
+                    ne,
+                    he: half.dot(d.to_eye).clamp(0.0, 1.0),
+                    // Without grain any tangent will do: all of the half vector's lean along one.
+                    hu: d.normal.cross(half).length(),
+                    hv: 0.0,
+                };
+                // The library's lobes are BRDF times pi times the cosine.
+                [
+                    *albedo * (model.diffuse(nl, ne) * FRAC_1_PI),
+                    Vec3::splat(model.specular(cosines) * FRAC_1_PI),
+                ]
+            }
+            Self::Mirror(_) | Self::Glass(_) => [Vec3::ZERO; 2],
+        }
+    }
+
+    /// What [RS] section 5.2 takes for the intensity of each lobe: n . l, and n . h.
+    #[inline]
+    pub(crate) fn intensities(d: &Directions) -> PerLobe<f32> {
+        let half = (d.to_eye + d.to_light).normalize_or(d.normal);
+        [d.normal.dot(d.to_light), d.normal.dot(half)]
+    }
+
+    /// A direction to light, by how much it matters; it may lie below the surface. Half of those of a glossy
+    /// surface are for its coat.
+    #[inline]
+    pub(crate) fn sampled(&self, normal: Vec3, to_eye: Vec3, lobe: f32, at: [f32; 2]) -> Vec3 {
+        match self {
+            Self::Glossy(coat) if lobe < 0.5 => {
+                let height = (1.0 - at[0]).powf(1.0 / (coat.exponent + 1.0));
+                let half = around(normal, height, TAU * at[1]);
+                // Not on the eye's side, h would face away from it and the light below it.
+                2.0 * half.dot(to_eye) * half - to_eye
+            }
+            _ => around(normal, (1.0 - at[0]).sqrt(), TAU * at[1]),
+        }
+    }
+
+    /// Solid-angle density of [`Material::sampled`].
+    #[inline]
+    pub(crate) fn density(&self, d: &Directions) -> f32 {
+        let even = d.normal.dot(d.to_light).max(0.0) / PI;
+        match self {
+            Self::Glossy(coat) => 0.5 * (even + coat.coat_density(d)),
+            _ => even,
+        }
+    }
+
+    /// The share of paths that go on from here once they are long: no more than is reflected, roughly, and
+    /// the same whether or not light is scaled.
+    pub(crate) fn survival(&self) -> f32 {
+        let share = match self {
+            Self::Matte(albedo) => albedo.max_element(),
+            Self::Glossy(coat) => coat.albedo.max_element().max(0.5),
+            Self::Mirror(tint) => tint.max_element(),
+            Self::Glass(_) => 1.0,
+        };
+        share.clamp(0.05, 0.95)
+    }
+}
+
+/// The direction `height` along `axis`, and the rest of its length aside.
+fn around(axis: Vec3, height: f32, azimuth: f32) -> Vec3 {
+    let (a, b) = axis.any_orthonormal_pair();
+    let aside = (1.0 - height * height).max(0.0).sqrt();
+    let (sin, cos) = azimuth.sin_cos();
+    height * axis + aside * (cos * a + sin * b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::Sampler;
+
+    #[test]
+    fn densities_are_those_of_the_samples() {
+        // The density integrates to the share of samples in any set of directions: here eight octants of an
+        // oblique frame, as far as they are above the surface: once by samples and once by directions evenly
+        // over the sphere. Samples below stand for nothing, whatever their density.
+        let normal = Vec3::new(0.2, 0.3, 0.9).normalize();
+        let to_eye = Vec3::new(-0.5, 0.4, 0.7).normalize();
+        let octant = |d: Vec3| (0..3).fold(0, |o, i| 2 * o + usize::from(d[i] > 0.1));
+        let glossy = |exponent| Material::Glossy(Glossy::new(Vec3::ONE, exponent, 0.1));
+        for material in [Material::Matte(Vec3::ONE), glossy(5.0), glossy(60.0)] {
+            let count = 1 << 16;
+            let (mut sampled, mut integrated) = ([0.0_f64; 8], [0.0_f64; 8]);
+            for i in 0..count {
+                let mut s = Sampler::new(5, 0, i);
+                let l = material.sampled(normal, to_eye, s.one(), s.pair());
+                if l.dot(normal) > 0.0 {
+                    sampled[octant(l)] += 1.0 / f64::from(count);
+                }
+                let [u, v] = s.pair();
+                let even = around(Vec3::Z, 1.0 - 2.0 * u, TAU * v);
+                let density = material.density(&Directions {
+                    normal,
+                    to_eye,
+                    to_light: even,
+                });
+                if even.dot(normal) > 0.0 {
+                    integrated[octant(even)] += f64::from(4.0 * PI * density) / f64::from(count);
+                }
+            }
+            for (sampled, integrated) in sampled.into_iter().zip(integrated) {
+                assert!(
+                    (sampled - integrated).abs() < 3e-3,
+                    "{sampled} {integrated}"
+                );
+            }
+        }
+    }
+}

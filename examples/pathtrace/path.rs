@@ -1,0 +1,325 @@
+//! The light that a path brings: direct light looked for and met by chance, and all that it meets after.
+//!
+//! [LW] section 6.1: where light is looked for, a direction l' to it is unwarped to l, and counts with the
+//! Jacobian (equation 2); where a direction l is chosen by the material, the path goes on along its warped one
+//! l' (equation 1). Both are samples of one integral over l', the second with the density of l times the same
+//! Jacobian; so they are weighed against each other as ever (E. Veach, L. Guibas: Optimally Combining Sampling
+//! Techniques, 1995).
+
+use super::enhancement::{Altered, Enhancement};
+use super::geometry::Ray;
+use super::material::{Directions, Material, PerLobe};
+use super::sampler::Sampler;
+use super::scene::{Point, Scene};
+use glam::Vec3;
+use relievo::light::brdf::{fresnel, mirrored, refracted};
+use relievo::light::light_warping::counted_cosine;
+
+/// How direct light is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Direct {
+    /// Both ways, weighed against each other.
+    Both,
+    /// By lights alone ([LW] equation 2).
+    Lights,
+    /// By what directions chosen by the material meet ([LW] equation 1).
+    Lookups,
+}
+
+/// How paths are traced.
+#[derive(Debug, Clone)]
+pub(crate) struct Tracing {
+    pub(crate) enhancement: Enhancement,
+    pub(crate) direct: Direct,
+    /// Surfaces that a path may meet.
+    pub(crate) max_bounces: usize,
+}
+
+/// Bounces that no path is ended before.
+const CERTAIN_BOUNCES: usize = 3;
+
+/// What a path brings, by its way: layers that a renderer writes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Passes {
+    /// From lights to the surface to the eye; the surface's colour included.
+    pub(crate) direct: PerLobe<Vec3>,
+    /// By way of other surfaces.
+    pub(crate) indirect: PerLobe<Vec3>,
+    /// Of the surface itself.
+    pub(crate) emission: Vec3,
+    /// From behind everything.
+    pub(crate) background: Vec3,
+}
+
+impl Passes {
+    /// All of it.
+    pub(crate) fn sum(&self) -> Vec3 {
+        let [d, i] = [self.direct, self.indirect].map(|[diffuse, specular]| diffuse + specular);
+        d + i + self.emission + self.background
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        for lobe in 0..2 {
+            self.direct[lobe] += other.direct[lobe];
+            self.indirect[lobe] += other.indirect[lobe];
+        }
+        self.emission += other.emission;
+        self.background += other.background;
+    }
+
+    /// Light that arrives at the eye by `bounces` surfaces.
+    fn bring(&mut self, bounces: usize, [diffuse, specular]: PerLobe<Vec3>, seen: bool) {
+        let lobes = match bounces {
+            0 if seen => return self.emission += diffuse,
+            0 => return self.background += diffuse,
+            1 => &mut self.direct,
+            _ => &mut self.indirect,
+        };
+        lobes[0] += diffuse;
+        lobes[1] += specular;
+    }
+}
+
+/// A point of a path, with all that the light there is to be weighed by.
+pub(crate) struct Vertex<'a> {
+    pub(crate) point: Point<'a>,
+    pub(crate) to_eye: Vec3,
+    pub(crate) altered: Altered,
+}
+
+/// Light looked for and found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Found {
+    /// What is reflected of it, per lobe, over the density of the sample, without the Jacobian.
+    pub(crate) light: PerLobe<Vec3>,
+    /// Of the inverse warp at the light.
+    pub(crate) jacobian: f32,
+    /// The density that it was found with, and that [`Vertex::bounce`] would have found it with.
+    pub(crate) densities: [f32; 2],
+}
+
+/// The way that a path goes on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounce {
+    /// Where the light is to come from: warped already.
+    pub(crate) direction: Vec3,
+    /// What is reflected of it, per lobe, over the density of the sample.
+    pub(crate) weight: PerLobe<Vec3>,
+    /// Density of `direction`; `None` where it is the only one.
+    pub(crate) density: Option<f32>,
+}
+
+impl<'a> Vertex<'a> {
+    pub(crate) fn new(point: Point<'a>, ray: &Ray, before: usize, by: &Enhancement) -> Self {
+        let to_eye = -ray.direction;
+        Self {
+            point,
+            to_eye,
+            altered: by.at(before, to_eye, point.normal, point.turn),
+        }
+    }
+
+    fn directions(&self, to_light: Vec3) -> Directions {
+        Directions {
+            normal: self.point.normal,
+            to_eye: self.to_eye,
+            to_light,
+        }
+    }
+
+    /// Whether light from there can reach the outside of the triangle.
+    fn is_above(&self, to_light: Vec3) -> bool {
+        self.point.face_normal.dot(to_light) > 0.0
+    }
+
+    /// What is reflected of the light that comes from `source` and is taken to come from `to_light`.
+    fn reflected(&self, to_light: Vec3, source: Vec3) -> PerLobe<Vec3> {
+        let d = self.directions(to_light);
+        let mut lobes = self.point.object.material.reflected(&d);
+        if self.altered.warp.is_some() {
+            // BRDF times cosine is given; the cosine that counts may be less.
+            let cosine = d.normal.dot(to_light).max(f32::MIN_POSITIVE);
+            let share = counted_cosine(cosine, d.normal.dot(source)) / cosine;
+            lobes = lobes.map(|lobe| lobe * share);
+        }
+        if let Some(scale) = &self.altered.scale {
+            let [diffuse, specular] = scale.factors(Material::intensities(&d));
+            lobes = [lobes[0] * diffuse, lobes[1] * specular];
+        }
+        lobes
+    }
+
+    /// Looks for light ([LW] equation 2).
+    pub(crate) fn find_light(&self, scene: &Scene, sampler: &mut Sampler) -> Option<Found> {
+        let (choice, at) = (sampler.one(), sampler.pair());
+        let light = scene.lights.sample(self.point.position, choice, at)?;
+        let source = light.to_light;
+        let (to_light, jacobian) = match &self.altered.warp {
+            Some(warp) => warp.unwarped(source),
+            None => (source, 1.0),
+        };
+        let lobes = self.reflected(to_light, source);
+        let reflects = self.is_above(source) && (lobes[0] + lobes[1]).max_element() > 0.0;
+        let open = reflects && scene.is_open(&self.point.leaving(source), light.distance);
+        open.then(|| Found {
+            light: lobes.map(|lobe| lobe * light.radiance / light.density),
+            jacobian,
+            densities: [
+                light.density,
+                jacobian
+                    * self
+                        .point
+                        .object
+                        .material
+                        .density(&self.directions(to_light)),
+            ],
+        })
+    }
+
+    /// Goes on by what the material does ([LW] equation 1); `None` where nothing is reflected that way.
+    pub(crate) fn bounce(&self, sampler: &mut Sampler) -> Option<Bounce> {
+        let material = &self.point.object.material;
+        let (lobe, at) = (sampler.one(), sampler.pair());
+        if material.is_clear() {
+            return Some(self.clear_bounce(lobe));
+        }
+        let to_light = material.sampled(self.point.normal, self.to_eye, lobe, at);
+        let (source, jacobian) = match &self.altered.warp {
+            // The Jacobian is asked for where the light is, as it is of lights that are looked for.
+            Some(warp) => {
+                let source = warp.warped(to_light);
+                (source, warp.unwarped(source).1)
+            }
+            None => (to_light, 1.0),
+        };
+        let density = material.density(&self.directions(to_light));
+        let goes_on = self.is_above(source) && density > 0.0;
+        let weight = self.reflected(to_light, source).map(|lobe| lobe / density);
+        (goes_on && (weight[0] + weight[1]).max_element() > 0.0).then_some(Bounce {
+            direction: source,
+            weight,
+            density: Some(density * jacobian),
+        })
+    }
+
+    /// Whether one direction, chosen by its cosine, is open for `reach`: warped ambient occlusion is the mean
+    /// ([LW] section 6.1). Light comes along the warped direction, and so does what stands in its way.
+    pub(crate) fn is_open_ambiently(
+        &self,
+        scene: &Scene,
+        reach: f32,
+        sampler: &mut Sampler,
+    ) -> bool {
+        let even = Material::Matte(Vec3::ONE);
+        let direction = even.sampled(self.point.normal, self.to_eye, 0.0, sampler.pair());
+        let source = match &self.altered.warp {
+            Some(warp) => warp.warped(direction),
+            None => direction,
+        };
+        self.is_above(source) && scene.is_open(&self.point.leaving(source), reach)
+    }
+
+    /// Mirrors and glass: one direction, or one of two by chance. The half vector is the normal, so that
+    /// [RS] section 5.2 scales by the full intensity; directions are not warped.
+    fn clear_bounce(&self, choice: f32) -> Bounce {
+        let (normal, to_eye) = (self.point.normal, self.to_eye);
+        let (n, e) = (normal.to_array(), to_eye.to_array());
+        let reflection = Vec3::from(mirrored(n, e));
+        let (direction, tint) = match self.point.object.material {
+            Material::Glass(ior) => {
+                let ior = if self.point.inside { 1.0 / ior } else { ior };
+                let share = fresnel(normal.dot(to_eye), ior);
+                let through = refracted(n, e, ior).filter(|_| choice >= share);
+                (through.map_or(reflection, Vec3::from), Vec3::ONE)
+            }
+            Material::Mirror(tint) => (reflection, tint),
+            Material::Matte(_) | Material::Glossy(_) => unreachable!("neither is clear"),
+        };
+        let scale = self.altered.scale.as_ref();
+        let factor = scale.map_or(1.0, |scale| scale.factors([1.0; 2])[1]);
+        Bounce {
+            direction: direction.normalize(),
+            weight: [Vec3::ZERO, factor * tint],
+            density: None,
+        }
+    }
+}
+
+/// The light that comes back along a ray.
+pub(crate) fn light_along(
+    scene: &Scene,
+    mut ray: Ray,
+    tracing: &Tracing,
+    sampler: &mut Sampler,
+) -> Passes {
+    let mut passes = Passes::default();
+    // What the path so far lets through, by the lobe of its first bounce; the eye has one only.
+    let mut through = [Vec3::ONE, Vec3::ZERO];
+    let mut density: Option<f32> = None;
+    for bounces in 0..=tracing.max_bounces {
+        let met = scene.met(&ray);
+        // Light met by chance.
+        let radiance = match &met {
+            Some((point, _)) => scene.emitted(point),
+            None => scene.lights.beyond(&ray),
+        };
+        if radiance != Vec3::ZERO {
+            let place = met.as_ref().map(|(point, distance)| (point, *distance));
+            let other = scene.light_density(place, ray.direction);
+            let weight = match (density, other) {
+                (Some(own), Some(other)) => weight(tracing.direct, Direct::Lookups, own, other),
+                _ => 1.0,
+            };
+            let brought = through.map(|t| t * radiance * weight);
+            passes.bring(bounces, brought, met.is_some());
+        }
+        let Some((point, _)) = met else { break };
+        if bounces == tracing.max_bounces {
+            break;
+        }
+        let vertex = Vertex::new(point, &ray, bounces, &tracing.enhancement);
+        // Light looked for.
+        let is_looked_for = tracing.direct != Direct::Lookups && !point.object.material.is_clear();
+        if is_looked_for && let Some(found) = vertex.find_light(scene, sampler) {
+            let [own, other] = found.densities;
+            let weight = weight(tracing.direct, Direct::Lights, own, other);
+            let light = found.light.map(|light| light * (found.jacobian * weight));
+            passes.bring(bounces + 1, split(bounces, through, light), true);
+        }
+        // On to the next surface.
+        let Some(bounce) = vertex.bounce(sampler) else {
+            break;
+        };
+        through = split(bounces, through, bounce.weight);
+        density = bounce.density;
+        if bounces >= CERTAIN_BOUNCES {
+            let survival = point.object.material.survival();
+            if sampler.one() >= survival {
+                break;
+            }
+            through = through.map(|t| t / survival);
+        }
+        ray = point.leaving(bounce.direction);
+    }
+    passes
+}
+
+/// What is let through with one more bounce: the first one parts the lobes, later ones add theirs up.
+fn split(bounces: usize, through: PerLobe<Vec3>, weight: PerLobe<Vec3>) -> PerLobe<Vec3> {
+    match bounces {
+        0 => weight.map(|weight| weight * through[0]),
+        _ => through.map(|through| through * (weight[0] + weight[1])),
+    }
+}
+
+/// The power heuristic: how much of a sample counts that was drawn by `way` with the density `own`, and could
+/// have been drawn by the other way with the density `other`.
+fn weight(direct: Direct, way: Direct, own: f32, other: f32) -> f32 {
+    match direct {
+        Direct::Both => {
+            let ratio = other / own;
+            1.0 / (1.0 + ratio * ratio)
+        }
+        only => f32::from(u8::from(only == way)),
+    }
+}
