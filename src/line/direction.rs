@@ -31,19 +31,28 @@ const CANCELLED: f32 = 1e-3;
 /// over a plane, and turns smoothly over a ball.
 #[inline]
 pub fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
-    [DVec3::X, DVec3::Y, DVec3::Z]
-        .into_iter()
-        .filter_map(|axis| axis.cross(normal).try_normalize())
+    fixed_tangents(normal)
         .find_map(|tangent| sight.picture_direction(x, y, tangent))
         .map_or(Vec2::X, |direction| direction.as_vec2())
 }
 
+/// The axes x, y, z in turn, as far as they are not along the unit `normal`, crossed with it: unit tangents.
+#[inline]
+pub fn fixed_tangents(normal: DVec3) -> impl Iterator<Item = DVec3> {
+    [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .map(move |axis| axis.cross(normal))
+        .filter(|tangent| tangent.length_squared() > ALONG * ALONG)
+        .filter_map(DVec3::try_normalize)
+}
+
+/// Sine of the angle to a normal, about a degree, below which an axis is along it: what is left is noise.
+const ALONG: f64 = 0.02;
+
 /// The direction at right angles, on the surface, to [`fixed_direction`].
 #[inline]
 pub fn fixed_second_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
-    [DVec3::X, DVec3::Y, DVec3::Z]
-        .into_iter()
-        .filter_map(|axis| axis.cross(normal).try_normalize())
+    fixed_tangents(normal)
         .find(|&tangent| sight.picture_direction(x, y, tangent).is_some())
         .and_then(|tangent| sight.picture_direction(x, y, normal.cross(tangent).try_normalize()?))
         .map_or(Vec2::X, |direction| direction.as_vec2())

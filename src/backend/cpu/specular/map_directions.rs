@@ -34,9 +34,6 @@ impl KeptDirections {
     }
 }
 
-/// How many texels away neighbours are, in turn, until they tell a direction.
-const STEPS: [usize; 3] = [1, 2, 4];
-
 /// Two texels lie on one surface if the step between them leaves it, by the mean of their normals, at less than
 /// this sine.
 const OFF_SURFACE: f64 = 0.2;
@@ -77,20 +74,18 @@ fn direction(map: &Surroundings, x: usize, y: usize) -> Option<DVec3> {
         let (x, y) = to?;
         beside(here, texel(map, x, y)?)
     };
-    STEPS.into_iter().find_map(|step| {
-        let sides = |before, after| Sides {
-            before: ray(before),
-            after: ray(after),
-            step_px: step as f64,
-        };
-        let across = sides(
-            Some(((x + width - step % width) % width, y)),
-            Some(((x + step) % width, y)),
-        );
-        let below = Some((x, y + step)).filter(|p| p.1 < height);
-        let up = sides(below, y.checked_sub(step).map(|y| (x, y)));
-        principal_curvatures(here.1, [across, up], noise)?.direction()
-    })
+    let sides = |before, after| Sides {
+        before: ray(before),
+        after: ray(after),
+        step_px: 1.0,
+    };
+    let across = sides(
+        Some(((x + width - 1) % width, y)),
+        Some(((x + 1) % width, y)),
+    );
+    let below = Some((x, y + 1)).filter(|p| p.1 < height);
+    let up = sides(below, y.checked_sub(1).map(|y| (x, y)));
+    principal_curvatures(here.1, [across, up], noise)?.direction()
 }
 
 /// The point, from the centre, and the normal of a texel.

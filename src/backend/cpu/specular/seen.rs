@@ -65,9 +65,9 @@ impl Band {
     }
 
     fn path(&self, x: usize, y: usize) -> Option<&Path> {
-        let is_inside = x < self.width && y >= self.first;
-        let row = y.wrapping_sub(self.first);
-        is_inside.then(|| self.paths.get(row * self.width + x)?.as_ref())?
+        let row = y.checked_sub(self.first)?;
+        let is_inside = x < self.width && row < self.paths.len() / self.width;
+        is_inside.then(|| self.paths[row * self.width + x].as_ref())?
     }
 
     fn seen(&self, frame: &Frame, tracer: &Tracer, tangents: &Tangents) -> Vec<SeenPixel> {

@@ -1,6 +1,7 @@
 //! Directions that strokes take on what specular pixels show, in space.
 
 use crate::frame::{Camera, SightLines, Vector2Planes, Vector3Planes};
+use crate::line::direction::fixed_tangents;
 use crate::params::Fallback;
 use crate::trace::{Hit, Met, Tracer};
 use glam::{DVec2, DVec3};
@@ -59,10 +60,7 @@ impl Tangents<'_> {
     /// On a plane that curvature does not lead: the angle of the fallback from a horizontal, or upright; a second
     /// direction at right angles to the first.
     pub(super) fn fallback(&self, normal: DVec3, order: usize) -> DVec3 {
-        let up = [DVec3::X, DVec3::Y]
-            .into_iter()
-            .find_map(|axis| axis.cross(normal).try_normalize())
-            .unwrap_or(DVec3::Y);
+        let up = fixed_tangents(normal).next().unwrap_or(DVec3::Y);
         let up = if up.y < 0.0 { -up } else { up };
         let right = up.cross(normal);
         let first = match self.fallback {
