@@ -36,7 +36,7 @@
 //!
 //! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `backend` runs. The
 //! kernels in [`shape`], [`light`] and [`line`] are plain functions of samples and rows, to be called
-//! from any renderer.
+//! from any renderer. [`trace`] follows sight lines through mirrors and lenses, for light and lines alike.
 //!
 //! # References
 //!

@@ -75,7 +75,8 @@ Examples:
   relievo relight render.exr --light 135,40 --material phong --method scale -o lit.png
   relievo relight render.exr --environment sky.hdr --environment-rotate 90 -o outdoors.exr
   relievo relight render.exr --lit-sphere clay.png -o clay.png
-  relievo relight render.exr --environment sky.hdr --material toon --contrast -0.5 -o cartoon.png";
+  relievo relight render.exr --environment sky.hdr --material toon --contrast -0.5 -o cartoon.png
+  relievo relight render.exr --specular-mask Mirror --surroundings around.exr --material mirror -o lit.png";
 
 const HATCH_EXAMPLES: &str = "\
 Examples:
@@ -84,7 +85,9 @@ Examples:
   relievo hatch render.exr --light 135,30 --method warp -o raking.png
   relievo hatch photo.jpg --normal normals.png -o print.png --stroke-scale 0.3mm --dpi 600
   relievo hatch render.exr -o plotter.svg --pressure 0    lines of one pen
-  relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png";
+  relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png
+  relievo hatch render.exr --specular-mask Mirror --surroundings around.exr -o mirror.png
+  relievo hatch render.exr --specular-mask Lens --back back.exr --behind without.exr -o lens.png";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:

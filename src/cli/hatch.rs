@@ -21,8 +21,8 @@ use crate::io::{self, Loaded, load_specular};
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
-    Style,
+    Adaptive, LineParams, Material, RelightParams, ScalingParams, ShapeParams, StrokeParams,
+    StrokeScale, Style,
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
@@ -235,7 +235,9 @@ impl<'a> Hatcher<'a> {
             ToneArg::Auto => is_lit || !available.color,
             ToneArg::Enhance | ToneArg::Picture => false,
         };
-        if relit && !is_lit {
+        let material = self.looks.light.material.material;
+        let is_mirror = matches!(material, Material::Mirror | Material::Glass);
+        if relit && !is_lit && !(is_mirror && is_specular) {
             self.illumination.directional.push(lamp());
         }
         let looks = &self.looks;

@@ -1,0 +1,104 @@
+//! A mirror in a hall, rendered, lit anew and drawn without and with what it shows: the sheet in the README.
+//!
+//! `cargo run --release --example mirror_sheet -- OUT.png`, from the folder that holds `fixtures`.
+
+mod common;
+
+use relievo::backend::cpu::{DrawingInputs, Runner};
+use relievo::compose::on_paper;
+use relievo::frame::{ColorPlanes, Frame, SpecularScene};
+use relievo::io::inputs::Inputs;
+use relievo::io::{self, Needs, SpecularInputs, load_specular};
+use relievo::light::lights::Illumination;
+use relievo::params::{
+    Bend, LineParams, Material, RelightParams, ScalingParams, SearchParams, ShapeParams,
+    SpecularParams, StrokeScale,
+};
+use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
+use std::error::Error;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    common::exit(run())
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
+    let output = std::env::args().nth(1);
+    let output = output.ok_or("usage: mirror_sheet OUT.png")?;
+    let inputs = Inputs {
+        picture: "fixtures/mirror.exr".into(),
+        ..Inputs::default()
+    };
+    let needs = Needs {
+        color: true,
+        projection: true,
+        ..Needs::default()
+    };
+    let loaded = io::load(&inputs, needs)?;
+    let mirror = SpecularInputs {
+        mask: Some("Mirror".into()),
+        surroundings: Some("fixtures/mirror.surroundings.exr".into()),
+        ..SpecularInputs::default()
+    };
+    let scene = load_specular(&mirror, &loaded, None)?;
+    let frame = loaded.frame;
+    let rendered = frame.color.clone().ok_or("no picture")?;
+    let pictures = [
+        rendered,
+        relit(&frame, &scene)?,
+        drawn(&frame, None)?,
+        drawn(&frame, Some(&scene))?,
+    ];
+    common::write(&output, &common::grid(&pictures, 2))?;
+    Ok(())
+}
+
+/// What is known of the frame, and of the mirror where it is to be followed.
+fn available(frame: &Frame, scene: Option<&SpecularScene>) -> Available {
+    let traced = SpecularParams {
+        bend: Bend::Mirror,
+        search: SearchParams::default(),
+    };
+    Available {
+        specular: scene.map(|_| traced),
+        ..Available::in_frame(frame)
+    }
+}
+
+/// The mirror in the light of its surroundings, warped and scaled.
+fn relit(frame: &Frame, scene: &SpecularScene) -> relievo::Result<ColorPlanes> {
+    let mut params = RelightParams::default();
+    params.material.material = Material::Mirror;
+    let plan = Plan::relight(
+        available(frame, Some(scene)),
+        ShapeParams::default(),
+        ScalingParams::default(),
+        params,
+        LightKinds::default(),
+    )?;
+    let light = Illumination::default();
+    let outcome = Runner::default().relight_specular(&plan, frame, &light, scene);
+    Ok(outcome.color.expect("light makes a picture"))
+}
+
+fn drawn(frame: &Frame, scene: Option<&SpecularScene>) -> relievo::Result<ColorPlanes> {
+    let mut line = LineParams::default();
+    line.strokes.scale = StrokeScale::Factor(0.5);
+    let plan = Plan::hatch(
+        available(frame, scene),
+        ShapeParams::default(),
+        ScalingParams::default(),
+        ToneFrom::Enhanced,
+        line,
+    )?;
+    let inputs = DrawingInputs {
+        specular: scene,
+        ..DrawingInputs::default()
+    };
+    let drawing = Runner::default().draw(&plan, frame, inputs).drawing;
+    let drawing = drawing.expect("a drawing is planned");
+    let layers: Vec<_> = std::iter::once(&drawing.hatching)
+        .chain(&drawing.contours)
+        .collect();
+    Ok(on_paper(&layers))
+}
