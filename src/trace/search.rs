@@ -142,7 +142,7 @@ mod tests {
         let gap = |s: f64| Some(if s < 0.2 { -0.1 } else { 0.6 - s });
         assert!((met(gap) - 0.6).abs() < 1e-9);
         // A hole, with the surface beyond it.
-        let gap = |s: f64| (s < 0.5 || s > 0.7).then_some(0.75 - s);
+        let gap = |s: f64| (!(0.5..=0.7).contains(&s)).then_some(0.75 - s);
         assert!((met(gap) - 0.75).abs() < 1e-9);
         // Behind the post for good: last seen one step before it.
         let gap = |s: f64| Some(if s > 0.3 { -0.5 } else { 0.8 - s });

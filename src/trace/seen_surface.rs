@@ -242,7 +242,8 @@ impl<'a> SeenSurface<'a> {
             false => (start - near) / falls,
         };
         let length = to_depth.min(reach);
-        if !(length > 0.0) || !length.is_finite() {
+        let goes_on = length > 0.0 && length.is_finite();
+        if !goes_on {
             return None;
         }
         let end = ray.start + length * ray.direction;

@@ -69,6 +69,10 @@ pub enum Met {
     Surroundings(DVec3),
 }
 
+/// Length of a filtered normal below which it is mixed of two surfaces, as at a rim, and mirrors nothing that either
+/// does: normals 23 degrees apart have it.
+const MIXED: f32 = 0.98;
+
 /// Bends and follows the sight lines of a frame.
 #[derive(Debug)]
 pub struct Tracer<'a> {
@@ -124,8 +128,8 @@ impl<'a> Tracer<'a> {
         &self.front
     }
 
-    /// The way of the sight line of a pixel through the specular thing that it shows. `None` where it shows none, is
-    /// seen from behind, where all light is mirrored inside, or where the back faces are not met.
+    /// The way of the sight line of a pixel through the specular thing that it shows. `None` where it shows none, or a
+    /// rim, is seen from behind, where all light is mirrored inside, or where the back faces are not met.
     pub fn path(&self, x: usize, y: usize) -> Option<Path> {
         self.path_bent(x, y, self.bend)
     }
@@ -141,7 +145,9 @@ impl<'a> Tracer<'a> {
         let point = self.front.point(x, y);
         let normal = self.front.normal(x, y);
         let faces = normal.dot(sight) < 0.0;
-        if !faces {
+        let lengths = self.frame.normal_length.as_ref();
+        let is_mixed = lengths.is_some_and(|lengths| lengths.at(x, y) < MIXED);
+        if !faces || is_mixed {
             return None;
         }
         let (direction, exit) = match bend {

@@ -17,7 +17,6 @@ use rayon::prelude::*;
 
 /// One field for each of the directions wanted: unit directions in the picture, x right, y up, 0 outside
 /// the mask. Where there are `given` ones, other than 0, they are followed as they are.
-#[expect(clippy::too_many_arguments, reason = "one call, each of another kind")]
 pub(super) fn stroke_fields(
     plan: &Plan,
     params: &FieldParams,
