@@ -8,6 +8,7 @@ mod ray;
 mod sight;
 mod space;
 mod specular;
+mod steps;
 mod surroundings;
 mod window;
 
@@ -21,6 +22,7 @@ pub use ray::Ray;
 pub use sight::SightLines;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use specular::SpecularScene;
+pub use steps::step_between;
 pub use surroundings::{Surroundings, map_direction};
 pub use window::Window;
 

@@ -1,6 +1,7 @@
 //! Planes: one quantity, one value per pixel.
 
 use crate::frame::Window;
+use glam::DVec3;
 use ndarray::{ArrayView2, ArrayViewMut2};
 use std::ops::Range;
 
@@ -157,6 +158,26 @@ pub struct Vector3Planes {
     pub y: Plane,
     /// Third components.
     pub z: Plane,
+}
+
+impl Vector3Planes {
+    /// The vector at column `x` of row `y`.
+    #[inline]
+    pub fn at(&self, x: usize, y: usize) -> DVec3 {
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(|plane| f64::from(plane.at(x, y)));
+        DVec3::new(x, y, z)
+    }
+
+    /// Planes of the vectors `vector(x, y)`.
+    pub fn from_fn(width: usize, height: usize, vector: impl FnMut(usize, usize) -> DVec3) -> Self {
+        let mut vector = vector;
+        let all = Plane::from_fn(width, height, |x, y| vector(x, y).as_vec3());
+        Self {
+            x: all.map(|v| v.x),
+            y: all.map(|v| v.y),
+            z: all.map(|v| v.z),
+        }
+    }
 }
 
 /// A field of symmetric 2x2 matrices, one plane per distinct entry.

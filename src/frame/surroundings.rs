@@ -46,19 +46,14 @@ impl Surroundings {
     /// The point of a pixel, from the centre; 0 where nothing is.
     #[inline]
     pub fn point_at(&self, x: usize, y: usize) -> DVec3 {
-        at(&self.points, x, y)
+        self.points.at(x, y)
     }
 
     /// The unit normal of a pixel, or 0.
     #[inline]
     pub fn normal_at(&self, x: usize, y: usize) -> DVec3 {
-        at(&self.normal, x, y)
+        self.normal.at(x, y)
     }
-}
-
-fn at(planes: &Vector3Planes, x: usize, y: usize) -> DVec3 {
-    let Vector3Planes { x: a, y: b, z: c } = planes;
-    DVec3::new(a.at(x, y).into(), b.at(x, y).into(), c.at(x, y).into())
 }
 
 /// The unit direction, in the map's own space, of the middle of a pixel of an equirectangular map.

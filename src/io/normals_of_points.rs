@@ -1,10 +1,7 @@
 //! Normals where a file has none: from the points that neighbouring pixels show.
 
-use crate::frame::{Plane, Vector3Planes};
+use crate::frame::{Vector3Planes, step_between};
 use glam::DVec3;
-
-/// A step to one side this many times longer than that to the other leads to another surface.
-const JUMP: f64 = 2.0;
 
 /// Unit normals of the surface through `points`, turned `toward` the viewer; 0 where there is no point, or no other
 /// beside it along one axis. `wraps` where the left and right edge of the picture are one.
@@ -22,8 +19,8 @@ pub(super) fn normals_of_points(
             true => [(x + width - 1) % width, (x + 1) % width].map(|x| point(x, y)),
             false => [x.checked_sub(1), Some(x + 1).filter(|&x| x < width)].map(|x| point(x?, y)),
         };
-        let across = step(left, here, right)?;
-        let down = step(row(y.checked_sub(1)), here, row(Some(y + 1)))?;
+        let across = step_between(left, here, right)?;
+        let down = step_between(row(y.checked_sub(1)), here, row(Some(y + 1)))?;
         let normal = across.cross(down).try_normalize()?;
         Some(if normal.dot(toward(here)) < 0.0 {
             -normal
@@ -31,30 +28,7 @@ pub(super) fn normals_of_points(
             normal
         })
     };
-    let all = Plane::from_fn(width, height, |x, y| {
-        normal(x, y).unwrap_or(DVec3::ZERO).as_vec3()
-    });
-    Vector3Planes {
-        x: all.map(|n| n.x),
-        y: all.map(|n| n.y),
-        z: all.map(|n| n.z),
-    }
-}
-
-/// How the point changes from pixel to pixel, over both sides where the surface goes on.
-fn step(before: Option<DVec3>, here: DVec3, after: Option<DVec3>) -> Option<DVec3> {
-    let (Some(before), Some(after)) = (before, after) else {
-        return before.map(|p| here - p).or(after.map(|p| p - here));
-    };
-    let (behind, ahead) = (here - before, after - here);
-    let (short, long) = (behind.length(), ahead.length());
-    Some(if long > JUMP * short {
-        behind
-    } else if short > JUMP * long {
-        ahead
-    } else {
-        0.5 * (after - before)
-    })
+    Vector3Planes::from_fn(width, height, |x, y| normal(x, y).unwrap_or(DVec3::ZERO))
 }
 
 #[cfg(test)]

@@ -182,19 +182,11 @@ fn specular_mask(name: &str, loaded: &Loaded) -> Result<Mask> {
 
 /// World-space points in view space; what is not there, 0 or not finite, becomes NaN.
 fn in_view(position: &Vector3Planes, camera: &Camera) -> Vector3Planes {
-    let Vector3Planes { x, y, z } = position;
-    let all = Plane::from_fn(x.width(), x.height(), |i, j| {
-        let world = DVec3::new(x.at(i, j).into(), y.at(i, j).into(), z.at(i, j).into());
-        match world == DVec3::ZERO {
-            true => DVec3::NAN.as_vec3(),
-            false => camera.view_from_world.transform_point3(world).as_vec3(),
-        }
-    });
-    Vector3Planes {
-        x: all.map(|p| p.x),
-        y: all.map(|p| p.y),
-        z: all.map(|p| p.z),
-    }
+    let (width, height) = (position.x.width(), position.x.height());
+    Vector3Planes::from_fn(width, height, |x, y| match position.at(x, y) {
+        DVec3::ZERO => DVec3::NAN,
+        world => camera.view_from_world.transform_point3(world),
+    })
 }
 
 /// A file that the frame's camera saw too.

@@ -120,16 +120,16 @@ pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surrounding
 /// Positions that are not finite, out of all reach, or exactly 0 are no surface.
 fn seen(positions: &Vector3Planes) -> Plane<bool> {
     Plane::from_fn(positions.x.width(), positions.x.height(), |x, y| {
-        let p = at(positions, x, y);
+        let p = positions.at(x, y);
         p != DVec3::ZERO && is_distance(p.length() as f32)
     })
 }
 
 /// Positions from the centre; 0 where nothing is.
 fn points_of(positions: &Vector3Planes, seen: &Plane<bool>, center: DVec3) -> Vector3Planes {
-    planes_of(seen.width(), seen.height(), |x, y| {
-        let is_seen = seen.at(x, y);
-        is_seen.then(|| at(positions, x, y) - center)
+    Vector3Planes::from_fn(seen.width(), seen.height(), |x, y| match seen.at(x, y) {
+        true => positions.at(x, y) - center,
+        false => DVec3::ZERO,
     })
 }
 
@@ -137,26 +137,13 @@ fn points_of(positions: &Vector3Planes, seen: &Plane<bool>, center: DVec3) -> Ve
 fn points_at(distance: &Plane, map_from_world: DMat3) -> Vector3Planes {
     let (width, height) = (distance.width(), distance.height());
     let world_from_map = map_from_world.transpose();
-    planes_of(width, height, |x, y| {
+    Vector3Planes::from_fn(width, height, |x, y| {
         let distance = distance.at(x, y);
-        is_distance(distance)
-            .then(|| world_from_map * (f64::from(distance) * map_direction(x, y, width, height)))
+        match is_distance(distance) {
+            true => world_from_map * (f64::from(distance) * map_direction(x, y, width, height)),
+            false => DVec3::ZERO,
+        }
     })
-}
-
-fn planes_of(
-    width: usize,
-    height: usize,
-    value: impl Fn(usize, usize) -> Option<DVec3>,
-) -> Vector3Planes {
-    let all = Plane::from_fn(width, height, |x, y| {
-        value(x, y).unwrap_or(DVec3::ZERO).as_vec3()
-    });
-    Vector3Planes {
-        x: all.map(|v| v.x),
-        y: all.map(|v| v.y),
-        z: all.map(|v| v.z),
-    }
 }
 
 /// Unit normals; 0 where nothing is, or a normal has no direction.
@@ -164,14 +151,14 @@ fn unit(mut normal: Vector3Planes, points: &Vector3Planes) -> Vector3Planes {
     let encoding = judge_encoding(&normal);
     decode(&mut normal, encoding, super::inputs::Flip::default());
     let covered = Plane::from_fn(points.x.width(), points.x.height(), |x, y| {
-        at(points, x, y) != DVec3::ZERO && at(&normal, x, y).is_finite()
+        points.at(x, y) != DVec3::ZERO && normal.at(x, y).is_finite()
     });
     normalise(&mut normal, &covered);
     normal
 }
 
 fn made_normals(points: &Vector3Planes) -> Vector3Planes {
-    let point = |x: usize, y: usize| Some(at(points, x, y)).filter(|&p| p != DVec3::ZERO);
+    let point = |x: usize, y: usize| Some(points.at(x, y)).filter(|&p| p != DVec3::ZERO);
     let size = [points.x.width(), points.x.height()];
     normals_of_points(size, true, point, |from_center| -from_center)
 }
@@ -179,9 +166,4 @@ fn made_normals(points: &Vector3Planes) -> Vector3Planes {
 fn vector(planes: Vec<Plane>) -> Vector3Planes {
     let [x, y, z] = three(planes);
     Vector3Planes { x, y, z }
-}
-
-fn at(planes: &Vector3Planes, x: usize, y: usize) -> DVec3 {
-    let at = |plane: &Plane| f64::from(plane.at(x, y));
-    DVec3::new(at(&planes.x), at(&planes.y), at(&planes.z))
 }

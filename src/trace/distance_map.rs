@@ -2,7 +2,7 @@
 
 use super::search::{Crossing, first_crossing, steps_for};
 use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
-use crate::frame::{ColorPlanes, Plane, Ray, Surroundings, Vector3Planes};
+use crate::frame::{ColorPlanes, Ray, Surroundings, Vector3Planes};
 use crate::params::SearchParams;
 use glam::DVec3;
 
@@ -124,7 +124,7 @@ impl<'a> DistanceMap<'a> {
     /// `None` where the field is 0.
     #[inline]
     pub fn direction_at(&self, field: &Vector3Planes, point: DVec3) -> Option<DVec3> {
-        let own = |t: &Texel| vector(field, t.x, t.y);
+        let own = |t: &Texel| field.at(t.x, t.y);
         let mut sense = DVec3::ZERO;
         for t in self.texels(point - self.surroundings.center) {
             let here = own(&t);
@@ -169,8 +169,3 @@ impl<'a> DistanceMap<'a> {
 
 /// How many times the distance of the surroundings counts as infinitely far behind them.
 const FAR_BEHIND: f64 = 1e3;
-
-fn vector(planes: &Vector3Planes, x: usize, y: usize) -> DVec3 {
-    let at = |plane: &Plane| f64::from(plane.at(x, y));
-    DVec3::new(at(&planes.x), at(&planes.y), at(&planes.z))
-}

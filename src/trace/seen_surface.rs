@@ -46,12 +46,7 @@ impl<'a> VisibleSurface<'a> {
     /// The normal of a pixel.
     #[inline]
     pub fn normal(&self, x: usize, y: usize) -> DVec3 {
-        let n = &self.frame.normal;
-        DVec3::new(
-            n.x.at(x, y).into(),
-            n.y.at(x, y).into(),
-            n.z.at(x, y).into(),
-        )
+        self.frame.normal.at(x, y)
     }
 
     /// Depth along the view axis of a covered pixel.

@@ -2,7 +2,7 @@
 
 use crate::{fields, traced};
 use glam::{DVec2, DVec3};
-use relievo::frame::{Plane, SpecularScene, Vector3Planes};
+use relievo::frame::{SpecularScene, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Loaded, Needs, SpecularInputs, load_specular};
 use relievo::params::{Bend, Fallback, FieldParams, LineParams};
@@ -43,11 +43,6 @@ fn scene(loaded: &Loaded, hit_position: Option<String>) -> SpecularScene {
     load_specular(&inputs, loaded, None).unwrap()
 }
 
-fn at(planes: &Vector3Planes, x: usize, y: usize) -> DVec3 {
-    let at = |plane: &Plane| f64::from(plane.at(x, y));
-    DVec3::new(at(&planes.x), at(&planes.y), at(&planes.z))
-}
-
 #[test]
 fn the_search_ends_where_the_renderers_rays_did() {
     let loaded = loaded();
@@ -57,7 +52,7 @@ fn the_search_ends_where_the_renderers_rays_did() {
     let (mut errors, mut all) = (Vec::new(), 0);
     for y in 0..240 {
         for x in 0..320 {
-            let expected = at(truth, x, y);
+            let expected = truth.at(x, y);
             let Some(path) = tracer.path(x, y).filter(|_| expected.is_finite()) else {
                 continue;
             };
@@ -86,9 +81,7 @@ fn the_search_ends_where_the_renderers_rays_did() {
 fn truth(points: &Vector3Planes, x: usize, y: usize) -> Option<DVec2> {
     let point = |x: usize, y: usize| {
         let is_inside = x < points.x.width() && y < points.x.height();
-        is_inside
-            .then(|| at(points, x, y))
-            .filter(|p| p.is_finite())
+        is_inside.then(|| points.at(x, y)).filter(|p| p.is_finite())
     };
     let here = point(x, y)?;
     let sides = [

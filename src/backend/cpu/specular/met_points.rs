@@ -2,14 +2,14 @@
 
 use super::seen::{SeenPixel, sight_of};
 use super::tangents::Tangents;
-use crate::frame::{Frame, SightLines, SpecularScene, Vector3Planes};
+use crate::frame::{Frame, SightLines, SpecularScene, Vector3Planes, step_between};
 use crate::line::linear_camera::seen_by_steps;
 use crate::line::normal_rays::{Noise, NormalRay, Sides, principal_curvatures};
 use crate::trace::{Hit, Met, VisibleSurface};
 use glam::{DQuat, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
-/// A step to one side this many times longer than that to the other leads to another surface.
+/// Neighbours farther away than this many steps are on another surface.
 const JUMP: f64 = 3.0;
 
 /// Share of the distance by which a point may lie off a surface that it is on.
@@ -52,21 +52,19 @@ struct MetPoints<'a> {
 impl MetPoints<'_> {
     /// The point that a pixel shows.
     fn point(&self, x: usize, y: usize) -> Option<DVec3> {
-        let Vector3Planes { x: a, y: b, z: c } = self.points;
-        let is_inside = x < a.width() && y < a.height();
+        let is_inside = x < self.points.x.width() && y < self.points.x.height();
         if !is_inside || !self.scene.is_specular(self.frame, x, y) {
             return None;
         }
-        let point = DVec3::new(a.at(x, y).into(), b.at(x, y).into(), c.at(x, y).into());
-        point.is_finite().then_some(point)
+        Some(self.points.at(x, y)).filter(|point| point.is_finite())
     }
 
     /// How the point changes from pixel to pixel to the right and up.
     fn steps(&self, x: usize, y: usize) -> Option<[DVec3; 2]> {
         let here = self.point(x, y)?;
         Some([
-            step(self.point(x.wrapping_sub(1), y), here, self.point(x + 1, y))?,
-            step(self.point(x, y + 1), here, self.point(x, y.wrapping_sub(1)))?,
+            step_between(self.point(x.wrapping_sub(1), y), here, self.point(x + 1, y))?,
+            step_between(self.point(x, y + 1), here, self.point(x, y.wrapping_sub(1)))?,
         ])
     }
 
@@ -168,20 +166,4 @@ impl MetPoints<'_> {
         };
         principal_curvatures(normal, sides, noise)?.direction()
     }
-}
-
-/// How the point changes from pixel to pixel, over both sides where the surface goes on.
-fn step(before: Option<DVec3>, here: DVec3, after: Option<DVec3>) -> Option<DVec3> {
-    let (Some(before), Some(after)) = (before, after) else {
-        return before.map(|p| here - p).or(after.map(|p| p - here));
-    };
-    let (behind, ahead) = (here - before, after - here);
-    let (short, long) = (behind.length(), ahead.length());
-    Some(if long > JUMP * short {
-        behind
-    } else if short > JUMP * long {
-        ahead
-    } else {
-        0.5 * (after - before)
-    })
 }
