@@ -97,8 +97,8 @@ fn the_files_are_there_and_others_stay() {
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{plot}");
         count += 1;
     }
-    // The frame, three scenes, directions, the rim, lights and equations, directions of strokes and strokes.
-    assert_eq!(count, 10);
+    // The frame, three scenes, directions, the rim, lights and equations, directions of strokes, strokes, mirrors.
+    assert_eq!(count, 11);
     // A star that is no mark of bold is told from one that is.
     assert!(page.contains(" \\* |") && !page.contains("***"));
     // Every table has rows of as many cells as its head.
@@ -139,6 +139,9 @@ fn the_summary_goes_to_stdout_and_progress_to_stderr() {
         "tiles and sweeps per pass",
         "half and byte",
         "ellipsoid: directions",
+        "steps of the search",
+        "refinements",
+        "resolution of the map",
         "foreshortening",
         "extreme",
     ] {
@@ -537,6 +540,83 @@ fn tones_are_drawn_within_two_hundredths() {
     ] {
         assert!(page.contains(said), "{said}");
     }
+}
+
+/// What was measured of mirrors by `steps`, `refinements` or `map_heights`.
+fn mirror_rows(varied: &str) -> &'static [Value] {
+    RUN.json["mirrors"][varied].as_array().unwrap()
+}
+
+/// Whether each value is at most `ratio` of the one before.
+fn falls(values: &[f64], ratio: f64) -> bool {
+    values.len() > 1 && values.windows(2).all(|pair| pair[1] <= ratio * pair[0])
+}
+
+#[test]
+fn mirrors_are_found_by_steps_refinements_and_rows() {
+    let of = |varied, number: fn(&Value) -> f64| -> Vec<f64> {
+        mirror_rows(varied).iter().map(number).collect()
+    };
+    let astray = |row: &Value| 1.0 - number(&row["found"]) + number(&row["wrong_surface"]);
+    // More of everything leads fewer sight lines astray.
+    for varied in ["steps", "refinements", "map_heights"] {
+        let astray = of(varied, astray);
+        assert!(falls(&astray, 1.0), "{varied}: {astray:?}");
+        assert!(astray.last() < Some(&0.02), "{varied}: {astray:?}");
+    }
+    // Steps of a quarter of the length pass by fewer columns.
+    let missed = of("steps", |row| number(&row["columns_missed"]));
+    for pair in missed.windows(3) {
+        assert!(pair[2] < 0.6 * pair[0], "{missed:?}");
+    }
+    // Walls are planes: each refinement comes closer, down to the rounding of samples.
+    let median = of("refinements", |row| number(&row["position"]["median"]));
+    assert!(falls(&median, 0.5) && median[3] < 1e-6, "{median:?}");
+    // Columns are round: planes of half the size are off by a quarter, once several meet a column.
+    let columns = of("map_heights", |row| {
+        number(&row["position_on_columns"]["median"])
+    });
+    assert!(
+        falls(&columns[2..], 0.4) && columns[5] < 1e-4,
+        "{columns:?}"
+    );
+    // So are the directions of their curvature, up to the errors of what is seen beside one another.
+    let turned = of("map_heights", |row| {
+        number(&row["direction_on_columns"]["median"])
+    });
+    assert!(falls(&turned[1..5], 0.5) && turned[5] < 0.05, "{turned:?}");
+}
+
+#[test]
+fn mirrors_are_on_the_page() {
+    for varied in ["steps", "refinements", "map_heights"] {
+        let rows = mirror_rows(varied);
+        let usual = rows.iter().filter(|row| {
+            let setting = &row["setting"];
+            let search = relievo::params::SearchParams::default();
+            setting["search"]["steps"] == search.steps
+                && setting["search"]["refinements"] == search.refinements
+        });
+        assert!(usual.count() >= 1, "{varied}");
+        for row in rows {
+            assert!(number(&row["stage"]["min"]) > 0.0, "{row}");
+            for errors in ["position", "direction"] {
+                let [median, p95] = ["median", "p95"].map(|key| number(&row[errors][key]));
+                assert!(median <= p95, "{row}");
+            }
+        }
+    }
+    let page = RUN.read("report.md");
+    let stdout = String::from_utf8_lossy(&RUN.output.stdout).into_owned();
+    for said in [
+        "## Mirrors and lenses",
+        "mirrors.svg",
+        "| rows of the map |",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    let advice = "In the report's mirror ball ";
+    assert!(page.contains(advice) && stdout.contains(advice), "{stdout}");
 }
 
 #[test]

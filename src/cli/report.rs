@@ -166,6 +166,8 @@ fn files(report: &Report) -> Vec<(String, String)> {
     files.push((markdown::FIELD_PLOT.into(), directions));
     let strokes = plots::strokes_by_levels(&drawing.strokes);
     files.push((markdown::STROKES_PLOT.into(), strokes));
+    let mirrors = plots::error_of_mirrors(&report.mirrors);
+    files.push((markdown::MIRRORS_PLOT.into(), mirrors));
     files.extend(report.coherence.as_ref().map(|coherence| {
         let plot = plots::difference_by_frame(coherence);
         (markdown::COHERENCE_PLOT.into(), plot)
@@ -200,9 +202,10 @@ fn summary(report: &Report, directory: &Path) -> String {
     };
     let path = directory.join(PAGE);
     format!(
-        "{}\n{}\n{stability}\n{}\n",
+        "{}\n{}\n{}\n{stability}\n{}\n",
         advice::sentence(report),
         advice::of_light(&report.light),
+        advice::of_mirrors(&report.mirrors),
         path.display()
     )
 }

@@ -3,11 +3,13 @@
 mod coherence;
 mod drawing;
 mod light;
+mod mirrors;
 mod stability;
 
 pub use coherence::COHERENCE_PLOT;
 pub use drawing::{FIELD_PLOT, STROKES_PLOT};
 pub use light::plot_names as light_plot_names;
+pub use mirrors::MIRRORS_PLOT;
 
 use super::Report;
 use super::advice::{BUDGETS, cheapest, milliseconds, rounded, scientific, sentence};
@@ -47,6 +49,7 @@ pub fn page(report: &Report) -> String {
         rim(report),
         light::section(&report.light),
         drawing::section(&report.drawing),
+        mirrors::section(&report.mirrors),
         coherence::section(report.coherence.as_ref()),
         stability::section(&report.stability),
     ];

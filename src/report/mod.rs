@@ -12,6 +12,7 @@ pub mod light;
 pub mod light_reference;
 pub mod machine;
 pub mod markdown;
+pub mod mirrors;
 pub mod pareto;
 pub mod plots;
 pub mod reference;
@@ -87,6 +88,8 @@ pub struct Report {
     pub light: light::LightReport,
     /// Drawings.
     pub drawing: drawing::DrawingReport,
+    /// Mirrors.
+    pub mirrors: mirrors::MirrorReport,
     /// Drawings of a sequence, where the report is of one; [`run`] leaves it open.
     pub coherence: Option<coherence::Coherence>,
     /// Stiff and extreme cases.
@@ -150,6 +153,7 @@ pub fn run(
     let (rim_of_ball, rim_of_frame) = (rim::on_ball()?, rim::on_frame(frame, &shape)?);
     let light = light::run(name, frame, shape, extent, progress)?;
     let drawing = drawing::run(name, frame, shape, extent, progress)?;
+    let mirrors = mirrors::run(extent, progress)?;
     progress("stiff and extreme cases");
     Ok(Report {
         version: env!("CARGO_PKG_VERSION"),
@@ -167,6 +171,7 @@ pub fn run(
         rim_of_frame,
         light,
         drawing,
+        mirrors,
         coherence: None,
         stability: stability::all().iter().map(stability::Case::run).collect(),
     })

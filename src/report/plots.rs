@@ -200,11 +200,13 @@ fn ticks(range: &Range<f64>, of: &[f64]) -> Vec<f64> {
 mod coherence;
 mod drawing;
 mod light;
+mod mirrors;
 mod points;
 
 pub use coherence::difference_by_frame;
 pub use drawing::{error_of_directions, strokes_by_levels};
 pub use light::{both_equations, error_against_lights};
+pub use mirrors::error_of_mirrors;
 
 fn solver_panel(area: &Area, sweep: &ScaleSweep, errors: Range<f64>) -> Drawn {
     let rows: Vec<_> = sweep.rows.iter().filter(|row| drawable(row)).collect();

@@ -1,0 +1,186 @@
+//! A room with columns, exactly: where rays end, and its map.
+//!
+//! View space is world space. The room is a box, its walls square to the axes; columns stand in it from
+//! the floor to the ceiling. Everything is planes and round tubes, and every ray is met by a formula in double
+//! precision.
+
+use crate::frame::{Plane, Surroundings, Vector3Planes, map_direction};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
+
+/// The middle of the ball and of the room, from the eye; the map of the room is seen from here.
+pub(super) const CENTER: DVec3 = DVec3::new(0.05, -0.1, -4.0);
+
+/// From the middle of the room to its walls: x, y, z.
+const ROOM: DVec3 = DVec3::new(5.0, 2.0, 6.0);
+
+/// A column: where its axis stands, x and z from the middle of the room, and its radius.
+struct Column {
+    at: DVec2,
+    radius: f64,
+}
+
+/// From the middle of the room they are 23, 11, 4.6 and 2.3 degrees wide.
+const COLUMNS: [Column; 4] = [
+    Column {
+        at: DVec2::new(1.8, 1.8),
+        radius: 0.5,
+    },
+    Column {
+        at: DVec2::new(-2.4, 1.8),
+        radius: 0.3,
+    },
+    Column {
+        at: DVec2::new(-0.9, 2.8),
+        radius: 0.12,
+    },
+    Column {
+        at: DVec2::new(2.95, 0.5),
+        radius: 0.06,
+    },
+];
+
+/// What the scene shows, in words.
+pub const ABOUT: &str = "a mirror ball of radius 1 in a room of 10 x 4 x 12 with four columns, of radius 0.5, 0.3, 0.12 and 0.06, \
+     seen from its middle 23, 11, 4.6 and 2.3 degrees wide";
+
+/// A surface of the room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Surface {
+    /// The two walls square to an axis.
+    Wall(usize),
+    /// A column.
+    Column(usize),
+}
+
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Met {
+    pub(super) point: DVec3,
+    pub(super) surface: Surface,
+}
+
+impl Met {
+    /// The unit normal, into the room.
+    fn normal(&self) -> DVec3 {
+        let from = self.point - CENTER;
+        match self.surface {
+            Surface::Wall(axis) => {
+                let mut normal = DVec3::ZERO;
+                normal[axis] = -from[axis].signum();
+                normal
+            }
+            Surface::Column(i) => {
+                let across = (from.xz() - COLUMNS[i].at) / COLUMNS[i].radius;
+                DVec3::new(across.x, 0.0, across.y)
+            }
+        }
+    }
+
+    /// The direction that strokes follow: around columns, that of their curvature; on walls x, or y where they are square
+    /// to x, crossed with the normal ([`crate::params::Fallback::Surface`]).
+    pub(super) fn tangent(&self) -> DVec3 {
+        let normal = self.normal();
+        match self.surface {
+            Surface::Wall(0) | Surface::Column(_) => DVec3::Y.cross(normal),
+            Surface::Wall(_) => DVec3::X.cross(normal),
+        }
+    }
+}
+
+/// Distance of a point from the middle of the room.
+pub(super) fn from_center(point: DVec3) -> f64 {
+    point.distance(CENTER)
+}
+
+/// The surface nearest to a point.
+pub(super) fn nearest_surface(point: DVec3) -> Surface {
+    let from = point - CENTER;
+    let wall = |axis: usize| ((ROOM[axis] - from[axis].abs()).abs(), Surface::Wall(axis));
+    let column = |i: usize| {
+        let Column { at, radius } = COLUMNS[i];
+        ((from.xz().distance(at) - radius).abs(), Surface::Column(i))
+    };
+    let all = (0..3).map(wall).chain((0..COLUMNS.len()).map(column));
+    let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.expect("a room has walls").1
+}
+
+/// Where a ray from inside the room, outside the columns, ends: at the nearest of all surfaces ahead.
+pub(super) fn met(start: DVec3, direction: DVec3) -> Met {
+    let from = start - CENTER;
+    // side = from + t direction along each axis, toward the wall ahead.
+    let wall = |axis: usize| {
+        let side = ROOM[axis].copysign(direction[axis]);
+        ((side - from[axis]) / direction[axis], Surface::Wall(axis))
+    };
+    // |f + t d|^2 = r^2 across the axis, the nearer root: with a = d.d, b = f.d and c = f.f - r^2, t = c / (-b + root).
+    let column = |i: usize| {
+        let Column { at, radius } = COLUMNS[i];
+        let (f, d) = (from.xz() - at, direction.xz());
+        let (a, b, c) = (
+            d.length_squared(),
+            f.dot(d),
+            f.length_squared() - radius * radius,
+        );
+        let square = b * b - a * c;
+        let ahead = square > 0.0 && b < 0.0;
+        ahead.then(|| (c / (square.sqrt() - b), Surface::Column(i)))
+    };
+    let all = (0..3)
+        .map(wall)
+        .chain((0..COLUMNS.len()).filter_map(column));
+    let (t, surface) = all
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .expect("a room has walls");
+    Met {
+        point: start + t * direction,
+        surface,
+    }
+}
+
+/// The map of the room from its middle, `height` rows of it.
+pub(super) fn surroundings(height: usize) -> Surroundings {
+    let width = 2 * height;
+    let all = Plane::from_fn(width, height, |x, y| {
+        met(CENTER, map_direction(x, y, width, height))
+    });
+    let planes = |value: &dyn Fn(&Met) -> DVec3| {
+        let plane = |k: usize| all.map(|met| value(&met)[k] as f32);
+        Vector3Planes {
+            x: plane(0),
+            y: plane(1),
+            z: plane(2),
+        }
+    };
+    Surroundings {
+        center: CENTER,
+        map_from_world: DMat3::IDENTITY,
+        points: planes(&|met| met.point - CENTER),
+        normal: planes(&Met::normal),
+        normal_rounding: 0.0,
+        color: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_end_at_the_nearest_surface() {
+        // From the middle along x: the wall at 5. At the first column, 1.8 root 2 = 2.5456 away: its radius less.
+        let wall = met(CENTER, DVec3::X);
+        assert_eq!(wall.surface, Surface::Wall(0));
+        assert!((from_center(wall.point) - 5.0).abs() < 1e-12);
+        let column = met(CENTER, DVec3::new(1.0, 0.0, 1.0).normalize());
+        assert_eq!(column.surface, Surface::Column(0));
+        assert!((from_center(column.point) - (1.8 * 2.0_f64.sqrt() - 0.5)).abs() < 1e-12);
+        // Its normal leads back to the middle; strokes go around it, level.
+        let back = -DVec3::new(0.5, 0.0, 0.5).normalize();
+        assert!(column.normal().distance(back) < 1e-12);
+        assert!(column.tangent().cross(DVec3::new(1.0, 0.0, -1.0)).length() < 1e-12);
+        for met in [wall, column] {
+            assert_eq!(nearest_surface(met.point), met.surface);
+        }
+    }
+}
