@@ -42,7 +42,7 @@ pub const MAX_SEARCH_STEPS: u32 = 4096;
 impl Default for SearchParams {
     fn default() -> Self {
         Self {
-            steps: 64,
+            steps: 128,
             refinements: 12,
         }
     }

@@ -1,0 +1,205 @@
+//! A mirror ball in the middle of the room: what its pixels show, exactly.
+
+use super::room::{CENTER, Met, Surface, met};
+use crate::frame::{
+    Camera, ColorPlanes, DepthKind, Frame, LightLayers, Mask, Plane, Projection, SightLines,
+    Source, Vector3Planes, Window,
+};
+use glam::{DAffine3, DVec2, DVec3};
+use std::f64::consts::FRAC_PI_4;
+
+/// Radius of the ball, the unit of all lengths.
+const RADIUS: f64 = 1.0;
+
+/// Cosine between normal and sight line from which on pixels are compared. Nearer to the rim of the ball neighbours show
+/// what lies far apart, and directions are off by the size of pixels, however they are traced.
+pub const FACING: f64 = 0.3;
+
+/// Focal length over the width of the picture: the ball, of radius 1 at a distance of 4, takes 3/4 of it.
+const FOCAL: f64 = 1.5;
+
+/// What a pixel of the ball shows. Pixels are compared whose normal and sight line have a cosine of at least [`FACING`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shown {
+    pub(super) met: Met,
+    /// Whether the map of the room shows it too.
+    pub(super) in_map: bool,
+    /// The direction in the picture, unit, x right, y up, that strokes take there: [`Met::tangent`] as the ball shows it.
+    /// `None` within [`EDGE_PX`] of the edge of a surface.
+    pub(super) direction: Option<DVec2>,
+}
+
+/// The ball in so many pixels each way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ball {
+    pub(super) size: usize,
+}
+
+impl Ball {
+    fn camera(self) -> Camera {
+        let (size, middle) = (self.size as f64, 0.5 * self.size as f64);
+        Camera {
+            view_from_world: DAffine3::IDENTITY,
+            projection: Projection::Perspective {
+                fx: FOCAL * size,
+                fy: FOCAL * size,
+                cx: middle,
+                cy: middle,
+            },
+        }
+    }
+
+    /// The unit sight line through a place of the picture, and where it meets the ball.
+    fn on_ball(self, at: DVec2) -> Option<(DVec3, DVec3)> {
+        let (start, line) = SightLines::new(self.camera().projection).line(at.x, at.y);
+        let direction = line.normalize();
+        let from = start - CENTER;
+        let along = from.dot(direction);
+        let square = along * along - from.length_squared() + RADIUS * RADIUS;
+        (square > 0.0).then(|| (direction, start + (-along - square.sqrt()) * direction))
+    }
+
+    /// What the ball shows at a place of the picture: the sight line mirrored at the normal, followed to its end.
+    fn met(self, at: DVec2) -> Option<Met> {
+        let (sight, point) = self.on_ball(at)?;
+        let normal = (point - CENTER) / RADIUS;
+        Some(met(point, sight.reflect(normal)))
+    }
+
+    /// What a pixel shows, if it is compared.
+    pub(super) fn shown(self, x: usize, y: usize) -> Option<Shown> {
+        let at = middle(x, y);
+        let (sight, point) = self.on_ball(at)?;
+        if -sight.dot(point - CENTER) < FACING * RADIUS {
+            return None;
+        }
+        let here = self.met(at)?;
+        let from_center = met(CENTER, here.point - CENTER);
+        Some(Shown {
+            met: here,
+            in_map: from_center.point.distance(here.point) < IN_MAP,
+            direction: self.direction(at, &here),
+        })
+    }
+
+    /// Whether all that lies around a place shows the same surface.
+    fn is_inside(self, at: DVec2, surface: Surface) -> bool {
+        let around = (0..8).map(|k| EDGE_PX * DVec2::from_angle(f64::from(k) * FRAC_PI_4));
+        let mut ends = around.map(|offset| self.met(at + offset));
+        ends.all(|met| met.is_some_and(|met| met.surface == surface))
+    }
+
+    /// The direction in the picture of the tangent at what is met. With J = (dP/dx, dP/dy) that is where J w is along
+    /// the tangent: w = (J^T J)^-1 J^T V up to length, by differences over [`STEP_PX`] to both sides.
+    fn direction(self, at: DVec2, here: &Met) -> Option<DVec2> {
+        if !self.is_inside(at, here.surface) {
+            return None;
+        }
+        let slope = |step: DVec2| {
+            let [ahead, behind] = [self.met(at + step)?, self.met(at - step)?];
+            Some((ahead.point - behind.point) / (2.0 * STEP_PX))
+        };
+        // Rows run down, y up.
+        let right = slope(DVec2::new(STEP_PX, 0.0))?;
+        let up = slope(DVec2::new(0.0, -STEP_PX))?;
+        let (aa, ab, bb) = (right.dot(right), right.dot(up), up.dot(up));
+        let tangent = here.tangent();
+        let (a, b) = (right.dot(tangent), up.dot(tangent));
+        DVec2::new(bb * a - ab * b, aa * b - ab * a).try_normalize()
+    }
+
+    /// The ball in an even tone, a half.
+    pub(super) fn frame(self) -> Frame {
+        let size = self.size;
+        let plane = |value: &dyn Fn(DVec3) -> f64| {
+            Plane::from_fn(size, size, |x, y| {
+                let on_ball = self.on_ball(middle(x, y));
+                on_ball.map_or(0.0, |(_, point)| value(point) as f32)
+            })
+        };
+        let normal = |axis: usize| plane(&|point| (point - CENTER)[axis] / RADIUS);
+        let covered = |x, y| self.on_ball(middle(x, y)).is_some();
+        let tone = Plane::filled(size, size, 0.5);
+        Frame {
+            data_window: Window::from_size(size, size),
+            display_window: Window::from_size(size, size),
+            pixel_aspect: 1.0,
+            mask: Mask::new(Plane::from_fn(size, size, covered)),
+            normal: Vector3Planes {
+                x: normal(0),
+                y: normal(1),
+                z: normal(2),
+            },
+            normal_length: None,
+            depth: Some(plane(&|point| -point.z)),
+            occlusion: None,
+            importance: None,
+            color: Some(ColorPlanes {
+                r: tone.clone(),
+                g: tone.clone(),
+                b: tone,
+            }),
+            albedo: None,
+            alpha: None,
+            light: LightLayers::default(),
+            camera: Some(self.camera()),
+            source: Source {
+                depth_kind: DepthKind::Planar,
+                ..Source::default()
+            },
+        }
+    }
+}
+
+/// How far from the edges of surfaces directions are compared. Pixels on edges have none of their own, whatever was traced:
+/// they take their neighbours'. Edges are a pixel wide to each side.
+pub const EDGE_PX: f64 = 2.0;
+
+/// Half the difference in pixels over which slopes are taken: errors of the second order, and those of rounding over
+/// it, are both below 1e-8 of what the ball shows.
+const STEP_PX: f64 = 1e-4;
+
+/// Two points no farther apart than this are one.
+const IN_MAP: f64 = 1e-9;
+
+fn middle(x: usize, y: usize) -> DVec2 {
+    DVec2::new(x as f64, y as f64) + 0.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_of_the_ball_shows_what_lies_behind_the_viewer() {
+        // The sight line toward the middle of the ball falls square on it and goes back through the eye, to the wall at
+        // z = -4 + 6 = 2: the middle times -1/2, (-0.025, 0.05, 2).
+        let ball = Ball { size: 2000 };
+        let at = DVec2::splat(1000.0) + 3000.0 / 4.0 * DVec2::new(0.05, 0.1);
+        let found = ball.met(at).expect("the ball is there");
+        assert_eq!(found.surface, Surface::Wall(2));
+        assert!(found.point.distance(DVec3::new(-0.025, 0.05, 2.0)) < 1e-9);
+    }
+
+    #[test]
+    fn every_surface_is_shown_and_most_of_it_is_in_the_map() {
+        let ball = Ball { size: 160 };
+        let all = (0..160 * 160).filter_map(|i| ball.shown(i % 160, i / 160));
+        let all: Vec<_> = all.collect();
+        let walls = (0..3).map(Surface::Wall);
+        for surface in walls.chain((0..4).map(Surface::Column)) {
+            let seen = |shown: &&Shown| shown.met.surface == surface && shown.in_map;
+            let count = all.iter().filter(seen).count();
+            assert!(count > 20, "{surface:?}: {count}");
+        }
+        // Strokes have a direction inside of surfaces: of walls nearly everywhere, of thick columns.
+        let directed = |surface: Surface| {
+            let shows = |shown: &&Shown| shown.met.surface == surface && shown.direction.is_some();
+            all.iter().filter(shows).count()
+        };
+        assert!((0..3).all(|axis| directed(Surface::Wall(axis)) > 300));
+        assert!(directed(Surface::Column(0)) > 30);
+        let hidden = all.iter().filter(|shown| !shown.in_map).count();
+        assert!(hidden > 0 && hidden < all.len() / 20, "{hidden}");
+    }
+}

@@ -1,0 +1,211 @@
+//! The ball traced by one setting after another.
+
+use super::ball::{Ball, Shown};
+use super::{Row, Setting, Spread, is_column, room};
+use crate::Result;
+use crate::backend::cpu::{DrawingInputs, Runner};
+use crate::frame::{Frame, SpecularScene};
+use crate::params::{
+    Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, SpecularParams,
+};
+use crate::plan::{Available, Plan, ToneFrom};
+use crate::report::compare::Tally;
+use crate::report::sweeps::directions::angle_deg;
+use crate::report::timing::{Effort, Times, measure_runs};
+use crate::trace::Tracer;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// The ball, to be traced again and again in the same memory.
+pub(super) struct Bench {
+    frame: Frame,
+    /// What its pixels show, with their columns and rows.
+    pub(super) shown: Vec<([usize; 2], Shown)>,
+    effort: Effort,
+    runner: Runner,
+    /// The room by the map that was last asked for.
+    around: (usize, SpecularScene),
+    /// What was measured so far.
+    known: Vec<Row>,
+}
+
+impl Bench {
+    pub(super) fn new(ball: Ball, effort: Effort) -> Self {
+        let places = (0..ball.size).flat_map(|y| (0..ball.size).map(move |x| [x, y]));
+        let shown = places.filter_map(|at| Some((at, ball.shown(at[0], at[1])?)));
+        Self {
+            frame: ball.frame(),
+            shown: shown.collect(),
+            effort,
+            runner: Runner::default(),
+            around: (0, SpecularScene::default()),
+            known: Vec::new(),
+        }
+    }
+
+    /// A row for each setting; what is known already is not measured again.
+    pub(super) fn rows(&mut self, settings: &[Setting]) -> Result<Vec<Row>> {
+        let mut rows = Vec::new();
+        for setting in settings {
+            let known = self.known.iter().find(|row| row.setting == *setting);
+            let row = match known {
+                Some(row) => *row,
+                None => self.row(*setting)?,
+            };
+            self.known.push(row);
+            rows.push(row);
+        }
+        Ok(rows)
+    }
+
+    fn row(&mut self, setting: Setting) -> Result<Row> {
+        if self.around.0 != setting.map_height {
+            let scene = SpecularScene {
+                surroundings: Some(Arc::new(room::surroundings(setting.map_height))),
+                ..SpecularScene::default()
+            };
+            self.around = (setting.map_height, scene);
+        }
+        let specular = SpecularParams {
+            bend: Bend::Mirror,
+            search: setting.search,
+        };
+        let ends = self.ends(&specular);
+        let [direction, direction_on_columns] = self.directions(specular)?;
+        Ok(Row {
+            setting,
+            found: ends.found,
+            wrong_surface: ends.wrong_surface,
+            columns_missed: ends.columns_missed,
+            position: Spread::of(ends.position),
+            position_on_columns: Spread::of(ends.position_on_columns),
+            direction,
+            direction_on_columns,
+            stage: self.time(specular)?,
+        })
+    }
+
+    /// Where sight lines are found to end.
+    fn ends(&self, specular: &SpecularParams) -> Ends {
+        let tracer = Tracer::new(&self.frame, &self.around.1, specular);
+        let tracer = tracer.expect("the ball has depth and a camera");
+        let end = |[x, y]: [usize; 2]| {
+            let hit = tracer.hit(&tracer.path(x, y)?.leaving())?;
+            hit.is_seen.then_some(hit.point)
+        };
+        let found: Vec<_> = self.shown.par_iter().map(|(at, _)| end(*at)).collect();
+        let mut ends = Ends::default();
+        for ((at, shown), point) in self.shown.iter().zip(found) {
+            if shown.in_map {
+                ends.add(*at, shown, point);
+            }
+        }
+        ends.shares()
+    }
+
+    /// From exact directions of strokes to those of the field, of full resolution and not averaged: on all surfaces, and
+    /// on columns.
+    fn directions(&self, specular: SpecularParams) -> Result<[Spread; 2]> {
+        let line = LineParams {
+            field: FieldParams {
+                passes: 0,
+                cell_px: 1,
+                fallback: Fallback::Surface,
+                ..FieldParams::default()
+            },
+            ..LineParams::default()
+        };
+        let plan = self.plan(specular, line)?;
+        let scene = &self.around.1;
+        let fields = self
+            .runner
+            .stroke_fields_through(&plan, &self.frame, scene, &line);
+        let [mut all, mut columns] = [Tally::default(), Tally::default()];
+        for (at, shown) in self.shown.iter().filter(|(_, shown)| shown.in_map) {
+            let Some(exact) = shown.direction else {
+                continue;
+            };
+            let [x, y] = [&fields[0].x, &fields[0].y].map(|plane| plane.at(at[0], at[1]));
+            let angle = angle_deg(DVec2::new(x.into(), y.into()), exact);
+            all.add(*at, angle);
+            if is_column(shown) {
+                columns.add(*at, angle);
+            }
+        }
+        Ok([all, columns].map(Spread::of))
+    }
+
+    /// Time of the stage in a drawing.
+    fn time(&self, specular: SpecularParams) -> Result<Times> {
+        let plan = self.plan(specular, LineParams::default())?;
+        let inputs = DrawingInputs {
+            specular: Some(&self.around.1),
+            ..DrawingInputs::default()
+        };
+        let draw = || self.runner.draw(&plan, &self.frame, inputs);
+        let (outcome, timed) = measure_runs(&self.runner, self.effort, draw);
+        self.runner.take_back(outcome);
+        Ok(timed.stage("specular-trace").expect("a mirror is traced"))
+    }
+
+    fn plan(&self, specular: SpecularParams, line: LineParams) -> Result<Plan> {
+        let available = Available {
+            specular: Some(specular),
+            ..Available::in_frame(&self.frame)
+        };
+        let line = LineParams {
+            contours: None,
+            ..line
+        };
+        let scaling = ScalingParams::default();
+        Plan::hatch(
+            available,
+            ShapeParams::default(),
+            scaling,
+            ToneFrom::Picture,
+            line,
+        )
+    }
+}
+
+/// What was found where sight lines end: counts of pixels, then shares.
+#[derive(Default)]
+struct Ends {
+    pixels: f64,
+    columns: f64,
+    found: f64,
+    wrong_surface: f64,
+    columns_missed: f64,
+    position: Tally,
+    position_on_columns: Tally,
+}
+
+impl Ends {
+    fn add(&mut self, at: [usize; 2], shown: &Shown, found: Option<DVec3>) {
+        let (exact, is_column) = (&shown.met, is_column(shown));
+        let is_right = found.is_some_and(|point| room::nearest_surface(point) == exact.surface);
+        let one_if = |holds: bool| f64::from(u8::from(holds));
+        self.pixels += 1.0;
+        self.columns += one_if(is_column);
+        self.found += one_if(found.is_some());
+        self.wrong_surface += one_if(found.is_some() && !is_right);
+        self.columns_missed += one_if(is_column && !is_right);
+        if let Some(point) = found {
+            let error = point.distance(exact.point) / room::from_center(exact.point);
+            self.position.add(at, error);
+            if is_column {
+                self.position_on_columns.add(at, error);
+            }
+        }
+    }
+
+    fn shares(self) -> Self {
+        Self {
+            found: self.found / self.pixels,
+            wrong_surface: self.wrong_surface / self.pixels,
+            columns_missed: self.columns_missed / self.columns,
+            ..self
+        }
+    }
+}
