@@ -1,7 +1,7 @@
 //! Mirrors and lenses: error against time for the steps of the search, its refinements and the resolution of the map
 //! of the surroundings.
 //!
-//! What a mirror ball shows of a room is known exactly ([`ball`], [`room`]): where sight lines end, and which way strokes go
+//! What a mirror ball shows of a room is known exactly (`ball`, `room`): where sight lines end, and which way strokes go
 //! there.
 
 mod ball;
