@@ -22,7 +22,7 @@ pub use ray::Ray;
 pub use sight::SightLines;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use specular::SpecularScene;
-pub use steps::step_between;
+pub use steps::{SURFACE_JUMP, step_between};
 pub use surroundings::{Surroundings, map_direction};
 pub use window::Window;
 
@@ -84,6 +84,29 @@ pub struct Source {
 }
 
 impl Frame {
+    /// A frame of view-space unit normals where `mask` covers, and of nothing else yet: square pixels, all of them
+    /// shown.
+    pub fn of_normals(normal: Vector3Planes, mask: Mask) -> Self {
+        let window = Window::from_size(mask.width(), mask.height());
+        Self {
+            data_window: window,
+            display_window: window,
+            pixel_aspect: 1.0,
+            mask,
+            normal,
+            normal_length: None,
+            depth: None,
+            occlusion: None,
+            importance: None,
+            color: None,
+            albedo: None,
+            alpha: None,
+            light: LightLayers::default(),
+            camera: None,
+            source: Source::default(),
+        }
+    }
+
     /// The part of the frame inside `part`, with the same coordinates, camera and display window.
     ///
     /// # Panics

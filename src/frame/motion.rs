@@ -1,7 +1,6 @@
 //! Motion: how far, in pixels, the surface seen at a pixel has come since the frame before, x right, y up.
 
 use super::{Camera, DepthKind, Frame, Plane, SightLines, Vector2Planes};
-use glam::DVec2;
 
 /// A motion out of every picture: where none is known.
 pub const AWAY: f32 = 1e9;
@@ -20,9 +19,8 @@ pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Plan
     }
     let sight = SightLines::new(camera.projection);
     let before_from_view = before.view_from_world * camera.view_from_world.inverse();
-    let (left, top) = (frame.data_window.x0, frame.data_window.y0);
     let motion = |x: usize, y: usize| {
-        let at = DVec2::new(f64::from(left) + x as f64, f64::from(top) + y as f64) + 0.5;
+        let at = frame.data_window.middle(x, y);
         let point = sight.point(at.x, at.y, depth.at(x, y).into(), kind);
         let came_from = before
             .projection
@@ -45,31 +43,20 @@ pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Plan
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::{LightLayers, Mask, Projection, Source, Vector3Planes, Window};
+    use crate::frame::{Mask, Projection, Vector3Planes};
     use glam::{DAffine3, DVec3};
 
     fn wall_at(distance: f32, camera: Camera) -> Frame {
         let flat = |value| Plane::filled(8, 6, value);
+        let normals = Vector3Planes {
+            x: flat(0.0),
+            y: flat(0.0),
+            z: flat(1.0),
+        };
         Frame {
-            data_window: Window::from_size(8, 6),
-            display_window: Window::from_size(8, 6),
-            pixel_aspect: 1.0,
-            mask: Mask::full(8, 6),
-            normal: Vector3Planes {
-                x: flat(0.0),
-                y: flat(0.0),
-                z: flat(1.0),
-            },
-            normal_length: None,
             depth: Some(flat(distance)),
-            occlusion: None,
-            importance: None,
-            color: None,
-            albedo: None,
-            alpha: None,
-            light: LightLayers::default(),
             camera: Some(camera),
-            source: Source::default(),
+            ..Frame::of_normals(normals, Mask::full(8, 6))
         }
     }
 

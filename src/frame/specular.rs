@@ -20,11 +20,6 @@ pub struct SpecularScene {
 }
 
 impl SpecularScene {
-    /// Whether there is anything that a bent sight line may meet.
-    pub fn shows_anything(&self) -> bool {
-        self.behind.is_some() || self.surroundings.is_some() || self.hit_position.is_some()
-    }
-
     /// The specular pixels of `frame`; `None` where all that are covered are.
     pub fn mask_in(&self, frame: &Frame) -> Option<Mask> {
         let own = self.mask.as_ref()?;

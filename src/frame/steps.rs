@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// A step to one side this many times longer than that to the other leads to another surface.
-const JUMP: f64 = 3.0;
+pub const SURFACE_JUMP: f64 = 3.0;
 
 /// How a point of a surface changes from pixel to pixel, from its neighbours' on both sides: half the way between
 /// them where the surface goes on to both, else the step to the one it goes on to. `None` without neighbours.
@@ -14,9 +14,9 @@ pub fn step_between(before: Option<DVec3>, here: DVec3, after: Option<DVec3>) ->
     };
     let (behind, ahead) = (here - before, after - here);
     let (short, long) = (behind.length(), ahead.length());
-    Some(if long > JUMP * short {
+    Some(if long > SURFACE_JUMP * short {
         behind
-    } else if short > JUMP * long {
+    } else if short > SURFACE_JUMP * long {
         ahead
     } else {
         0.5 * (after - before)

@@ -1,5 +1,6 @@
 //! Rectangles of pixels in absolute coordinates.
 
+use glam::DVec2;
 use serde::Serialize;
 
 /// A half-open rectangle of pixels, `x0 <= x < x1` and `y0 <= y < y1`, rows running down.
@@ -42,6 +43,13 @@ impl Window {
     /// Number of rows; 0 where the corners are crossed.
     pub fn height(&self) -> usize {
         (i64::from(self.y1) - i64::from(self.y0)).max(0) as usize
+    }
+
+    /// Where in the picture the middle of the pixel in column `x` and row `y` of the window lies.
+    #[inline]
+    pub fn middle(&self, x: usize, y: usize) -> DVec2 {
+        let corner = DVec2::new(self.x0.into(), self.y0.into());
+        corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
     }
 
     /// Whether the pixel (`x`, `y`) lies inside.

@@ -11,7 +11,7 @@ use super::sources::{Opened, RolePlanes, RoleSource, read_all};
 use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, LightLayers, Mask, Plane, SightLines, Source,
+    Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source,
     SpecularScene, Surroundings, Vector3Planes, Window,
 };
 use glam::DVec3;
@@ -240,21 +240,15 @@ impl Layer<'_> {
             data_window,
             display_window,
             pixel_aspect,
-            mask,
-            normal,
-            normal_length: None,
             depth: Some(depth),
-            occlusion: None,
-            importance: None,
             color,
-            albedo: None,
             alpha,
-            light: LightLayers::default(),
             camera: Some(self.camera),
             source: Source {
                 depth_kind: kind,
                 ..Source::default()
             },
+            ..Frame::of_normals(normal, mask)
         })
     }
 
@@ -304,14 +298,13 @@ impl Layer<'_> {
         let kind = self.loaded.frame.source.depth_kind;
         let point = |x: usize, y: usize| {
             let depth = depth.at(x, y);
-            let [x, y] = [(window.x0, x), (window.y0, y)]
-                .map(|(first, i)| f64::from(first) + i as f64 + 0.5);
-            is_distance(depth).then(|| sight.point(x, y, depth.into(), kind))
+            let at = window.middle(x, y);
+            is_distance(depth).then(|| sight.point(at.x, at.y, depth.into(), kind))
         };
         let size = [depth.width(), depth.height()];
         let normal = normals_of_points(size, false, point, |point| match self.camera.projection {
-            crate::frame::Projection::Perspective { .. } => -point,
-            crate::frame::Projection::Orthographic { .. } => DVec3::Z,
+            Projection::Perspective { .. } => -point,
+            Projection::Orthographic { .. } => DVec3::Z,
         });
         let mask = coverage::coverage(&coverage::Evidence {
             normal: &normal,

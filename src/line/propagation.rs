@@ -9,7 +9,7 @@
 //! is of second order. Practice: [`external_camera`], and [`LocalCamera::seen`] of a tangent.
 
 use super::linear_camera::LocalCamera;
-use crate::frame::Ray;
+use crate::frame::{Ray, SURFACE_JUMP};
 use crate::trace::Path;
 
 /// The paths of the pixels beside one, as far as there are any.
@@ -20,9 +20,6 @@ pub struct Beside<'a> {
     /// Below and above: y points up.
     pub up: [Option<&'a Path>; 2],
 }
-
-/// A step to one side that is this many times longer than that to the other leads to another surface.
-const JUMP: f64 = 3.0;
 
 /// The camera of the rays that leave a mirror or lens: external refractions, or reflections. `None` where an axis has
 /// no neighbour, or the surface is seen along itself.
@@ -58,9 +55,9 @@ fn step(
         return behind.or(ahead);
     };
     let (short, long) = (behind.start.length(), ahead.start.length());
-    Some(if long > JUMP * short {
+    Some(if long > SURFACE_JUMP * short {
         behind
-    } else if short > JUMP * long {
+    } else if short > SURFACE_JUMP * long {
         ahead
     } else {
         Ray {

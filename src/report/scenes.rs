@@ -4,7 +4,7 @@
 //! diffusion it is told; it tells the error of the whole method, grid and all, beside which the error of
 //! a solver is to be judged.
 
-use crate::frame::{Frame, LightLayers, Mask, Plane, Source, Vector3Planes, Window};
+use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -254,27 +254,14 @@ fn ball_at(x: f64, y: f64, radius: f64) -> Option<DVec3> {
 fn frame(width: usize, height: usize, at: impl Fn(usize, usize) -> Option<(DVec3, f64)>) -> Frame {
     let seen = Plane::from_fn(width, height, at);
     let normal = |axis: usize| seen.map(|s| s.map_or(0.0, |(n, _)| n[axis] as f32));
-    let window = Window::from_size(width, height);
+    let normals = Vector3Planes {
+        x: normal(0),
+        y: normal(1),
+        z: normal(2),
+    };
     Frame {
-        data_window: window,
-        display_window: window,
-        pixel_aspect: 1.0,
-        mask: Mask::new(seen.map(|s| s.is_some())),
-        normal: Vector3Planes {
-            x: normal(0),
-            y: normal(1),
-            z: normal(2),
-        },
-        normal_length: None,
         depth: Some(seen.map(|s| s.map_or(0.0, |(_, depth)| depth as f32))),
-        occlusion: None,
-        importance: None,
-        color: None,
-        albedo: None,
-        alpha: None,
-        light: LightLayers::default(),
-        camera: None,
-        source: Source::default(),
+        ..Frame::of_normals(normals, Mask::new(seen.map(|s| s.is_some())))
     }
 }
 

@@ -32,7 +32,7 @@ impl<'a> VisibleSurface<'a> {
     /// Where in the picture, of the display window, the middle of a pixel lies.
     #[inline]
     pub fn middle(&self, x: usize, y: usize) -> DVec2 {
-        self.corner() + DVec2::new(x as f64, y as f64) + 0.5
+        self.frame.data_window.middle(x, y)
     }
 
     /// The point of view space that a pixel shows.

@@ -2,8 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use relievo::frame::{
-    Camera, DepthKind, Frame, LightLayers, Mask, Plane, Projection, SightLines, Source,
-    Surroundings, Vector3Planes, Window, map_direction,
+    Camera, Frame, Mask, Plane, Projection, SightLines, Surroundings, Vector3Planes, map_direction,
 };
 
 /// The middle of the ball, and of the room.
@@ -128,29 +127,16 @@ impl Scene {
                 point(at(x, y)).map_or(0.0, |(p, n)| value(p, n) as f32)
             })
         };
+        let mask = Plane::from_fn(size, size, |x, y| point(at(x, y)).is_some());
+        let normals = Vector3Planes {
+            x: plane(&|_, n| n.x),
+            y: plane(&|_, n| n.y),
+            z: plane(&|_, n| n.z),
+        };
         Frame {
-            data_window: Window::from_size(size, size),
-            display_window: Window::from_size(size, size),
-            pixel_aspect: 1.0,
-            mask: Mask::new(Plane::from_fn(size, size, |x, y| point(at(x, y)).is_some())),
-            normal: Vector3Planes {
-                x: plane(&|_, n| n.x),
-                y: plane(&|_, n| n.y),
-                z: plane(&|_, n| n.z),
-            },
-            normal_length: None,
             depth: Some(plane(&|p, _| -p.z)),
-            occlusion: None,
-            importance: None,
-            color: None,
-            albedo: None,
-            alpha: None,
-            light: LightLayers::default(),
             camera: Some(self.camera()),
-            source: Source {
-                depth_kind: DepthKind::Planar,
-                ..Source::default()
-            },
+            ..Frame::of_normals(normals, Mask::new(mask))
         }
     }
 

@@ -50,12 +50,8 @@ pub(super) fn stroke_fields(
             };
             let mut found = between.all(memory);
             fill_rest(&mut found, &frame.mask, |x, y| {
-                let n = &frame.normal;
-                let normal = [&n.x, &n.y, &n.z].map(|plane| f64::from(plane.at(x, y)));
-                let window = frame.data_window;
-                let [x, y] =
-                    [(window.x0, x), (window.y0, y)].map(|(o, p)| f64::from(o) + p as f64 + 0.5);
-                fallback(x, y, normal.into())
+                let at = frame.data_window.middle(x, y);
+                fallback(at.x, at.y, frame.normal.at(x, y))
             });
             found
         })

@@ -197,17 +197,10 @@ impl<'a> Surface<'a> {
 
     /// The centre of a pixel in the picture.
     fn position(&self, x: usize, y: usize) -> DVec2 {
-        let window = self.frame.data_window;
-        let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));
-        corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
+        self.frame.data_window.middle(x, y)
     }
 
     fn normal(&self, x: usize, y: usize) -> DVec3 {
-        let normal = &self.frame.normal;
-        DVec3::new(
-            normal.x.at(x, y).into(),
-            normal.y.at(x, y).into(),
-            normal.z.at(x, y).into(),
-        )
+        self.frame.normal.at(x, y)
     }
 }

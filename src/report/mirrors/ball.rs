@@ -2,8 +2,7 @@
 
 use super::room::{CENTER, Met, Surface, met};
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, LightLayers, Mask, Plane, Projection, SightLines,
-    Source, Vector3Planes, Window,
+    Camera, ColorPlanes, Frame, Mask, Plane, Projection, SightLines, Vector3Planes,
 };
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_4;
@@ -120,33 +119,20 @@ impl Ball {
         let normal = |axis: usize| plane(&|point| (point - CENTER)[axis] / RADIUS);
         let covered = |x, y| self.on_ball(middle(x, y)).is_some();
         let tone = Plane::filled(size, size, 0.5);
+        let normals = Vector3Planes {
+            x: normal(0),
+            y: normal(1),
+            z: normal(2),
+        };
         Frame {
-            data_window: Window::from_size(size, size),
-            display_window: Window::from_size(size, size),
-            pixel_aspect: 1.0,
-            mask: Mask::new(Plane::from_fn(size, size, covered)),
-            normal: Vector3Planes {
-                x: normal(0),
-                y: normal(1),
-                z: normal(2),
-            },
-            normal_length: None,
             depth: Some(plane(&|point| -point.z)),
-            occlusion: None,
-            importance: None,
             color: Some(ColorPlanes {
                 r: tone.clone(),
                 g: tone.clone(),
                 b: tone,
             }),
-            albedo: None,
-            alpha: None,
-            light: LightLayers::default(),
             camera: Some(self.camera()),
-            source: Source {
-                depth_kind: DepthKind::Planar,
-                ..Source::default()
-            },
+            ..Frame::of_normals(normals, Mask::new(Plane::from_fn(size, size, covered)))
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The small frames that the cases are made of: straight, and through a file.
 
 use crate::error::{Error, Result};
-use crate::frame::{Frame, LightLayers, Mask, NormalSpace, Plane, Source, Vector3Planes, Window};
+use crate::frame::{Frame, Mask, NormalSpace, Plane, Vector3Planes};
 use crate::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use crate::io::inputs::Inputs;
 use crate::io::{self, Loaded, Needs};
@@ -9,25 +9,11 @@ use glam::Vec3;
 
 /// A gentle relief that fills the picture.
 pub(super) fn relief(width: usize, height: usize) -> Frame {
-    let window = Window::from_size(width, height);
     Frame {
-        data_window: window,
-        display_window: window,
-        pixel_aspect: 1.0,
-        mask: Mask::full(width, height),
-        normal: normals(width, height, gentle),
-        normal_length: None,
         depth: Some(Plane::from_fn(width, height, |x, y| {
             5.0 + 0.01 * (x + y) as f32
         })),
-        occlusion: None,
-        importance: None,
-        color: None,
-        albedo: None,
-        alpha: None,
-        light: LightLayers::default(),
-        camera: None,
-        source: Source::default(),
+        ..Frame::of_normals(normals(width, height, gentle), Mask::full(width, height))
     }
 }
 

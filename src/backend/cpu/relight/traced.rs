@@ -7,6 +7,7 @@ use super::batch::Batch;
 use super::shade::Term;
 use crate::backend::cpu::light::luminance;
 use crate::frame::{ColorPlanes, Frame, Ray, SpecularScene};
+use crate::light::batch::BATCH;
 use crate::light::brdf::{fresnel, thin_sheet};
 use crate::light::light_warping::{Warp, warped};
 use crate::params::{Bend, Material, MaterialParams, SpecularParams};
@@ -70,12 +71,15 @@ pub(super) fn add_traced(
         .relighting
         .scales
         .then(|| *batch.pixels.curve(Term::Specular as usize));
-    let pixels: Vec<_> = batch.places().collect();
-    for (lane, x, y) in pixels {
+    let mut places = [[0; 2]; BATCH];
+    for (lane, x, y) in batch.places() {
+        places[lane] = [x, y];
+    }
+    for (lane, at) in places.into_iter().enumerate().take(batch.pixels.count) {
         let pixel = Pixel {
             mirrors,
             environment,
-            at: [x, y],
+            at,
             warp: scene.relighting.warps.then(|| {
                 let [xx, xy, yy] = batch.pixels.unwarp.each_ref().map(|lanes| lanes[lane]);
                 Warp { xx, xy, yy }.inverse()
@@ -101,7 +105,7 @@ pub(super) fn add_traced(
         // What is not met counts as what is; where nothing is met the picture stays.
         let shown = match sum {
             Some((sum, shares)) => sum.map(|channel| channel / shares),
-            None => own_color(scene.frame, [x, y]),
+            None => own_color(scene.frame, at),
         };
         for (to, color) in batch.sum.specular.iter_mut().zip(shown) {
             to[lane] += color;

@@ -1,34 +1,30 @@
 //! The pixels of a frame through its mirrors and lenses where a renderer wrote the points that they show.
 
-use super::seen::{SeenPixel, sight_of};
+use super::seen::SeenPixel;
 use super::tangents::Tangents;
-use crate::frame::{Frame, SightLines, SpecularScene, Vector3Planes, step_between};
+use crate::frame::{Frame, SURFACE_JUMP, SightLines, SpecularScene, Vector3Planes, step_between};
 use crate::line::linear_camera::seen_by_steps;
 use crate::line::normal_rays::{Noise, NormalRay, Sides, principal_curvatures};
 use crate::trace::{Hit, Met, VisibleSurface};
 use glam::{DQuat, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Neighbours farther away than this many steps are on another surface.
-const JUMP: f64 = 3.0;
-
 /// Share of the distance by which a point may lie off a surface that it is on.
 const ON_SURFACE: f64 = 0.01;
 
-/// All pixels whose point is told, row after row. `None` without a camera.
+/// All pixels whose point is told, row after row.
 pub(super) fn met_pixels(
     frame: &Frame,
     scene: &SpecularScene,
     points: &Vector3Planes,
     tangents: &Tangents,
-) -> Option<Vec<SeenPixel>> {
-    let sight = sight_of(frame)?;
+) -> Vec<SeenPixel> {
     let met = MetPoints {
         frame,
         scene,
         points,
-        front: VisibleSurface::new(frame, sight)?,
-        sight,
+        front: *tangents.tracer.front(),
+        sight: SightLines::new(tangents.camera.projection),
     };
     let height = frame.mask.height();
     let rows: Vec<Vec<SeenPixel>> = (0..height)
@@ -38,7 +34,7 @@ pub(super) fn met_pixels(
             row.filter_map(|x| met.pixel(x, y, tangents)).collect()
         })
         .collect();
-    Some(rows.concat())
+    rows.concat()
 }
 
 struct MetPoints<'a> {
@@ -142,7 +138,7 @@ impl MetPoints<'_> {
         let [right, up] = self.steps(x, y)?;
         let ray = |x: usize, y: usize, step: DVec3| {
             let offset = self.point(x, y)? - here;
-            let goes_on = offset.length() < JUMP * step.length();
+            let goes_on = offset.length() < SURFACE_JUMP * step.length();
             let normal = self.normal(x, y).filter(|_| goes_on)?;
             Some(NormalRay { offset, normal })
         };

@@ -10,7 +10,7 @@ pub(super) use map_directions::KeptDirections;
 use super::direction_field::stroke_fields;
 use super::edges;
 use super::memory::Memory;
-use crate::frame::{Frame, LightLayers, SpecularScene, Vector2Planes};
+use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
 use crate::params::{LineParams, SpecularParams};
 use crate::plan::Plan;
 use crate::trace::Tracer;
@@ -38,6 +38,8 @@ pub(super) fn seen_through(
     kept: &KeptDirections,
     memory: &Memory,
 ) -> Option<SeenThrough> {
+    let camera = frame.camera?;
+    let sight = SightLines::new(camera.projection);
     let tracer = Tracer::new(frame, scene, specular)?;
     let wanted = params.directions.wanted();
     let behind = scene.behind.as_ref().map(|behind| {
@@ -48,14 +50,14 @@ pub(super) fn seen_through(
     });
     let tangents = Tangents {
         tracer: &tracer,
-        camera: frame.camera?,
+        camera,
         behind: behind.unwrap_or_default(),
         around: scene.surroundings.as_ref().map(|map| kept.of(map)),
         families: [0, 1].into_iter().filter(|&f| wanted[f]).collect(),
         fallback: params.field.fallback,
     };
     let pixels = match &scene.hit_position {
-        Some(points) => met_pixels(frame, scene, points, &tangents)?,
+        Some(points) => met_pixels(frame, scene, points, &tangents),
         None => seen_pixels(frame, &tracer, &tangents),
     };
     let mut directions = vec![blank(frame); tangents.families.len()];
@@ -66,7 +68,7 @@ pub(super) fn seen_through(
         }
     }
     Some(SeenThrough {
-        frame: as_it_appears(frame, &pixels),
+        frame: as_it_appears(frame, &sight, &pixels),
         directions,
     })
 }
@@ -80,27 +82,24 @@ fn blank(frame: &Frame) -> Vector2Planes {
 }
 
 /// The shape of the frame with that of what its specular pixels show in its place; without the picture.
-fn as_it_appears(frame: &Frame, pixels: &[SeenPixel]) -> Frame {
+fn as_it_appears(frame: &Frame, sight: &SightLines, pixels: &[SeenPixel]) -> Frame {
     let mut normal = frame.normal.clone();
     let mut depth = frame.depth.clone();
     let mut lengths = frame.normal_length.clone();
-    let kind = frame.source.depth_kind;
-    let front = seen::sight_of(frame);
     for pixel in pixels {
         let (x, y) = (pixel.x, pixel.y);
         normal.x.row_mut(y)[x] = pixel.normal.x;
         normal.y.row_mut(y)[x] = pixel.normal.y;
         normal.z.row_mut(y)[x] = pixel.normal.z;
-        if let (Some(depth), Some(sight)) = (&mut depth, &front) {
-            depth.row_mut(y)[x] = match kind {
-                crate::frame::DepthKind::Ray => {
-                    let window = frame.data_window;
-                    let [x, y] = [(window.x0, x), (window.y0, y)]
-                        .map(|(first, i)| f64::from(first) + i as f64 + 0.5);
-                    pixel.depth * sight.line(x, y).1.length() as f32
+        if let Some(depth) = &mut depth {
+            let along = match frame.source.depth_kind {
+                DepthKind::Ray => {
+                    let at = frame.data_window.middle(x, y);
+                    sight.line(at.x, at.y).1.length() as f32
                 }
-                _ => pixel.depth,
+                DepthKind::Planar | DepthKind::Relative => 1.0,
             };
+            depth.row_mut(y)[x] = pixel.depth * along;
         }
         if let Some(lengths) = &mut lengths {
             lengths.row_mut(y)[x] = 1.0;
@@ -110,17 +109,12 @@ fn as_it_appears(frame: &Frame, pixels: &[SeenPixel]) -> Frame {
         data_window: frame.data_window,
         display_window: frame.display_window,
         pixel_aspect: frame.pixel_aspect,
-        mask: frame.mask.clone(),
-        normal,
         normal_length: lengths,
         depth,
         occlusion: frame.occlusion.clone(),
-        importance: None,
-        color: None,
-        albedo: None,
         alpha: frame.alpha.clone(),
-        light: LightLayers::default(),
         camera: frame.camera,
         source: frame.source.clone(),
+        ..Frame::of_normals(normal, frame.mask.clone())
     }
 }

@@ -1,7 +1,7 @@
 //! The pixels of a frame through its mirrors and lenses, in bands of rows.
 
 use super::tangents::Tangents;
-use crate::frame::{Frame, SightLines};
+use crate::frame::Frame;
 use crate::line::linear_camera::seen_by_steps;
 use crate::line::propagation::{Beside, external_camera};
 use crate::trace::{Hit, Path, Tracer};
@@ -128,11 +128,4 @@ fn steps(tracer: &Tracer, hit: &Hit, beside: &Beside) -> Option<[DVec3; 2]> {
         (None, None) => None,
     };
     Some([step(beside.across)?, step(beside.up)?])
-}
-
-/// The sight lines of a frame with a camera.
-pub(super) fn sight_of(frame: &Frame) -> Option<SightLines> {
-    frame
-        .camera
-        .map(|camera| SightLines::new(camera.projection))
 }
