@@ -67,6 +67,16 @@ pub enum Error {
         /// The flag that settles it.
         remedy: String,
     },
+    /// A recipe cannot be used as it stands.
+    #[error("{}: {found}; {remedy}", path.display())]
+    Recipe {
+        /// The recipe.
+        path: PathBuf,
+        /// The setting, or what is wrong with the file.
+        found: String,
+        /// What to write instead.
+        remedy: String,
+    },
     /// The system refused a file operation.
     #[error("{}: cannot {action}: {source}", path.display())]
     Io {

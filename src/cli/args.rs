@@ -2,15 +2,19 @@
 
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
+use super::memory::MaxMemory;
+use super::motion::MotionArg;
+use super::progress::ProgressArg;
 use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
-use super::sequence::SequenceArgs;
+use super::sequence::{FramesArg, SequenceArgs};
 use crate::error::Error;
 use crate::io::picture::ViewTransform;
 use crate::params::{
-    Adaptive, Magnitudes, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver,
+    Adaptive, Magnitudes, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver, TermWhiteLevel,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -19,7 +23,12 @@ static SCALING: LazyLock<ScalingParams> = LazyLock::new(ScalingParams::default);
 
 /// Brings out the shape of surfaces in pictures, from their normals and depth.
 #[derive(Debug, Parser)]
-#[command(name = "relievo", version, arg_required_else_help = true)]
+#[command(
+    name = "relievo",
+    version,
+    arg_required_else_help = true,
+    args_override_self = true
+)]
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
@@ -42,6 +51,11 @@ pub(super) enum Command {
     /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.
     #[command(after_help = HATCH_EXAMPLES)]
     Hatch(Box<HatchArgs>),
+    /// Run a recipe: a command with its settings, as --save-recipe writes one from any command line.
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(RecipeArgs),
+    /// Print the JSON schema of recipes.
+    Schema,
     /// Measure error against run time, on this frame and on exact scenes: table, JSON, plots.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(ReportArgs),
@@ -67,7 +81,8 @@ Examples:
   relievo enhance render.exr -o enhanced.exr --scaling 1.5 --iterations 50
   relievo enhance passes.exr -o enhanced.exr --scaling-diffuse 2 --scaling-specular 0.5
   relievo enhance passes.exr -o enhanced.exr --light-group key=135,40 --light-group fill=10,20
-  relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg";
+  relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg
+  relievo enhance shot.####.exr --frames 101-340 -o out/shot.####.exr --skip-existing";
 
 const RELIGHT_EXAMPLES: &str = "\
 Examples:
@@ -88,6 +103,13 @@ Examples:
   relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png
   relievo hatch render.exr --specular-mask Mirror --surroundings around.exr -o mirror.png
   relievo hatch render.exr --specular-mask Lens --back back.exr --behind without.exr -o lens.png";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  relievo enhance shot.0101.exr --scaling 1.5 --save-recipe look.toml         write one
+  relievo run look.toml shot.0101.exr -o shot.png
+  relievo run look.toml shot.0101.exr -o shot.png --scaling 2                 but for one setting
+  relievo run look.toml shot.####.exr --frames 101-340 -o out/shot.####.exr";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
@@ -114,7 +136,21 @@ pub(super) struct InspectArgs {
     pub(super) json: bool,
 }
 
-/// What `shape` and `enhance` share.
+#[derive(Debug, Args)]
+pub(super) struct RecipeArgs {
+    /// The recipe, a TOML file.
+    #[arg(value_name = "RECIPE")]
+    pub(super) recipe: PathBuf,
+    /// IN, -o OUT and other arguments of the recipe's command; they go before its settings.
+    #[arg(
+        value_name = "ARGUMENT",
+        trailing_var_arg = true,
+        allow_hyphen_values = true
+    )]
+    pub(super) rest: Vec<OsString>,
+}
+
+/// What the commands that make a picture share.
 #[derive(Debug, Clone, Args)]
 pub(super) struct WorkArgs {
     /// The render or photo.
@@ -126,6 +162,8 @@ pub(super) struct WorkArgs {
     pub(super) shape: ShapeFlags,
     #[command(flatten)]
     pub(super) output: OutputArgs,
+    #[command(flatten)]
+    pub(super) sequence: SequenceArgs,
     #[command(flatten)]
     pub(super) run: RunArgs,
 }
@@ -141,6 +179,9 @@ pub(super) struct EnhanceArgs {
     /// Luminance that counts as intensity 1, or auto to fit the picture.
     #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level, allow_negative_numbers = true, help_heading = "Radiance scaling")]
     pub(super) white_level: Adaptive,
+    /// The same for one kind of light where lobes are scaled by themselves: diffuse=0.4. Repeatable.
+    #[arg(long, value_name = "NAME=L", help_heading = "Radiance scaling")]
+    pub(super) term_white_level: Vec<TermWhiteLevel>,
 }
 
 #[derive(Debug, Args)]
@@ -153,7 +194,9 @@ pub(super) struct ReportArgs {
     #[command(flatten)]
     pub(super) shape: ShapeFlags,
     #[command(flatten)]
-    pub(super) sequence: SequenceArgs,
+    pub(super) frames: FramesArg,
+    #[command(flatten)]
+    pub(super) motion: MotionArg,
     /// Directory for report.md, report.json and plots; made where there is none, older ones replaced.
     #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
     pub(super) output: PathBuf,
@@ -362,9 +405,14 @@ impl ScalingFlags {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct OutputArgs {
-    /// File to write: .exr .png .jpg .tif .hdr.
-    #[arg(short = 'o', long, value_name = "FILE")]
-    pub(super) output: PathBuf,
+    /// File to write: .exr .png .jpg .tif .hdr. Without it --save-recipe writes what would be done.
+    #[arg(
+        short = 'o',
+        long,
+        value_name = "FILE",
+        required_unless_present = "save_recipe"
+    )]
+    pub(super) output: Option<PathBuf>,
     /// EXR: append a part to the input's own bytes, or write the results alone.
     #[arg(long, value_name = "WHAT", default_value = "keep")]
     pub(super) layers: LayersArg,
@@ -413,6 +461,15 @@ pub(super) struct RunArgs {
     /// Threads; all cores where not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) threads: Option<u16>,
+    /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free.
+    #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
+    pub(super) max_memory: MaxMemory,
+    /// Write the settings of this command line, and what was chosen automatically, as a recipe.
+    #[arg(long, value_name = "FILE.toml")]
+    pub(super) save_recipe: Option<PathBuf>,
+    /// How to tell how far a sequence has come.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
+    pub(super) progress: ProgressArg,
     /// Print each stage kept or left out, and why.
     #[arg(long)]
     pub(super) explain: bool,

@@ -1,72 +1,74 @@
 //! `relievo enhance`.
 
-use super::args::EnhanceArgs;
-use super::job::{Job, refuse_inputs};
-use super::message;
-use super::output::{Kind, color_channels, color_layer};
+use super::args::{EnhanceArgs, WorkArgs};
+use super::chosen::Chosen;
+use super::frames::FrameCommand;
+use super::job::{Done, Job};
+use crate::backend::cpu::Runner;
 use crate::error::Result;
 use crate::frame::LightLayers;
-use crate::io::exr::OutputType;
-use crate::io::picture::Picture;
+use crate::io::Needs;
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
-use crate::plan::{Goal, LightAvailable};
+use crate::plan::{Available, Goal, LightAvailable, Plan};
 use std::path::PathBuf;
 
-pub(super) fn run(args: &EnhanceArgs) -> Result<()> {
-    let EnhanceArgs {
-        work,
-        light,
-        scaling,
-        white_level,
-    } = args;
-    let light_files: Vec<_> = light.files().collect();
-    refuse_inputs(work, light_files.iter().map(PathBuf::as_path))?;
-    let kind = Kind::of(&work.output.output)?;
-    let job = Job::new(work)?;
-    let light = light.inputs(scaling);
-    let scaling = ScalingParams {
-        white_level: *white_level,
-        ..scaling.params(work.shape.curvature_gain)
-    };
-    let done = job.run_on_light(Goal::Enhance, scaling, Some(light))?;
-    let told = dark_rims(&scaling).into_iter();
-    for warning in told.chain(idle_magnitudes(&scaling, &done.loaded.frame.light)) {
-        message::warning(work.run.quiet, &warning);
+impl FrameCommand for EnhanceArgs {
+    type Kit = Runner;
+
+    fn work(&self) -> &WorkArgs {
+        &self.work
     }
 
-    let (loaded, frame) = (&done.loaded, &done.loaded.frame);
-    // A plan with nothing to do leaves the picture as it came.
-    let scaled = done.outcome.color.as_ref();
-    let color = scaled
-        .or(frame.color.as_ref())
-        .expect("a picture was loaded");
-    let alpha = frame.alpha.as_ref();
-    match kind {
-        Kind::Picture(format) => {
-            let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
-            let transform = work.output.view_transform.into();
-            job.write_picture(
-                &done,
-                format,
-                &Picture {
-                    color,
-                    alpha,
-                    grey: false,
-                    bits,
-                    transform,
-                },
-            )
+    fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
+        self.light.files(frame).collect()
+    }
+
+    fn prepare(&self) -> Result<Runner> {
+        self.work.output.kind()?;
+        self.work.shape.refuse_more_scales()?;
+        self.scaling().validate()?;
+        Ok(Runner::default())
+    }
+
+    fn make(&self, runner: &Runner, job: &Job) -> Result<Chosen> {
+        let (shape, scaling) = (self.work.shape.params(), self.scaling());
+        let mut inputs = job.work.roles.inputs(&job.work.input);
+        inputs.light = Some(self.light.inputs(&self.scaling, job.frame));
+        let needs = Needs {
+            color: true,
+            projection: shape.foreshortening != 0.0,
+            ..Needs::default()
+        };
+        let (loaded, read) = job.load(&inputs, needs)?;
+        let available = Available::in_frame(&loaded.frame);
+        let plan = Plan::at_scales(Goal::Enhance, available, shape, scaling, &[])?;
+        job.tell_plan(&plan)?;
+        let told = dark_rims(&scaling).into_iter();
+        for warning in told.chain(idle_magnitudes(&scaling, &loaded.frame.light)) {
+            job.warn(&warning);
         }
-        Kind::Exr => {
-            let as_read = if loaded.color_is_half {
-                OutputType::Half
-            } else {
-                OutputType::Float
-            };
-            let sample_type = work.output.depth_of_output.map_or(as_read, Into::into);
-            let layer = color_layer(&work.output, loaded);
-            job.write_exr(&done, color_channels(layer, color, alpha, sample_type))
+        let outcome = runner.run(&plan, &loaded.frame);
+        let done = Done {
+            loaded,
+            outcome,
+            read,
+        };
+        // A plan with nothing to do leaves the picture as it came.
+        let scaled = done.outcome.color.as_ref();
+        let color = scaled.or(done.loaded.frame.color.as_ref());
+        let chosen = job.write_color(&done, color.expect("a picture was loaded"))?;
+        runner.take_back(done.outcome);
+        Ok(chosen)
+    }
+}
+
+impl EnhanceArgs {
+    fn scaling(&self) -> ScalingParams {
+        ScalingParams {
+            white_level: self.white_level,
+            term_white_levels: self.term_white_level.iter().copied().collect(),
+            ..self.scaling.params(self.work.shape.curvature_gain)
         }
     }
 }

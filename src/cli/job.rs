@@ -1,25 +1,34 @@
-//! One run from its arguments to its messages: what `shape` and `enhance` share.
+//! One frame from its arguments to its output and messages: what all commands share.
 
 use super::args::WorkArgs;
+use super::chosen::Chosen;
 use super::message;
-use super::output::write_exr;
-use crate::backend::cpu::{self, Outcome};
+use super::output::{Kind, ReadyOutput, color_channels};
+use super::recipe::RecipeText;
+use super::told::Told;
+use crate::backend::cpu::Outcome;
 use crate::error::{Error, Result};
-use crate::frame::Frame;
-use crate::io::exr::OutputChannel;
-use crate::io::inputs::{Inputs, LightInputs};
-use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
-use crate::io::picture::{Picture, PictureFormat, write_picture};
+use crate::frame::{ColorPlanes, Frame};
+use crate::io::exr::{OutputChannel, OutputType};
+use crate::io::inputs::Inputs;
+use crate::io::output::write_atomically;
+use crate::io::picture::{Picture, write_picture};
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs};
-use crate::params::ScalingParams;
-use crate::plan::{Available, Goal, Plan};
-use std::path::{Path, PathBuf};
+use crate::plan::Plan;
 use std::time::{Duration, Instant};
 
-/// A run that has been given a go.
+/// A frame to be made.
 pub(super) struct Job<'a> {
-    args: &'a WorkArgs,
+    /// The arguments, with the names of this frame.
+    pub(super) work: WorkArgs,
+    /// Its number, in a sequence.
+    pub(super) frame: Option<i32>,
+    /// Its place among the frames of the run.
+    index: Option<usize>,
+    writes: bool,
+    told: &'a Told,
+    recipe: &'a RecipeText,
     started: Instant,
 }
 
@@ -31,57 +40,72 @@ pub(super) struct Done {
 }
 
 impl<'a> Job<'a> {
-    /// Refuses what can be refused before any work is done.
-    pub(super) fn new(args: &'a WorkArgs) -> Result<Self> {
-        refuse_collisions(args)?;
-        if let Some(threads) = args.run.threads {
-            // A pool that exists already, in a program that calls this twice, keeps its size.
-            let _ = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads.into())
-                .build_global();
-        }
-        Ok(Self {
-            args,
+    /// A single picture.
+    pub(super) fn new(work: WorkArgs, told: &'a Told, recipe: &'a RecipeText) -> Self {
+        Self {
+            writes: work.output.output.is_some(),
+            work,
+            frame: None,
+            index: None,
+            told,
+            recipe,
             started: Instant::now(),
-        })
-    }
-
-    /// Reads the frame, plans and runs, and says on the way what was asked for.
-    pub(super) fn run(&self, goal: Goal, scaling: ScalingParams) -> Result<Done> {
-        self.run_on_light(goal, scaling, None)
-    }
-
-    /// [`Job::run`] that also reads these layers of light.
-    pub(super) fn run_on_light(
-        &self,
-        goal: Goal,
-        scaling: ScalingParams,
-        light: Option<LightInputs>,
-    ) -> Result<Done> {
-        let shape = self.args.shape.params();
-        let more_scales = self.args.shape.more_scales();
-        if goal != Goal::Layers {
-            self.args.shape.refuse_more_scales()?;
         }
-        shape.validate()?;
-        scaling.validate()?;
-        let mut inputs = self.args.roles.inputs(&self.args.input);
-        inputs.light = light;
-        let needs = Needs {
-            color: goal == Goal::Enhance,
-            projection: shape.foreshortening != 0.0 || goal == Goal::Layers,
-            ..Needs::default()
-        };
-        let (loaded, read) = self.load(&inputs, needs)?;
-        let available = Available::in_frame(&loaded.frame);
-        let plan = Plan::at_scales(goal, available, shape, scaling, more_scales)?;
-        self.tell_plan(&plan)?;
-        let outcome = cpu::run(&plan, &loaded.frame);
-        Ok(Done {
-            loaded,
-            outcome,
-            read,
-        })
+    }
+
+    /// A frame of a sequence, number `index` among those of this run.
+    pub(super) fn in_sequence(
+        work: WorkArgs,
+        frame: i32,
+        index: usize,
+        told: &'a Told,
+        recipe: &'a RecipeText,
+    ) -> Self {
+        Self {
+            frame: Some(frame),
+            index: Some(index),
+            ..Self::new(work, told, recipe)
+        }
+    }
+
+    /// The same, to be made only so that the next ones can be: nothing is written.
+    pub(super) fn without_output(self) -> Self {
+        Self {
+            writes: false,
+            ..self
+        }
+    }
+
+    /// A frame that is looked at for what is chosen automatically: nothing is written.
+    pub(super) fn to_choose(
+        work: WorkArgs,
+        frame: i32,
+        told: &'a Told,
+        recipe: &'a RecipeText,
+    ) -> Self {
+        Self {
+            frame: Some(frame),
+            writes: false,
+            ..Self::new(work, told, recipe)
+        }
+    }
+
+    /// Whether the frame goes on from those before it, of a sequence that is being made.
+    pub(super) fn follows(&self) -> bool {
+        self.index.is_some_and(|index| index > 0)
+    }
+
+    /// Whether it is one of a sequence that is being made, rather than looked at.
+    pub(super) fn is_in_sequence(&self) -> bool {
+        self.index.is_some()
+    }
+
+    /// Runs `pass` after all frames before this one have passed the same point.
+    pub(super) fn in_turn<T>(&self, pass: impl FnOnce() -> T) -> T {
+        match self.index {
+            Some(index) => self.told.turns.in_turn(index, pass),
+            None => pass(),
+        }
     }
 
     /// Reads the frame, and says what was concluded.
@@ -89,25 +113,46 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let loaded = io::load(inputs, needs)?;
         let read = start.elapsed();
-        self.tell_findings(&loaded);
-        Ok((loaded, read))
-    }
-
-    fn tell_findings(&self, loaded: &Loaded) {
-        if self.args.run.verbose {
+        if self.work.run.verbose && self.tells() {
             for finding in &loaded.findings {
-                message::say(&message::finding_line(finding));
+                self.told.say(&message::finding_line(finding));
             }
         }
         for warning in &loaded.warnings {
-            let text = format!("{}: {warning}", self.args.input.display());
-            message::warning(self.args.run.quiet, &text);
+            self.say_once("warning", warning, true);
         }
+        Ok((loaded, read))
+    }
+
+    /// Whether what concerns all frames is said now: with the first one.
+    fn tells(&self) -> bool {
+        match self.index {
+            None => self.frame.is_none() || self.work.output.output.is_none(),
+            Some(index) => index == 0,
+        }
+    }
+
+    /// Says a warning, unless it was said of another frame.
+    pub(super) fn warn(&self, text: &str) {
+        self.say_once("warning", text, false);
+    }
+
+    fn say_once(&self, kind: &str, text: &str, with_name: bool) {
+        let is_looked_at = self.index.is_none() && self.frame.is_some();
+        let is_made_later = is_looked_at && self.work.output.output.is_some();
+        if self.work.run.quiet || is_made_later || !self.told.is_new(text) {
+            return;
+        }
+        let name = match with_name {
+            true => format!("{}: ", self.work.input.display()),
+            false => String::new(),
+        };
+        self.told.say(&format!("{kind}: {name}{text}"));
     }
 
     /// Prints the plan, where asked to.
     pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
-        if self.args.run.explain {
+        if self.work.run.explain && self.tells() {
             let lines = plan
                 .decisions()
                 .iter()
@@ -117,110 +162,92 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
-    /// Writes colours to a display file and ends the run.
-    pub(super) fn write_picture(
-        &self,
-        done: &Done,
-        format: PictureFormat,
-        picture: &Picture,
-    ) -> Result<()> {
-        let path = &self.args.output.output;
-        let start = Instant::now();
-        write_atomically(path, !self.args.output.no_clobber, |w| {
-            write_picture(w, path, format, picture)
-        })?;
-        self.finish(done, start.elapsed())
+    /// Writes the picture that was made of the frame's own, and ends the frame.
+    pub(super) fn write_color(&self, done: &Done, color: &ColorPlanes) -> Result<Chosen> {
+        let (loaded, alpha) = (&done.loaded, done.loaded.frame.alpha.as_ref());
+        let output = &self.work.output;
+        match output.kind()? {
+            Kind::Exr => {
+                let sample_type = match output.depth_of_output {
+                    Some(chosen) => chosen.into(),
+                    None if loaded.color_is_half => OutputType::Half,
+                    None => OutputType::Float,
+                };
+                let layer = output.color_layer(loaded);
+                self.write_exr(done, color_channels(layer, color, alpha, sample_type))
+            }
+            Kind::Picture(_) => {
+                let picture = Picture {
+                    color,
+                    alpha,
+                    grey: false,
+                    bits: if loaded.photo_bits == Some(16) { 16 } else { 8 },
+                    transform: output.view_transform.into(),
+                };
+                self.write_picture(done, &picture)
+            }
+        }
     }
 
-    /// Writes planes to an EXR and ends the run.
-    pub(super) fn write_exr(&self, done: &Done, channels: Vec<OutputChannel>) -> Result<()> {
-        let start = Instant::now();
-        write_exr(&self.args.output, &done.loaded, channels)?;
-        self.finish(done, start.elapsed())
+    /// Writes colours to a display file and ends the frame.
+    pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
+        self.write(done, |output| {
+            let ReadyOutput { path, clobber } = output;
+            let Kind::Picture(format) = Kind::of(path)? else {
+                unreachable!("layers go to an EXR")
+            };
+            write_atomically(path, clobber, |w| write_picture(w, path, format, picture))
+        })
     }
 
-    /// Writes a drawing in lines and ends the run.
-    pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<()> {
-        let path = &self.args.output.output;
-        let start = Instant::now();
-        write_atomically(path, !self.args.output.no_clobber, |w| {
-            svg::write_svg(w, path, drawing)
-        })?;
-        self.finish(done, start.elapsed())
+    /// Writes planes to an EXR and ends the frame.
+    pub(super) fn write_exr(&self, done: &Done, channels: Vec<OutputChannel>) -> Result<Chosen> {
+        self.write(done, |output| {
+            let recipe = self.recipe.with(&Chosen::of(done));
+            self.work
+                .output
+                .write_exr(output, &done.loaded, channels, recipe)
+        })
     }
 
-    /// Writes the timings and says what was done.
-    fn finish(&self, done: &Done, write: Duration) -> Result<()> {
-        let Done {
-            loaded,
-            outcome,
-            read,
-        } = done;
+    /// Writes a drawing in lines and ends the frame.
+    pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<Chosen> {
+        self.write(done, |ReadyOutput { path, clobber }| {
+            write_atomically(path, clobber, |w| svg::write_svg(w, path, drawing))
+        })
+    }
+
+    /// Writes through `write` where there is anything to be written, then the timings, and says what was done.
+    fn write(&self, done: &Done, write: impl FnOnce(ReadyOutput) -> Result<()>) -> Result<Chosen> {
+        let chosen = Chosen::of(done);
+        let Some(path) = self.work.output.output.as_deref().filter(|_| self.writes) else {
+            return Ok(chosen);
+        };
+        let start = Instant::now();
+        let clobber = !self.work.output.no_clobber;
+        write(ReadyOutput { path, clobber })?;
+        self.write_timings(done, start.elapsed())?;
+        if !self.work.run.quiet && !self.told.is_sequence() {
+            let words = chosen.in_words();
+            let comma = if words.is_empty() { "" } else { ", " };
+            let seconds = self.started.elapsed().as_secs_f64();
+            let path = path.display();
+            self.told
+                .say(&format!("{path}: {words}{comma}{seconds:.2} s"));
+        }
+        Ok(chosen)
+    }
+
+    fn write_timings(&self, done: &Done, write: Duration) -> Result<()> {
+        let Some(path) = &self.work.run.timings else {
+            return Ok(());
+        };
         let total = self.started.elapsed();
-        if let Some(path) = &self.args.run.timings {
-            let text = timings_json(&loaded.frame, outcome, *read, write, total);
-            write_atomically(path, true, |w| {
-                std::io::Write::write_all(w, text.as_bytes()).map_err(Error::io(path, "write"))
-            })?;
-        }
-        if !self.args.run.quiet {
-            let gain = outcome
-                .gain
-                .map(|gain| format!("curvature gain {gain:.3}, "));
-            let white = outcome
-                .white_level
-                .map(|white| format!("white level {white:.4}, "));
-            let whites = outcome.term_white_levels.iter();
-            let whites = whites.map(|(term, white)| format!("white level {term} {white:.4}, "));
-            let environment = outcome
-                .environment_gain
-                .map(|gain| format!("environment gain {gain:.4}, "));
-            let drawing = outcome.drawing.as_ref();
-            let paper = drawing.map(|drawing| format!("white point {:.4}, ", drawing.white_point));
-            let chosen = gain.into_iter().chain(white).chain(paper).chain(whites);
-            let chosen: String = chosen.chain(environment).collect();
-            let path = self.args.output.output.display();
-            message::say(&format!("{path}: {chosen}{:.2} s", total.as_secs_f64()));
-        }
-        Ok(())
+        let text = timings_json(&done.loaded.frame, &done.outcome, done.read, write, total);
+        write_atomically(path, true, |w| {
+            std::io::Write::write_all(w, text.as_bytes()).map_err(Error::io(path, "write"))
+        })
     }
-}
-
-/// No output may be one of `inputs`.
-pub(super) fn refuse_inputs<'a>(
-    args: &WorkArgs,
-    inputs: impl Iterator<Item = &'a Path> + Clone,
-) -> Result<()> {
-    refuse_overwriting_input("-o", &args.output.output, inputs.clone())?;
-    match &args.run.timings {
-        Some(timings) => refuse_overwriting_input("--timings", timings, inputs),
-        None => Ok(()),
-    }
-}
-
-/// No output may be an input or another output, nor an older file that must stay, nor out of reach.
-fn refuse_collisions(args: &WorkArgs) -> Result<()> {
-    let output = &args.output.output;
-    let inputs = args.roles.files(&args.input);
-    let inputs = inputs.iter().map(PathBuf::as_path);
-    refuse_inputs(args, inputs)?;
-    if let Some(timings) = &args.run.timings
-        && timings == output
-    {
-        return Err(Error::BadParameter {
-            name: "--timings",
-            found: format!("{} is the output too", timings.display()),
-            remedy: "write to another file".into(),
-        });
-    }
-    if args.output.no_clobber && output.exists() {
-        return Err(Error::BadParameter {
-            name: "-o",
-            found: format!("{} exists already", output.display()),
-            remedy: "choose another name or leave out --no-clobber".into(),
-        });
-    }
-    check_writable(output, true)
 }
 
 fn timings_json(

@@ -1,6 +1,7 @@
 //! The flags of `enhance` that name layers of light.
 
 use super::args::ScalingFlags;
+use super::sequence::numbered;
 use crate::io::inputs::{GroupInput, LightInputs, LobeChoice};
 use crate::light::lights::direction_of;
 use clap::{Args, ValueEnum};
@@ -70,7 +71,12 @@ impl FromStr for GroupDirection {
 
 impl LightLayerFlags {
     /// What light to read, of which only that is wanted which `scaling` changes.
-    pub(super) fn inputs(&self, scaling: &ScalingFlags) -> LightInputs {
+    /// In a sequence the names are those of one frame.
+    pub(super) fn inputs(&self, scaling: &ScalingFlags, frame: Option<i32>) -> LightInputs {
+        let named = |name: &Option<String>| {
+            let name = name.as_deref()?;
+            Some(frame.map_or_else(|| name.into(), |frame| numbered(name, frame)))
+        };
         let magnitudes = scaling.magnitudes();
         let ambient = scaling.ambient().is_some_and(|g| g > 0.0);
         let mut groups: Vec<GroupInput> = Vec::new();
@@ -91,18 +97,22 @@ impl LightLayerFlags {
             },
             without_diffuse: magnitudes.diffuse == 0.0 && !ambient,
             without_specular: magnitudes.specular == 0.0,
-            diffuse: self.diffuse.clone(),
-            specular: self.specular.clone(),
-            albedo: self.albedo.clone(),
+            diffuse: named(&self.diffuse),
+            specular: named(&self.specular),
+            albedo: named(&self.albedo),
             groups,
             occlusion: ambient,
         }
     }
 
-    /// Every input that is a file of its own.
-    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
+    /// Every input that is a file of its own, of one frame in a sequence.
+    pub(super) fn files(&self, frame: Option<i32>) -> impl Iterator<Item = PathBuf> {
         let named = [&self.diffuse, &self.specular, &self.albedo];
-        let named = named.into_iter().flatten().map(PathBuf::from);
+        let of_frame = move |name: &String| match frame {
+            Some(frame) => numbered(name, frame).into(),
+            None => PathBuf::from(name),
+        };
+        let named = named.into_iter().flatten().map(of_frame);
         named.filter(|path| path.exists())
     }
 }

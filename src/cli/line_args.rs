@@ -1,7 +1,7 @@
 //! The names of `hatch`. Every default is read from `params`.
 
+use super::motion::MotionArg;
 use super::relight_args::{RelightArgs, mirrored};
-use super::sequence::SequenceArgs;
 use crate::params::{
     Adaptive, ContourParams, Fallback, FieldParams, LineParams, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneParams,
@@ -25,7 +25,7 @@ pub(super) struct HatchArgs {
     #[command(flatten)]
     contours: ContourFlags,
     #[command(flatten)]
-    pub(super) sequence: SequenceArgs,
+    pub(super) motion: MotionArg,
 }
 
 /// What becomes light and dark.

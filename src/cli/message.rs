@@ -8,14 +8,18 @@ use std::path::Path;
 
 /// Prints an error as one line.
 pub(super) fn error(error: &Error) {
-    let line = error.to_string().replace('\n', " ");
-    say(&format!("error: {line}"));
+    say(&format!("error: {}", line_of(error)));
+}
+
+/// An error as one line.
+pub(super) fn line_of(error: &Error) -> String {
+    error.to_string().replace('\n', " ")
 }
 
 /// 2 for what the user can mend on the command line, 1 for everything else.
 pub(super) fn exit_code(error: &Error) -> i32 {
     match error {
-        Error::BadParameter { .. } => 2,
+        Error::BadParameter { .. } | Error::Recipe { .. } => 2,
         _ => 1,
     }
 }

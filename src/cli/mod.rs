@@ -1,14 +1,21 @@
 //! The command line: arguments in, files and messages out.
 
 mod args;
+mod chosen;
 mod enhance;
+mod frames;
 mod hatch;
 mod inspect;
+mod invocation;
 mod job;
 mod light_layers;
 mod line_args;
+mod memory;
 mod message;
+mod motion;
 mod output;
+mod progress;
+pub mod recipe;
 mod relight;
 mod relight_args;
 mod report;
@@ -16,29 +23,43 @@ mod role_args;
 mod sequence;
 mod shape;
 mod specular_args;
+mod stop;
+mod threads;
+mod told;
 
-use args::{Cli, Command};
-use clap::Parser;
+use crate::error::Result;
+use args::{Command, EnhanceArgs, WorkArgs};
+use invocation::Invocation;
+use line_args::HatchArgs;
+use recipe::Recipe;
+use relight_args::RelightArgs;
 
-/// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused.
+/// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused, 3 some frames of a
+/// sequence failed, 130 and 143 stopped by a signal.
 pub fn run() -> i32 {
-    let command = match Cli::try_parse() {
-        Ok(cli) => cli.command,
-        Err(error) => return message::misuse(&error),
+    let typed = Invocation::of(std::env::args_os());
+    run_typed(&typed).unwrap_or_else(|error| {
+        message::error(&error);
+        message::exit_code(&error)
+    })
+}
+
+fn run_typed(typed: &Invocation) -> Result<i32> {
+    let command = match typed.parse() {
+        Ok(parsed) => parsed.cli.command,
+        Err(error) => return Ok(message::misuse(&error)),
     };
-    let result = match &command {
-        Command::Inspect(args) => inspect::run(args),
-        Command::Shape(args) => shape::run(args),
-        Command::Enhance(args) => enhance::run(args),
-        Command::Relight(args) => relight::run(args),
-        Command::Hatch(args) => hatch::run(args),
-        Command::Report(args) => report::run(args),
-    };
-    match result {
-        Ok(()) => 0,
-        Err(error) => {
-            message::error(&error);
-            message::exit_code(&error)
+    match &command {
+        Command::Inspect(args) => inspect::run(args).map(|()| 0),
+        Command::Report(args) => report::run(args).map(|()| 0),
+        Command::Schema => message::result(&format!("{:#}\n", recipe::schema())).map(|()| 0),
+        Command::Shape(_) => frames::run::<WorkArgs>(typed),
+        Command::Enhance(_) => frames::run::<EnhanceArgs>(typed),
+        Command::Relight(_) => frames::run::<RelightArgs>(typed),
+        Command::Hatch(_) => frames::run::<HatchArgs>(typed),
+        Command::Run(args) => {
+            let recipe = Recipe::read(&args.recipe)?;
+            run_typed(&typed.of_recipe(&recipe, &args.rest)?)
         }
     }
 }

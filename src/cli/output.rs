@@ -1,13 +1,13 @@
 //! From planes to the output file.
 
-use super::args::{LayersArg, OutputArgs, SampleArg};
+use super::args::{LayersArg, OutputArgs, SampleArg, WorkArgs};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane};
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputPart, OutputType, append_part, write_results};
-use crate::io::output::write_atomically;
+use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
 use crate::io::picture::PictureFormat;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the part that holds our results, and of the layer that holds the enhanced picture in it.
 const PART: &str = "relievo";
@@ -17,6 +17,13 @@ const PART: &str = "relievo";
 pub(super) enum Kind {
     Exr,
     Picture(PictureFormat),
+}
+
+/// Where a result goes.
+pub(super) struct ReadyOutput<'a> {
+    pub(super) path: &'a Path,
+    /// Whether an older file may be replaced.
+    pub(super) clobber: bool,
 }
 
 impl Kind {
@@ -36,37 +43,81 @@ impl Kind {
     }
 }
 
-/// Writes planes to an EXR: beside the input's own where there are any to keep, else alone.
-pub(super) fn write_exr(
-    args: &OutputArgs,
-    loaded: &Loaded,
-    channels: Vec<OutputChannel>,
-) -> Result<()> {
-    let path = &args.output;
-    let frame = &loaded.frame;
-    let part = OutputPart {
-        name: PART.into(),
-        data_window: frame.data_window,
-        display_window: frame.display_window,
-        pixel_aspect: frame.pixel_aspect,
-        channels,
-        attributes: vec![(
-            "software".into(),
-            format!("relievo {}", env!("CARGO_PKG_VERSION")),
-        )],
-        chromaticities: loaded.exr().and_then(|file| file.chromaticities),
-    };
-    let kept = loaded.exr().filter(|_| args.layers == LayersArg::Keep);
-    write_atomically(path, !args.no_clobber, |w| match kept {
-        Some(input) => append_part(input, w, path, &part),
-        None => write_results(w, path, &part),
-    })
+impl OutputArgs {
+    /// The kind of the output; a picture where there is none.
+    pub(super) fn kind(&self) -> Result<Kind> {
+        match &self.output {
+            Some(path) => Kind::of(path),
+            None => Ok(Kind::Picture(PictureFormat::Png)),
+        }
+    }
+
+    /// The prefix of our colour channels: none in a file of our own, where they are the picture.
+    pub(super) fn color_layer(&self, loaded: &Loaded) -> Option<&'static str> {
+        let beside = loaded.exr().is_some() && self.layers == LayersArg::Keep;
+        beside.then_some(PART)
+    }
+
+    /// Writes planes to an EXR: beside the input's own where there are any to keep, else alone.
+    pub(super) fn write_exr(
+        &self,
+        ReadyOutput { path, clobber }: ReadyOutput,
+        loaded: &Loaded,
+        channels: Vec<OutputChannel>,
+        recipe: String,
+    ) -> Result<()> {
+        let frame = &loaded.frame;
+        let software = format!("relievo {}", env!("CARGO_PKG_VERSION"));
+        let part = OutputPart {
+            name: PART.into(),
+            data_window: frame.data_window,
+            display_window: frame.display_window,
+            pixel_aspect: frame.pixel_aspect,
+            channels,
+            attributes: vec![
+                ("software".into(), software),
+                ("relievo.recipe".into(), recipe),
+            ],
+            chromaticities: loaded.exr().and_then(|file| file.chromaticities),
+        };
+        let kept = loaded.exr().filter(|_| self.layers == LayersArg::Keep);
+        write_atomically(path, clobber, |w| match kept {
+            Some(input) => append_part(input, w, path, &part),
+            None => write_results(w, path, &part),
+        })
+    }
 }
 
-/// The prefix of our colour channels: none in a file of our own, where they are the picture.
-pub(super) fn color_layer(args: &OutputArgs, loaded: &Loaded) -> Option<&'static str> {
-    let beside = loaded.exr().is_some() && args.layers == LayersArg::Keep;
-    beside.then_some(PART)
+/// No output may be one of `inputs` or another output, nor an older file that must stay, nor out of reach.
+pub(super) fn check_output(work: &WorkArgs, inputs: &[PathBuf]) -> Result<()> {
+    let paths = || inputs.iter().map(PathBuf::as_path);
+    let others = [
+        ("--timings", &work.run.timings),
+        ("--save-recipe", &work.run.save_recipe),
+    ];
+    for (name, path) in others {
+        let Some(path) = path else { continue };
+        refuse_overwriting_input(name, path, paths())?;
+        if Some(path) == work.output.output.as_ref() {
+            return Err(Error::BadParameter {
+                name,
+                found: format!("{} is the output too", path.display()),
+                remedy: "write to another file".into(),
+            });
+        }
+    }
+    let Some(output) = &work.output.output else {
+        return Ok(());
+    };
+    refuse_overwriting_input("-o", output, paths())?;
+    if work.output.no_clobber && output.exists() {
+        return Err(Error::BadParameter {
+            name: "-o",
+            found: format!("{} exists already", output.display()),
+            remedy: "choose another name or leave out --no-clobber".into(),
+        });
+    }
+    check_writable(output, true)
 }
 
 /// Colour planes as channels, with alpha where the picture has one.

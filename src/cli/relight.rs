@@ -1,17 +1,16 @@
 //! `relievo relight`.
 
+use super::args::WorkArgs;
+use super::chosen::Chosen;
 use super::enhance::dark_rims;
-use super::job::{Done, Job, refuse_inputs};
-use super::message;
-use super::output::{Kind, color_channels, color_layer};
+use super::frames::FrameCommand;
+use super::job::{Done, Job};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use crate::backend::cpu::Runner;
 use crate::error::{Error, Result};
 use crate::frame::SpecularScene;
 use crate::io::environment::{read_environment, read_lit_sphere};
-use crate::io::exr::OutputType;
-use crate::io::inputs::{LightInputs, LobeChoice};
-use crate::io::picture::Picture;
+use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
 use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
@@ -20,60 +19,92 @@ use crate::plan::{Available, LightKinds, Plan};
 use glam::Vec3;
 use std::path::PathBuf;
 
-pub(super) fn run(args: &RelightArgs) -> Result<()> {
-    let work = &args.work;
-    let files: Vec<_> = args.files().collect();
-    refuse_inputs(work, files.iter().map(PathBuf::as_path))?;
-    let kind = Kind::of(&work.output.output)?;
-    let job = Job::new(work)?;
-    work.shape.refuse_more_scales()?;
-    let (shape, params) = (work.shape.params(), args.params());
-    let scaling = args.scaling.params(work.shape.curvature_gain);
-    shape.validate()?;
-    scaling.validate()?;
-    params.validate()?;
+/// What all frames that are lit anew have in common.
+pub(super) struct RelightKit {
+    illumination: Illumination,
+    runner: Runner,
+}
 
-    let illumination = illumination(&args.light)?;
-    let mut inputs = work.roles.inputs(&work.input);
-    inputs.albedo.clone_from(&args.material.albedo);
-    inputs.light = Some(LightInputs {
-        lobes: LobeChoice::Off,
-        occlusion: args.dims_by_occlusion(),
-        ..LightInputs::default()
-    });
-    let (mut loaded, read) =
-        job.load(&inputs, needs(&params, shape.foreshortening, &illumination))?;
-    let specular = args.specular.inputs();
-    let scene = match specular.is_empty() {
-        true => None,
-        false => Some(specular_scene(&specular, &params, &mut loaded)?),
-    };
-    let traced = scene
-        .as_ref()
-        .map(|_| args.specular.params(&params.material));
-    let available = Available {
-        specular: traced.transpose()?,
-        ..Available::in_frame(&loaded.frame)
-    };
-    let kinds = LightKinds::in_light(&illumination);
-    let plan = Plan::relight(available, shape, scaling, params, kinds)?;
-    job.tell_plan(&plan)?;
-    if params.method.scales() {
-        for warning in dark_rims(&scaling) {
-            message::warning(work.run.quiet, &warning);
-        }
+impl FrameCommand for RelightArgs {
+    type Kit = RelightKit;
+
+    fn work(&self) -> &WorkArgs {
+        &self.work
     }
-    let runner = Runner::default();
-    let outcome = match &scene {
-        Some(scene) => runner.relight_specular(&plan, &loaded.frame, &illumination, scene),
-        None => runner.relight(&plan, &loaded.frame, &illumination),
-    };
-    let done = Done {
-        loaded,
-        outcome,
-        read,
-    };
-    write(args, &job, kind, &done)
+
+    fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
+        RelightArgs::files(self, frame)
+    }
+
+    fn prepare(&self) -> Result<RelightKit> {
+        let work = &self.work;
+        work.output.kind()?;
+        work.shape.refuse_more_scales()?;
+        self.scaling.params(work.shape.curvature_gain).validate()?;
+        self.params().validate()?;
+        Ok(RelightKit {
+            illumination: illumination(&self.light)?,
+            runner: Runner::default(),
+        })
+    }
+
+    fn make(&self, kit: &RelightKit, job: &Job) -> Result<Chosen> {
+        let RelightKit {
+            illumination,
+            runner,
+        } = kit;
+        let (shape, params) = (self.work.shape.params(), self.params());
+        let scaling = self.scaling.params(self.work.shape.curvature_gain);
+        let needs = needs(&params, shape.foreshortening, illumination);
+        let (mut loaded, read) = job.load(&self.inputs(job), needs)?;
+        let specular = self.specular.of_frame(job.frame).inputs();
+        let scene = match specular.is_empty() {
+            true => None,
+            false => Some(specular_scene(&specular, &params, &mut loaded)?),
+        };
+        let traced = scene
+            .as_ref()
+            .map(|_| self.specular.params(&params.material));
+        let available = Available {
+            specular: traced.transpose()?,
+            ..Available::in_frame(&loaded.frame)
+        };
+        let kinds = LightKinds::in_light(illumination);
+        let plan = Plan::relight(available, shape, scaling, params, kinds)?;
+        job.tell_plan(&plan)?;
+        if params.method.scales() {
+            for warning in dark_rims(&scaling) {
+                job.warn(&warning);
+            }
+        }
+        let outcome = match &scene {
+            Some(scene) => runner.relight_specular(&plan, &loaded.frame, illumination, scene),
+            None => runner.relight(&plan, &loaded.frame, illumination),
+        };
+        let done = Done {
+            loaded,
+            outcome,
+            read,
+        };
+        let color = done.outcome.color.as_ref().expect("light makes a picture");
+        let chosen = job.write_color(&done, color)?;
+        runner.take_back(done.outcome);
+        Ok(chosen)
+    }
+}
+
+impl RelightArgs {
+    /// What is read of a frame to be lit anew.
+    pub(super) fn inputs(&self, job: &Job) -> Inputs {
+        let mut inputs = job.work.roles.inputs(&job.work.input);
+        inputs.albedo = self.albedo_of_frame(job.frame);
+        inputs.light = Some(LightInputs {
+            lobes: LobeChoice::Off,
+            occlusion: self.dims_by_occlusion(),
+            ..LightInputs::default()
+        });
+        inputs
+    }
 }
 
 /// What mirrors and lenses show, for materials that are either.
@@ -188,36 +219,4 @@ fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = Directiona
             to_light,
             intensity,
         })
-}
-
-fn write(args: &RelightArgs, job: &Job, kind: Kind, done: &Done) -> Result<()> {
-    let work = &args.work;
-    let color = done.outcome.color.as_ref().expect("light makes a picture");
-    let frame = &done.loaded.frame;
-    let alpha = frame.alpha.as_ref();
-    match kind {
-        Kind::Picture(format) => {
-            let sixteen = done.loaded.photo_bits == Some(16);
-            job.write_picture(
-                done,
-                format,
-                &Picture {
-                    color,
-                    alpha,
-                    grey: false,
-                    bits: if sixteen { 16 } else { 8 },
-                    transform: work.output.view_transform.into(),
-                },
-            )
-        }
-        Kind::Exr => {
-            let sample_type = match work.output.depth_of_output {
-                Some(chosen) => chosen.into(),
-                None if done.loaded.color_is_half => OutputType::Half,
-                None => OutputType::Float,
-            };
-            let layer = color_layer(&work.output, &done.loaded);
-            job.write_exr(done, color_channels(layer, color, alpha, sample_type))
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! The names of `relight`. Every default is read from `params`.
 
 use super::args::{ScalingFlags, WorkArgs};
+use super::sequence::numbered;
 use super::specular_args::SpecularFlags;
 use crate::params::{
     Adaptive, AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples,
@@ -289,14 +290,21 @@ impl RelightArgs {
         self.light.environment.is_some() || self.light.ambient > 0.0
     }
 
-    /// Files that only this command reads.
-    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
-        let albedo = self.material.albedo.as_ref().map(PathBuf::from);
+    /// The layer or file of the surface's colour that was named, for one frame of a sequence.
+    pub(super) fn albedo_of_frame(&self, frame: Option<i32>) -> Option<String> {
+        let name = self.material.albedo.as_deref()?;
+        Some(frame.map_or_else(|| name.into(), |frame| numbered(name, frame)))
+    }
+
+    /// Files that only this command reads, of one frame in a sequence.
+    pub(super) fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
+        let albedo = self.albedo_of_frame(frame).map(PathBuf::from);
         let lights = self.light.environment.iter().chain(&self.light.lit_sphere);
         albedo
             .filter(|path| path.exists())
             .into_iter()
             .chain(lights.cloned())
-            .chain(self.specular.files())
+            .chain(self.specular.of_frame(frame).files())
+            .collect()
     }
 }

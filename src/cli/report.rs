@@ -2,7 +2,9 @@
 
 use super::args::ReportArgs;
 use super::message;
-use super::sequence::{Steps, inputs_of_frame};
+use super::motion::Steps;
+use super::sequence::inputs_of_frame;
+use super::threads::use_threads;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
 use crate::io::output::{refuse_overwriting_input, write_atomically};
@@ -10,6 +12,8 @@ use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
 use crate::report::{Extent, Report, advice, markdown, plots, run as measure};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -19,14 +23,9 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
     args.shape.refuse_more_scales()?;
     let shape = args.shape.params();
     shape.validate()?;
-    if let Some(threads) = args.threads {
-        // A pool that exists already, in a program that calls this twice, keeps its size.
-        let _ = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global();
-    }
+    use_threads(args.threads);
     refuse_collisions(args)?;
-    let frames = args.sequence.frames(&args.input, None)?;
+    let frames = args.frames.of(&args.input, None)?;
     let first = match frames {
         Some(frames) => inputs_of_frame(&args.roles, &args.input, frames[0]),
         None => args.roles.inputs(&args.input),
@@ -87,10 +86,16 @@ fn load(args: &ReportArgs, inputs: &Inputs) -> Result<Loaded> {
 /// How well drawings of the frames follow each other.
 fn coherence(
     args: &ReportArgs,
-    frames: &[u32],
+    frames: &[i32],
     shape: ShapeParams,
 ) -> Result<Option<coherence::Coherence>> {
     let mut steps = Steps::default();
+    let told = RefCell::new(BTreeSet::new());
+    let tell = |text: &str| {
+        if told.borrow_mut().insert(text.to_string()) {
+            message::warning(args.quiet, text);
+        }
+    };
     let moving = frames.iter().map(|&number| {
         let mut inputs = inputs_of_frame(&args.roles, &args.input, number);
         let needs = Needs {
@@ -99,12 +104,12 @@ fn coherence(
             motion: steps.has_begun(),
             ..Needs::default()
         };
-        inputs.motion = args.sequence.motion_of(number).filter(|_| needs.motion);
+        inputs.motion = args.motion.of_frame(number).filter(|_| needs.motion);
         let mut loaded = io::load(&inputs, needs)?;
-        let motion = steps.motion(number, &mut loaded, args.quiet);
+        let motion = steps.motion(number, &mut loaded, &tell);
         Ok(MovingFrame {
             number,
-            motion: motion.filter(|_| args.sequence.moves()),
+            motion: motion.filter(|_| args.motion.moves()),
             frame: loaded.frame,
         })
     });

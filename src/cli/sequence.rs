@@ -1,138 +1,168 @@
-//! Frame by frame: the names of a sequence, and what moved between its frames.
+//! Frame by frame: which frames, and the names of their files.
 
 use super::args::WorkArgs;
-use super::message;
 use super::role_args::RoleArgs;
-use crate::error::Result;
-use crate::frame::{AWAY, Camera, Vector2Planes, static_world_motion};
+use crate::error::{Error, Result};
+use crate::io::inputs::Inputs;
 use crate::io::sequence::{FrameList, frames_of, of_frame, path_of_frame};
-use crate::io::{Loaded, inputs::Inputs};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-/// Which frames, and what moves between them.
+/// Frames looked at for what is chosen automatically.
+const SAMPLES: usize = 5;
+
+/// Which frames.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sequence")]
+pub(super) struct FramesArg {
+    /// Frames of a sequence, whose numbers go where IN and -o have #### or %04d: 1-12, every second one
+    /// 1-12x2 or 1-12:2, the others 1-12y2, or 1,5,9.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    frames: Option<FrameList>,
+}
+
+/// How a sequence is gone through.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub(super) struct SequenceArgs {
-    /// Frames of a sequence, whose numbers go where IN and -o have #### or %04d: 1-12, every second one
-    /// 1-12x2, or 1,5,9.
-    #[arg(long, value_name = "LIST")]
-    frames: Option<FrameList>,
-    /// Motion, by which strokes move with the surface: a layer of IN or a file, in pixels, y up, previous
-    /// minus current. Where not given it is looked for, and taken from depth and camera where there is none;
-    /// none lets strokes lie still in the picture.
-    #[arg(long, value_name = "NAME|FILE|none", requires = "frames")]
-    motion: Option<String>,
+    #[command(flatten)]
+    frames: FramesArg,
+    /// Frames that all which is automatic is chosen from, once for all: five across --frames where not given;
+    /// none lets each frame choose for itself.
+    #[arg(
+        long,
+        value_name = "LIST|none",
+        requires = "frames",
+        allow_hyphen_values = true
+    )]
+    sample_frames: Option<Samples>,
+    /// Leave frames alone whose output is there and whole.
+    #[arg(long, requires = "frames")]
+    pub(super) skip_existing: bool,
+    /// What to do about frames that have no input.
+    #[arg(
+        long,
+        value_name = "WHAT",
+        value_enum,
+        default_value = "error",
+        requires = "frames"
+    )]
+    pub(super) missing_frame: MissingArg,
+    /// Go on after a frame that failed; the exit code is then 3.
+    #[arg(long, requires = "frames")]
+    pub(super) keep_going: bool,
 }
 
-impl SequenceArgs {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum MissingArg {
+    Error,
+    Skip,
+}
+
+/// Frames to be looked at, or none.
+#[derive(Debug, Clone)]
+struct Samples(Option<FrameList>);
+
+impl FromStr for Samples {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text {
+            "none" => Ok(Self(None)),
+            _ => text.parse().map(|list| Self(Some(list))),
+        }
+    }
+}
+
+impl FramesArg {
     /// The frames, for names that have a place for their numbers; `None` for a single picture.
     ///
     /// # Errors
-    /// [`crate::Error::BadParameter`] for frames without such names, and names without frames.
-    pub(super) fn frames(&self, input: &Path, output: Option<&Path>) -> Result<Option<&[u32]>> {
+    /// [`Error::BadParameter`] for frames without such names, and names without frames.
+    pub(super) fn of(&self, input: &Path, output: Option<&Path>) -> Result<Option<&[i32]>> {
         frames_of(self.frames.as_ref(), input, output)
     }
+}
 
-    /// Whether strokes are to move with the surface.
-    pub(super) fn moves(&self) -> bool {
-        self.motion.as_deref() != Some("none")
+impl SequenceArgs {
+    /// The frames among `frames` to be looked at, or others that were asked for.
+    pub(super) fn samples(&self, frames: &[i32]) -> Vec<i32> {
+        match &self.sample_frames {
+            Some(Samples(None)) => Vec::new(),
+            Some(Samples(Some(list))) => list.numbers().to_vec(),
+            None => spread(frames),
+        }
     }
+}
 
-    /// The layer or file of motion that was named, for one frame.
-    pub(super) fn motion_of(&self, frame: u32) -> Option<String> {
-        let named = self.motion.as_deref().filter(|_| self.moves())?;
-        Some(numbered(named, frame))
-    }
+/// The first, the last, and some between them.
+fn spread(frames: &[i32]) -> Vec<i32> {
+    let last = frames.len() - 1;
+    let count = SAMPLES.min(frames.len());
+    let place = |i: usize| i * last / (count - 1).max(1);
+    (0..count).map(|i| frames[place(i)]).collect()
 }
 
 /// A name with the number in its place, if it has one.
-pub(super) fn numbered(name: &str, frame: u32) -> String {
+pub(super) fn numbered(name: &str, frame: i32) -> String {
     of_frame(name, frame).unwrap_or_else(|| name.into())
 }
 
-fn numbered_path(path: &Path, frame: u32) -> PathBuf {
+fn numbered_path(path: &Path, frame: i32) -> PathBuf {
     path_of_frame(path, frame).unwrap_or_else(|| path.into())
 }
 
 impl WorkArgs {
+    /// The frames asked for; `None` for a single picture.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for frames and names that do not go together, and for one file of timings.
+    pub(super) fn frames(&self) -> Result<Option<&[i32]>> {
+        let frames = self
+            .sequence
+            .frames
+            .of(&self.input, self.output.output.as_deref())?;
+        match &self.run.timings {
+            Some(path) if frames.is_some() && path_of_frame(path, 0).is_none() => {
+                Err(Error::BadParameter {
+                    name: "--timings",
+                    found: format!("{} is one file for all frames", path.display()),
+                    remedy: "put #### where their numbers go".into(),
+                })
+            }
+            _ => Ok(frames),
+        }
+    }
+
     /// The same for one frame of a sequence.
-    pub(super) fn of_frame(&self, frame: u32) -> Self {
+    pub(super) fn of_frame(&self, frame: i32) -> Self {
         let mut one = self.clone();
         one.input = numbered_path(&self.input, frame);
         one.roles.rename(|name| numbered(name, frame));
-        one.output.output = numbered_path(&self.output.output, frame);
-        let timings = &self.run.timings;
-        one.run.timings = timings.as_ref().map(|path| numbered_path(path, frame));
+        let numbered = |path: &PathBuf| numbered_path(path, frame);
+        one.output.output = self.output.output.as_ref().map(numbered);
+        one.run.timings = self.run.timings.as_ref().map(numbered);
         one
     }
 }
 
 /// [`WorkArgs::of_frame`] for inputs alone.
-pub(super) fn inputs_of_frame(roles: &RoleArgs, input: &Path, frame: u32) -> Inputs {
+pub(super) fn inputs_of_frame(roles: &RoleArgs, input: &Path, frame: i32) -> Inputs {
     let mut roles = roles.clone();
     roles.rename(|name| numbered(name, frame));
     roles.inputs(&numbered_path(input, frame))
 }
 
-/// What has to be kept of a frame to know how the next one moved.
-#[derive(Debug, Default)]
-pub(super) struct Steps {
-    before: Option<(u32, Option<Camera>)>,
-    told: bool,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Steps {
-    /// Whether there was a frame before, so that motion means something.
-    pub(super) fn has_begun(&self) -> bool {
-        self.before.is_some()
-    }
-
-    /// How far the surface of frame `number` has come since the frame before: by its own motion, else by
-    /// its depth and both cameras.
-    pub(super) fn motion(
-        &mut self,
-        number: u32,
-        loaded: &mut Loaded,
-        quiet: bool,
-    ) -> Option<Vector2Planes> {
-        let camera = loaded.frame.camera;
-        let (last, camera_before) = self.before.replace((number, camera))?;
-        let mut tell = |text: &str| {
-            if !std::mem::replace(&mut self.told, true) {
-                message::warning(quiet, text);
-            }
-        };
-        if let Some(motion) = loaded.motion.take() {
-            let step = number - last;
-            if step > 1 {
-                tell(&format!(
-                    "from frame {last} to {number} motion is taken for {step} times that since the frame before"
-                ));
-            }
-            return Some(longer(motion, step as f32));
-        }
-        let motion = camera_before.and_then(|before| static_world_motion(&loaded.frame, &before));
-        tell(match motion {
-            Some(_) => {
-                "no layer of motion: it is taken from depth and cameras, as of a world that stands still"
-            }
-            None => {
-                "neither a layer of motion nor depth with a camera: strokes lie still in the picture"
-            }
-        });
-        motion
-    }
-}
-
-/// Motion over several frames, as far as that of one tells.
-fn longer(motion: Vector2Planes, factor: f32) -> Vector2Planes {
-    let times = |m: f32| if m == AWAY { m } else { factor * m };
-    match factor == 1.0 {
-        true => motion,
-        false => Vector2Planes {
-            x: motion.x.map(times),
-            y: motion.y.map(times),
-        },
+    #[test]
+    fn samples_lie_across_the_frames() {
+        let frames: Vec<i32> = (1001..=1101).collect();
+        assert_eq!(spread(&frames), [1001, 1026, 1051, 1076, 1101]);
+        assert_eq!(spread(&[4, 9]), [4, 9]);
+        assert_eq!(spread(&[7]), [7]);
     }
 }

@@ -1,60 +1,91 @@
 //! `relievo shape`.
 
 use super::args::WorkArgs;
-use super::job::Job;
+use super::chosen::Chosen;
+use super::frames::FrameCommand;
+use super::job::{Done, Job};
 use super::output::Kind;
-use crate::backend::cpu::{Outcome, ScaleShape};
+use crate::backend::cpu::{Outcome, Runner, ScaleShape};
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
+use crate::io::Needs;
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::picture::{Picture, ViewTransform};
 use crate::params::ScalingParams;
-use crate::plan::Goal;
+use crate::plan::{Available, Goal, Plan};
+use std::path::PathBuf;
 
-pub(super) fn run(args: &WorkArgs) -> Result<()> {
-    let kind = Kind::of(&args.output.output)?;
-    let job = Job::new(args)?;
-    let goal = match kind {
-        Kind::Exr => Goal::Layers,
-        Kind::Picture(_) => Goal::Display,
-    };
-    let curvature_gain = args.shape.curvature_gain;
-    let done = job.run(
-        goal,
-        ScalingParams {
-            curvature_gain,
+impl FrameCommand for WorkArgs {
+    type Kit = Runner;
+
+    fn work(&self) -> &WorkArgs {
+        self
+    }
+
+    fn files(&self, _frame: Option<i32>) -> Vec<PathBuf> {
+        Vec::new()
+    }
+
+    fn prepare(&self) -> Result<Runner> {
+        if self.goal()? == Goal::Display {
+            self.shape.refuse_more_scales()?;
+        }
+        Ok(Runner::default())
+    }
+
+    fn make(&self, runner: &Runner, job: &Job) -> Result<Chosen> {
+        let (goal, shape) = (self.goal()?, self.shape.params());
+        let scaling = ScalingParams {
+            curvature_gain: self.shape.curvature_gain,
             ..ScalingParams::default()
-        },
-    )?;
-    match kind {
-        Kind::Picture(format) => {
-            let color = done
-                .outcome
-                .color
-                .as_ref()
-                .expect("the plan made a display");
-            // The display's colours are meant for the screen as they are.
-            let transform = ViewTransform::None;
-            job.write_picture(
-                &done,
-                format,
-                &Picture {
-                    color,
-                    alpha: None,
-                    grey: false,
-                    bits: 8,
-                    transform,
-                },
-            )
-        }
-        Kind::Exr => {
-            let stored = args
-                .output
-                .depth_of_output
-                .map_or(OutputType::Float, Into::into);
+        };
+        let needs = Needs {
+            projection: shape.foreshortening != 0.0 || goal == Goal::Layers,
+            ..Needs::default()
+        };
+        let inputs = job.work.roles.inputs(&job.work.input);
+        let (loaded, read) = job.load(&inputs, needs)?;
+        let available = Available::in_frame(&loaded.frame);
+        let scales = self.shape.more_scales();
+        let plan = Plan::at_scales(goal, available, shape, scaling, scales)?;
+        job.tell_plan(&plan)?;
+        let outcome = runner.run(&plan, &loaded.frame);
+        let done = Done {
+            loaded,
+            outcome,
+            read,
+        };
+        let chosen = self.write(job, goal, &done)?;
+        runner.take_back(done.outcome);
+        Ok(chosen)
+    }
+}
+
+impl WorkArgs {
+    fn goal(&self) -> Result<Goal> {
+        Ok(match self.output.kind()? {
+            Kind::Exr => Goal::Layers,
+            Kind::Picture(_) => Goal::Display,
+        })
+    }
+
+    fn write(&self, job: &Job, goal: Goal, done: &Done) -> Result<Chosen> {
+        if goal == Goal::Layers {
+            let stored = self.output.depth_of_output;
+            let stored = stored.map_or(OutputType::Float, Into::into);
             let channels = descriptor_channels(&done.loaded.frame, &done.outcome, stored);
-            job.write_exr(&done, channels)
+            return job.write_exr(done, channels);
         }
+        let color = done.outcome.color.as_ref();
+        let picture = Picture {
+            color: color.expect("the plan made a display"),
+            alpha: None,
+            grey: false,
+            bits: 8,
+            // The display's colours are meant for the screen as they are.
+            transform: ViewTransform::None,
+        };
+        job.write_picture(done, &picture)
     }
 }
 

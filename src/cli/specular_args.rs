@@ -1,5 +1,6 @@
 //! The names of what mirrors and lenses show. Every default is read from `params`.
 
+use super::sequence::numbered;
 use crate::error::Result;
 use crate::io::SpecularInputs;
 use crate::params::{Bend, Material, MaterialParams, SearchParams, SpecularParams};
@@ -85,8 +86,17 @@ impl SpecularFlags {
             .into_iter()
     }
 
+    /// The same with the names of one frame of a sequence.
+    pub(super) fn of_frame(&self, frame: Option<i32>) -> Self {
+        let mut one = self.clone();
+        if let Some(frame) = frame {
+            one.rename(|name| numbered(name, frame));
+        }
+        one
+    }
+
     /// Gives every layer and file the name that `name` makes of its own.
-    pub(super) fn rename(&mut self, name: impl Fn(&str) -> String) {
+    fn rename(&mut self, name: impl Fn(&str) -> String) {
         let layers = [&mut self.specular_mask, &mut self.hit_position];
         for own in layers.into_iter().flatten() {
             *own = name(own);

@@ -7,6 +7,7 @@ mod depth;
 pub mod environment;
 pub mod exr;
 mod fence;
+mod footprint;
 pub mod inputs;
 mod light_layers;
 mod load;
@@ -29,6 +30,7 @@ mod view;
 
 pub use art_map::read_art_map;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
+pub use footprint::frame_bytes;
 pub use load::{Finding, Loaded, Needs, load};
 pub use specular::{SpecularInputs, load_specular};
 pub use surroundings::read_surroundings;

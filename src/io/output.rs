@@ -1,10 +1,20 @@
 //! Output files: whole or not at all, and never in place of an input.
 
+use super::exr::{ExrFile, Limits};
 use crate::error::{Error, Result};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, SystemTime};
 use tempfile::{NamedTempFile, TempPath};
+
+/// How the names of temporary files begin and end.
+const PREFIX: &str = ".relievo-";
+const SUFFIX: &str = ".part";
+
+/// A temporary file that is younger may be held by its writer any moment.
+const JUST_MADE: Duration = Duration::from_secs(2);
 
 /// Writes the file `path` through `write`, so that it holds all of the result or is left as it was.
 ///
@@ -19,12 +29,103 @@ pub fn write_atomically(
     let failed = |source| Error::io(path, "write")(source);
     let target = check_target(path, clobber).map_err(failed)?;
     let (file, temporary) = temporary_beside(&target).map_err(failed)?.into_parts();
+    let _unfinished = Unfinished::note(&temporary);
+    // Held until the file has its name or is gone: so a file that nobody writes any more is known.
+    let _ = file.try_lock();
     let mut buffered = BufWriter::new(file);
     write(&mut buffered)?;
     buffered.flush().map_err(failed)?;
     buffered.get_ref().sync_all().map_err(failed)?;
     drop(buffered); // some systems rename no open file
     persist(temporary, &target, clobber).map_err(failed)
+}
+
+/// Temporary files that are being written.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A note of a temporary file, for as long as it is written.
+struct Unfinished(PathBuf);
+
+impl Unfinished {
+    fn note(path: &Path) -> Self {
+        if let Ok(mut all) = UNFINISHED.lock() {
+            all.push(path.into());
+        }
+        Self(path.into())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if let Ok(mut all) = UNFINISHED.lock() {
+            all.retain(|path| *path != self.0);
+        }
+    }
+}
+
+/// Removes what is being written, for a program that is about to end. Nothing can be written after it.
+pub fn drop_unfinished() {
+    if let Ok(all) = UNFINISHED.lock() {
+        for path in all.iter() {
+            // What is gone already needs no removing.
+            let _ = fs::remove_file(path);
+        }
+        // Whoever begins another file waits for the lock until the program ends.
+        std::mem::forget(all);
+    }
+}
+
+/// Removes what programs that were killed have left in `directory`: temporary files that nobody writes.
+pub fn remove_leftovers(directory: &Path) {
+    let Ok(entries) = fs::read_dir(directory) else {
+        return;
+    };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let ours = name.is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX));
+        if ours && is_left(&path) {
+            // Another program may have been faster.
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// Whether nobody holds the temporary file `path`. One that was just made may not be held yet.
+fn is_left(path: &Path) -> bool {
+    let Ok(file) = File::open(path) else {
+        return false;
+    };
+    let written = file.metadata().and_then(|data| data.modified()).ok();
+    let age = written.and_then(|at| SystemTime::now().duration_since(at).ok());
+    age.is_some_and(|age| age > JUST_MADE) && file.try_lock().is_ok()
+}
+
+/// Whether the file `path` is there and holds all that its format promises: an EXR all its blocks, a PNG, JPEG or
+/// SVG its end, others at least one byte.
+pub fn is_whole(path: &Path) -> bool {
+    let Ok(data) = fs::metadata(path) else {
+        return false;
+    };
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    let ends_with = |end: &[u8]| tail(path, end.len()).is_ok_and(|tail| tail == end);
+    data.is_file()
+        && data.len() > 0
+        && match extension.to_ascii_lowercase().as_str() {
+            "exr" => ExrFile::open(path, &Limits::default()).is_ok_and(|exr| exr.is_whole()),
+            "png" => ends_with(b"IEND\xae\x42\x60\x82"),
+            "jpg" | "jpeg" => ends_with(&[0xff, 0xd9]),
+            "svg" => ends_with(b"</svg>\n"),
+            _ => true,
+        }
+}
+
+/// The last `count` bytes of a file.
+fn tail(path: &Path, count: usize) -> io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    file.seek(SeekFrom::End(-(count as i64)))?;
+    let mut bytes = vec![0; count];
+    file.read_exact(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Refuses a `path` that [`write_atomically`] could not write to, before any work is done for it.
@@ -91,7 +192,7 @@ fn directory_of(path: &Path) -> &Path {
 /// A new file beside `target` with the rights any new file would get.
 fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".relievo-").suffix(".part");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 /// Frame numbers in order, each once.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FrameList(Vec<u32>);
+pub struct FrameList(Vec<i32>);
 
 /// More frames than anything lasts: what is beyond is a slip of the pen.
 const MOST_FRAMES: usize = 1_000_000;
 
 impl FrameList {
     /// The numbers, rising.
-    pub fn numbers(&self) -> &[u32] {
+    pub fn numbers(&self) -> &[i32] {
         &self.0
     }
 }
@@ -20,7 +20,8 @@ impl FrameList {
 impl std::str::FromStr for FrameList {
     type Err = String;
 
-    /// `7`, `1-12`, `1-12x2` for every second, and several of them with commas between.
+    /// `7`, `-3`, `1-12`, `1-12x2` or `1-12:2` for every second, `1-12y2` for the others, and several of them with
+    /// commas between.
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let mut numbers = Vec::new();
         for item in text.split(',') {
@@ -36,32 +37,47 @@ impl std::str::FromStr for FrameList {
 }
 
 /// The frames of one item of a list.
-fn frames(item: &str) -> std::result::Result<impl Iterator<Item = u32> + use<>, String> {
-    let expected = || format!("'{item}' is no list of frames; expected 7, 1-12, 1-12x2 or 1,5,9");
-    let number = |text: &str| {
-        let digits = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-        let number = text.parse::<u32>().ok().filter(|_| digits);
-        number.ok_or_else(expected)
+fn frames(item: &str) -> std::result::Result<Vec<i32>, String> {
+    let expected = || {
+        format!("'{item}' is no list of frames; expected 7, 1-12, 1-12x2, 1-12:2, 1-12y2 or 1,5,9")
     };
-    let (range, step) = match item.split_once('x') {
-        Some((range, step)) if range.contains('-') => (range, number(step)?),
-        Some(_) => return Err(expected()),
-        None => (item, 1),
+    let (first, rest) = leading_number(item).ok_or_else(expected)?;
+    let Some(rest) = rest.strip_prefix('-') else {
+        return match rest.is_empty() {
+            true => Ok(vec![first]),
+            false => Err(expected()),
+        };
     };
-    let (first, last) = match range.split_once('-') {
-        Some((first, last)) => (number(first)?, number(last)?),
-        None => (number(range)?, number(range)?),
-    };
+    let (last, rest) = leading_number(rest).ok_or_else(expected)?;
     if last < first {
         return Err(format!(
             "'{item}' runs backward; give the lower frame first"
         ));
     }
+    let mut signs = rest.chars();
+    let (sign, step) = (signs.next(), signs.as_str());
+    let (others, step) = match sign {
+        None => (false, 1),
+        Some('x' | ':' | 'y') if step.bytes().all(|b| b.is_ascii_digit()) => {
+            (sign == Some('y'), step.parse().map_err(|_| expected())?)
+        }
+        Some(_) => return Err(expected()),
+    };
     if step == 0 {
         return Err(format!("'{item}' has a step of 0; give 1 or more"));
     }
+    let in_turn = |&(place, _): &(usize, i32)| (place % step == 0) != others;
+    let all = (first..=last).enumerate().filter(in_turn);
     // One more than is allowed is enough to be told so.
-    Ok((first..=last).step_by(step as usize).take(MOST_FRAMES + 1))
+    Ok(all.map(|(_, frame)| frame).take(MOST_FRAMES + 1).collect())
+}
+
+/// The whole number that `text` begins with, a minus allowed, and what follows.
+fn leading_number(text: &str) -> Option<(i32, &str)> {
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    let count = digits.bytes().take_while(u8::is_ascii_digit).count();
+    let (number, rest) = text.split_at(text.len() - digits.len() + count);
+    Some((number.parse().ok()?, rest))
 }
 
 /// Whether `name` stands for a file of each frame: it has `##` or more, or `%d`, `%04d`.
@@ -73,7 +89,7 @@ pub fn is_pattern(name: &str) -> bool {
 
 /// The name for one frame: every row of `#` becomes the number, zeros before it up to that many digits; so
 /// does `%04d`, and `%d` without zeros. `None` where there is no place for a number.
-pub fn of_frame(name: &str, frame: u32) -> Option<String> {
+pub fn of_frame(name: &str, frame: i32) -> Option<String> {
     let mut made = String::new();
     let mut from = 0;
     for place in placeholders(name) {
@@ -85,7 +101,7 @@ pub fn of_frame(name: &str, frame: u32) -> Option<String> {
 }
 
 /// [`of_frame`] of a path.
-pub fn path_of_frame(path: &Path, frame: u32) -> Option<PathBuf> {
+pub fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
     of_frame(path.to_str()?, frame).map(PathBuf::from)
 }
 
@@ -98,7 +114,7 @@ pub fn frames_of<'a>(
     frames: Option<&'a FrameList>,
     input: &Path,
     output: Option<&Path>,
-) -> Result<Option<&'a [u32]>> {
+) -> Result<Option<&'a [i32]>> {
     let named = [("IN", Some(input)), ("-o", output)];
     let named = named.into_iter();
     let mut named = named.filter_map(|(name, path)| Some((name, path?)));
@@ -175,7 +191,7 @@ fn placeholder(text: &[u8]) -> Option<(usize, usize)> {
 mod tests {
     use super::*;
 
-    fn list(text: &str) -> std::result::Result<Vec<u32>, String> {
+    fn list(text: &str) -> std::result::Result<Vec<i32>, String> {
         text.parse().map(|FrameList(numbers)| numbers)
     }
 
@@ -190,13 +206,21 @@ mod tests {
             Ok(vec![1001, 1002, 1003, 1005])
         );
         assert_eq!(list("0003-0003"), Ok(vec![3]));
+        assert_eq!(list("1-10:3"), Ok(vec![1, 4, 7, 10]));
+        assert_eq!(list("1-10x3,20"), Ok(vec![1, 4, 7, 10, 20]));
+        assert_eq!(list("1-7y3"), Ok(vec![2, 3, 5, 6]));
+        assert_eq!(list("-3"), Ok(vec![-3]));
+        assert_eq!(list("-3-1"), Ok(vec![-3, -2, -1, 0, 1]));
+        assert_eq!(list("-5--1:2"), Ok(vec![-5, -3, -1]));
         for wrong in [
             "",
             ",",
             "a",
             "1-",
-            "-3",
-            "1--3",
+            "--3",
+            "1:2",
+            "1-5z2",
+            "1-5\u{e9}",
             "1-2-3",
             "1x2",
             "1-5x",
@@ -210,8 +234,9 @@ mod tests {
             );
         }
         assert!(list("5-1").unwrap_err().contains("backward"));
+        assert!(list("1--3").unwrap_err().contains("backward"));
         assert!(list("1-5x0").unwrap_err().contains("step of 0"));
-        assert!(list("0-4294967295").unwrap_err().contains("more than"));
+        assert!(list("0-2147483647").unwrap_err().contains("more than"));
     }
 
     #[test]
@@ -222,6 +247,8 @@ mod tests {
         assert_eq!(of("%04d/shot.%d.exr").unwrap(), "0042/shot.42.exr");
         assert_eq!(of("s_###_%3d").unwrap(), "s_042_042");
         assert_eq!(of_frame("a.##.png", 12345).unwrap(), "a.12345.png");
+        // As C prints it.
+        assert_eq!(of_frame("a.####.png", -7).unwrap(), "a.-007.png");
         for none in ["shot.exr", "100%.png", "%s.png", "%x4d", "%123d"] {
             assert_eq!(of(none), None, "{none}");
         }

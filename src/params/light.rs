@@ -62,6 +62,8 @@ pub struct ScalingParams {
     /// The scene-linear luminance that counts as intensity 1. `Auto` takes a high percentile of the
     /// surface's own. Above it every intensity scales alike.
     pub white_level: Adaptive,
+    /// White levels of single kinds of light, where these are told apart; [`ScalingParams::white_level`] for others.
+    pub term_white_levels: TermWhiteLevels,
     /// Anisotropy lambda, -1..1, where the direction of the light is known: at 1 the curvature along the
     /// light counts, at -1 that across it, at 0 their sum.
     pub anisotropy: f32,
@@ -77,7 +79,65 @@ impl Default for ScalingParams {
             invariant_point: 0.25,
             curvature_gain: Adaptive::Auto,
             white_level: Adaptive::Auto,
+            term_white_levels: TermWhiteLevels::default(),
             anisotropy: 0.0,
+        }
+    }
+}
+
+/// The kinds of light that radiance scaling tells apart.
+pub const TERMS: [&str; 7] = [
+    "ambient",
+    "diffuse",
+    "specular",
+    "transmission",
+    "subsurface",
+    "coat",
+    "sheen",
+];
+
+/// White levels by kind of light, as many as are given.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct TermWhiteLevels([Option<f32>; TERMS.len()]);
+
+impl TermWhiteLevels {
+    /// The level given for the light called `term`, one of [`TERMS`].
+    pub fn of(&self, term: &str) -> Option<f32> {
+        let index = TERMS.iter().position(|&name| name == term)?;
+        self.0[index]
+    }
+}
+
+impl FromIterator<TermWhiteLevel> for TermWhiteLevels {
+    fn from_iter<I: IntoIterator<Item = TermWhiteLevel>>(levels: I) -> Self {
+        let mut all = Self::default();
+        for TermWhiteLevel { term, level } in levels {
+            all.0[term] = Some(level);
+        }
+        all
+    }
+}
+
+/// The white level of one kind of light: `diffuse=0.4`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TermWhiteLevel {
+    /// Index into [`TERMS`].
+    term: usize,
+    level: f32,
+}
+
+impl std::str::FromStr for TermWhiteLevel {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let (name, level) = text
+            .split_once('=')
+            .ok_or("expected NAME=L, as in diffuse=0.4")?;
+        let term = TERMS.iter().position(|&term| term == name);
+        let term = term.ok_or_else(|| format!("expected one of {}", TERMS.join(", ")))?;
+        match level.parse() {
+            Ok(level) if level > 0.0 && f32::is_finite(level) => Ok(Self { term, level }),
+            _ => Err("expected a level above 0".into()),
         }
     }
 }

@@ -7,7 +7,7 @@ mod run;
 mod shape;
 mod specular;
 
-pub use light::{Adaptive, Magnitudes, ScalingParams};
+pub use light::{Adaptive, Magnitudes, ScalingParams, TERMS, TermWhiteLevel, TermWhiteLevels};
 pub use line::{
     ContourParams, Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke,
     StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams,

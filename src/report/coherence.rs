@@ -16,7 +16,7 @@ use serde::Serialize;
 #[derive(Debug)]
 pub struct MovingFrame {
     /// Its number.
-    pub number: u32,
+    pub number: i32,
     /// What is seen.
     pub frame: Frame,
     /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up.
@@ -27,7 +27,7 @@ pub struct MovingFrame {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Row {
     /// Number of the later frame.
-    pub frame: u32,
+    pub frame: i32,
     /// Mean length of the motion, in pixels.
     pub motion_px: f64,
     /// Share of the surface that was seen before.

@@ -6,7 +6,7 @@ use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, camera::read_camera};
 use relievo::report::coherence::{MovingFrame, measure};
 
-fn loaded(directory: &std::path::Path, number: u32) -> io::Loaded {
+fn loaded(directory: &std::path::Path, number: i32) -> io::Loaded {
     let inputs = Inputs {
         picture: directory.join(format!("monkeyrun.{number:04}.exr")),
         camera: Some(directory.join(format!("monkeyrun.{number:04}.json"))),

@@ -119,13 +119,13 @@ impl Term<'_> {
 pub(super) fn white_levels(
     terms: &[Term],
     frame: &Frame,
-    white: Adaptive,
+    params: &ScalingParams,
     memory: &Memory,
 ) -> Vec<(&'static str, f32)> {
     let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
-    let level = |term: &Term| match white {
-        Adaptive::Fixed(level) => level,
-        Adaptive::Auto => term.white_level(weights, &frame.mask, &absent, memory),
+    let level = |term: &Term| match (params.term_white_levels.of(term.name), params.white_level) {
+        (Some(level), _) | (None, Adaptive::Fixed(level)) => level,
+        (None, Adaptive::Auto) => term.white_level(weights, &frame.mask, &absent, memory),
     };
     terms.iter().map(|term| (term.name, level(term))).collect()
 }

@@ -484,7 +484,7 @@ impl Run<'_> {
     fn scale_lobes(&mut self) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let terms = light_layers::terms(&frame.light.lobes, &plan.scaling);
-        let levels = || light_layers::white_levels(&terms, frame, plan.scaling.white_level, memory);
+        let levels = || light_layers::white_levels(&terms, frame, &plan.scaling, memory);
         let whites = match plan.has(Stage::AutoWhite) {
             true => self.timed("auto-white", levels),
             false => levels(),

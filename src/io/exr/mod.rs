@@ -14,6 +14,7 @@ mod decode;
 mod fault;
 mod header;
 mod read;
+mod whole;
 mod write;
 
 pub use append::append_part;

@@ -1,0 +1,133 @@
+//! What is chosen automatically, as the flags that would choose the same.
+
+use super::job::Done;
+use std::ffi::OsString;
+
+/// A flag with its value: `--name=value`; without one, a switch.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Flag {
+    name: String,
+    value: Option<String>,
+}
+
+impl Flag {
+    pub(super) fn new(name: impl Into<String>, value: impl ToString) -> Self {
+        Self {
+            name: name.into(),
+            value: Some(value.to_string()),
+        }
+    }
+
+    pub(super) fn switch(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            value: None,
+        }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn value(&self) -> Option<&str> {
+        self.value.as_deref()
+    }
+
+    /// The flag as it is typed.
+    pub(super) fn word(&self) -> OsString {
+        match &self.value {
+            Some(value) => format!("--{}={value}", self.name).into(),
+            None => format!("--{}", self.name).into(),
+        }
+    }
+}
+
+/// What was chosen for one frame. What was given, or was not needed, is not among it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Chosen {
+    /// Numbers, by the flag that gives them; those of a kind of light also by its name.
+    numbers: Vec<(&'static str, &'static str, f32)>,
+}
+
+impl Chosen {
+    pub(super) fn of(done: &Done) -> Self {
+        let outcome = &done.outcome;
+        let single = [
+            ("curvature-gain", outcome.gain),
+            ("white-level", outcome.white_level),
+            ("environment-gain", outcome.environment_gain),
+            (
+                "white-point",
+                outcome.drawing.as_ref().map(|d| d.white_point),
+            ),
+        ];
+        let single = single.into_iter();
+        let single = single.filter_map(|(flag, number)| Some((flag, "", number?)));
+        let terms = outcome.term_white_levels.iter();
+        let terms = terms.map(|&(term, level)| ("term-white-level", term, level));
+        Self {
+            numbers: single.chain(terms).collect(),
+        }
+    }
+
+    /// What suits frames of which `each` was chosen: of every number the median.
+    pub(super) fn for_all(each: &[Self]) -> Self {
+        let mut kinds: Vec<_> = each.iter().flat_map(|chosen| &chosen.numbers).collect();
+        kinds.sort_by(|a, b| {
+            (a.0, a.1, a.2)
+                .partial_cmp(&(b.0, b.1, b.2))
+                .expect("no NaN")
+        });
+        let groups = kinds.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+        Self {
+            numbers: groups.map(|group| *group[group.len() / 2]).collect(),
+        }
+    }
+
+    pub(super) fn flags(&self) -> Vec<Flag> {
+        let flag = |&(name, term, number): &(&str, &str, f32)| match term {
+            "" => Flag::new(name, number),
+            term => Flag::new(name, format_args!("{term}={number}")),
+        };
+        self.numbers.iter().map(flag).collect()
+    }
+
+    /// The choices in words: `curvature gain 2.140, white level 0.8812`.
+    pub(super) fn in_words(&self) -> String {
+        let words = self.numbers.iter().map(|(name, term, number)| {
+            let name = name.trim_start_matches("term-").replace('-', " ");
+            let space = if term.is_empty() { "" } else { " " };
+            let digits = if name == "curvature gain" { 3 } else { 4 };
+            format!("{name}{space}{term} {number:.digits$}")
+        });
+        words.collect::<Vec<_>>().join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_frames_the_median_is_chosen() {
+        let frame = |gain, white| Chosen {
+            numbers: vec![
+                ("curvature-gain", "", gain),
+                ("term-white-level", "diffuse", white),
+            ],
+        };
+        // One frame is a flash, one is dark.
+        let all = Chosen::for_all(&[frame(2.0, 0.5), frame(9.0, 70.0), frame(2.5, 0.01)]);
+        assert_eq!(all, frame(2.5, 0.5));
+        let words: Vec<_> = all.flags().iter().map(Flag::word).collect();
+        assert_eq!(
+            words,
+            ["--curvature-gain=2.5", "--term-white-level=diffuse=0.5"]
+        );
+        assert_eq!(
+            all.in_words(),
+            "curvature gain 2.500, white level diffuse 0.5000"
+        );
+        assert_eq!(Chosen::for_all(&[]), Chosen::default());
+    }
+}

@@ -1,0 +1,298 @@
+//! A command on one frame, or on all of a sequence: several at a time, each whole or not at all.
+
+use super::args::WorkArgs;
+use super::chosen::{Chosen, Flag};
+use super::invocation::Invocation;
+use super::job::Job;
+use super::message;
+use super::output::check_output;
+use super::progress::{Progress, Status};
+use super::recipe::RecipeText;
+use super::sequence::MissingArg;
+use super::stop::{self, First};
+use super::threads::{Lanes, use_threads};
+use super::told::Told;
+use crate::error::{Error, Result};
+use crate::io::output::{is_whole, remove_leftovers, write_atomically};
+use clap::FromArgMatches;
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// A command that makes one output of each frame.
+pub(super) trait FrameCommand: FromArgMatches + Sync {
+    /// What all frames have in common: lights, textures, memory.
+    type Kit: Sync;
+
+    fn work(&self) -> &WorkArgs;
+
+    /// Files that only this command reads, of one frame of a sequence.
+    fn files(&self, frame: Option<i32>) -> Vec<PathBuf>;
+
+    /// Whether a frame cannot be made without those before it.
+    fn follows_on(&self) -> bool {
+        false
+    }
+
+    /// Refuses what can be refused before any frame is read, and makes what all have in common.
+    fn prepare(&self) -> Result<Self::Kit>;
+
+    /// Makes the output of one frame; what was chosen for it.
+    fn make(&self, kit: &Self::Kit, job: &Job) -> Result<Chosen>;
+}
+
+/// Runs the command on what its arguments name; the exit code.
+///
+/// # Errors
+/// Any [`Error`] of a single picture, and those that keep a sequence from being begun.
+pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
+    let (command, recipe) = command_of::<C>(invocation);
+    let work = command.work();
+    use_threads(work.run.threads);
+    match work.frames()? {
+        None => single(&command, recipe),
+        Some(frames) => {
+            let frames = frames.to_vec();
+            sequence(command, recipe, invocation, &frames)
+        }
+    }
+}
+
+/// The command as parsed before, and its settings.
+fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, RecipeText) {
+    let parsed = invocation.parse();
+    let matches = parsed.map(|parsed| parsed.matches);
+    let matches = matches.unwrap_or_else(|error| error.exit());
+    let (_, own) = matches.subcommand().expect("a command was parsed");
+    let command = C::from_arg_matches(own).unwrap_or_else(|error| error.exit());
+    (command, RecipeText::of(&matches))
+}
+
+fn single<C: FrameCommand>(command: &C, recipe: RecipeText) -> Result<i32> {
+    stop::mind_signals(First::Drop);
+    let work = command.work();
+    let kit = prepared(command)?;
+    check_output(work, &inputs_of(command, work, None))?;
+    let told = Told::default();
+    let job = Job::new(work.clone(), &told, &recipe);
+    let chosen = command.make(&kit, &job)?;
+    save_recipe(work, &recipe.with(&chosen))?;
+    Ok(0)
+}
+
+/// What all frames have in common, when none of it would be written over.
+fn prepared<C: FrameCommand>(command: &C) -> Result<C::Kit> {
+    command.work().shape.params().validate()?;
+    command.prepare()
+}
+
+fn inputs_of<C: FrameCommand>(command: &C, work: &WorkArgs, frame: Option<i32>) -> Vec<PathBuf> {
+    let mut inputs = work.roles.files(&work.input);
+    inputs.extend(command.files(frame));
+    inputs
+}
+
+fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
+    let Some(path) = &work.run.save_recipe else {
+        return Ok(());
+    };
+    write_atomically(path, true, |w| {
+        w.write_all(text.as_bytes())
+            .map_err(Error::io(path, "write"))
+    })
+}
+
+fn sequence<C: FrameCommand>(
+    command: C,
+    recipe: RecipeText,
+    invocation: &Invocation,
+    frames: &[i32],
+) -> Result<i32> {
+    stop::mind_signals(First::Finish);
+    let quiet = command.work().run.quiet;
+    let kit = prepared(&command)?;
+    let first = command.work().of_frame(frames[0]);
+    check_output(&first, &inputs_of(&command, &first, Some(frames[0])))?;
+    let samples = command.work().sequence.samples(frames);
+    let chosen = choose(&command, &kit, &recipe, &samples)?;
+    if !quiet && chosen != Chosen::default() {
+        message::say(&format!("for all frames: {}", chosen.in_words()));
+    }
+    save_recipe(command.work(), &recipe.with(&chosen))?;
+    if let Some(code) = stop::asked() {
+        return Ok(code);
+    }
+    if command.work().output.output.is_none() {
+        return Ok(0);
+    }
+    let flags: Vec<Flag> = chosen.flags();
+    let (command, recipe) = match flags.is_empty() {
+        true => (command, recipe),
+        false => {
+            drop(command);
+            command_of::<C>(&invocation.with(&flags))
+        }
+    };
+    let progress = Progress::begin(command.work().run.progress, quiet, frames.len());
+    let told = Told::of_sequence(progress);
+    let run = Sequence {
+        command: &command,
+        kit: &kit,
+        recipe: &recipe,
+        told: &told,
+        frames,
+        next: AtomicUsize::new(0),
+        failed: AtomicBool::new(false),
+        making: making(command.work(), frames),
+        bare: Mutex::new(BTreeSet::new()),
+    };
+    Lanes::of(command.work(), &first.input, frames.len()).each(|| run.make_frames());
+    let failed = run.failed.load(Ordering::Relaxed);
+    let tally = told.end(quiet);
+    Ok(match stop::asked() {
+        Some(code) => code,
+        None if !failed => 0,
+        None if command.work().sequence.keep_going && tally.done + tally.skipped > 0 => 3,
+        None => 1,
+    })
+}
+
+/// What is chosen for all frames, from `samples`; those that cannot be read choose nothing.
+///
+/// # Errors
+/// That of the first one where none can be read.
+fn choose<C: FrameCommand>(
+    command: &C,
+    kit: &C::Kit,
+    recipe: &RecipeText,
+    samples: &[i32],
+) -> Result<Chosen> {
+    let told = Told::default();
+    let mut each = Vec::new();
+    let mut first_error = None;
+    for &frame in samples {
+        if stop::asked().is_some() {
+            break;
+        }
+        let work = command.work().of_frame(frame);
+        let job = Job::to_choose(work, frame, &told, recipe);
+        match command.make(kit, &job) {
+            Ok(chosen) => each.push(chosen),
+            Err(error) => first_error = first_error.or(Some(error)),
+        }
+    }
+    match first_error {
+        Some(error) if each.is_empty() => Err(error),
+        _ => Ok(Chosen::for_all(&each)),
+    }
+}
+
+/// Which frames have to be made at all.
+struct Making {
+    /// In the order of the frames: whether the output is there and whole.
+    is_there: Vec<bool>,
+    /// Frames from here on need nothing of those before.
+    last_needed: usize,
+}
+
+fn making(work: &WorkArgs, frames: &[i32]) -> Making {
+    let there = |&frame: &i32| {
+        let work = work.of_frame(frame);
+        let output = work.output.output.as_deref();
+        work.sequence.skip_existing && output.is_some_and(is_whole)
+    };
+    let is_there: Vec<bool> = frames.iter().map(there).collect();
+    let last_needed = is_there.iter().rposition(|there| !there);
+    Making {
+        last_needed: last_needed.map_or(0, |last| last + 1),
+        is_there,
+    }
+}
+
+/// A sequence that is being made.
+struct Sequence<'a, C: FrameCommand> {
+    command: &'a C,
+    kit: &'a C::Kit,
+    recipe: &'a RecipeText,
+    told: &'a Told,
+    frames: &'a [i32],
+    next: AtomicUsize,
+    failed: AtomicBool,
+    making: Making,
+    /// Directories that hold no more leftovers.
+    bare: Mutex<BTreeSet<PathBuf>>,
+}
+
+impl<C: FrameCommand> Sequence<'_, C> {
+    /// Makes frames, one after another, until there are no more or the run is to end.
+    fn make_frames(&self) {
+        loop {
+            let failed = self.failed.load(Ordering::Relaxed);
+            let goes_on = !failed || self.command.work().sequence.keep_going;
+            if !goes_on || stop::asked().is_some() {
+                return;
+            }
+            let index = self.next.fetch_add(1, Ordering::Relaxed);
+            let Some(&frame) = self.frames.get(index) else {
+                return;
+            };
+            self.make_frame(index, frame);
+            self.told.turns.leave(index);
+        }
+    }
+
+    fn make_frame(&self, index: usize, frame: i32) {
+        let started = Instant::now();
+        let work = self.command.work().of_frame(frame);
+        let output = work.output.output.clone().unwrap_or_default();
+        let (status, what) = match self.made(index, frame, work) {
+            Ok(status) => (status, output.display().to_string()),
+            Err(error) => {
+                self.failed.store(true, Ordering::Relaxed);
+                let line = message::line_of(&error);
+                self.told.say(&format!("error: {line}"));
+                (Status::Failed, line)
+            }
+        };
+        self.told.frame(frame, status, started.elapsed(), what);
+    }
+
+    fn made(&self, index: usize, frame: i32, work: WorkArgs) -> Result<Status> {
+        let is_there = self.making.is_there[index];
+        let is_needed = self.command.follows_on() && index < self.making.last_needed;
+        if is_there && !is_needed {
+            return Ok(Status::Skipped);
+        }
+        if work.sequence.missing_frame == MissingArg::Skip && !work.input.exists() {
+            return Ok(Status::Missing);
+        }
+        if is_there {
+            let job = Job::in_sequence(work, frame, index, self.told, self.recipe);
+            self.command.make(self.kit, &job.without_output())?;
+            return Ok(Status::Skipped);
+        }
+        check_output(&work, &inputs_of(self.command, &work, Some(frame)))?;
+        self.clear_leftovers(work.output.output.as_deref());
+        let job = Job::in_sequence(work, frame, index, self.told, self.recipe);
+        self.command.make(self.kit, &job)?;
+        Ok(Status::Done)
+    }
+
+    /// Removes what a killed run left beside this output, once for each directory.
+    fn clear_leftovers(&self, output: Option<&Path>) {
+        let Some(directory) = output.and_then(Path::parent) else {
+            return;
+        };
+        let directory = match directory.as_os_str().is_empty() {
+            true => Path::new("."),
+            false => directory,
+        };
+        let mut bare = self.bare.lock().expect("nothing panics here");
+        if bare.insert(directory.into()) {
+            remove_leftovers(directory);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! How much memory a run may take.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Share of what is free that a run takes where nothing is told.
+const SHARE: f64 = 0.6;
+
+/// What is taken to be free where the system does not tell.
+const UNKNOWN: u64 = 4 << 30;
+
+/// An amount of memory: `2G`, `500M`, or bytes; or what this machine has to spare.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum MaxMemory {
+    /// Six tenths of what is free when the run begins, within the limits of its control group.
+    Auto,
+    /// Given, in bytes.
+    Bytes(u64),
+}
+
+impl MaxMemory {
+    /// The amount in bytes.
+    pub(super) fn bytes(self) -> u64 {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Auto => (free().unwrap_or(UNKNOWN) as f64 * SHARE) as u64,
+        }
+    }
+}
+
+/// Bytes that this process may still take: of the machine, and of its control group.
+fn free() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    let machine = kib << 10;
+    Some(group_limit().map_or(machine, |group| machine.min(group)))
+}
+
+/// What the control group still allows, of either version.
+fn group_limit() -> Option<u64> {
+    let number = |path: &str| -> Option<u64> {
+        let text = std::fs::read_to_string(path).ok()?;
+        text.trim().parse().ok()
+    };
+    let of = |limit: &str, used: &str| Some(number(limit)?.saturating_sub(number(used)?));
+    of("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current").or_else(|| {
+        of(
+            "/sys/fs/cgroup/memory/memory.limit_in_bytes",
+            "/sys/fs/cgroup/memory/memory.usage_in_bytes",
+        )
+    })
+}
+
+impl fmt::Display for MaxMemory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Bytes(bytes) => write!(f, "{bytes}"),
+        }
+    }
+}
+
+impl FromStr for MaxMemory {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "auto" {
+            return Ok(Self::Auto);
+        }
+        let upper = text.to_ascii_uppercase();
+        let short = upper.trim_end_matches('B').trim_end_matches('I');
+        let units = [('K', 10), ('M', 20), ('G', 30), ('T', 40)];
+        let with_unit = |&(letter, shift)| Some((short.strip_suffix(letter)?, shift));
+        let (number, shift) = units.iter().find_map(with_unit).unwrap_or((short, 0));
+        match number.trim().parse::<f64>() {
+            Ok(number) if number > 0.0 && number.is_finite() => {
+                Ok(Self::Bytes((number * (1_u64 << shift) as f64) as u64))
+            }
+            _ => Err("expected auto or a size such as 2G or 500M".into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        let bytes = |text: &str| match text.parse() {
+            Ok(MaxMemory::Bytes(bytes)) => Some(bytes),
+            _ => None,
+        };
+        assert_eq!(bytes("1024"), Some(1024));
+        assert_eq!(bytes("2G"), Some(2 << 30));
+        assert_eq!(bytes("2GiB"), Some(2 << 30));
+        assert_eq!(bytes("1.5 mb"), Some(3 << 19));
+        assert_eq!(bytes("1T"), Some(1 << 40));
+        for wrong in ["", "G", "-1G", "0", "two", "nan", "inf"] {
+            assert_eq!(bytes(wrong), None, "{wrong}");
+        }
+        assert!(MaxMemory::Auto.bytes() > 0);
+    }
+}

@@ -1,0 +1,199 @@
+//! How far a sequence has come: a bar on a terminal, else lines of text or of JSON.
+
+use super::message::say;
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+use std::fmt::Display;
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressArg {
+    /// A bar on a terminal, plain lines elsewhere.
+    Auto,
+    /// A bar.
+    Bar,
+    /// A line per frame.
+    Plain,
+    /// A JSON object per line.
+    Json,
+    /// Nothing.
+    None,
+}
+
+/// How one frame ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Status {
+    Done,
+    Skipped,
+    Missing,
+    Failed,
+}
+
+impl Status {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Skipped => "skipped",
+            Self::Missing => "missing",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// Frames by how they ended.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Tally {
+    pub(super) done: usize,
+    pub(super) skipped: usize,
+    pub(super) missing: usize,
+    /// The numbers of those that failed.
+    pub(super) failed: Vec<i32>,
+}
+
+impl Tally {
+    pub(super) fn finished(&self) -> usize {
+        self.done + self.skipped + self.missing + self.failed.len()
+    }
+
+    fn add(&mut self, frame: i32, status: Status) {
+        match status {
+            Status::Done => self.done += 1,
+            Status::Skipped => self.skipped += 1,
+            Status::Missing => self.missing += 1,
+            Status::Failed => self.failed.push(frame),
+        }
+    }
+}
+
+/// Tells how far a sequence has come.
+pub(super) struct Progress {
+    shown: Shown,
+    total: usize,
+    started: Instant,
+    tally: Mutex<Tally>,
+}
+
+enum Shown {
+    Bar(ProgressBar),
+    Plain,
+    Json,
+    Nothing,
+}
+
+impl Progress {
+    pub(super) fn begin(arg: ProgressArg, quiet: bool, total: usize) -> Self {
+        let shown = match arg {
+            ProgressArg::None => Shown::Nothing,
+            ProgressArg::Json => Shown::Json,
+            _ if quiet => Shown::Nothing,
+            ProgressArg::Plain => Shown::Plain,
+            ProgressArg::Auto if !std::io::stderr().is_terminal() => Shown::Plain,
+            ProgressArg::Auto | ProgressArg::Bar => Shown::Bar(bar(total)),
+        };
+        if let Shown::Json = shown {
+            say(&json!({ "event": "begin", "total": total }).to_string());
+        }
+        Self {
+            shown,
+            total,
+            started: Instant::now(),
+            tally: Mutex::default(),
+        }
+    }
+
+    /// Counts a frame that has ended, after `took`; `what` is its output, or what went wrong.
+    pub(super) fn frame(&self, frame: i32, status: Status, took: Duration, what: impl Display) {
+        let mut tally = self
+            .tally
+            .lock()
+            .expect("no frame panics while it is counted");
+        tally.add(frame, status);
+        let (finished, total) = (tally.finished(), self.total);
+        // What was skipped took no time and says nothing of the rest.
+        let worked = tally.done + tally.failed.len();
+        let left = self.started.elapsed().as_secs_f64() / worked.max(1) as f64;
+        let left = left * (total - finished) as f64;
+        let (seconds, name) = (took.as_secs_f64(), status.name());
+        match &self.shown {
+            Shown::Nothing => {}
+            Shown::Bar(bar) => bar.set_position(finished as u64),
+            Shown::Plain => say(&format!(
+                "[{finished}/{total}] {what}: {name}, {seconds:.2} s, {left:.0} s left"
+            )),
+            Shown::Json => {
+                let mut event = json!({
+                    "event": "frame", "frame": frame, "status": name, "finished": finished,
+                    "total": total, "seconds": seconds, "eta_seconds": left,
+                });
+                if status == Status::Failed {
+                    event["message"] = what.to_string().into();
+                }
+                say(&event.to_string());
+            }
+        }
+    }
+
+    /// Says a line that is no progress, above the bar where there is one.
+    pub(super) fn say(&self, line: &str) {
+        match &self.shown {
+            Shown::Bar(bar) => bar.suspend(|| say(line)),
+            _ => say(line),
+        }
+    }
+
+    /// Ends the tale, and says how many frames ended how.
+    pub(super) fn end(self, quiet: bool) -> Tally {
+        let tally = self
+            .tally
+            .into_inner()
+            .expect("no frame panics while it is counted");
+        let Tally {
+            done,
+            skipped,
+            missing,
+            failed,
+        } = &tally;
+        match &self.shown {
+            Shown::Bar(bar) => bar.finish_and_clear(),
+            Shown::Json => say(&json!({
+                "event": "end", "done": done, "skipped": skipped, "missing": missing,
+                "failed": failed.len(),
+            })
+            .to_string()),
+            Shown::Plain | Shown::Nothing => {}
+        }
+        if !quiet && !matches!(self.shown, Shown::Json) {
+            say(&in_words(&tally, self.total, self.started.elapsed()));
+        }
+        tally
+    }
+}
+
+fn bar(total: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {per_sec}, {eta} left");
+    let style = style.expect("the template is well formed");
+    let bar = ProgressBar::new(total as u64).with_style(style);
+    bar.enable_steady_tick(Duration::from_millis(250));
+    bar
+}
+
+fn in_words(tally: &Tally, total: usize, took: Duration) -> String {
+    let seconds = took.as_secs_f64();
+    let mut text = format!("{} of {total} frames done in {seconds:.1} s", tally.done);
+    if tally.skipped > 0 {
+        text += &format!(", {} there already", tally.skipped);
+    }
+    if tally.missing > 0 {
+        text += &format!(", {} missing", tally.missing);
+    }
+    if !tally.failed.is_empty() {
+        let mut failed = tally.failed.clone();
+        failed.sort_unstable();
+        let failed: Vec<_> = failed.iter().map(i32::to_string).collect();
+        text += &format!(", {} failed: {}", failed.len(), failed.join(","));
+    }
+    text
+}

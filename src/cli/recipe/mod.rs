@@ -1,0 +1,34 @@
+//! Recipes: settings of a command in TOML, under the names of its flags.
+
+mod read;
+mod schema;
+mod write;
+
+pub use read::Recipe;
+pub(super) use schema::schema;
+pub(super) use write::RecipeText;
+
+use clap::{Arg, ArgAction};
+
+/// Version of the recipes that this program writes, and the newest it reads.
+const VERSION: i64 = 1;
+
+/// Commands that a recipe may stand for.
+const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
+
+/// Whether an argument is a setting, to be kept: not a file of this run, nor how it is run.
+fn is_setting(arg: &Arg) -> bool {
+    let of_a_run = matches!(arg.get_help_heading(), Some("Run" | "Sequence"));
+    let files = ["input", "output", "no_clobber", "help"];
+    arg.get_long().is_some() && !of_a_run && !files.contains(&arg.get_id().as_str())
+}
+
+/// Whether it is on where it is given, and takes no value.
+fn is_switch(arg: &Arg) -> bool {
+    matches!(arg.get_action(), ArgAction::SetTrue)
+}
+
+/// Whether it may be given again, for another value.
+fn is_repeatable(arg: &Arg) -> bool {
+    matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none()
+}

@@ -1,0 +1,80 @@
+//! The JSON schema of recipes, from the flags themselves.
+
+use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
+use crate::cli::invocation::command_named;
+use clap::{Arg, Command};
+use serde_json::{Map, Value, json};
+use std::any::TypeId;
+
+/// The schema of all recipes: one object for each command.
+pub(in crate::cli) fn schema() -> Value {
+    let commands: Vec<Value> = COMMANDS
+        .iter()
+        .map(|name| of_command(&command_named(name)))
+        .collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "relievo recipe",
+        "oneOf": commands,
+    })
+}
+
+fn of_command(command: &Command) -> Value {
+    let mut properties = Map::new();
+    properties.insert("version".into(), json!({ "const": VERSION }));
+    properties.insert("command".into(), json!({ "const": command.get_name() }));
+    let settings = command.get_arguments().filter(|arg| is_setting(arg));
+    properties.extend(settings.filter_map(|arg| Some((arg.get_long()?.into(), of_setting(arg)))));
+    json!({
+        "type": "object",
+        "title": command.get_name(),
+        "description": command.get_about().map(ToString::to_string),
+        "properties": properties,
+        "required": ["version", "command"],
+        "additionalProperties": false,
+    })
+}
+
+fn of_setting(arg: &Arg) -> Value {
+    let one = of_value(arg);
+    let mut schema = match is_repeatable(arg) {
+        true => json!({ "anyOf": [one, { "type": "array", "items": one }] }),
+        false => one,
+    };
+    let mut say = |name: &str, value: Option<String>| {
+        if let (Some(value), Some(schema)) = (value, schema.as_object_mut()) {
+            schema.insert(name.into(), value.into());
+        }
+    };
+    say("description", arg.get_help().map(ToString::to_string));
+    let defaults = arg.get_default_values().iter();
+    let defaults: Vec<_> = defaults.map(|v| v.to_string_lossy()).collect();
+    let shown = !defaults.is_empty() && !arg.is_hide_default_value_set();
+    say(
+        "default",
+        shown
+            .then(|| defaults.join(","))
+            .filter(|_| !is_switch(arg)),
+    );
+    schema
+}
+
+fn of_value(arg: &Arg) -> Value {
+    if is_switch(arg) {
+        return json!({ "type": "boolean" });
+    }
+    let possible = arg.get_possible_values();
+    if !possible.is_empty() {
+        let names: Vec<_> = possible.iter().map(|value| value.get_name()).collect();
+        return json!({ "enum": names });
+    }
+    let kind = arg.get_value_parser().type_id();
+    let is = |id: TypeId| kind == id;
+    if is(TypeId::of::<f32>()) {
+        return json!({ "type": "number" });
+    }
+    if is(TypeId::of::<u32>()) || is(TypeId::of::<u64>()) {
+        return json!({ "type": "integer", "minimum": 0 });
+    }
+    json!({ "type": ["string", "number", "array"] })
+}

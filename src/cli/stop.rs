@@ -1,0 +1,54 @@
+//! Signals: the frame in hand is finished, or dropped; never half a file.
+
+use crate::io::output::drop_unfinished;
+use std::sync::atomic::{AtomicI32, Ordering};
+
+/// The signal that asked to stop; 0 before.
+static ASKED: AtomicI32 = AtomicI32::new(0);
+
+/// Exit code of a run that was stopped by a signal, less the signal's number.
+const STOPPED: i32 = 128;
+
+/// What a signal does first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum First {
+    /// Lets the frames in hand be finished.
+    Finish,
+    /// Drops them.
+    Drop,
+}
+
+/// Exit code of a run that was asked to stop.
+pub(super) fn asked() -> Option<i32> {
+    match ASKED.load(Ordering::Relaxed) {
+        0 => None,
+        signal => Some(STOPPED + signal),
+    }
+}
+
+/// Minds SIGINT and SIGTERM from now on. A second signal always drops what is in hand.
+#[cfg(unix)]
+pub(super) fn mind_signals(first: First) {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+    // Without a handler a signal still ends the program, and leaves a temporary file at worst.
+    let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
+        return;
+    };
+    std::thread::spawn(move || {
+        for signal in signals.forever() {
+            let again = ASKED.swap(signal, Ordering::Relaxed) != 0;
+            if again || first == First::Drop {
+                drop_unfinished();
+                std::process::exit(STOPPED + signal);
+            }
+            super::message::say("stopping after the frames in hand; once more drops them");
+        }
+    });
+}
+
+/// There are no such signals here: the system ends the program.
+#[cfg(not(unix))]
+pub(super) fn mind_signals(_first: First) {
+    let _ = drop_unfinished;
+}

@@ -1,0 +1,94 @@
+//! Sequences, recipes and stops, as a user or a farm runs them.
+
+mod recipes;
+mod sequences;
+#[cfg(unix)]
+mod stops;
+
+use relievo::frame::{Plane, Window};
+use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
+use std::fs;
+use std::io::BufWriter;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Writes frame `number`: bumps under a light of this luminance, `size` pixels on a side.
+fn write_frame(directory: &Path, number: i32, size: usize, luminance: f32) {
+    // z = cos(x) cos(y) with a period of 24 px: slopes are its derivatives, up to 0.5.
+    let wave = |x: usize| x as f32 * std::f32::consts::TAU / 24.0 + number as f32;
+    let normal = |x: usize, y: usize| {
+        let (x, y) = (wave(x), wave(y));
+        glam::Vec3::new(0.5 * x.sin() * y.cos(), -0.5 * x.cos() * y.sin(), 1.0).normalize()
+    };
+    let plane = |value: &dyn Fn(usize, usize) -> f32| Plane::from_fn(size, size, value);
+    let lit = plane(&|x, y| luminance * normal(x, y).z);
+    let channels = [
+        ("R", lit.clone()),
+        ("G", lit.clone()),
+        ("B", lit),
+        ("N.X", plane(&|x, y| normal(x, y).x)),
+        ("N.Y", plane(&|x, y| normal(x, y).y)),
+        ("N.Z", plane(&|x, y| normal(x, y).z)),
+        ("Z", plane(&|_, _| 5.0)),
+    ];
+    let channels = channels.iter().map(|(name, plane)| OutputChannel {
+        name: (*name).into(),
+        plane,
+        sample_type: OutputType::Float,
+    });
+    let window = Window::from_size(size, size);
+    let part = OutputPart {
+        name: "shot".into(),
+        data_window: window,
+        display_window: window,
+        pixel_aspect: 1.0,
+        channels: channels.collect(),
+        attributes: Vec::new(),
+        chromaticities: None,
+    };
+    let path = directory.join(format!("in.{number:04}.exr"));
+    let mut file = BufWriter::new(fs::File::create(&path).unwrap());
+    write_results(&mut file, &path, &part).unwrap();
+}
+
+/// A desk with frames of these numbers, each of its own brightness.
+fn desk(numbers: std::ops::RangeInclusive<i32>) -> tempfile::TempDir {
+    let desk = tempfile::tempdir().unwrap();
+    for number in numbers {
+        write_frame(desk.path(), number, 64, 0.5 + 0.1 * number as f32);
+    }
+    desk
+}
+
+fn relievo(directory: &Path, words: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_relievo"))
+        .args(words.split_whitespace())
+        .current_dir(directory)
+        .output()
+        .unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// What was said by a run that ended with `code`.
+#[track_caller]
+fn ended(output: Output, code: i32) -> String {
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(code), "{said}");
+    said
+}
+
+fn bytes(directory: &Path, name: &str) -> Vec<u8> {
+    fs::read(directory.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Names in a directory that begin so.
+fn names(directory: &Path, begin: &str) -> Vec<String> {
+    let entries = fs::read_dir(directory).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = names.filter(|name| name.starts_with(begin)).collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,102 @@
+//! Signals and sudden death: frames whole or not at all, and a rerun that ends as if nothing had happened.
+
+use super::{bytes, ended, names, relievo, write_frame};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const FRAMES: i32 = 12;
+const WORDS: &str = "enhance in.####.exr --frames 1-12 --white-level 1 --curvature-gain 3";
+
+fn desk() -> tempfile::TempDir {
+    let desk = tempfile::tempdir().unwrap();
+    for number in 1..=FRAMES {
+        write_frame(desk.path(), number, 192, 0.5);
+    }
+    desk
+}
+
+fn begun(directory: &Path, words: &str) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_relievo"))
+        .args(words.split_whitespace())
+        .current_dir(directory)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Waits until there are `count` outputs called so, or a minute has passed.
+fn wait_for(directory: &Path, begin: &str, count: usize) {
+    let started = Instant::now();
+    while names(directory, begin).len() < count && started.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn send(child: &Child, signal: &str) {
+    let sent = Command::new("kill")
+        .args([signal, &child.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+}
+
+#[test]
+fn a_killed_run_goes_on_to_the_same_bits() {
+    let desk = desk();
+    let here = desk.path();
+    ended(relievo(here, &format!("{WORDS} -o whole.####.exr")), 0);
+    // At the first frame, in the middle, near the end.
+    for (round, outputs) in [0, 5, 11].into_iter().enumerate() {
+        let words = format!("{WORDS} -o r{round}.####.exr --skip-existing");
+        let mut child = begun(here, &words);
+        wait_for(here, &format!("r{round}"), outputs);
+        send(&child, "-KILL");
+        child.wait().unwrap();
+        ended(relievo(here, &words), 0);
+        for number in 1..=FRAMES {
+            let [one, two] = [format!("r{round}"), "whole".into()]
+                .map(|n| bytes(here, &format!("{n}.{number:04}.exr")));
+            assert!(one == two, "round {round}, frame {number}");
+        }
+    }
+}
+
+#[test]
+fn what_a_killed_run_left_is_removed_by_the_next() {
+    let desk = desk();
+    let here = desk.path();
+    let left = here.join(".relievo-abcdef.part");
+    std::fs::write(&left, b"half a frame").unwrap();
+    let long_ago = std::time::SystemTime::now() - Duration::from_secs(60);
+    let file = std::fs::File::options().write(true).open(&left).unwrap();
+    file.set_modified(long_ago).unwrap();
+    // Another run still writes this one.
+    let held = here.join(".relievo-held.part");
+    let writer = std::fs::File::create(&held).unwrap();
+    writer.set_modified(long_ago).unwrap();
+    writer.lock().unwrap();
+    ended(
+        relievo(here, "enhance in.####.exr --frames 1-2 -o ./out.####.png"),
+        0,
+    );
+    assert_eq!(names(here, ".relievo"), [".relievo-held.part"]);
+}
+
+#[test]
+fn a_signal_lets_the_frame_in_hand_be_finished() {
+    let desk = desk();
+    let here = desk.path();
+    for (signal, code) in [("-TERM", 143), ("-INT", 130)] {
+        let mut child = begun(here, &format!("{WORDS} -o out{code}.####.exr --threads 1"));
+        wait_for(here, &format!("out{code}"), 1);
+        send(&child, signal);
+        assert_eq!(child.wait().unwrap().code(), Some(code));
+        let made = names(here, &format!("out{code}"));
+        assert!((1..FRAMES as usize).contains(&made.len()), "{made:?}");
+        for name in made {
+            let whole = relievo::io::output::is_whole(&here.join(&name));
+            assert!(whole, "{name}");
+        }
+        assert_eq!(names(here, ".relievo"), [""; 0]);
+    }
+}
