@@ -1,7 +1,8 @@
 //! Which layers and files play which role: the names of the inputs.
 
 use crate::frame::NormalSpace;
-use crate::io::inputs::{Flip, Inputs, NormalEncoding};
+use crate::io::inputs::{Flip, Inputs, NormalEncoding, StoredDepth};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -36,14 +37,12 @@ pub(super) struct RoleArgs {
     /// Encoding of the normals.
     #[arg(long, value_name = "ENCODING", default_value = "auto")]
     normal_encoding: EncodingArg,
-    /// Axes of the normals that point the wrong way: y for DirectX normal maps.
-    #[arg(
-        long,
-        value_name = "AXES",
-        default_value = "",
-        hide_default_value = true
-    )]
-    normal_flip: Flip,
+    /// Axes of the normals that point the wrong way: y for DirectX normal maps, none, or auto.
+    #[arg(long, value_name = "AXES", default_value = "auto")]
+    normal_flip: FlipArg,
+    /// What depth measures.
+    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = depth_kind_parser())]
+    depth_kind: DepthKindArg,
     /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
@@ -61,6 +60,34 @@ enum EncodingArg {
     Auto,
     Signed,
     Unsigned,
+}
+
+/// Axes that were told, or none told.
+#[derive(Debug, Clone, Copy)]
+struct FlipArg(Option<Flip>);
+
+impl std::str::FromStr for FlipArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self(None)),
+            axes => axes.parse().map(|flip| Self(Some(flip))),
+        }
+    }
+}
+
+/// A kind that was told, or none told.
+#[derive(Debug, Clone, Copy)]
+struct DepthKindArg(Option<StoredDepth>);
+
+/// Offers `auto` and the names of all kinds.
+fn depth_kind_parser() -> impl TypedValueParser<Value = DepthKindArg> {
+    let names = StoredDepth::ALL.map(|(_, name)| name);
+    PossibleValuesParser::new(std::iter::once("auto").chain(names)).map(|told| {
+        let kind = StoredDepth::ALL.iter().find(|(_, name)| *name == told);
+        DepthKindArg(kind.map(|(kind, _)| *kind))
+    })
 }
 
 impl RoleArgs {
@@ -87,7 +114,8 @@ impl RoleArgs {
                 EncodingArg::Signed => Some(NormalEncoding::Signed),
                 EncodingArg::Unsigned => Some(NormalEncoding::Unsigned),
             },
-            normal_flip: self.normal_flip,
+            normal_flip: self.normal_flip.0,
+            depth_kind: self.depth_kind.0,
             light: None,
         }
     }

@@ -71,7 +71,7 @@ pub enum Projection {
 /// Where the viewer stood and how the picture was projected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// World to view space: a rotation and a translation, no scale.
+    /// World to view space: a rotation and a translation, no scale; mirrored where the world is left-handed.
     pub view_from_world: DAffine3,
     /// View space to pixels.
     pub projection: Projection,

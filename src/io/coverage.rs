@@ -20,16 +20,19 @@ pub(super) struct Evidence<'a> {
     /// Decoded normals, not yet renormalised.
     pub(super) normal: &'a Vector3Planes,
     pub(super) depth: Option<&'a Plane>,
+    /// Whether depth tells where nothing was seen.
+    pub(super) depth_tells: bool,
     pub(super) alpha: Option<&'a Plane>,
     pub(super) mask: Option<&'a Plane>,
 }
 
 /// Covered: the normal has a direction, depth is a distance, and the mask is above one half. Alpha
-/// decides only where there is neither depth nor a mask.
+/// decides only where there is neither depth that tells nor a mask.
 pub(super) fn coverage(evidence: &Evidence) -> Mask {
     let normal = evidence.normal;
     let half = |plane: Option<&Plane>, x, y| plane.is_none_or(|p| p.at(x, y) > 0.5);
-    let deciding_alpha = match (evidence.depth, evidence.mask) {
+    let telling = evidence.depth.filter(|_| evidence.depth_tells);
+    let deciding_alpha = match (telling, evidence.mask) {
         (None, None) => evidence.alpha,
         _ => None,
     };
@@ -116,6 +119,7 @@ mod tests {
         let evidence = Evidence {
             normal: &normal,
             depth: None,
+            depth_tells: true,
             alpha: None,
             mask: None,
         };

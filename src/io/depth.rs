@@ -1,5 +1,6 @@
 //! What depth measures, told by the normals; and depth from a layer of positions.
 
+use super::inputs::StoredDepth;
 use super::load::Finding;
 use crate::frame::SightLines;
 use crate::frame::{Camera, DepthKind, Frame, Plane, Vector3Planes};
@@ -28,21 +29,49 @@ pub(super) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> P
     })
 }
 
+/// From what a layer of depth holds to what grows with distance, in place: positive, 0 where the layer tells
+/// that nothing was seen.
+pub(super) fn to_distances(depth: &mut Plane, stored: StoredDepth) {
+    let distance: fn(f32) -> f32 = match stored {
+        StoredDepth::Planar | StoredDepth::Ray | StoredDepth::Relative => return,
+        StoredDepth::Inverse => |d| if d > 0.0 { 1.0 / d } else { 0.0 },
+        // Between 1 and 2, so that the same share of the range is the same jump, roughly, near and far.
+        StoredDepth::WhiteFar => |d| {
+            if d.is_nan() {
+                0.0
+            } else {
+                1.0 + d.clamp(0.0, 1.0)
+            }
+        },
+        StoredDepth::WhiteNear => |d| {
+            if d.is_nan() {
+                0.0
+            } else {
+                2.0 - d.clamp(0.0, 1.0)
+            }
+        },
+    };
+    depth
+        .samples_mut()
+        .iter_mut()
+        .for_each(|d| *d = distance(*d));
+}
+
 /// Which kind of distance puts the points of `frame` on each other's tangent planes; with the finding.
 ///
 /// Without depth or a camera there is nothing to judge, and depth is taken as it usually comes. Half floats
 /// are too coarse for places: a step of theirs is some tenths of a pixel's size on an ordinary frame.
-pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (DepthKind, Option<Finding>) {
+pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<Finding>) {
     let (Some(depth), Some(camera)) = (&frame.depth, &frame.camera) else {
-        return (DepthKind::default(), None);
+        return (StoredDepth::Planar, None);
     };
     if is_half {
-        return concluded(DepthKind::Relative, "stored as half floats".into());
+        return concluded(StoredDepth::Relative, "stored as half floats".into());
     }
     let sight = SightLines::new(camera.projection);
     let pixels = sample_pixels(frame);
-    let sine = |kind| median(sines(frame, depth, &sight, kind, &pixels));
-    let best = [DepthKind::Planar, DepthKind::Ray]
+    let sine = |stored: StoredDepth| median(sines(frame, depth, &sight, stored.kind(), &pixels));
+    let best = [StoredDepth::Planar, StoredDepth::Ray]
         .map(|kind| (kind, sine(kind)))
         .into_iter()
         .filter_map(|(kind, sine)| Some((kind, sine?)))
@@ -54,22 +83,27 @@ pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (DepthKind, Option<Fi
             let kind = if sine < WORST_SINE {
                 kind
             } else {
-                DepthKind::Relative
+                StoredDepth::Relative
             };
             concluded(kind, evidence)
         }
-        None => concluded(DepthKind::Relative, "too few pixels to tell".into()),
+        None => concluded(StoredDepth::Relative, "too few pixels to tell".into()),
     }
 }
 
-fn concluded(kind: DepthKind, evidence: String) -> (DepthKind, Option<Finding>) {
+/// The finding on a kind that was told.
+pub(super) fn told_depth(stored: StoredDepth) -> Option<Finding> {
+    concluded(stored, "as told".into()).1
+}
+
+fn concluded(stored: StoredDepth, evidence: String) -> (StoredDepth, Option<Finding>) {
     let finding = Finding {
         subject: "depth kind".into(),
-        conclusion: kind.to_string(),
+        conclusion: stored.to_string(),
         evidence,
-        flag: "--depth NAME|FILE".into(),
+        flag: format!("--depth-kind {}", stored.name()),
     };
-    (kind, Some(finding))
+    (stored, Some(finding))
 }
 
 /// Covered pixels with covered neighbours on all four sides, evenly spread.

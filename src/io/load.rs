@@ -1,14 +1,14 @@
 //! From files to a frame: reads what a goal needs, and turns everything to view space once.
 
 use super::coverage::{self, Evidence};
-use super::depth::{depth_of_positions, judge_depth};
+use super::depth::{depth_of_positions, judge_depth, to_distances, told_depth};
 use super::exr::ExrFile;
-use super::inputs::{Inputs, NormalEncoding};
+use super::inputs::{Conventions, Inputs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
 use super::sources::{Opened, RolePlanes, RoleSource, read_all};
-use super::view::{NormalReading, Surface, turn_to_view};
+use super::view::{Surface, turn_to_view};
 use crate::error::{Error, Result};
 use crate::frame::{
     AWAY, ColorPlanes, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
@@ -62,7 +62,8 @@ pub struct Loaded {
     pub color_is_half: bool,
     /// Whether it is known where in the world the camera stands: positions of the world can be used.
     pub camera_is_placed: bool,
-    pub(super) normals: NormalReading,
+    /// How the layers were read.
+    pub conventions: Conventions,
     pub(super) main: Rc<Opened>,
 }
 
@@ -95,16 +96,21 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         .vector(Role::Normal)
         .expect("normals are always resolved");
     let encoding = notes.encoding(inputs, &sources, &normal);
-    normals::decode(&mut normal, encoding, inputs.normal_flip);
+    let told_flip = inputs.normal_flip.unwrap_or_default();
+    normals::decode(&mut normal, encoding, told_flip);
     let (color, alpha) = planes.color(Role::Color, &mut notes);
     let albedos = [Role::Albedo, Role::DiffuseColor];
     let albedo = albedos
         .into_iter()
         .find_map(|role| planes.color(role, &mut notes).0);
     let mut depth = planes.scalar(Role::Depth);
+    if let (Some(depth), Some(stored)) = (&mut depth, inputs.depth_kind) {
+        to_distances(depth, stored);
+    }
     let mask = coverage::coverage(&Evidence {
         normal: &normal,
         depth: depth.as_ref(),
+        depth_tells: inputs.depth_kind.is_none_or(StoredDepth::tells_coverage),
         alpha: alpha.as_ref(),
         mask: planes.scalar(Role::Mask).as_ref(),
     });
@@ -171,9 +177,20 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         },
     };
     let motion = planes.motion();
-    let (depth_kind, finding) = judge_depth(&frame, depth_is_half);
-    frame.source.depth_kind = depth_kind;
-    notes.findings.extend(finding);
+    let (stored, finding) = match inputs.depth_kind {
+        Some(stored) => (stored, told_depth(stored)),
+        None => judge_depth(&frame, depth_is_half),
+    };
+    frame.source.depth_kind = stored.kind();
+    notes
+        .findings
+        .extend(finding.filter(|_| frame.depth.is_some()));
+    let conventions = Conventions {
+        normal_space: view.normals.space,
+        normal_encoding: encoding,
+        normal_flip: told_flip.and(view.normals.flip),
+        depth_kind: frame.depth.is_some().then_some(stored),
+    };
     Ok(Loaded {
         frame,
         motion,
@@ -182,7 +199,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         photo_bits: photo_bits(&main),
         color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
         camera_is_placed: view.is_placed,
-        normals: view.normals,
+        conventions,
         main,
     })
 }

@@ -10,6 +10,7 @@
 //! What this cannot see: a world-space map of a scene watched from straight above with z up *is* a
 //! view-space map, up to a turn about the view axis. Without camera and depth it is read as view space.
 
+use super::inputs::Flip;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -45,6 +46,14 @@ const LEAST_LEAN: f64 = 0.02;
 /// Fewer samples of shape or slope than this decide nothing.
 const FEWEST_SHAPES: usize = 24;
 
+/// Which of x and y are reversed, in the order of the evidence.
+const REVERSED: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
+/// Axes count as reversed where the mean angle to the slope of depth is above the first as they are, below the
+/// second once turned round, and falls to less than a share of it. Means, because half a picture of floor
+/// leans the same way with x reversed.
+const REVERSED_DEG: (f64, f64) = (10.0, 25.0);
+const REVERSED_SHARE: f64 = 0.5;
+
 /// What the normals turned out to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalSpaceConclusion {
@@ -52,8 +61,8 @@ pub enum NormalSpaceConclusion {
     Certain {
         /// The space.
         space: NormalSpace,
-        /// Whether z points away from the viewer and has to be negated (view space only).
-        flip_z: bool,
+        /// Axes that point the wrong way and have to be negated first.
+        flip: Flip,
     },
     /// Not view space, so world space by elimination, but there is no camera to turn them with.
     WorldWithoutCamera,
@@ -83,6 +92,9 @@ pub struct NormalSpaceEvidence {
     pub slope_view_deg: Option<f64>,
     /// The same, read as world space and turned by the camera.
     pub slope_world_deg: Option<f64>,
+    /// Mean angle, in degrees, between the slope of depth and the lean of the normals read as view space: as they
+    /// are, with x reversed, with y reversed, and with both.
+    pub slope_reversed_deg: Option<[f64; 4]>,
     /// Mean angle, in degrees, between the world reading and the better view reading.
     pub readings_differ_deg: Option<f64>,
 }
@@ -272,6 +284,8 @@ struct Tally {
     shape_flipped: Vec<f64>,
     slope_view: Vec<f64>,
     slope_world: Vec<f64>,
+    /// Sums of angles to the slope, by reversed axes.
+    reversed: [f64; 4],
 }
 
 impl Tally {
@@ -298,6 +312,10 @@ impl Tally {
             }
         };
         self.slope_view.push(off(readings.view));
+        for (sum, [x, y]) in self.reversed.iter_mut().zip(REVERSED) {
+            let sign = |reversed| if reversed { -1.0 } else { 1.0 };
+            *sum += off(readings.view * DVec3::new(sign(x), sign(y), 1.0));
+        }
         self.slope_world.extend(readings.world.map(off));
     }
 
@@ -328,7 +346,10 @@ impl Tally {
         } else {
             self.differ[1]
         };
+        let slopes = self.slope_view.len();
         NormalSpaceEvidence {
+            slope_reversed_deg: (slopes >= FEWEST_SHAPES)
+                .then(|| self.reversed.map(|sum| sum / slopes as f64)),
             samples: self.samples,
             facing_view: share(self.view),
             facing_view_flipped: share(self.flipped),
@@ -364,15 +385,18 @@ fn median(values: &mut [f64]) -> Option<f64> {
 
 const WORLD: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
     space: NormalSpace::World,
-    flip_z: false,
+    flip: Flip::NONE,
 };
 const VIEW: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
     space: NormalSpace::View,
-    flip_z: false,
+    flip: Flip::NONE,
 };
 const VIEW_FLIPPED: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
     space: NormalSpace::View,
-    flip_z: true,
+    flip: Flip {
+        z: true,
+        ..Flip::NONE
+    },
 };
 
 type Concluded = (NormalSpaceConclusion, &'static str);
@@ -386,11 +410,34 @@ fn concluded(e: &NormalSpaceEvidence) -> Concluded {
     }
     by_shape(e)
         .or_else(|| by_shape_without_camera(e))
+        .or_else(|| by_reversed_slope(e))
         .or_else(|| by_slope(e))
         .unwrap_or_else(|| match e.facing_world {
             Some(world) => by_facing(e, world),
             None => by_facing_without_camera(e),
         })
+}
+
+/// View space with x or y the wrong way round, where depth shows it.
+fn by_reversed_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
+    let angles = e.slope_reversed_deg?;
+    let best = (1..4).min_by(|&a, &b| angles[a].total_cmp(&angles[b]))?;
+    let shows = angles[0] > REVERSED_DEG.0
+        && angles[best] < REVERSED_DEG.1
+        && angles[best] < REVERSED_SHARE * angles[0];
+    let world_holds = e.slope_world_deg.is_some_and(|deg| deg < angles[best]);
+    let (share, (toward, _)) = better_view(e);
+    let [x, y] = REVERSED[best];
+    let flip = Flip {
+        x,
+        y,
+        z: toward == VIEW_FLIPPED,
+    };
+    let space = NormalSpace::View;
+    (shows && !world_holds && share >= FAILS).then_some((
+        NormalSpaceConclusion::Certain { space, flip },
+        "view: agrees with the depth once reversed axes are turned round",
+    ))
 }
 
 /// The reading that agrees with the positions, where one does and the others do not.
@@ -501,6 +548,7 @@ fn by_facing_without_camera(e: &NormalSpaceEvidence) -> Concluded {
 /// The evidence as the tail of a sentence.
 fn numbers(e: &NormalSpaceEvidence) -> String {
     use std::fmt::Write;
+    let axes_tell = by_reversed_slope(e).is_some();
     if e.samples == 0 {
         return String::new();
     }
@@ -531,6 +579,12 @@ fn numbers(e: &NormalSpaceEvidence) -> String {
     }
     if let Some(world) = e.slope_world_deg {
         let _ = write!(text, ", {world:.1} turned");
+    }
+    if let Some([as_is, x, y, both]) = e.slope_reversed_deg.filter(|_| axes_tell) {
+        let _ = write!(
+            text,
+            "; on average {as_is:.1} deg as they are, {x:.1} with x reversed, {y:.1} with y, {both:.1} with both"
+        );
     }
     text.push(')');
     text

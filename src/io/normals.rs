@@ -37,22 +37,34 @@ pub(super) fn judge_encoding(stored: &Vector3Planes) -> NormalEncoding {
 
 /// Decodes components and turns flipped axes round, in place.
 pub(super) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip: Flip) {
-    for (plane, flipped) in [
-        (&mut stored.x, flip.x),
-        (&mut stored.y, flip.y),
-        (&mut stored.z, flip.z),
-    ] {
-        let (scale, offset) = match encoding {
-            NormalEncoding::Signed => (1.0, 0.0),
-            NormalEncoding::Unsigned => (2.0, -1.0),
-        };
-        let sign = if flipped { -1.0 } else { 1.0 };
-        if (scale, sign) != (1.0, 1.0) {
-            plane
-                .samples_mut()
-                .iter_mut()
-                .for_each(|v| *v = sign * (scale * *v + offset));
+    if encoding == NormalEncoding::Unsigned {
+        let components = stored
+            .x
+            .samples_mut()
+            .iter_mut()
+            .zip(stored.y.samples_mut())
+            .zip(stored.z.samples_mut());
+        for ((x, y), z) in components {
+            // Black is what was never written, and no corner of the cube.
+            let unwritten = (*x, *y, *z) == (0.0, 0.0, 0.0);
+            for v in [x, y, z].into_iter().filter(|_| !unwritten) {
+                *v = 2.0 * *v - 1.0;
+            }
         }
+    }
+    flip_axes(stored, flip);
+}
+
+/// Turns axes round, in place.
+pub(super) fn flip_axes(normal: &mut Vector3Planes, flip: Flip) {
+    let axes = [
+        (&mut normal.x, flip.x),
+        (&mut normal.y, flip.y),
+        (&mut normal.z, flip.z),
+    ];
+    for (plane, _) in axes.into_iter().filter(|(_, flipped)| *flipped) {
+        // Not by the sign: nothing stays 0, and does not become -0.
+        plane.samples_mut().iter_mut().for_each(|v| *v = 0.0 - *v);
     }
 }
 

@@ -9,6 +9,7 @@ use super::normals_of_points::normals_of_points;
 use super::roles::Role;
 use super::sources::{Opened, RolePlanes, RoleSource, read_all};
 use super::surroundings::read_surroundings;
+use super::view::turn_normals;
 use crate::error::{Error, Result};
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source,
@@ -217,7 +218,7 @@ impl Layer<'_> {
                 alpha: coverage,
             } = read;
             match source.role {
-                Role::Depth => depth = Some(grey(planes)),
+                Role::Depth => depth = Some(self.loaded.conventions.distances(grey(planes))),
                 Role::Position => depth = Some(depth_of_positions(&vector(planes), &self.camera)),
                 Role::Normal => normal = Some(vector(planes)),
                 _ => {
@@ -280,15 +281,20 @@ impl Layer<'_> {
     /// Mask and unit normals in view space, read as those of the frame are.
     fn with_normals(&self, mut normal: Vector3Planes, depth: &Plane) -> (Mask, Vector3Planes) {
         let encoding = judge_encoding(&normal);
-        decode(&mut normal, encoding, super::inputs::Flip::default());
+        decode(&mut normal, encoding, self.loaded.conventions.normal_flip);
         let mask = coverage::coverage(&coverage::Evidence {
             normal: &normal,
             depth: Some(depth),
+            depth_tells: true,
             alpha: None,
             mask: None,
         });
         normalise(&mut normal, mask.plane());
-        self.loaded.normals.turn(&mut normal, Some(&self.camera));
+        turn_normals(
+            &mut normal,
+            self.loaded.conventions.normal_space,
+            &self.camera,
+        );
         (mask, normal)
     }
 
@@ -309,6 +315,7 @@ impl Layer<'_> {
         let mask = coverage::coverage(&coverage::Evidence {
             normal: &normal,
             depth: Some(depth),
+            depth_tells: true,
             alpha: None,
             mask: None,
         });

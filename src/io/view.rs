@@ -1,12 +1,22 @@
-//! The turn to view space: which camera, which space the normals were in, and why.
+//! The turn to view space: which space the normals were in, and why.
 
-use super::camera::{RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
-use super::inputs::Inputs;
+use super::camera::{CAMERA, CameraSearch, FoundCamera};
+use super::inputs::{Flip, Inputs};
 use super::load::Finding;
-use super::normal_space::{NormalSpaceConclusion, judge_normal_space};
+use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
+use super::normals::flip_axes;
 use crate::error::{Error, Result};
-use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
-use glam::{DVec3, Mat3};
+use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
+use glam::{DMat3, Mat3};
+
+/// Normals read as view space whose lean is off the slope of depth by more than this, in degrees, could be
+/// turned a little: a world with y up, seen from slightly above, leans nearly as a view does.
+const STRAIGHT_DEG: f64 = 4.0;
+/// A turn by less than this, in degrees, is none.
+const LEAST_TURN_DEG: f64 = 1.5;
+/// A turn counts from this many standard errors on, and if it leaves less than this share of the angle.
+const TURN_ERRORS: f64 = 3.0;
+const TURN_LEAVES: f64 = 0.5;
 
 /// What the camera and the space of the normals are judged from.
 pub(super) struct Surface<'a> {
@@ -36,58 +46,136 @@ pub(super) fn turn_to_view(
     projection: bool,
     normal: &mut Vector3Planes,
 ) -> Result<View> {
-    let mut findings = Vec::new();
-    let spared = !projection && inputs.camera.is_none();
-    let unaided = spared.then(|| Reading::of(inputs, surface, normal, None, &[]).ok());
-    let in_view_already = unaided
-        .flatten()
-        .filter(|r| r.normals.space == NormalSpace::View);
-    let (reading, camera) = match in_view_already {
-        Some(reading) => (reading, None),
-        None => {
-            let camera = find_camera(inputs, surface, normal, &mut findings)?;
-            let reading = Reading::of(inputs, surface, normal, camera.as_ref(), &findings)?;
-            (reading, camera)
-        }
+    let mut search = CameraSearch::new(inputs, surface);
+    let is_needed = projection || inputs.camera.is_some();
+    let mut camera = match is_needed {
+        true => search.placed()?,
+        false => None,
     };
-    findings.push(reading.finding());
-    let normals = reading.normals;
+    let mut reading = Reading::of(inputs, surface, normal, camera.as_ref());
+    if !is_needed && !reading.is_view() {
+        // Only now is a camera worth looking for.
+        camera = search.placed()?;
+        if camera.is_some() {
+            reading = Reading::of(inputs, surface, normal, camera.as_ref());
+        }
+    }
+    let is_placed = camera.is_some();
+    if camera.is_none() && (is_needed || !reading.is_view() || reading.could_be_turned()) {
+        let judge = |camera: &Camera| Reading::of(inputs, surface, normal, Some(camera));
+        (camera, reading) = aided_by_depth(&mut search, reading, normal, judge);
+        camera = camera.filter(|_| is_needed || !reading.is_view());
+    }
+    let mut findings = search.findings;
+    let normals = reading.settled(inputs, surface, &findings)?;
     if normals.space == NormalSpace::World && camera.is_none() {
         return Err(no_camera(inputs, &reading.reason, &findings));
     }
+    findings.push(reading.finding(normals, inputs));
     normals.turn(normal, camera.as_ref());
-    let is_placed = inputs.camera.is_some() || surface.position.is_some();
     Ok(View {
-        is_placed: is_placed && camera.is_some(),
+        is_placed,
         camera,
         normals,
         findings,
     })
 }
 
+/// The camera that depth tells, and what the normals are with its help: `judge` tells by a camera.
+fn aided_by_depth(
+    search: &mut CameraSearch,
+    unaided: Reading,
+    normal: &Vector3Planes,
+    judge: impl Fn(&Camera) -> Reading,
+) -> (Option<Camera>, Reading) {
+    let flip = unaided.certain.filter(|n| n.space == NormalSpace::View);
+    if let Some(NormalReading { flip, .. }) = flip {
+        let mut turned = normal.clone();
+        flip_axes(&mut turned, flip);
+        let found = search.by_depth(&turned);
+        let is_turned = found.as_ref().is_some_and(|found| unaided.is_turned(found));
+        if !is_turned {
+            search.tell(found.as_ref());
+            return (found.map(|found| found.camera), unaided);
+        }
+    }
+    let found = search.by_depth(normal);
+    search.tell(found.as_ref());
+    match found {
+        Some(found) if unaided.is_told || flip.is_some() => {
+            let turned = Reading {
+                certain: Some(NormalReading::WORLD),
+                reason: format!(
+                    "world: turned by {:.1} degrees, the normals follow the slopes of depth",
+                    turn_deg(found.camera.view_from_world.matrix3)
+                ),
+                ..unaided
+            };
+            (
+                Some(found.camera),
+                if unaided.is_told { unaided } else { turned },
+            )
+        }
+        Some(found) => {
+            let aided = judge(&found.camera);
+            (Some(found.camera), aided)
+        }
+        None => (None, unaided),
+    }
+}
+
+/// Angle of a turn, in degrees; of a mirrored one 180.
+fn turn_deg(turn: DMat3) -> f64 {
+    let trace = turn.x_axis.x + turn.y_axis.y + turn.z_axis.z;
+    match turn.determinant() > 0.0 {
+        true => (0.5 * (trace - 1.0)).clamp(-1.0, 1.0).acos().to_degrees(),
+        false => 180.0,
+    }
+}
+
 /// How stored normals are to be read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NormalReading {
-    space: NormalSpace,
-    flip_z: bool,
+    pub(super) space: NormalSpace,
+    /// Axes that were found to point the wrong way.
+    pub(super) flip: Flip,
 }
 
 impl NormalReading {
+    const WORLD: Self = Self {
+        space: NormalSpace::World,
+        flip: Flip::NONE,
+    };
+    const VIEW: Self = Self {
+        space: NormalSpace::View,
+        flip: Flip::NONE,
+    };
+
     /// Turns stored normals to view space, in place. Those in world space take a camera.
-    pub(super) fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>) {
-        match (self.space, camera) {
-            (NormalSpace::World, Some(camera)) => rotate(normal, camera),
-            (NormalSpace::View, _) if self.flip_z => {
-                normal.z.samples_mut().iter_mut().for_each(|z| *z = -*z);
-            }
-            _ => {}
+    fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>) {
+        flip_axes(normal, self.flip);
+        if let Some(camera) = camera {
+            turn_normals(normal, self.space, camera);
         }
     }
 }
 
-/// How the stored normals are to be read.
+/// Turns normals of a space to view space, in place.
+pub(super) fn turn_normals(normal: &mut Vector3Planes, space: NormalSpace, camera: &Camera) {
+    if space == NormalSpace::World {
+        rotate(normal, camera);
+    }
+}
+
+/// What is known of how the stored normals are to be read.
+#[derive(Clone)]
 struct Reading {
-    normals: NormalReading,
+    /// The reading, where it is known.
+    certain: Option<NormalReading>,
+    /// Whether it is world space for want of anything else.
+    by_elimination: bool,
+    is_told: bool,
+    evidence: NormalSpaceEvidence,
     reason: String,
 }
 
@@ -98,73 +186,117 @@ impl Reading {
         surface: &Surface,
         normal: &Vector3Planes,
         camera: Option<&Camera>,
-        findings: &[Finding],
-    ) -> Result<Self> {
-        match inputs.normal_space {
-            Some(space) => Ok(Self {
-                normals: NormalReading {
-                    space,
-                    flip_z: false,
-                },
+    ) -> Self {
+        if let Some(space) = inputs.normal_space {
+            let flip = Flip::NONE;
+            return Self {
+                certain: Some(NormalReading { space, flip }),
+                by_elimination: false,
+                is_told: true,
+                evidence: NormalSpaceEvidence::default(),
                 reason: "as told".into(),
-            }),
-            None => judged(inputs, surface, normal, camera, findings),
+            };
+        }
+        let Surface {
+            mask,
+            position,
+            depth,
+            data_window,
+            ..
+        } = *surface;
+        let verdict = judge_normal_space(normal, mask, position, depth, camera, data_window);
+        let (certain, by_elimination) = match verdict.conclusion {
+            NormalSpaceConclusion::Certain { space, flip } => {
+                // Where axes were told, only z is still turned toward the viewer.
+                let flip = match inputs.normal_flip {
+                    Some(_) => Flip {
+                        z: flip.z,
+                        ..Flip::NONE
+                    },
+                    None => flip,
+                };
+                (Some(NormalReading { space, flip }), false)
+            }
+            NormalSpaceConclusion::WorldWithoutCamera => (None, true),
+            NormalSpaceConclusion::Ambiguous => (None, false),
+        };
+        Self {
+            certain,
+            by_elimination,
+            is_told: false,
+            evidence: verdict.evidence,
+            reason: verdict.reason,
         }
     }
 
-    fn finding(&self) -> Finding {
-        let (name, flag) = match (self.normals.space, self.normals.flip_z) {
-            (NormalSpace::World, _) => ("world", "--normal-space world"),
-            (NormalSpace::View, false) => ("view", "--normal-space view"),
-            (NormalSpace::View, true) => (
-                "view, z away from the viewer",
-                "--normal-space view --normal-flip z",
+    fn is_view(&self) -> bool {
+        self.certain.is_some_and(|n| n.space == NormalSpace::View)
+    }
+
+    /// Whether the normals lean near enough to the slope of depth for view space, but not quite along it.
+    fn could_be_turned(&self) -> bool {
+        let slope = self.evidence.slope_view_deg;
+        !self.is_told && slope.is_some_and(|deg| deg > STRAIGHT_DEG)
+    }
+
+    /// Whether the camera found from depth and normals, taken for view space, is turned after all.
+    fn is_turned(&self, found: &FoundCamera) -> bool {
+        let turn = turn_deg(found.camera.view_from_world.matrix3);
+        let (Some(errors), Some(slope)) = (found.turn_error_deg, self.evidence.slope_view_deg)
+        else {
+            return false;
+        };
+        self.could_be_turned()
+            && turn > LEAST_TURN_DEG.max(TURN_ERRORS * errors)
+            && found
+                .residual_deg
+                .is_some_and(|left| left < TURN_LEAVES * slope)
+    }
+
+    /// The reading, or why there is none.
+    fn settled(
+        &self,
+        inputs: &Inputs,
+        surface: &Surface,
+        findings: &[Finding],
+    ) -> Result<NormalReading> {
+        if let Some(certain) = self.certain {
+            return Ok(certain);
+        }
+        if self.by_elimination {
+            return Err(no_camera(inputs, &self.reason, findings));
+        }
+        // An empty mask has no normals to be read either way.
+        if surface.mask.count() == 0 {
+            return Ok(NormalReading::VIEW);
+        }
+        Err(Error::Undetermined {
+            path: inputs.picture.clone(),
+            found: format!("the space of the normals is unclear ({})", self.reason),
+            remedy: "name it with --normal-space view or --normal-space world".into(),
+        })
+    }
+
+    /// What is told of it.
+    fn finding(&self, normals: NormalReading, inputs: &Inputs) -> Finding {
+        let name = match normals.space {
+            NormalSpace::World => "world",
+            NormalSpace::View => "view",
+        };
+        let flip = inputs.normal_flip.unwrap_or_default().and(normals.flip);
+        let (conclusion, flag) = match flip {
+            Flip::NONE => (name.into(), format!("--normal-space {name}")),
+            axes => (
+                format!("{name}, {axes} reversed"),
+                format!("--normal-space {name} --normal-flip {axes}"),
             ),
         };
         Finding {
             subject: "normal space".into(),
-            conclusion: name.into(),
+            conclusion,
             evidence: self.reason.clone(),
-            flag: flag.into(),
+            flag,
         }
-    }
-}
-
-fn judged(
-    inputs: &Inputs,
-    surface: &Surface,
-    normal: &Vector3Planes,
-    camera: Option<&Camera>,
-    findings: &[Finding],
-) -> Result<Reading> {
-    let Surface {
-        mask,
-        position,
-        depth,
-        data_window,
-        ..
-    } = *surface;
-    let verdict = judge_normal_space(normal, mask, position, depth, camera, data_window);
-    let reason = verdict.reason;
-    match verdict.conclusion {
-        NormalSpaceConclusion::Certain { space, flip_z } => Ok(Reading {
-            normals: NormalReading { space, flip_z },
-            reason,
-        }),
-        NormalSpaceConclusion::WorldWithoutCamera => Err(no_camera(inputs, &reason, findings)),
-        // An empty mask has no normals to be read either way.
-        NormalSpaceConclusion::Ambiguous if surface.mask.count() == 0 => Ok(Reading {
-            normals: NormalReading {
-                space: NormalSpace::View,
-                flip_z: false,
-            },
-            reason,
-        }),
-        NormalSpaceConclusion::Ambiguous => Err(Error::Undetermined {
-            path: inputs.picture.clone(),
-            found: format!("the space of the normals is unclear ({reason})"),
-            remedy: "name it with --normal-space view or --normal-space world".into(),
-        }),
     }
 }
 
@@ -182,97 +314,6 @@ fn no_camera(inputs: &Inputs, reason: &str, findings: &[Finding]) -> Error {
             tried.concat()
         ),
         remedy: "give --camera FILE, or --normal-space view if they are not".into(),
-    }
-}
-
-/// What findings about the camera are called.
-const CAMERA: &str = "camera";
-
-fn find_camera(
-    inputs: &Inputs,
-    surface: &Surface,
-    normal: &Vector3Planes,
-    findings: &mut Vec<Finding>,
-) -> Result<Option<Camera>> {
-    let (camera, evidence) = if let Some(path) = &inputs.camera {
-        let camera = read_camera(path, surface.display_window, surface.pixel_aspect)?;
-        (Some(camera), format!("from {}", path.display()))
-    } else {
-        let recovered = match (surface.position, surface.depth) {
-            (Some(position), _) => from_positions(surface, position),
-            (None, Some(depth)) => from_depth(surface, normal, depth),
-            (None, None) => return Ok(None),
-        };
-        match recovered {
-            Ok((camera, evidence)) => (Some(camera), evidence),
-            Err(failure) => (None, failure.to_string()),
-        }
-    };
-    findings.push(Finding {
-        subject: CAMERA.into(),
-        conclusion: camera.map_or("unknown".into(), |camera| described(&camera)),
-        evidence,
-        flag: "--camera FILE".into(),
-    });
-    Ok(camera)
-}
-
-/// A recovered camera, and what it was recovered from.
-type Recovered = std::result::Result<(Camera, String), RecoveryFailure>;
-
-fn from_positions(surface: &Surface, position: &Vector3Planes) -> Recovered {
-    let found = recover_camera(
-        position,
-        surface.mask,
-        surface.data_window,
-        surface.display_window,
-        surface.pixel_aspect,
-    )?;
-    let evidence = format!(
-        "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
-        found.samples, found.residual_px_median, found.residual_px_p95
-    );
-    Ok((found.camera, evidence))
-}
-
-fn from_depth(surface: &Surface, normal: &Vector3Planes, depth: &Plane) -> Recovered {
-    let found = recover_camera_from_depth(
-        normal,
-        depth,
-        surface.mask,
-        surface.data_window,
-        surface.display_window,
-        surface.pixel_aspect,
-    )?;
-    let evidence = format!(
-        "recovered from normals and {}, rotation within {:.2} degrees, focal within {:.1} %",
-        found.depth_kind,
-        found.rotation_uncertainty_deg,
-        100.0 * found.focal_uncertainty
-    );
-    Ok((found.camera, evidence))
-}
-
-/// The camera in words; its place only where something told it.
-fn described(camera: &Camera) -> String {
-    let eye = camera.view_from_world.inverse().translation;
-    let axis = camera.view_from_world.matrix3.transpose() * DVec3::NEG_Z;
-    let place = if eye == DVec3::ZERO {
-        String::new()
-    } else {
-        format!(" from ({:.3}, {:.3}, {:.3})", eye.x, eye.y, eye.z)
-    };
-    let looks = format!(
-        "looking along ({:.3}, {:.3}, {:.3}){place}",
-        axis.x, axis.y, axis.z
-    );
-    match camera.projection {
-        Projection::Perspective { fx, .. } => {
-            format!("perspective, focal {fx:.1} px, {looks}")
-        }
-        Projection::Orthographic { sx, .. } => {
-            format!("orthographic, {sx:.2} px per unit, {looks}")
-        }
     }
 }
 

@@ -182,12 +182,14 @@ fn one_plane_leaves_a_turn_open() {
 }
 
 #[test]
-fn mirrored_normals_are_refused() {
+fn mirrored_normals_are_turned_by_a_mirror() {
     let shot = Shot::default();
     let mut layers = layers_of(&shot);
     layers.normal.x = layers.normal.x.map(|x| -x);
-    let failure = recovered_from(&shot, &layers);
-    assert_eq!(failure, Err(RecoveryFailure::Mirrored));
+    let found = recovered_from(&shot, &layers).unwrap();
+    let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+    let turn = found.camera.view_from_world.matrix3 * mirror;
+    assert!(turn_deg(turn, shot.camera.view_from_world.matrix3) < 0.05);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Cameras recovered from the positions of small scenes.
 
-use crate::measure::{expect_rotation, focal, turn_between};
+use crate::measure::{expect_rotation, focal, turn_between, turn_deg};
 use crate::planes::{strew, vectors};
 use crate::shots::{Numbers, Scene, Shot, panorama, perspective};
 use glam::{DAffine3, DVec3};
@@ -258,15 +258,18 @@ fn lens_shift_is_found_where_it_shows() {
 }
 
 #[test]
-fn a_mirrored_scene_is_refused() {
+fn a_left_handed_world_is_seen_in_a_mirror() {
     let shot = Shot {
         jitter: 0.5,
         ..Shot::default()
     };
     let (mut position, mask) = positions(&shot);
     position.y = position.y.map(|y| -y);
-    let failure = recovered_from(&shot, &position, &mask);
-    assert_eq!(failure, Err(RecoveryFailure::Mirrored));
+    let found = recovered_from(&shot, &position, &mask).unwrap().camera;
+    let mirror = DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0));
+    let (found, truth) = (found.view_from_world * mirror, shot.camera.view_from_world);
+    assert!(turn_deg(found.matrix3, truth.matrix3) < 0.05);
+    assert!(found.translation.distance(truth.translation) < 0.01);
 }
 
 #[test]

@@ -5,6 +5,7 @@ use crate::real_files::real;
 use crate::renders::{Render, pictures};
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
+use relievo::io::inputs::Flip;
 use relievo::io::normal_space::{NormalSpaceConclusion, NormalSpaceVerdict, judge_normal_space};
 
 const SIDE: usize = 96;
@@ -14,7 +15,11 @@ const VIEW: NormalSpaceConclusion = certain(NormalSpace::View, false);
 const VIEW_FLIPPED: NormalSpaceConclusion = certain(NormalSpace::View, true);
 
 const fn certain(space: NormalSpace, flip_z: bool) -> NormalSpaceConclusion {
-    NormalSpaceConclusion::Certain { space, flip_z }
+    let flip = Flip {
+        z: flip_z,
+        ..Flip::NONE
+    };
+    NormalSpaceConclusion::Certain { space, flip }
 }
 
 /// Normals in world space, and what else may tell that they are.

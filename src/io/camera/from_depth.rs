@@ -11,14 +11,14 @@
 //! the rotation they tell it too: to a hundredth or so where the rotation is known to a tenth of a
 //! degree.
 //!
-//! How to use it: give a normal map in any right-handed space. Where it was view space, the rotation
+//! How to use it: give a normal map in any space. Where it was view space, the rotation
 //! comes out as none, which tells so. The place of the eye stays open: the translation is zero.
 
 use super::depth_fit::{Certainty, Fit};
 use super::depth_lens::{Kind, Lens};
 use super::depth_samples::{Patch, Surface};
 use super::file::dmat3;
-use super::recover::RecoveryFailure;
+use super::recover::{MIRROR, RecoveryFailure};
 use super::samples::quantile;
 use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec3};
@@ -47,7 +47,8 @@ const LEAST_SPREAD: f64 = 1e-6;
 /// What depth and normals tell of a camera, with the evidence for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthCamera {
-    /// The camera. Its translation is zero, for normals say nothing of places.
+    /// The camera. Its translation is zero, for normals say nothing of places; its turn mirrors where the
+    /// normals are left-handed, or one of their axes is reversed.
     pub camera: Camera,
     /// What depth holds. Under a parallel camera the two are the same, and it is `Planar`.
     pub depth_kind: DepthKind,
@@ -71,7 +72,7 @@ pub struct DepthCamera {
 ///
 /// # Errors
 /// If too little smooth surface is seen, if its normals all point the same way, or if no rotation
-/// carries them onto the slopes of depth: a panorama, a mirrored normal map, depth that was scaled.
+/// carries them onto the slopes of depth: a panorama, depth that was scaled.
 ///
 /// # Panics
 /// If `normal`, `depth` or `mask` do not have the size of `data_window`.
@@ -105,8 +106,20 @@ pub fn recover_camera_from_depth(
         });
     }
     let width = display_window.width() as f64;
-    let answer = Answer::of(&patches, width)?;
-    Ok(answer.report(&surface))
+    match Answer::of(&patches, width) {
+        Err(RecoveryFailure::Mirrored) => {
+            // Seen in a mirror across its y axis the world is right-handed.
+            let mut patches = patches;
+            for patch in &mut patches {
+                patch.normal.y = -patch.normal.y;
+            }
+            let mut report = Answer::of(&patches, width)?.report(&surface);
+            report.camera.view_from_world =
+                report.camera.view_from_world * DAffine3::from_scale(MIRROR);
+            Ok(report)
+        }
+        answer => Ok(answer?.report(&surface)),
+    }
 }
 
 /// A fit that passed, with how certain it is.

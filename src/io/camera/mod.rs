@@ -5,6 +5,7 @@ mod depth_fit;
 mod depth_lens;
 mod depth_samples;
 mod file;
+mod find;
 mod from_depth;
 mod hypotheses;
 mod model;
@@ -13,6 +14,7 @@ mod recover;
 mod samples;
 
 pub use file::{read_camera, read_pose};
+pub(super) use find::{CAMERA, CameraSearch, FoundCamera};
 pub use from_depth::{DepthCamera, recover_camera_from_depth};
 pub use panorama::{PanoramaPose, recover_panorama};
 pub use recover::{RecoveredCamera, RecoveryFailure, recover_camera};

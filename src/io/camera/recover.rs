@@ -10,8 +10,8 @@
 //! What that buys: positions in half float, 100 units off the origin, leave the view axis uncertain by
 //! 0.1 degree in the eleven free parameters of the linear fit, and by less than 0.01 in these seven.
 //!
-//! How to use it: the layer must hold positions, not distances, in one right-handed space for the whole
-//! picture. Panoramas, fisheyes and layers in object space fit no camera and are refused.
+//! How to use it: the layer must hold positions, not distances, in one space for the whole picture. Where
+//! that is left-handed, the turn to the view mirrors. Panoramas, fisheyes and layers in object space fit no camera and are refused.
 
 use super::file::dmat3;
 use super::hypotheses::{hypotheses, principal_axes};
@@ -38,10 +38,13 @@ const LEAST_PERSPECTIVE_PX: f64 = 0.02;
 /// A parameter counts as different from zero from this many standard errors on.
 const SIGNIFICANT: f64 = 6.0;
 
+/// What makes a left-handed world a right-handed one.
+pub(super) const MIRROR: DVec3 = DVec3::new(1.0, -1.0, 1.0);
+
 /// A camera found in a position layer, with the evidence for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecoveredCamera {
-    /// The camera.
+    /// The camera; its turn mirrors where the world is left-handed.
     pub camera: Camera,
     /// Median distance, in pixel widths, between where samples were seen and where the camera sees them.
     pub residual_px_median: f64,
@@ -141,9 +144,19 @@ pub fn recover_camera(
     } else {
         1.0
     };
-    let samples = gather(position, mask, data_window, display_window, aspect);
-    let found = Fit::of(&samples, display_window)?;
-    Ok(found.report(&samples, display_window, aspect))
+    let mut samples = gather(position, mask, data_window, display_window, aspect);
+    match Fit::of(&samples, display_window) {
+        Err(RecoveryFailure::Mirrored) => {
+            // Seen in a mirror across its y axis the world is right-handed.
+            samples.mirror();
+            let found = Fit::of(&samples, display_window)?;
+            let mut report = found.report(&samples, display_window, aspect);
+            report.camera.view_from_world =
+                report.camera.view_from_world * DAffine3::from_scale(MIRROR);
+            Ok(report)
+        }
+        found => Ok(found?.report(&samples, display_window, aspect)),
+    }
 }
 
 /// The camera that fits best, and how the samples scatter about it.

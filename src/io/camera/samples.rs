@@ -34,6 +34,16 @@ pub(super) struct Samples {
     pub(super) half: bool,
 }
 
+impl Samples {
+    /// Reverses y of the world.
+    pub(super) fn mirror(&mut self) {
+        self.centroid.y = -self.centroid.y;
+        for sample in &mut self.list {
+            sample.point.y = -sample.point.y;
+        }
+    }
+}
+
 /// A position layer with the pixels it covers.
 struct Layer<'a> {
     position: &'a Vector3Planes,
