@@ -5,7 +5,8 @@ use super::attributes::Attributes;
 use super::chunks::{ChunkReader, Place, RawChunk};
 use super::fault::{Fault, Parsed};
 use super::header::{LONG_NAMES, MULTI_PART, header_bytes};
-use super::write::{ChunkSink, OutputPart, ReadyPart};
+use super::sink::ChunkSink;
+use super::write::{PartDescription, ReadyPart};
 use crate::error::{Error, Result};
 use std::io::{Seek, Write};
 use std::path::Path;
@@ -14,23 +15,16 @@ const TILED: u32 = 1 << 9;
 /// Name of the only part of a file that gave it none.
 const FIRST_NAME: &str = "main";
 
-/// Writes a copy of `input` with `part` added. `target` is only named in errors.
-///
-/// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
-/// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
-/// time code of the first one, which all parts must share.
-///
-/// # Panics
-/// If a plane does not have the size of the data window.
-pub fn append_part(
+/// Starts a copy of `input` with `part` added: everything but the samples of that part is written.
+pub(super) fn start_append<'w, W: Write + Seek>(
     input: &ExrFile,
-    w: &mut (impl Write + Seek),
+    w: &'w mut W,
     target: &Path,
-    part: &OutputPart,
-) -> Result<()> {
+    part: &PartDescription,
+) -> Result<(ChunkSink<'w, W>, ReadyPart)> {
     let failed = |source| Error::io(target, "write")(source);
     let mut parts = named_parts(input);
-    let part = OutputPart {
+    let part = PartDescription {
         name: free_name(&part.name, &parts),
         ..part.clone()
     };
@@ -40,7 +34,7 @@ pub fn append_part(
     let flags = input.header.flags & !TILED | MULTI_PART | ready.long_names();
     let headers = &input.header.meta.headers;
     let mut counts: Vec<usize> = headers.iter().map(|h| h.chunk_count).collect();
-    counts.push(ready.chunk_count());
+    counts.push(ready.header.chunk_count);
     let flags = match parts.iter().any(Attributes::has_long_names) {
         true => flags | LONG_NAMES,
         false => flags,
@@ -49,8 +43,7 @@ pub fn append_part(
     let head = header_bytes(flags, &parts);
     let mut out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
     copy_chunks(input, &mut out, target)?;
-    ready.write_chunks(&mut out, headers.len(), target)?;
-    out.finish().map_err(failed)
+    Ok((out, ready))
 }
 
 /// The input's attributes, with those added that only a file of several parts must have.
