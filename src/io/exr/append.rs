@@ -42,7 +42,7 @@ pub(super) fn start_append<'w, W: Write + Seek>(
     let start = w.stream_position().map_err(failed)?;
     let head = header_bytes(flags, &parts);
     let mut out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
-    copy_chunks(input, &mut out, target)?;
+    copy_chunks(input, &mut out, target, None)?;
     Ok((out, ready))
 }
 
@@ -76,16 +76,17 @@ fn free_name(name: &str, parts: &[Attributes]) -> String {
         .unwrap_or_default()
 }
 
-/// Copies all chunks in the order in which they lie in the file.
-fn copy_chunks(
+/// Copies all chunks in the order in which they lie in the file, except those of part `without`.
+pub(super) fn copy_chunks(
     input: &ExrFile,
     out: &mut ChunkSink<impl Write + Seek>,
     target: &Path,
+    without: Option<usize>,
 ) -> Result<()> {
     let damaged = |fault: Fault| fault.at(&input.path);
     let mut chunks = ChunkReader::open(input).map_err(damaged)?;
     let mut end = 0;
-    for (offset, part, index) in all_chunks(input, &mut chunks).map_err(damaged)? {
+    for (offset, part, index) in all_chunks(input, &mut chunks, without).map_err(damaged)? {
         let chunk = next_chunk(&mut chunks, offset, end, part).map_err(damaged)?;
         end = chunks.position();
         let written = match chunk.place {
@@ -97,10 +98,17 @@ fn copy_chunks(
     Ok(())
 }
 
-/// Offset, part and index within the part of every chunk, by offset.
-fn all_chunks(input: &ExrFile, chunks: &mut ChunkReader) -> Parsed<Vec<(u64, usize, usize)>> {
+/// Offset, part and index within the part of every chunk, by offset; none of part `without`.
+fn all_chunks(
+    input: &ExrFile,
+    chunks: &mut ChunkReader,
+    without: Option<usize>,
+) -> Parsed<Vec<(u64, usize, usize)>> {
     let mut all = Vec::new();
     for (part, header) in input.header.meta.headers.iter().enumerate() {
+        if Some(part) == without {
+            continue;
+        }
         let offsets = chunks.offsets(part, header.chunk_count)?;
         all.extend(offsets.iter().enumerate().map(|(i, &o)| (o, part, i)));
     }

@@ -34,6 +34,8 @@ pub(super) struct Encoder {
 pub(super) struct Strip<'a> {
     pub(super) planes: &'a [&'a Plane],
     pub(super) rows: Range<usize>,
+    /// The same rows of the part that is added to, if there is one, as it stores them.
+    pub(super) kept: &'a [u8],
 }
 
 impl Encoder {
@@ -45,6 +47,11 @@ impl Encoder {
             taken: 0,
             waiting: Vec::new(),
         }
+    }
+
+    /// The rows that have been taken.
+    pub(super) fn taken(&self) -> usize {
+        self.taken
     }
 
     /// Rows that are still to come.
@@ -71,7 +78,7 @@ impl Encoder {
         self.taken % self.block_rows
     }
 
-    /// Takes rows, and returns the index of the first block that became complete, and their bytes.
+    /// Takes rows, at least one, and returns the index of the first block that became complete, and their bytes.
     pub(super) fn take(&mut self, strip: &Strip) -> Parsed<(usize, Vec<Vec<u8>>)> {
         let waiting = self.waiting_rows();
         let first = self.taken / self.block_rows;
@@ -108,12 +115,18 @@ impl Encoder {
     /// Appends the rows `rows` of a strip as they stand in a block.
     fn lay_rows(&self, strip: &Strip, rows: Range<usize>, raw: &mut Vec<u8>) {
         let mut halves = Vec::new();
+        let width = self.header.layer_size.width();
+        let kept_bytes = strip.kept.len() / strip.rows.len();
         for y in rows {
             for source in &self.sources {
                 match *source {
                     Source::Given(plane, sample_type) => {
                         let row = strip.planes[plane].row(strip.rows.start + y);
                         lay_samples(row, sample_type, &mut halves, raw);
+                    }
+                    Source::Kept { before, bytes } => {
+                        let row = &strip.kept[y * kept_bytes..][..kept_bytes];
+                        raw.extend_from_slice(&row[before * width..][..bytes * width]);
                     }
                 }
             }

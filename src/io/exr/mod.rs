@@ -1,8 +1,9 @@
 //! OpenEXR: channels to planes, planes to parts.
 //!
 //! Opening reads the header alone and refuses what cannot be read. Reading takes only the channels
-//! asked for, whole or by rows, and skips whole parts and resolution levels. Writing makes a file of one part, or adds
-//! a part to a copy of the input in which every other byte of pixels stays as it was.
+//! asked for, whole or by rows, and skips whole parts and resolution levels. Writing
+//! makes a file of one part, adds a part to a copy of the input in which every other byte of pixels
+//! stays as it was, or adds channels to a part of a copy. All three go by strips of rows.
 //!
 //! The `exr` crate decompresses; everything that decides how much memory is used, and where a chunk
 //! lies, is done here, because that crate trusts what the file claims.
@@ -15,15 +16,17 @@ mod encode;
 mod fault;
 mod header;
 mod layout;
+mod merge;
 mod read;
 mod rows;
 mod sink;
 mod write;
 mod writer;
 
+pub use merge::Merged;
 pub use rows::RowReader;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
-pub use writer::{PartWriter, append_part, write_results};
+pub use writer::{PartWriter, add_channels, append_part, write_results};
 
 use crate::error::{Error, Result};
 use crate::frame::Window;

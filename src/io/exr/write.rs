@@ -121,6 +121,8 @@ impl OutputPart<'_> {
 pub(super) enum Source {
     /// The plane given with this index.
     Given(usize, OutputType),
+    /// A channel of the part that is added to: bytes of a pixel before it, and its own.
+    Kept { before: usize, bytes: usize },
 }
 
 /// A part whose header has been made.
@@ -167,14 +169,14 @@ impl ReadyPart {
 }
 
 /// The header of a part as the `exr` crate understands it.
-fn typed_header(attributes: &Attributes, target: &Path) -> Result<Header> {
+pub(super) fn typed_header(attributes: &Attributes, target: &Path) -> Result<Header> {
     let meta = typed(VERSION, std::slice::from_ref(attributes)).map_err(|f| f.at(target))?;
     let header = meta.headers.into_iter().next();
     header.ok_or_else(|| Fault::damaged("has no part").at(target))
 }
 
 /// The indices of the channels, in the order of their names.
-fn sorted_channels(part: &PartDescription) -> Result<Vec<usize>> {
+pub(super) fn sorted_channels(part: &PartDescription) -> Result<Vec<usize>> {
     let name = |i: usize| part.channels[i].0.as_str();
     let mut order: Vec<usize> = (0..part.channels.len()).collect();
     order.sort_by_key(|&i| name(i).as_bytes());
@@ -233,7 +235,7 @@ fn attributes_of(part: &PartDescription, order: &[usize]) -> Result<Attributes> 
     Ok(attributes)
 }
 
-fn check_attribute_name(name: &str) -> Result<()> {
+pub(super) fn check_attribute_name(name: &str) -> Result<()> {
     match RESERVED.contains(&name) {
         true => Err(Error::BadParameter {
             name: "attribute",
@@ -245,21 +247,24 @@ fn check_attribute_name(name: &str) -> Result<()> {
 }
 
 fn channel_list(part: &PartDescription, order: &[usize]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    for &i in order {
-        let (name, sample_type) = &part.channels[i];
-        let kind: i32 = match sample_type {
-            OutputType::Half => 1,
-            OutputType::Float => 2,
-        };
-        bytes.extend_from_slice(name.as_bytes());
-        bytes.push(0);
-        bytes.extend_from_slice(&kind.to_le_bytes());
-        bytes.extend_from_slice(&[0; 4]); // not perceptually linear, three bytes unused
-        bytes.extend_from_slice(&1i32.to_le_bytes());
-        bytes.extend_from_slice(&1i32.to_le_bytes());
-    }
+    let entry = |&i: &usize| channel_entry(&part.channels[i].0, part.channels[i].1);
+    let mut bytes: Vec<u8> = order.iter().flat_map(entry).collect();
     bytes.push(0);
+    bytes
+}
+
+/// A channel in the list of channels.
+pub(super) fn channel_entry(name: &str, sample_type: OutputType) -> Vec<u8> {
+    let kind: i32 = match sample_type {
+        OutputType::Half => 1,
+        OutputType::Float => 2,
+    };
+    let mut bytes = name.as_bytes().to_vec();
+    bytes.push(0);
+    bytes.extend_from_slice(&kind.to_le_bytes());
+    bytes.extend_from_slice(&[0; 4]); // not perceptually linear, three bytes unused
+    bytes.extend_from_slice(&1i32.to_le_bytes());
+    bytes.extend_from_slice(&1i32.to_le_bytes());
     bytes
 }
 

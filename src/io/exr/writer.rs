@@ -4,6 +4,7 @@ use super::ExrFile;
 use super::append::start_append;
 use super::encode::{Encoder, Strip};
 use super::header::header_bytes;
+use super::merge::{KeptRows, Merged, start_merge};
 use super::sink::ChunkSink;
 use super::write::{OutputPart, PartDescription, ReadyPart, VERSION};
 use crate::error::{Error, Result};
@@ -37,12 +38,36 @@ pub fn append_part(
     PartWriter::append(input, w, target, &part.description())?.write_whole(part)
 }
 
+/// Writes a copy of `input` in which the part at index `part` also has the channels of `added`, for
+/// programs that see only one part. `target` is only named in errors.
+///
+/// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text
+/// attributes of `added` are set. Its pixels are compressed anew, the way they were if that is
+/// lossless, else with ZIP; tiles become rows, at full resolution alone. Other parts are copied as
+/// they are. Where a layer of `added` has a channel that the part has too, the layer is renamed: bare
+/// channels go to a layer named like `added`. Its window must be that of the part; the rest of its
+/// description stands in the part already.
+///
+/// # Panics
+/// If there is no such part, or a plane does not have the size of the data window.
+pub fn add_channels(
+    input: &ExrFile,
+    part: usize,
+    w: &mut (impl Write + Seek),
+    target: &Path,
+    added: &OutputPart,
+) -> Result<Merged> {
+    let (writer, merged) = PartWriter::add_channels(input, part, w, target, &added.description())?;
+    writer.write_whole(added)?;
+    Ok(merged)
+}
+
 /// Writes the samples of one part, from the top, some rows at a time.
 ///
 /// The bytes do not depend on how the rows are cut. Of the rows given at one time, those that do not
 /// fill a block are kept; no more than that and the blocks being compressed is held in memory.
-pub struct PartWriter<'w, W> {
-    out: ChunkSink<'w, W>,
+pub struct PartWriter<'a, W> {
+    out: ChunkSink<'a, W>,
     target: PathBuf,
     /// Index of the part in the file.
     index: usize,
@@ -51,11 +76,13 @@ pub struct PartWriter<'w, W> {
     width: usize,
     planes: usize,
     encoder: Encoder,
+    /// The part that is added to.
+    kept: Option<KeptRows<'a>>,
 }
 
-impl<'w, W: Write + Seek> PartWriter<'w, W> {
+impl<'a, W: Write + Seek> PartWriter<'a, W> {
     /// Starts a file of this part alone. `target` is only named in errors.
-    pub fn create(w: &'w mut W, target: &Path, part: &PartDescription) -> Result<Self> {
+    pub fn create(w: &'a mut W, target: &Path, part: &PartDescription) -> Result<Self> {
         let failed = |source| Error::io(target, "write")(source);
         let ready = ReadyPart::new(part, target, None)?;
         let start = w.stream_position().map_err(failed)?;
@@ -72,7 +99,7 @@ impl<'w, W: Write + Seek> PartWriter<'w, W> {
     /// in errors.
     pub fn append(
         input: &ExrFile,
-        w: &'w mut W,
+        w: &'a mut W,
         target: &Path,
         part: &PartDescription,
     ) -> Result<Self> {
@@ -80,8 +107,27 @@ impl<'w, W: Write + Seek> PartWriter<'w, W> {
         Ok(Self::new(out, target, input.parts.len(), part, &ready))
     }
 
+    /// Starts a copy of `input` in which the part at index `part` also has these channels, as
+    /// [`add_channels`] does. `target` is only named in errors.
+    ///
+    /// # Panics
+    /// If there is no such part.
+    pub fn add_channels(
+        input: &'a ExrFile,
+        part: usize,
+        w: &'a mut W,
+        target: &Path,
+        added: &PartDescription,
+    ) -> Result<(Self, Merged)> {
+        let (out, ready, merged) = start_merge(input, part, w, target, added)?;
+        let mut writer = Self::new(out, target, part, added, &ready);
+        let kept = KeptRows::open(input, part, writer.encoder.batch_rows());
+        writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
+        Ok((writer, merged))
+    }
+
     fn new(
-        out: ChunkSink<'w, W>,
+        out: ChunkSink<'a, W>,
         target: &Path,
         index: usize,
         part: &PartDescription,
@@ -95,6 +141,7 @@ impl<'w, W: Write + Seek> PartWriter<'w, W> {
             width: part.data_window.width(),
             planes: ready.planes,
             encoder: Encoder::new(ready),
+            kept: None,
         }
     }
 
@@ -118,13 +165,18 @@ impl<'w, W: Write + Seek> PartWriter<'w, W> {
         while next < rows.end {
             let rows = next..rows.end.min(next + self.encoder.batch_rows());
             next = rows.end;
-            self.write_strip(&Strip { planes, rows })?;
+            self.write_strip(planes, rows)?;
         }
         Ok(())
     }
 
-    fn write_strip(&mut self, strip: &Strip) -> Result<()> {
-        let blocks = self.encoder.take(strip);
+    fn write_strip(&mut self, planes: &[&Plane], rows: Range<usize>) -> Result<()> {
+        let taken = self.encoder.taken();
+        let kept = match &mut self.kept {
+            Some(part) => part.rows(&(taken..taken + rows.len()))?,
+            None => &[],
+        };
+        let blocks = self.encoder.take(&Strip { planes, rows, kept });
         let (first, blocks) = blocks.map_err(|fault| fault.at(&self.target))?;
         for (block, bytes) in (first..).zip(blocks) {
             let y = self.top + (block * self.encoder.block_rows()) as i32;
