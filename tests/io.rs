@@ -5,7 +5,8 @@ mod real_files;
 use real_files::real;
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
-    ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, append_part, write_results,
+    ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, add_channels, append_part,
+    write_results,
 };
 use std::io::Cursor;
 use std::path::Path;
@@ -134,14 +135,15 @@ fn a_limit_refuses_before_anything_is_read() {
         max_pixels: 1000,
         ..Limits::default()
     };
-    assert!(ExrFile::open(&path, &limits).is_err());
-    let limits = Limits {
+    let few_bytes = Limits {
         max_bytes: 1000,
         ..Limits::default()
     };
-    let file = ExrFile::open(&path, &limits).unwrap();
-    let ids: Vec<ChannelId> = file.channel_ids().collect();
-    assert!(file.read_channels(&ids).is_err());
+    for limits in [limits, few_bytes] {
+        let file = ExrFile::open(&path, &limits).unwrap();
+        let ids: Vec<ChannelId> = file.channel_ids().collect();
+        assert!(file.read_channels(&ids).is_err());
+    }
 }
 
 #[test]
@@ -212,7 +214,12 @@ fn survive(path: &Path) -> Result<(), String> {
         let plane = Plane::filled(4, 4, 1.0);
         let window = Window::from_size(4, 4);
         let part = part("x", window, &[("Z", &plane, OutputType::Half)]);
-        append_part(&file, &mut Cursor::new(Vec::new()), path, &part)
+        append_part(&file, &mut Cursor::new(Vec::new()), path, &part)?;
+        let window = file.parts[0].window;
+        let plane = Plane::filled(window.width(), window.height(), 1.0);
+        let part = self::part("x", window, &[("Z", &plane, OutputType::Half)]);
+        add_channels(&file, 0, &mut Cursor::new(Vec::new()), path, &part)?;
+        Ok(())
     };
     attempt().map_err(|error| {
         let message = error.to_string();

@@ -5,7 +5,8 @@ use super::attributes::Attributes;
 use super::chunks::{ChunkReader, Place, RawChunk};
 use super::fault::{Fault, Parsed};
 use super::header::{LONG_NAMES, MULTI_PART, header_bytes};
-use super::write::{ChunkSink, OutputPart, ReadyPart};
+use super::sink::ChunkSink;
+use super::write::{PartDescription, ReadyPart};
 use crate::error::{Error, Result};
 use std::io::{Seek, Write};
 use std::path::Path;
@@ -14,23 +15,16 @@ const TILED: u32 = 1 << 9;
 /// Name of the only part of a file that gave it none.
 const FIRST_NAME: &str = "main";
 
-/// Writes a copy of `input` with `part` added. `target` is only named in errors.
-///
-/// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
-/// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
-/// time code of the first one, which all parts must share.
-///
-/// # Panics
-/// If a plane does not have the size of the data window.
-pub fn append_part(
+/// Starts a copy of `input` with `part` added: everything but the samples of that part is written.
+pub(super) fn start_append<'w, W: Write + Seek>(
     input: &ExrFile,
-    w: &mut (impl Write + Seek),
+    w: &'w mut W,
     target: &Path,
-    part: &OutputPart,
-) -> Result<()> {
+    part: &PartDescription,
+) -> Result<(ChunkSink<'w, W>, ReadyPart)> {
     let failed = |source| Error::io(target, "write")(source);
     let mut parts = named_parts(input);
-    let part = OutputPart {
+    let part = PartDescription {
         name: free_name(&part.name, &parts),
         ..part.clone()
     };
@@ -40,7 +34,7 @@ pub fn append_part(
     let flags = input.header.flags & !TILED | MULTI_PART | ready.long_names();
     let headers = &input.header.meta.headers;
     let mut counts: Vec<usize> = headers.iter().map(|h| h.chunk_count).collect();
-    counts.push(ready.chunk_count());
+    counts.push(ready.header.chunk_count);
     let flags = match parts.iter().any(Attributes::has_long_names) {
         true => flags | LONG_NAMES,
         false => flags,
@@ -48,9 +42,8 @@ pub fn append_part(
     let start = w.stream_position().map_err(failed)?;
     let head = header_bytes(flags, &parts);
     let mut out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
-    copy_chunks(input, &mut out, target)?;
-    ready.write_chunks(&mut out, headers.len(), target)?;
-    out.finish().map_err(failed)
+    copy_chunks(input, &mut out, target, None)?;
+    Ok((out, ready))
 }
 
 /// The input's attributes, with those added that only a file of several parts must have.
@@ -83,16 +76,17 @@ fn free_name(name: &str, parts: &[Attributes]) -> String {
         .unwrap_or_default()
 }
 
-/// Copies all chunks in the order in which they lie in the file.
-fn copy_chunks(
+/// Copies all chunks in the order in which they lie in the file, except those of part `without`.
+pub(super) fn copy_chunks(
     input: &ExrFile,
     out: &mut ChunkSink<impl Write + Seek>,
     target: &Path,
+    without: Option<usize>,
 ) -> Result<()> {
     let damaged = |fault: Fault| fault.at(&input.path);
     let mut chunks = ChunkReader::open(input).map_err(damaged)?;
     let mut end = 0;
-    for (offset, part, index) in all_chunks(input, &mut chunks).map_err(damaged)? {
+    for (offset, part, index) in all_chunks(input, &mut chunks, without).map_err(damaged)? {
         let chunk = next_chunk(&mut chunks, offset, end, part).map_err(damaged)?;
         end = chunks.position();
         let written = match chunk.place {
@@ -104,10 +98,17 @@ fn copy_chunks(
     Ok(())
 }
 
-/// Offset, part and index within the part of every chunk, by offset.
-fn all_chunks(input: &ExrFile, chunks: &mut ChunkReader) -> Parsed<Vec<(u64, usize, usize)>> {
+/// Offset, part and index within the part of every chunk, by offset; none of part `without`.
+fn all_chunks(
+    input: &ExrFile,
+    chunks: &mut ChunkReader,
+    without: Option<usize>,
+) -> Parsed<Vec<(u64, usize, usize)>> {
     let mut all = Vec::new();
     for (part, header) in input.header.meta.headers.iter().enumerate() {
+        if Some(part) == without {
+            continue;
+        }
         let offsets = chunks.offsets(part, header.chunk_count)?;
         all.extend(offsets.iter().enumerate().map(|(i, &o)| (o, part, i)));
     }

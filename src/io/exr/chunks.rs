@@ -24,7 +24,7 @@ pub(super) struct RawChunk {
 
 /// Reads chunks of one file.
 pub(super) struct ChunkReader<'a> {
-    exr: &'a ExrFile,
+    pub(super) exr: &'a ExrFile,
     file: BufReader<File>,
     position: u64,
 }
@@ -41,6 +41,12 @@ impl<'a> ChunkReader<'a> {
     /// Where the first `count` chunks of `part` start.
     pub(super) fn offsets(&mut self, part: usize, count: usize) -> Parsed<Vec<u64>> {
         let header = &self.exr.header;
+        let stored = header.meta.headers[part].chunk_count;
+        if count > stored {
+            return Err(Fault::damaged(format!(
+                "its size calls for {count} blocks of pixels, but it has {stored}"
+            )));
+        }
         let before: usize = header.meta.headers[..part]
             .iter()
             .map(|h| h.chunk_count)

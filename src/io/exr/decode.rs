@@ -1,8 +1,9 @@
 //! Chunks to samples, with everything a chunk claims checked before it is believed.
 
 use super::attributes::text_of_bytes;
-use super::chunks::{Place, RawChunk};
+use super::chunks::Place;
 use super::fault::{Fault, Parsed};
+use super::layout::{Area, Layout};
 use crate::io::fence::fenced;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{
@@ -15,6 +16,7 @@ use ::exr::meta::attribute::SampleType;
 use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
+use std::ops::Range;
 
 /// A channel to be read: where its samples lie in a row of a decompressed block.
 #[derive(Debug, Clone, Copy)]
@@ -65,44 +67,99 @@ fn bytes_per_pixel(channels: &[::exr::meta::attribute::ChannelDescription]) -> u
         .sum()
 }
 
-/// Copies the wanted channels of `block` into `rows`: for each slot, full rows of the picture that
-/// start with row `first_row`.
-pub(super) fn scatter(
-    block: &UncompressedBlock,
-    header: &Header,
-    first_row: usize,
-    rows: &mut [(Slot, &mut [f32])],
-) {
-    let Vec2(x, y) = block.index.pixel_position;
-    let width = block.index.pixel_size.width();
-    let row_bytes = header.channels.bytes_per_pixel * width;
-    let picture_width = header.layer_size.width();
-    let mut bits = Vec::with_capacity(width);
-    for (i, row) in block.data.chunks_exact(row_bytes).enumerate() {
-        let start = (y - first_row + i) * picture_width + x;
-        for (slot, samples) in rows.iter_mut() {
-            slot.convert(row, width, &mut bits, &mut samples[start..start + width]);
+/// Rows of a picture that are to be filled.
+pub(super) enum Rows<'t> {
+    /// The samples of some channels, in planes as wide as the picture.
+    Samples(Vec<(Slot, &'t mut [f32])>),
+    /// All channels as they are stored, laid out as in a block as wide as the picture.
+    Bytes(&'t mut [u8]),
+}
+
+impl<'t> Rows<'t> {
+    /// Takes the first `rows` rows out.
+    pub(super) fn split_off_top(&mut self, rows: usize, layout: &Layout) -> Rows<'t> {
+        let pixels = rows * layout.width;
+        match self {
+            Rows::Samples(planes) => {
+                let top = planes.iter_mut().map(|(slot, plane)| {
+                    let (top, rest) = std::mem::take(plane).split_at_mut(pixels);
+                    *plane = rest;
+                    (*slot, top)
+                });
+                Rows::Samples(top.collect())
+            }
+            Rows::Bytes(bytes) => {
+                let (top, rest) = std::mem::take(bytes).split_at_mut(pixels * layout.pixel_bytes);
+                *bytes = rest;
+                Rows::Bytes(top)
+            }
+        }
+    }
+
+    /// Copies what `block`, whose pixels are those of `area`, holds of the rows `rows`: the rows
+    /// that are here.
+    pub(super) fn fill(&mut self, block: &[u8], area: &Area, rows: &Range<usize>, layout: &Layout) {
+        let (x, width) = (area.columns.start, area.columns.len());
+        let row_bytes = layout.pixel_bytes * width;
+        let shared = area.rows.start.max(rows.start)..area.rows.end.min(rows.end);
+        let mut bits = Vec::with_capacity(width);
+        for y in shared {
+            let row = &block[(y - area.rows.start) * row_bytes..][..row_bytes];
+            let y = y - rows.start;
+            match self {
+                Rows::Samples(planes) => {
+                    for (slot, samples) in planes {
+                        let into = &mut samples[y * layout.width + x..][..width];
+                        slot.convert(row, width, &mut bits, into);
+                    }
+                }
+                Rows::Bytes(bytes) => {
+                    let bytes_per_row = layout.width * layout.pixel_bytes;
+                    let into = &mut bytes[y * bytes_per_row..][..bytes_per_row];
+                    copy_row(row, into, &layout.sample_bytes, layout.width, &area.columns);
+                }
+            }
         }
     }
 }
 
-/// Decompresses a chunk that lies where its part says.
-pub(super) fn decompress(chunk: RawChunk, meta: &MetaData) -> Parsed<UncompressedBlock> {
-    let part = chunk.part as usize;
+/// Copies the samples of a row of a block, which has the `columns`, into a row of a picture `width`
+/// wide; `sample_bytes` are those of each channel.
+fn copy_row(
+    row: &[u8],
+    into: &mut [u8],
+    sample_bytes: &[usize],
+    width: usize,
+    columns: &Range<usize>,
+) {
+    let mut before = 0;
+    for bytes in sample_bytes {
+        let from = &row[before * columns.len()..][..bytes * columns.len()];
+        into[before * width + bytes * columns.start..][..from.len()].copy_from_slice(from);
+        before += bytes;
+    }
+}
+
+/// Decompresses a block of `part` that lies at `place`, where its part says.
+pub(super) fn decode_block(
+    bytes: Vec<u8>,
+    meta: &MetaData,
+    part: usize,
+    place: Place,
+) -> Parsed<Vec<u8>> {
     let header = &meta.headers[part];
-    let pixels = block_size(&chunk, header)?;
     if matches!(
         header.compression,
         Compression::DWAA(_) | Compression::DWAB(_)
     ) {
-        check_dwa_counters(&chunk.bytes, pixels, header)?;
+        check_dwa_counters(&bytes, block_size(place, header)?, header)?;
     }
     let chunk = Chunk {
         layer_index: part,
-        compressed_block: compressed_block(chunk),
+        compressed_block: compressed_block(bytes, place),
     };
     match fenced(|| UncompressedBlock::decompress_chunk(chunk, meta, false)) {
-        Some(block) => Ok(block?),
+        Some(block) => Ok(block?.data),
         None => Err(Fault::damaged(format!(
             "a block of pixels in part {} contradicts itself",
             part_name(part, header)
@@ -117,17 +174,16 @@ fn part_name(index: usize, header: &Header) -> String {
     }
 }
 
-fn block_size(chunk: &RawChunk, header: &Header) -> Parsed<Vec2<usize>> {
-    let tile = match chunk.place {
+fn block_size(place: Place, header: &Header) -> Parsed<Vec2<usize>> {
+    let tile = match place {
         Place::Row(y) => header.get_scan_line_block_tile_coordinates(y)?,
         Place::Tile(place) => tile_coordinates(place),
     };
     Ok(header.get_absolute_block_pixel_coordinates(tile)?.size)
 }
 
-fn compressed_block(chunk: RawChunk) -> CompressedBlock {
-    let compressed_pixels_le = chunk.bytes;
-    match chunk.place {
+fn compressed_block(compressed_pixels_le: Vec<u8>, place: Place) -> CompressedBlock {
+    match place {
         Place::Row(y_coordinate) => CompressedBlock::ScanLine(CompressedScanLineBlock {
             y_coordinate,
             compressed_pixels_le,

@@ -2,7 +2,7 @@
 
 use super::attributes::{Attributes, HeaderReader, text_of_bytes};
 use super::fault::{Fault, Parsed};
-use super::{Channel, Limits, Part, SampleType};
+use super::{Channel, Part, SampleType};
 use crate::frame::Window;
 use crate::io::fence::fenced;
 use ::exr::compression::Compression;
@@ -36,16 +36,19 @@ pub(super) struct FileHeader {
 }
 
 impl FileHeader {
-    pub(super) fn read(read: impl Read, file_len: u64, limits: &Limits) -> Parsed<FileHeader> {
+    pub(super) fn read(read: impl Read, file_len: u64) -> Parsed<FileHeader> {
         let mut read = HeaderReader::new(read, file_len);
         let (flags, mut parts) = raw_header(&mut read)?;
         for part in &mut parts {
-            check_part(part, flags, limits)?;
+            check_part(part, flags)?;
         }
         let meta = typed(flags, &parts)?;
         check_channels(&meta)?;
         check_chunk_count(&meta, file_len.saturating_sub(read.position()))?;
-        MetaData::validate(&meta.headers, false)?;
+        match fenced(|| MetaData::validate(&meta.headers, false)) {
+            Some(valid) => _ = valid?,
+            None => return Err(Fault::damaged("its header contradicts itself")),
+        }
         Ok(FileHeader {
             flags,
             parts,
@@ -99,7 +102,7 @@ fn raw_header(read: &mut HeaderReader<impl Read>) -> Parsed<(u32, Vec<Attributes
 }
 
 /// Refuses what cannot be read, and settles contradictions about the type the way OpenEXR does.
-fn check_part(part: &mut Attributes, flags: u32, limits: &Limits) -> Parsed<()> {
+fn check_part(part: &mut Attributes, flags: u32) -> Parsed<()> {
     if flags & (MULTI_PART | DEEP) == 0 {
         // Only the version field counts in these files, and it does not say "deep".
         let tiled = flags & TILED != 0;
@@ -115,17 +118,7 @@ fn check_part(part: &mut Attributes, flags: u32, limits: &Limits) -> Parsed<()> 
     }
     check_compression(part)?;
     check_window(part, "displayWindow")?;
-    let window = check_window(part, "dataWindow")?;
-    let pixels = window.width() as u64 * window.height() as u64;
-    if pixels > limits.max_pixels {
-        return Err(Fault::Unsupported {
-            found: format!(
-                "claims {window}, more pixels than the {} allowed",
-                limits.max_pixels
-            ),
-            remedy: "crop it",
-        });
-    }
+    check_window(part, "dataWindow")?;
     check_pixel_aspect(part)
 }
 
@@ -143,7 +136,7 @@ fn check_compression(part: &Attributes) -> Parsed<()> {
     })
 }
 
-fn check_window(part: &Attributes, name: &str) -> Parsed<Window> {
+fn check_window(part: &Attributes, name: &str) -> Parsed<()> {
     let Some(corners) = part.corners(name) else {
         return Err(Fault::damaged(format!("has no valid {name}")));
     };
@@ -153,7 +146,7 @@ fn check_window(part: &Attributes, name: &str) -> Parsed<Window> {
         let found = format!("its {name} ({x0}, {y0}) to ({x1}, {y1}) is not a window");
         return Err(Fault::Damaged(found));
     }
-    Ok(window_of_corners(corners))
+    Ok(())
 }
 
 /// A half-open window from inclusive corners that have been checked.

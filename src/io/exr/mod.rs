@@ -1,8 +1,9 @@
 //! OpenEXR: channels to planes, planes to parts.
 //!
 //! Opening reads the header alone and refuses what cannot be read. Reading takes only the channels
-//! asked for, and skips whole parts and resolution levels. Writing makes a file of one part, or adds
-//! a part to a copy of the input in which every other byte of pixels stays as it was.
+//! asked for, whole or by rows, and skips whole parts and resolution levels. Writing
+//! makes a file of one part, adds a part to a copy of the input in which every other byte of pixels
+//! stays as it was, or adds channels to a part of a copy. All three go by strips of rows.
 //!
 //! The `exr` crate decompresses; everything that decides how much memory is used, and where a chunk
 //! lies, is done here, because that crate trusts what the file claims.
@@ -11,14 +12,22 @@ mod append;
 mod attributes;
 mod chunks;
 mod decode;
+mod encode;
 mod fault;
 mod header;
+mod layout;
+mod merge;
 mod read;
+mod rows;
+mod sink;
 mod whole;
 mod write;
+mod writer;
 
-pub use append::append_part;
-pub use write::{OutputChannel, OutputPart, OutputType, write_results};
+pub use merge::Merged;
+pub use rows::RowReader;
+pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
+pub use writer::{PartWriter, add_channels, append_part, write_results};
 
 use crate::error::{Error, Result};
 use crate::frame::Window;
@@ -29,10 +38,10 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// How much a file may ask for before it is refused.
+/// How much may be read of a file at one time before it is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Most pixels in the data window of a part.
+    /// Most pixels of a part, in the rows that are read.
     pub max_pixels: u64,
     /// Most bytes of decoded planes and the blocks being decoded, at one time.
     pub max_bytes: u64,
@@ -148,11 +157,11 @@ impl Part {
 }
 
 impl ExrFile {
-    /// Reads the header of the file at `path`.
+    /// Reads the header of the file at `path`. The limits count where pixels are read.
     pub fn open(path: &Path, limits: &Limits) -> Result<ExrFile> {
         let file = File::open(path).map_err(Error::io(path, "read"))?;
         let metadata = file.metadata().map_err(Error::io(path, "read"))?;
-        let header = FileHeader::read(BufReader::new(file), metadata.len(), limits)
+        let header = FileHeader::read(BufReader::new(file), metadata.len())
             .map_err(|fault| fault.at(path))?;
         let first = &header.parts[0];
         let chromaticities = first.floats("chromaticities", "chromaticities");

@@ -1,19 +1,15 @@
-//! Reading channels.
+//! Reading channels: whole, or some rows of them.
 
-use super::chunks::{ChunkReader, Place, RawChunk};
-use super::decode::{Slot, decompress, scatter};
+use super::chunks::ChunkReader;
+use super::decode::{Rows, Slot, decode_block};
 use super::fault::{Fault, Parsed};
+use super::layout::Layout;
 use super::{ChannelId, ExrFile};
 use crate::error::Result;
 use crate::frame::Plane;
-use ::exr::meta::attribute::TileDescription;
-use ::exr::meta::header::Header;
-use ::exr::meta::{BlockDescription, MetaData};
+use ::exr::meta::MetaData;
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// Decoded bytes that are worked on at one time, unless a single band has more.
-const BATCH_BYTES: usize = 32 << 20;
 
 impl ExrFile {
     /// The samples of the `wanted` channels, in that order.
@@ -24,49 +20,94 @@ impl ExrFile {
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`].
     pub fn read_channels(&self, wanted: &[ChannelId]) -> Result<Vec<Plane>> {
-        self.read_parts(wanted)
+        self.read_each(wanted, None)
             .map_err(|fault| fault.at(&self.path))
     }
 
-    fn read_parts(&self, wanted: &[ChannelId]) -> Parsed<Vec<Plane>> {
-        self.check_memory(wanted)?;
-        let mut samples: Vec<Vec<f32>> = wanted
+    /// The rows `rows` of the `wanted` channels, in that order, counted from the top of the data
+    /// window of each channel's part.
+    ///
+    /// Only the blocks that hold such rows are read. The limits count for the rows, not for the
+    /// whole picture. For one range after another a [`RowReader`](super::RowReader) is cheaper.
+    ///
+    /// # Panics
+    /// If a wanted channel is not in [`ExrFile::parts`], or its part has fewer rows.
+    pub fn read_rows(&self, wanted: &[ChannelId], rows: Range<usize>) -> Result<Vec<Plane>> {
+        self.read_each(wanted, Some(rows))
+            .map_err(|fault| fault.at(&self.path))
+    }
+
+    fn read_each(&self, wanted: &[ChannelId], rows: Option<Range<usize>>) -> Parsed<Vec<Plane>> {
+        self.check_rows(wanted, rows.as_ref(), 1)?;
+        let rows_of = |part: usize| match &rows {
+            Some(rows) => rows.clone(),
+            None => 0..self.parts[part].window.height(),
+        };
+        let mut planes: Vec<Plane> = wanted
             .iter()
-            .map(|id| vec![0.0; self.pixels(id.part)])
+            .map(|id| {
+                Plane::filled(
+                    self.parts[id.part].window.width(),
+                    rows_of(id.part).len(),
+                    0.0,
+                )
+            })
             .collect();
         let mut chunks = ChunkReader::open(self)?;
         for part in 0..self.parts.len() {
             let header = &self.header.meta.headers[part];
-            let planes: Vec<(Slot, &mut [f32])> = wanted
+            let targets: Vec<(Slot, &mut [f32])> = wanted
                 .iter()
-                .zip(&mut samples)
+                .zip(&mut planes)
                 .filter(|(id, _)| id.part == part)
-                .map(|(id, plane)| (Slot::of_channel(header, id.channel), plane.as_mut_slice()))
+                .map(|(id, plane)| (Slot::of_channel(header, id.channel), plane.samples_mut()))
                 .collect();
-            if !planes.is_empty() {
-                read_part(&mut chunks, &self.header.meta, part, planes)?;
+            if !targets.is_empty() {
+                let blocks = PartBlocks::open(&mut chunks, part)?;
+                blocks.read(&mut chunks, rows_of(part), Rows::Samples(targets))?;
             }
         }
-        let plane = |(id, samples): (&ChannelId, Vec<f32>)| {
+        Ok(planes)
+    }
+
+    /// Refuses rows (`None`: all) that are more than allowed, before anything is allocated. Each
+    /// sample is held in `copies`.
+    pub(super) fn check_rows(
+        &self,
+        wanted: &[ChannelId],
+        rows: Option<&Range<usize>>,
+        copies: usize,
+    ) -> Parsed<()> {
+        let (mut planes, mut band) = (0, 0);
+        for id in wanted {
             let window = self.parts[id.part].window;
-            Plane::from_samples(window.width(), window.height(), samples)
-        };
-        Ok(wanted.iter().zip(samples).map(plane).collect())
-    }
-
-    fn pixels(&self, part: usize) -> usize {
-        self.header.meta.headers[part].layer_size.area()
-    }
-
-    /// Refuses what would need more memory than allowed, before any is allocated.
-    fn check_memory(&self, wanted: &[ChannelId]) -> Parsed<()> {
-        let planes = wanted.iter().map(|id| 4 * self.pixels(id.part) as u128);
+            let count = match rows {
+                Some(rows) => {
+                    let fits = rows.start <= rows.end && rows.end <= window.height();
+                    assert!(fits, "rows {rows:?} are not all in {window}");
+                    rows.len()
+                }
+                None => window.height(),
+            };
+            let pixels = window.width() as u128 * count as u128;
+            if pixels > u128::from(self.limits.max_pixels) {
+                return Err(Fault::Unsupported {
+                    found: format!(
+                        "holds {window}: {pixels} pixels at one time are more than the {} allowed",
+                        self.limits.max_pixels
+                    ),
+                    remedy: "crop it",
+                });
+            }
+            planes += (4 * copies) as u128 * pixels;
+            band = band.max(Layout::of(&self.header.meta.headers[id.part]).band_bytes());
+        }
         // Two batches of compressed blocks, one of decompressed ones.
-        let headers = &self.header.meta.headers;
-        let bands = wanted
-            .iter()
-            .map(|id| 3 * Layout::of(&headers[id.part]).band_bytes());
-        let needed = planes.sum::<u128>() + bands.max().unwrap_or(0);
+        self.check_memory(planes + 3 * band)
+    }
+
+    /// Refuses what would need more bytes of memory than allowed.
+    pub(super) fn check_memory(&self, needed: u128) -> Parsed<()> {
         match needed <= u128::from(self.limits.max_bytes) {
             true => Ok(()),
             false => Err(Fault::Unsupported {
@@ -81,166 +122,124 @@ impl ExrFile {
     }
 }
 
-/// How a part is divided: into bands over its full width, and those into blocks.
-struct Layout {
-    /// Rows in a band; the last one may have fewer.
-    rows: usize,
-    bands: usize,
-    blocks_per_band: usize,
-    /// Most bytes of one block.
-    block_bytes: u128,
-    /// First row of the part.
-    top: i32,
-    tiled: bool,
+/// Where the blocks of a part lie, at full resolution.
+pub(super) struct PartBlocks {
+    part: usize,
+    pub(super) layout: Layout,
+    offsets: Vec<u64>,
 }
 
-impl Layout {
-    fn of(header: &Header) -> Layout {
-        let (width, height) = (header.layer_size.width(), header.layer_size.height());
-        let (columns, rows, tiled) = match header.blocks {
-            BlockDescription::ScanLines => {
-                (width, header.compression.scan_lines_per_block(), false)
-            }
-            BlockDescription::Tiles(TileDescription { tile_size, .. }) => {
-                (tile_size.width(), tile_size.height(), true)
+impl PartBlocks {
+    pub(super) fn open(chunks: &mut ChunkReader, part: usize) -> Parsed<Self> {
+        let layout = Layout::of(&chunks.exr.header.meta.headers[part]);
+        // The full resolution comes first in every kind of file.
+        let offsets = chunks.offsets(part, layout.blocks())?;
+        Ok(PartBlocks {
+            part,
+            layout,
+            offsets,
+        })
+    }
+
+    /// Decodes `rows` into `target`, which holds these rows and no others.
+    pub(super) fn read(
+        &self,
+        chunks: &mut ChunkReader,
+        rows: Range<usize>,
+        target: Rows,
+    ) -> Parsed<()> {
+        let meta = &chunks.exr.header.meta;
+        let all = self.layout.bands_of(&rows);
+        let mut bands = self.bands(target, &rows);
+
+        // The next batch is read while one is decoded.
+        let per_batch = self.layout.bands_per_batch();
+        let batch = |first: usize| first.min(all.end)..(first + per_batch).min(all.end);
+        let mut pending = self.read_bands(chunks, batch(all.start))?;
+        for (i, bands) in bands.chunks_mut(per_batch).enumerate() {
+            let next = all.start + (i + 1) * per_batch;
+            let (next, decoded) = rayon::join(
+                || self.read_bands(chunks, batch(next)),
+                || self.decode_bands(pending, bands, meta),
+            );
+            decoded?;
+            pending = next?;
+        }
+        Ok(())
+    }
+
+    /// Divides rows into bands, the first and the last of which may be cut.
+    fn bands<'t>(&self, mut target: Rows<'t>, rows: &Range<usize>) -> Vec<Band<'t>> {
+        let layout = &self.layout;
+        let cut = |index: usize| {
+            let whole = layout.rows_of(&(index..index + 1));
+            let rows = whole.start.max(rows.start)..whole.end.min(rows.end);
+            Band {
+                index,
+                target: target.split_off_top(rows.len(), layout),
+                rows,
             }
         };
-        // A tile may be larger than the picture; its block is not.
-        let block_pixels = columns.min(width) as u128 * rows.min(height) as u128;
-        Layout {
-            rows,
-            bands: height.div_ceil(rows),
-            blocks_per_band: width.div_ceil(columns),
-            block_bytes: block_pixels * header.channels.bytes_per_pixel as u128,
-            top: header.own_attributes.layer_position.y(),
-            tiled,
+        layout.bands_of(rows).map(cut).collect()
+    }
+
+    /// The compressed blocks of the bands `range`, band by band.
+    fn read_bands(
+        &self,
+        chunks: &mut ChunkReader,
+        range: Range<usize>,
+    ) -> Parsed<Vec<Vec<Vec<u8>>>> {
+        let per_band = self.layout.blocks_per_band();
+        let most = self.layout.block_bytes().min(i32::MAX as u128) as u64;
+        let mut block = |band: usize, block: usize| {
+            let chunk = chunks.chunk(self.offsets[band * per_band + block], most)?;
+            let expected = self.layout.place(band, block);
+            match chunk.part as usize == self.part && chunk.place == expected {
+                true => Ok(chunk.bytes),
+                false => Err(Fault::damaged(format!(
+                    "a block of pixels that should be {expected:?} of part {} is {:?} of part {}",
+                    self.part, chunk.place, chunk.part
+                ))),
+            }
+        };
+        let mut band = |band| (0..per_band).map(|b| block(band, b)).collect();
+        range.map(&mut band).collect()
+    }
+
+    fn decode_bands(
+        &self,
+        blocks: Vec<Vec<Vec<u8>>>,
+        bands: &mut [Band],
+        meta: &MetaData,
+    ) -> Parsed<()> {
+        let results: Vec<Parsed<()>> = blocks
+            .into_par_iter()
+            .zip(bands)
+            .map(|(blocks, band)| self.decode_band(blocks, band, meta))
+            .collect();
+        // In order, so that of several faults always the same one is reported.
+        results.into_iter().collect()
+    }
+
+    fn decode_band(&self, blocks: Vec<Vec<u8>>, band: &mut Band, meta: &MetaData) -> Parsed<()> {
+        let decoded: Vec<_> = blocks
+            .into_par_iter()
+            .enumerate()
+            .map(|(i, bytes)| {
+                decode_block(bytes, meta, self.part, self.layout.place(band.index, i))
+            })
+            .collect();
+        for (i, block) in decoded.into_iter().enumerate() {
+            let area = self.layout.area(band.index, i);
+            band.target.fill(&block?, &area, &band.rows, &self.layout);
         }
-    }
-
-    fn band_bytes(&self) -> u128 {
-        self.block_bytes * self.blocks_per_band as u128
-    }
-
-    fn bands_per_batch(&self) -> usize {
-        let fitting = BATCH_BYTES as u128 / self.band_bytes().max(1);
-        (fitting as usize).clamp(1, 1024)
-    }
-
-    /// What the chunk of block `block` in band `band` has to say about its place.
-    fn place(&self, band: usize, block: usize) -> Place {
-        match self.tiled {
-            true => Place::Tile([block as i32, band as i32, 0, 0]),
-            false => Place::Row(self.top + (band * self.rows) as i32),
-        }
+        Ok(())
     }
 }
 
-/// The rows of one band in every wanted plane.
-type Band<'a> = Vec<(Slot, &'a mut [f32])>;
-
-fn read_part(
-    chunks: &mut ChunkReader,
-    meta: &MetaData,
-    part: usize,
-    planes: Vec<(Slot, &mut [f32])>,
-) -> Parsed<()> {
-    let header = &meta.headers[part];
-    let layout = Layout::of(header);
-    // The full resolution comes first in every kind of file.
-    let offsets = chunks.offsets(part, layout.bands * layout.blocks_per_band)?;
-    let mut bands = bands_of(planes, &layout, header);
-
-    // The next batch is read while one is decoded.
-    let per_batch = layout.bands_per_batch();
-    let batch = |first: usize| first..(first + per_batch).min(layout.bands);
-    let mut pending = read_bands(chunks, part, &layout, &offsets, batch(0))?;
-    for (i, bands) in bands.chunks_mut(per_batch).enumerate() {
-        let first = i * per_batch;
-        let (next, decoded) = rayon::join(
-            || read_bands(chunks, part, &layout, &offsets, batch(first + per_batch)),
-            || decode_bands(pending, bands, first, &layout, meta),
-        );
-        decoded?;
-        pending = next?;
-    }
-    Ok(())
-}
-
-/// Divides the planes of a part into bands.
-fn bands_of<'a>(
-    planes: Vec<(Slot, &'a mut [f32])>,
-    layout: &Layout,
-    header: &Header,
-) -> Vec<Band<'a>> {
-    let band_samples = layout.rows.saturating_mul(header.layer_size.width());
-    let mut bands: Vec<Band> = (0..layout.bands).map(|_| Band::new()).collect();
-    for (slot, plane) in planes {
-        for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(band_samples)) {
-            band.push((slot, rows));
-        }
-    }
-    bands
-}
-
-/// The chunks of the bands `range`, band by band.
-fn read_bands(
-    chunks: &mut ChunkReader,
-    part: usize,
-    layout: &Layout,
-    offsets: &[u64],
-    range: Range<usize>,
-) -> Parsed<Vec<Vec<RawChunk>>> {
-    let most = layout.block_bytes.min(i32::MAX as u128) as u64;
-    let mut chunk = |band: usize, block: usize| {
-        let offset = offsets[band * layout.blocks_per_band + block];
-        let chunk = chunks.chunk(offset, most)?;
-        let expected = layout.place(band, block);
-        match chunk.part as usize == part && chunk.place == expected {
-            true => Ok(chunk),
-            false => Err(Fault::damaged(format!(
-                "a block of pixels that should be {expected:?} of part {part} is {:?} of part {}",
-                chunk.place, chunk.part
-            ))),
-        }
-    };
-    let mut band = |band| {
-        (0..layout.blocks_per_band)
-            .map(|b| chunk(band, b))
-            .collect()
-    };
-    range.map(&mut band).collect()
-}
-
-fn decode_bands(
-    chunks: Vec<Vec<RawChunk>>,
-    bands: &mut [Band],
-    first: usize,
-    layout: &Layout,
-    meta: &MetaData,
-) -> Parsed<()> {
-    let results: Vec<Parsed<()>> = chunks
-        .into_par_iter()
-        .zip(bands)
-        .enumerate()
-        .map(|(i, (chunks, band))| decode_band(chunks, band, (first + i) * layout.rows, meta))
-        .collect();
-    // In order, so that of several faults always the same one is reported.
-    results.into_iter().collect()
-}
-
-fn decode_band(
-    chunks: Vec<RawChunk>,
-    band: &mut Band,
-    first_row: usize,
-    meta: &MetaData,
-) -> Parsed<()> {
-    let blocks: Vec<_> = chunks
-        .into_par_iter()
-        .map(|chunk| decompress(chunk, meta))
-        .collect();
-    for block in blocks {
-        let block = block?;
-        scatter(&block, &meta.headers[block.index.layer], first_row, band);
-    }
-    Ok(())
+/// The wanted rows of one band.
+struct Band<'t> {
+    index: usize,
+    rows: Range<usize>,
+    target: Rows<'t>,
 }

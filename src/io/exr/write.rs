@@ -1,26 +1,17 @@
-//! Writing parts.
+//! Parts to be written, and their headers.
 
 use super::attributes::{Attributes, MAX_NAME, MAX_SHORT_NAME};
 use super::fault::Fault;
-use super::header::{LONG_NAMES, MULTI_PART, header_bytes, typed};
+use super::header::{LONG_NAMES, typed};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
-use ::exr::compression::Compression;
-use ::exr::math::Vec2;
-use ::exr::meta::attribute::IntegerBounds;
 use ::exr::meta::header::Header;
-use half::f16;
-use half::slice::HalfFloatSliceExt;
-use rayon::prelude::*;
-use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
-const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 2;
 const ZIP: u8 = 3;
 /// Rows in a block of ZIP-compressed pixels.
 const BLOCK_ROWS: usize = 16;
-/// Uncompressed bytes that are worked on at one time, unless a single block has more.
-const BATCH_BYTES: usize = 32 << 20;
 /// Attributes that describe the part and are not free to be given.
 const RESERVED: [&str; 20] = [
     "channels",
@@ -85,151 +76,120 @@ pub enum OutputType {
     Float,
 }
 
-/// Writes `part` alone as a file, ZIP-compressed. `target` is only named in errors.
-///
-/// # Panics
-/// If a plane does not have the size of the data window.
-pub fn write_results(w: &mut (impl Write + Seek), target: &Path, part: &OutputPart) -> Result<()> {
-    let failed = |source| Error::io(target, "write")(source);
-    let ready = ReadyPart::new(part, target, None)?;
-    let start = w.stream_position().map_err(failed)?;
-    let head = header_bytes(
-        VERSION | ready.long_names(),
-        std::slice::from_ref(&ready.attributes),
-    );
-    let mut out = ChunkSink::new(w, start, &head, vec![ready.chunk_count()]).map_err(failed)?;
-    ready.write_chunks(&mut out, 0, target)?;
-    out.finish().map_err(failed)
+/// A part to be written whose samples come later, some rows at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartDescription {
+    /// Its name. Where it is taken already a number is added.
+    pub name: String,
+    /// The pixels that are stored.
+    pub data_window: Window,
+    /// The pixels meant to be shown.
+    pub display_window: Window,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// Full name and type of each channel, in the order in which their planes will be given.
+    pub channels: Vec<(String, OutputType)>,
+    /// More text attributes by name, such as "software".
+    pub attributes: Vec<(String, String)>,
+    /// x and y of the red, green and blue primaries and of white; `None` means Rec. 709.
+    pub chromaticities: Option<[f32; 8]>,
+}
+
+impl OutputPart<'_> {
+    /// The same without its samples.
+    pub fn description(&self) -> PartDescription {
+        let channels = self.channels.iter();
+        PartDescription {
+            name: self.name.clone(),
+            data_window: self.data_window,
+            display_window: self.display_window,
+            pixel_aspect: self.pixel_aspect,
+            channels: channels.map(|c| (c.name.clone(), c.sample_type)).collect(),
+            attributes: self.attributes.clone(),
+            chromaticities: self.chromaticities,
+        }
+    }
+
+    /// The planes of all channels, in their order.
+    pub(super) fn planes(&self) -> Vec<&Plane> {
+        self.channels.iter().map(|c| c.plane).collect()
+    }
+}
+
+/// Where the samples of a channel come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    /// The plane given with this index.
+    Given(usize, OutputType),
+    /// A channel of the part that is added to: bytes of a pixel before it, and its own.
+    Kept { before: usize, bytes: usize },
 }
 
 /// A part whose header has been made.
-pub(super) struct ReadyPart<'a> {
+pub(super) struct ReadyPart {
     pub(super) attributes: Attributes,
-    /// Sorted by name, as the file needs them.
-    channels: Vec<&'a OutputChannel<'a>>,
-    window: Window,
-    header: Header,
+    pub(super) header: Header,
+    /// Where each channel comes from, sorted by name, as the file needs them.
+    pub(super) sources: Vec<Source>,
+    /// How many planes have to be given.
+    pub(super) planes: usize,
 }
 
-impl<'a> ReadyPart<'a> {
+impl ReadyPart {
     /// Makes the header of `part`; `shared` is the first part of the file it is added to.
     pub(super) fn new(
-        part: &'a OutputPart,
+        part: &PartDescription,
         target: &Path,
         shared: Option<&Attributes>,
     ) -> Result<Self> {
-        let channels = sorted_channels(part)?;
-        let mut attributes = attributes_of(part, &channels)?;
+        let order = sorted_channels(part)?;
+        let mut attributes = attributes_of(part, &order)?;
         if let Some(shared) = shared {
             share(&mut attributes, shared);
         }
         attributes.sort();
-        let meta = typed(VERSION, std::slice::from_ref(&attributes)).map_err(|f| f.at(target))?;
-        let header = meta.headers.into_iter().next();
+        let given = |&i: &usize| Source::Given(i, part.channels[i].1);
         Ok(ReadyPart {
-            header: header.ok_or_else(|| Fault::damaged("has no part").at(target))?,
+            header: typed_header(&attributes, target)?,
             attributes,
-            channels,
-            window: part.data_window,
+            sources: order.iter().map(given).collect(),
+            planes: part.channels.len(),
         })
     }
 
     /// The flag that a file with this part needs if it holds long names.
     pub(super) fn long_names(&self) -> u32 {
-        let long = |c: &&OutputChannel| c.name.len() > MAX_SHORT_NAME;
-        match self.attributes.has_long_names() || self.channels.iter().any(long) {
+        let channels = self.header.channels.list.iter();
+        let long = channels.map(|c| c.name.as_slice().len()).max() > Some(MAX_SHORT_NAME);
+        match self.attributes.has_long_names() || long {
             true => LONG_NAMES,
             false => 0,
         }
     }
-
-    pub(super) fn chunk_count(&self) -> usize {
-        self.window.height().div_ceil(BLOCK_ROWS)
-    }
-
-    /// Compresses and writes all pixels.
-    pub(super) fn write_chunks(
-        &self,
-        out: &mut ChunkSink<impl Write + Seek>,
-        index: usize,
-        target: &Path,
-    ) -> Result<()> {
-        let block_bytes = BLOCK_ROWS * self.window.width() * self.header.channels.bytes_per_pixel;
-        let batch = (BATCH_BYTES / block_bytes).clamp(1, 1024);
-        let blocks: Vec<usize> = (0..self.chunk_count()).collect();
-        for blocks in blocks.chunks(batch) {
-            let compressed: Vec<_> = blocks.par_iter().map(|&b| self.compressed(b)).collect();
-            for (&block, bytes) in blocks.iter().zip(compressed) {
-                let bytes = bytes.map_err(|error| Fault::from(error).at(target))?;
-                let y = self.window.y0 + (block * BLOCK_ROWS) as i32;
-                out.chunk(index, block, &[y], &bytes)
-                    .map_err(Error::io(target, "write"))?;
-            }
-        }
-        Ok(())
-    }
-
-    fn compressed(&self, block: usize) -> ::exr::error::Result<Vec<u8>> {
-        let first = block * BLOCK_ROWS;
-        let rows = first..(first + BLOCK_ROWS).min(self.window.height());
-        let section = IntegerBounds {
-            position: Vec2(0, first as i32),
-            size: Vec2(self.window.width(), rows.len()),
-        };
-        let mut bytes =
-            Vec::with_capacity(section.size.area() * self.header.channels.bytes_per_pixel);
-        let mut halves = vec![f16::ZERO; self.window.width()];
-        for y in rows {
-            for channel in &self.channels {
-                push_row(channel, y, &mut halves, &mut bytes);
-            }
-        }
-        Compression::ZIP16.compress_image_section_to_le(&self.header, bytes, section)
-    }
 }
 
-fn push_row(channel: &OutputChannel, y: usize, halves: &mut [f16], bytes: &mut Vec<u8>) {
-    let row = channel.plane.row(y);
-    match channel.sample_type {
-        OutputType::Float => bytes.extend(row.iter().flat_map(|v| v.to_ne_bytes())),
-        OutputType::Half => {
-            let clamped: Vec<f32> = row.iter().map(|&v| clamped_to_half(v)).collect();
-            halves.convert_from_f32_slice(&clamped);
-            bytes.extend(halves.iter().flat_map(|v| v.to_ne_bytes()));
-        }
-    }
+/// The header of a part as the `exr` crate understands it.
+pub(super) fn typed_header(attributes: &Attributes, target: &Path) -> Result<Header> {
+    let meta = typed(VERSION, std::slice::from_ref(attributes)).map_err(|f| f.at(target))?;
+    let header = meta.headers.into_iter().next();
+    header.ok_or_else(|| Fault::damaged("has no part").at(target))
 }
 
-/// `v`, moved into the range of half precision if it is finite.
-fn clamped_to_half(v: f32) -> f32 {
-    match v.is_finite() {
-        true => v.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()),
-        false => v,
+/// The indices of the channels, in the order of their names.
+pub(super) fn sorted_channels(part: &PartDescription) -> Result<Vec<usize>> {
+    let name = |i: usize| part.channels[i].0.as_str();
+    let mut order: Vec<usize> = (0..part.channels.len()).collect();
+    order.sort_by_key(|&i| name(i).as_bytes());
+    for &i in &order {
+        check_name("channel name", name(i))?;
     }
-}
-
-fn sorted_channels<'a>(part: &'a OutputPart) -> Result<Vec<&'a OutputChannel<'a>>> {
-    let mut channels: Vec<_> = part.channels.iter().collect();
-    channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
-    for channel in &channels {
-        check_name("channel name", &channel.name)?;
-        let (width, height) = (part.data_window.width(), part.data_window.height());
-        assert!(
-            (channel.plane.width(), channel.plane.height()) == (width, height),
-            "plane {} does not fill the data window",
-            channel.name
-        );
-    }
-    match channels
-        .windows(2)
-        .find(|pair| pair[0].name == pair[1].name)
-    {
+    match order.windows(2).find(|pair| name(pair[0]) == name(pair[1])) {
         Some(pair) => Err(Error::BadParameter {
             name: "channel name",
-            found: format!("{:?} is used twice", pair[0].name),
+            found: format!("{:?} is used twice", name(pair[0])),
             remedy: "give each channel a name of its own".into(),
         }),
-        None => Ok(channels),
+        None => Ok(order),
     }
 }
 
@@ -244,16 +204,16 @@ fn check_name(what: &'static str, name: &str) -> Result<()> {
     }
 }
 
-fn attributes_of(part: &OutputPart, channels: &[&OutputChannel]) -> Result<Attributes> {
-    if part.data_window.width() == 0 || part.data_window.height() == 0 || channels.is_empty() {
+fn attributes_of(part: &PartDescription, order: &[usize]) -> Result<Attributes> {
+    if part.data_window.width() == 0 || part.data_window.height() == 0 || order.is_empty() {
         return Err(Error::BadParameter {
             name: "output",
-            found: format!("has {} channels, {}", channels.len(), part.data_window),
+            found: format!("has {} channels, {}", order.len(), part.data_window),
             remedy: "write at least one channel and one pixel".into(),
         });
     }
     let mut attributes = Attributes::default();
-    attributes.set("channels", "chlist", channel_list(channels));
+    attributes.set("channels", "chlist", channel_list(part, order));
     attributes.set("compression", "compression", vec![ZIP]);
     attributes.set_window("dataWindow", part.data_window);
     attributes.set_window("displayWindow", part.display_window);
@@ -275,7 +235,7 @@ fn attributes_of(part: &OutputPart, channels: &[&OutputChannel]) -> Result<Attri
     Ok(attributes)
 }
 
-fn check_attribute_name(name: &str) -> Result<()> {
+pub(super) fn check_attribute_name(name: &str) -> Result<()> {
     match RESERVED.contains(&name) {
         true => Err(Error::BadParameter {
             name: "attribute",
@@ -286,21 +246,25 @@ fn check_attribute_name(name: &str) -> Result<()> {
     }
 }
 
-fn channel_list(channels: &[&OutputChannel]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    for channel in channels {
-        let kind: i32 = match channel.sample_type {
-            OutputType::Half => 1,
-            OutputType::Float => 2,
-        };
-        bytes.extend_from_slice(channel.name.as_bytes());
-        bytes.push(0);
-        bytes.extend_from_slice(&kind.to_le_bytes());
-        bytes.extend_from_slice(&[0; 4]); // not perceptually linear, three bytes unused
-        bytes.extend_from_slice(&1i32.to_le_bytes());
-        bytes.extend_from_slice(&1i32.to_le_bytes());
-    }
+fn channel_list(part: &PartDescription, order: &[usize]) -> Vec<u8> {
+    let entry = |&i: &usize| channel_entry(&part.channels[i].0, part.channels[i].1);
+    let mut bytes: Vec<u8> = order.iter().flat_map(entry).collect();
     bytes.push(0);
+    bytes
+}
+
+/// A channel in the list of channels.
+pub(super) fn channel_entry(name: &str, sample_type: OutputType) -> Vec<u8> {
+    let kind: i32 = match sample_type {
+        OutputType::Half => 1,
+        OutputType::Float => 2,
+    };
+    let mut bytes = name.as_bytes().to_vec();
+    bytes.push(0);
+    bytes.extend_from_slice(&kind.to_le_bytes());
+    bytes.extend_from_slice(&[0; 4]); // not perceptually linear, three bytes unused
+    bytes.extend_from_slice(&1i32.to_le_bytes());
+    bytes.extend_from_slice(&1i32.to_le_bytes());
     bytes
 }
 
@@ -316,98 +280,5 @@ fn share(attributes: &mut Attributes, first: &Attributes) {
             Some(a) => attributes.set(name, &String::from_utf8_lossy(&a.kind), a.value.clone()),
             None => attributes.remove(name),
         }
-    }
-}
-
-/// Where chunks go: keeps the offset tables and writes them last.
-pub(super) struct ChunkSink<'w, W> {
-    w: &'w mut W,
-    /// Where the file starts in `w`.
-    start: u64,
-    /// Where the tables start.
-    tables_at: u64,
-    /// Where the next chunk goes.
-    position: u64,
-    tables: Vec<Vec<u64>>,
-    multi_part: bool,
-}
-
-impl<'w, W: Write + Seek> ChunkSink<'w, W> {
-    /// Writes the header and leaves room for tables of the given sizes, one for each part.
-    pub(super) fn new(
-        w: &'w mut W,
-        start: u64,
-        header: &[u8],
-        counts: Vec<usize>,
-    ) -> std::io::Result<Self> {
-        w.write_all(header)?;
-        let tables: Vec<Vec<u64>> = counts.iter().map(|&n| vec![0; n]).collect();
-        for table in &tables {
-            write_table(w, table)?;
-        }
-        let tables_at = header.len() as u64;
-        Ok(ChunkSink {
-            w,
-            start,
-            tables_at,
-            position: tables_at + 8 * counts.iter().sum::<usize>() as u64,
-            tables,
-            multi_part: u32::from_le_bytes([header[4], header[5], header[6], header[7]])
-                & MULTI_PART
-                != 0,
-        })
-    }
-
-    /// Writes a chunk as number `index` of `part`; `place` is its row, or its tile and level.
-    pub(super) fn chunk(
-        &mut self,
-        part: usize,
-        index: usize,
-        place: &[i32],
-        bytes: &[u8],
-    ) -> std::io::Result<()> {
-        self.tables[part][index] = self.position;
-        let part = [part as i32];
-        let part = if self.multi_part { &part[..] } else { &[] };
-        let size = [bytes.len() as i32];
-        for number in part.iter().chain(place).chain(&size) {
-            self.w.write_all(&number.to_le_bytes())?;
-            self.position += 4;
-        }
-        self.w.write_all(bytes)?;
-        self.position += bytes.len() as u64;
-        Ok(())
-    }
-
-    /// Writes the tables, and leaves `w` at the end of the file.
-    pub(super) fn finish(self) -> std::io::Result<()> {
-        self.w.seek(SeekFrom::Start(self.start + self.tables_at))?;
-        for table in &self.tables {
-            write_table(self.w, table)?;
-        }
-        self.w.seek(SeekFrom::Start(self.start + self.position))?;
-        self.w.flush()
-    }
-}
-
-fn write_table(w: &mut impl Write, table: &[u64]) -> std::io::Result<()> {
-    let bytes: Vec<u8> = table.iter().flat_map(|o| o.to_le_bytes()).collect();
-    w.write_all(&bytes)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn half_saturates_and_rounds_to_nearest() {
-        let half = |v: f32| f16::from_f32(clamped_to_half(v)).to_f32();
-        assert_eq!(half(1e9), 65504.0);
-        assert_eq!(half(-65530.0), -65504.0);
-        assert_eq!(half(f32::INFINITY), f32::INFINITY);
-        assert!(half(f32::NAN).is_nan());
-        // 2049 lies between 2048 and 2050: a tie goes to the even mantissa.
-        assert_eq!(half(2049.0), 2048.0);
-        assert_eq!(half(2051.0), 2052.0);
     }
 }

@@ -1,0 +1,205 @@
+//! Writing a part, whole or strip by strip.
+
+use super::ExrFile;
+use super::append::start_append;
+use super::encode::{Encoder, Strip};
+use super::header::header_bytes;
+use super::merge::{KeptRows, Merged, start_merge};
+use super::sink::ChunkSink;
+use super::write::{OutputPart, PartDescription, ReadyPart, VERSION};
+use crate::error::{Error, Result};
+use crate::frame::Plane;
+use std::io::{Seek, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Writes `part` alone as a file, ZIP-compressed. `target` is only named in errors.
+///
+/// # Panics
+/// If a plane does not have the size of the data window.
+pub fn write_results(w: &mut (impl Write + Seek), target: &Path, part: &OutputPart) -> Result<()> {
+    PartWriter::create(w, target, &part.description())?.write_whole(part)
+}
+
+/// Writes a copy of `input` with `part` added. `target` is only named in errors.
+///
+/// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
+/// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
+/// time code of the first one, which all parts must share.
+///
+/// # Panics
+/// If a plane does not have the size of the data window.
+pub fn append_part(
+    input: &ExrFile,
+    w: &mut (impl Write + Seek),
+    target: &Path,
+    part: &OutputPart,
+) -> Result<()> {
+    PartWriter::append(input, w, target, &part.description())?.write_whole(part)
+}
+
+/// Writes a copy of `input` in which the part at index `part` also has the channels of `added`, for
+/// programs that see only one part. `target` is only named in errors.
+///
+/// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text
+/// attributes of `added` are set. Its pixels are compressed anew, the way they were if that is
+/// lossless, else with ZIP; tiles become rows, at full resolution alone. Other parts are copied as
+/// they are. Where a layer of `added` has a channel that the part has too, the layer is renamed: bare
+/// channels go to a layer named like `added`. Its window must be that of the part; the rest of its
+/// description stands in the part already.
+///
+/// # Panics
+/// If there is no such part, or a plane does not have the size of the data window.
+pub fn add_channels(
+    input: &ExrFile,
+    part: usize,
+    w: &mut (impl Write + Seek),
+    target: &Path,
+    added: &OutputPart,
+) -> Result<Merged> {
+    let (writer, merged) = PartWriter::add_channels(input, part, w, target, &added.description())?;
+    writer.write_whole(added)?;
+    Ok(merged)
+}
+
+/// Writes the samples of one part, from the top, some rows at a time.
+///
+/// The bytes do not depend on how the rows are cut. Of the rows given at one time, those that do not
+/// fill a block are kept; no more than that and the blocks being compressed is held in memory.
+pub struct PartWriter<'a, W> {
+    out: ChunkSink<'a, W>,
+    target: PathBuf,
+    /// Index of the part in the file.
+    index: usize,
+    /// First row of the data window.
+    top: i32,
+    width: usize,
+    planes: usize,
+    encoder: Encoder,
+    /// The part that is added to.
+    kept: Option<KeptRows<'a>>,
+}
+
+impl<'a, W: Write + Seek> PartWriter<'a, W> {
+    /// Starts a file of this part alone. `target` is only named in errors.
+    pub fn create(w: &'a mut W, target: &Path, part: &PartDescription) -> Result<Self> {
+        let failed = |source| Error::io(target, "write")(source);
+        let ready = ReadyPart::new(part, target, None)?;
+        let start = w.stream_position().map_err(failed)?;
+        let head = header_bytes(
+            VERSION | ready.long_names(),
+            std::slice::from_ref(&ready.attributes),
+        );
+        let counts = vec![ready.header.chunk_count];
+        let out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
+        Ok(Self::new(out, target, 0, part, &ready))
+    }
+
+    /// Starts a copy of `input` with this part added, as [`append_part`] does. `target` is only named
+    /// in errors.
+    pub fn append(
+        input: &ExrFile,
+        w: &'a mut W,
+        target: &Path,
+        part: &PartDescription,
+    ) -> Result<Self> {
+        let (out, ready) = start_append(input, w, target, part)?;
+        Ok(Self::new(out, target, input.parts.len(), part, &ready))
+    }
+
+    /// Starts a copy of `input` in which the part at index `part` also has these channels, as
+    /// [`add_channels`] does. `target` is only named in errors.
+    ///
+    /// # Panics
+    /// If there is no such part.
+    pub fn add_channels(
+        input: &'a ExrFile,
+        part: usize,
+        w: &'a mut W,
+        target: &Path,
+        added: &PartDescription,
+    ) -> Result<(Self, Merged)> {
+        let (out, ready, merged) = start_merge(input, part, w, target, added)?;
+        let mut writer = Self::new(out, target, part, added, &ready);
+        let kept = KeptRows::open(input, part, writer.encoder.batch_rows());
+        writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
+        Ok((writer, merged))
+    }
+
+    fn new(
+        out: ChunkSink<'a, W>,
+        target: &Path,
+        index: usize,
+        part: &PartDescription,
+        ready: &ReadyPart,
+    ) -> Self {
+        PartWriter {
+            out,
+            target: target.to_path_buf(),
+            index,
+            top: part.data_window.y0,
+            width: part.data_window.width(),
+            planes: ready.planes,
+            encoder: Encoder::new(ready),
+            kept: None,
+        }
+    }
+
+    /// Writes the next rows: the rows `rows` of `planes`, one for each channel described, in that
+    /// order.
+    ///
+    /// # Panics
+    /// If there are more or fewer planes than channels, if one is not as wide as the data window or
+    /// lacks some of the rows, or if there are more rows than the data window has left.
+    pub fn push(&mut self, planes: &[&Plane], rows: Range<usize>) -> Result<()> {
+        assert_eq!(planes.len(), self.planes, "one plane for each channel");
+        for plane in planes {
+            let fits = plane.width() == self.width && rows.end <= plane.height();
+            assert!(fits, "a plane does not fill the data window");
+        }
+        assert!(
+            rows.len() <= self.encoder.missing(),
+            "more rows than the data window has"
+        );
+        let mut next = rows.start;
+        while next < rows.end {
+            let rows = next..rows.end.min(next + self.encoder.batch_rows());
+            next = rows.end;
+            self.write_strip(planes, rows)?;
+        }
+        Ok(())
+    }
+
+    fn write_strip(&mut self, planes: &[&Plane], rows: Range<usize>) -> Result<()> {
+        let taken = self.encoder.taken();
+        let kept = match &mut self.kept {
+            Some(part) => part.rows(&(taken..taken + rows.len()))?,
+            None => &[],
+        };
+        let blocks = self.encoder.take(&Strip { planes, rows, kept });
+        let (first, blocks) = blocks.map_err(|fault| fault.at(&self.target))?;
+        for (block, bytes) in (first..).zip(blocks) {
+            let y = self.top + (block * self.encoder.block_rows()) as i32;
+            let written = self.out.chunk(self.index, block, &[y], &bytes);
+            written.map_err(Error::io(&self.target, "write"))?;
+        }
+        Ok(())
+    }
+
+    /// Ends the file.
+    ///
+    /// # Panics
+    /// If rows are missing.
+    pub fn finish(self) -> Result<()> {
+        assert_eq!(self.encoder.missing(), 0, "rows are missing");
+        self.out.finish().map_err(Error::io(&self.target, "write"))
+    }
+
+    fn write_whole(mut self, part: &OutputPart) -> Result<()> {
+        let (planes, height) = (part.planes(), part.data_window.height());
+        let fit = planes.iter().all(|plane| plane.height() == height);
+        assert!(fit, "a plane does not fill the data window");
+        self.push(&planes, 0..height)?;
+        self.finish()
+    }
+}
