@@ -106,6 +106,16 @@ impl TermWhiteLevels {
         let index = TERMS.iter().position(|&name| name == term)?;
         self.0[index]
     }
+
+    /// These levels, and for kinds of light that have none those of `others`.
+    pub fn or<'a>(mut self, others: impl Iterator<Item = (&'a str, f32)>) -> Self {
+        for (term, level) in others {
+            if let Some(index) = TERMS.iter().position(|&name| name == term) {
+                self.0[index].get_or_insert(level);
+            }
+        }
+        self
+    }
 }
 
 impl FromIterator<TermWhiteLevel> for TermWhiteLevels {

@@ -4,13 +4,14 @@ use super::ROWS_PER_TASK;
 use super::light::luminance_weights;
 use super::memory::Memory;
 use super::passes::map_rows;
-use super::percentile::percentile;
+use super::percentile::{PercentileSearch, percentile};
 use super::simd::Simd;
 use super::statistics::WHITE_PERCENTILE;
 use crate::frame::{ColorPlanes, Frame, LobeLayers, Mask, Plane, SymmetricPlanes};
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The curvature that light is scaled by.
 #[derive(Clone, Copy)]
@@ -98,20 +99,50 @@ impl Term<'_> {
 
     /// A high percentile of the luminance of this light where there is any; 1 where there is none.
     fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
+        let luminance = self.luminance(weights, mask, absent, memory);
+        let lit = |y| lit(&luminance, mask, y);
+        let white = percentile(mask.height(), WHITE_PERCENTILE, lit).unwrap_or(1.0);
+        memory.take_back([luminance]);
+        white
+    }
+
+    fn luminance(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> Plane {
         let simd = Simd::widest();
         let [luminance] = map_rows(mask, memory, |y, [out]| {
             simd.lobe_luminance_row(out, &self.row(y, absent), weights);
         });
-        let lit = |y| {
-            let span = mask.span(y);
-            let (row, covered) = (&luminance.row(y)[span.clone()], &mask.row(y)[span]);
-            let lit = row.iter().zip(covered);
-            lit.filter(|&(&luminance, &covered)| covered && luminance > 0.0)
-                .map(|(&luminance, _)| luminance)
-        };
-        let white = percentile(mask.height(), WHITE_PERCENTILE, lit).unwrap_or(1.0);
+        luminance
+    }
+}
+
+/// The luminance of the covered pixels of a row that have any.
+fn lit<'a>(luminance: &'a Plane, mask: &'a Mask, y: usize) -> impl Iterator<Item = f32> + 'a {
+    let span = mask.span(y);
+    let (row, covered) = (&luminance.row(y)[span.clone()], &mask.row(y)[span]);
+    let lit = row.iter().zip(covered);
+    lit.filter(|&(&luminance, &covered)| covered && luminance > 0.0)
+        .map(|(&luminance, _)| luminance)
+}
+
+/// Counts the luminance of each term, in `rows`, for the search of its white level; those given need none.
+pub(super) fn add_to_searches(
+    searches: &mut Vec<(&'static str, PercentileSearch)>,
+    frame: &Frame,
+    params: &ScalingParams,
+    rows: &Range<usize>,
+    memory: &Memory,
+) {
+    let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
+    for term in terms(&frame.light.lobes, params) {
+        let luminance = term.luminance(weights, &frame.mask, &absent, memory);
+        let known = searches.iter().position(|(name, _)| *name == term.name);
+        let index = known.unwrap_or_else(|| {
+            searches.push((term.name, PercentileSearch::new(WHITE_PERCENTILE)));
+            searches.len() - 1
+        });
+        let values = |y| lit(&luminance, &frame.mask, y);
+        searches[index].1.add(rows.clone(), values);
         memory.take_back([luminance]);
-        white
     }
 }
 

@@ -20,6 +20,7 @@ mod relight;
 mod simd;
 mod specular;
 mod statistics;
+mod strips;
 mod tiles;
 mod wave;
 
@@ -39,6 +40,7 @@ use rayon::prelude::*;
 use relight::KeptEnvironment;
 use specular::KeptDirections;
 use std::time::Instant;
+pub use strips::{StripChoice, StripSearch};
 
 /// Rows that one task takes at the least: enough work to be worth handing out.
 const ROWS_PER_TASK: usize = 8;
@@ -208,6 +210,11 @@ impl Runner {
             }
             run.draw(params, inputs);
         })
+    }
+
+    /// The shape alone, whatever light `plan` is for.
+    fn find_shape(&self, plan: &Plan, frame: &Frame) -> Outcome {
+        self.start(plan, frame, |_| ())
     }
 
     fn start(&self, plan: &Plan, frame: &Frame, light: impl FnOnce(&mut Run)) -> Outcome {

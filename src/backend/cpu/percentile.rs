@@ -6,6 +6,7 @@
 //! for any number of threads.
 
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Bins of a histogram over half of the bits.
 const BINS: usize = 1 << 16;
@@ -17,30 +18,84 @@ pub(super) fn percentile<Values: Iterator<Item = f32>>(
     share: f64,
     row: impl Fn(usize) -> Values + Sync,
 ) -> Option<f32> {
-    let keys = |y| row(y).map(key);
-    let mut upper = histogram(height, |y| keys(y).map(|key| key >> 16));
-    // Forgetting the bins of infinities and NaN is cheaper than looking for these among the values.
-    upper[..=key(f32::NEG_INFINITY) as usize >> 16].fill(0);
-    upper[key(f32::INFINITY) as usize >> 16..].fill(0);
-    let count: usize = upper.iter().map(|&n| n as usize).sum();
-    let last = count.checked_sub(1)?;
-    let rank = (share * last as f64).round() as usize;
-    let (upper, rank) = bin_at(&upper, rank);
-    let within = |y| keys(y).filter(move |key| key >> 16 == upper);
-    let lower = histogram(height, |y| within(y).map(|key| key & 0xffff));
-    let (lower, _) = bin_at(&lower, rank);
-    Some(value(upper << 16 | lower))
+    let mut search = PercentileSearch::new(share);
+    search.add(0..height, &row);
+    search.narrow();
+    search.add(0..height, &row);
+    search.found()
+}
+
+/// A search among values that come some at a time, all of them twice: once before [`PercentileSearch::narrow`], and
+/// once after.
+#[derive(Debug, Clone)]
+pub(super) struct PercentileSearch {
+    share: f64,
+    counts: Vec<u64>,
+    /// The upper half of the value's bits, and its rank among those that have it.
+    upper: Option<(u32, u64)>,
+    is_narrow: bool,
+}
+
+impl PercentileSearch {
+    pub(super) fn new(share: f64) -> Self {
+        Self {
+            share,
+            counts: vec![0; BINS],
+            upper: None,
+            is_narrow: false,
+        }
+    }
+
+    /// Counts the values of these rows.
+    pub(super) fn add<Values: Iterator<Item = f32>>(
+        &mut self,
+        rows: Range<usize>,
+        row: impl Fn(usize) -> Values + Sync,
+    ) {
+        let keys = |y| row(y).map(key);
+        let counts = match (self.is_narrow, self.upper) {
+            (false, _) => histogram(rows, |y| keys(y).map(|key| key >> 16)),
+            (true, Some((upper, _))) => {
+                let within = |y| keys(y).filter(move |key| key >> 16 == upper);
+                histogram(rows, |y| within(y).map(|key| key & 0xffff))
+            }
+            (true, None) => return,
+        };
+        let sums = self.counts.iter_mut().zip(counts);
+        sums.for_each(|(sum, count)| *sum += u64::from(count));
+    }
+
+    /// Ends the first time, and begins the second.
+    pub(super) fn narrow(&mut self) {
+        let upper = &mut self.counts;
+        // Forgetting the bins of infinities and NaN is cheaper than looking for these among the values.
+        upper[..=key(f32::NEG_INFINITY) as usize >> 16].fill(0);
+        upper[key(f32::INFINITY) as usize >> 16..].fill(0);
+        let count: u64 = upper.iter().sum();
+        self.upper = count.checked_sub(1).map(|last| {
+            let rank = (self.share * last as f64).round() as u64;
+            bin_at(upper, rank)
+        });
+        self.counts.fill(0);
+        self.is_narrow = true;
+    }
+
+    /// What was searched for, when all values have come twice.
+    pub(super) fn found(&self) -> Option<f32> {
+        let (upper, rank) = self.upper?;
+        let (lower, _) = bin_at(&self.counts, rank);
+        Some(value(upper << 16 | lower))
+    }
 }
 
 /// How often each of the bins is named over all rows.
 fn histogram<Bins: Iterator<Item = u32>>(
-    height: usize,
+    rows: Range<usize>,
     bins: impl Fn(usize) -> Bins + Sync,
 ) -> Vec<u32> {
     // A histogram for each task: few tasks, yet enough to even out threads that were kept waiting.
-    let rows_per_task = height.div_ceil(2 * rayon::current_num_threads());
-    (0..height)
-        .into_par_iter()
+    let rows_per_task = rows.len().div_ceil(2 * rayon::current_num_threads());
+    rows.into_par_iter()
         .with_min_len(rows_per_task)
         .fold(
             || vec![0; BINS],
@@ -57,9 +112,9 @@ fn histogram<Bins: Iterator<Item = u32>>(
 }
 
 /// The bin of the value that comes `rank`-th, from 0, and its rank within the bin.
-fn bin_at(counts: &[u32], mut rank: usize) -> (u32, usize) {
+fn bin_at(counts: &[u64], mut rank: u64) -> (u32, u64) {
     for (bin, &count) in counts.iter().enumerate() {
-        match rank.checked_sub(count as usize) {
+        match rank.checked_sub(count) {
             Some(rest) => rank = rest,
             None => return (bin as u32, rank),
         }

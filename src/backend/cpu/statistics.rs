@@ -1,7 +1,8 @@
 //! What is chosen from the whole frame: the gain of the curvature mapping and the white level.
 
-use super::percentile::percentile;
+use super::percentile::{PercentileSearch, percentile};
 use crate::frame::{ColorPlanes, Mask, Plane};
+use std::ops::Range;
 
 /// Share of the surface whose curvature the gain leaves below [`TYPICAL_KAPPA`].
 const CURVATURE_PERCENTILE: f64 = 0.80;
@@ -25,32 +26,67 @@ const FLAT_TURN: f32 = 0.25;
 ///
 /// The trace is `factor` times what it is per pixel of the plane.
 pub(super) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32) -> f32 {
-    let flat = factor * FLAT_TURN / (trace.width() as f32).hypot(trace.height() as f32);
-    let curved = |y| {
-        let samples = trace.row(y).iter().zip(conductance.row(y));
-        samples
-            .filter(|&(_, &c)| c > 0.5)
-            .map(|(t, _)| t.abs())
-            .filter(move |&t| t > flat)
-    };
-    match percentile(trace.height(), CURVATURE_PERCENTILE, curved) {
-        Some(typical) if typical > 0.0 => (TYPICAL_KAPPA.atanh() / typical).min(MAX_GAIN),
-        _ => MAX_GAIN,
+    let mut search = GainSearch::new([trace.width(), trace.height()], factor);
+    let rows = 0..trace.height();
+    search.add(rows.clone(), trace, conductance);
+    search.0.narrow();
+    search.add(rows, trace, conductance);
+    search.gain()
+}
+
+/// A search for the gain in a picture that comes some rows at a time, all of them twice.
+#[derive(Debug, Clone)]
+pub(super) struct GainSearch(pub(super) PercentileSearch, f32);
+
+impl GainSearch {
+    /// For a picture of this size, whose trace is `factor` times what it is per pixel.
+    pub(super) fn new(size: [usize; 2], factor: f32) -> Self {
+        let flat = factor * FLAT_TURN / (size[0] as f32).hypot(size[1] as f32);
+        Self(PercentileSearch::new(CURVATURE_PERCENTILE), flat)
+    }
+
+    pub(super) fn add(&mut self, rows: Range<usize>, trace: &Plane, conductance: &Plane) {
+        let flat = self.1;
+        self.0.add(rows, |y| {
+            let samples = trace.row(y).iter().zip(conductance.row(y));
+            samples
+                .filter(|&(_, &c)| c > 0.5)
+                .map(|(t, _)| t.abs())
+                .filter(move |&t| t > flat)
+        });
+    }
+
+    pub(super) fn gain(&self) -> f32 {
+        match self.0.found() {
+            Some(typical) if typical > 0.0 => (TYPICAL_KAPPA.atanh() / typical).min(MAX_GAIN),
+            _ => MAX_GAIN,
+        }
     }
 }
 
 /// A high percentile of the luminance of the covered pixels; 1 where none has any.
 pub(super) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -> f32 {
-    let luminances = |y| {
-        let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.row(y));
-        let covered = mask.row(y);
-        mask.span(y)
-            .filter(|&x| covered[x])
-            .map(move |x| super::light::luminance([r[x], g[x], b[x]], weights))
-    };
-    percentile(mask.height(), WHITE_PERCENTILE, luminances)
-        .filter(|&white| white > 0.0)
-        .unwrap_or(1.0)
+    let luminances = |y| luminances(color, weights, mask, y);
+    white_of(percentile(mask.height(), WHITE_PERCENTILE, luminances))
+}
+
+/// The luminance of the covered pixels of a row.
+pub(super) fn luminances(
+    color: &ColorPlanes,
+    weights: [f32; 3],
+    mask: &Mask,
+    y: usize,
+) -> impl Iterator<Item = f32> {
+    let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.row(y));
+    let covered = mask.row(y);
+    mask.span(y)
+        .filter(|&x| covered[x])
+        .map(move |x| super::light::luminance([r[x], g[x], b[x]], weights))
+}
+
+/// The white level that a percentile of the luminance gives.
+pub(super) fn white_of(percentile: Option<f32>) -> f32 {
+    percentile.filter(|&white| white > 0.0).unwrap_or(1.0)
 }
 
 #[cfg(test)]
