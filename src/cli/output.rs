@@ -55,6 +55,7 @@ pub(super) fn write_exr(
             format!("relievo {}", env!("CARGO_PKG_VERSION")),
         )],
         chromaticities: loaded.exr().and_then(|file| file.chromaticities),
+        compression: Default::default(),
     };
     let kept = loaded.exr().filter(|_| args.layers == LayersArg::Keep);
     write_atomically(path, !args.no_clobber, |w| match kept {
