@@ -145,6 +145,7 @@ impl Desk {
                 .collect(),
             attributes: Vec::new(),
             chromaticities: None,
+            compression: Default::default(),
         };
         let mut file = fs::File::create(&path).unwrap();
         write_results(&mut file, &path, &part).unwrap();

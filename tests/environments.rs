@@ -238,6 +238,7 @@ fn layers_of_a_lit_sphere_are_added_up() {
         channels: channels.collect(),
         attributes: Vec::new(),
         chromaticities: None,
+        compression: Default::default(),
     };
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("matcap.exr");

@@ -44,6 +44,7 @@ fn part<'a>(
             .collect(),
         attributes: vec![("software".into(), "relievo test".into())],
         chromaticities: Some([0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290]),
+        compression: Default::default(),
     }
 }
 

@@ -568,6 +568,7 @@ fn write(path: &Path, size: (usize, usize), layers: &[(String, &Plane)]) {
             .collect(),
         attributes: Vec::new(),
         chromaticities: None,
+        compression: Default::default(),
     };
     let mut file = std::fs::File::create(path).unwrap();
     write_results(&mut file, path, &part).unwrap();

@@ -52,6 +52,7 @@ fn write(path: &Path, frame: &Frame, planes: &[(&str, &Plane, OutputType)]) {
         channels: channels.collect(),
         attributes: Vec::new(),
         chromaticities: None,
+        compression: Default::default(),
     };
     write_results(&mut fs::File::create(path).unwrap(), path, &part).unwrap();
 }

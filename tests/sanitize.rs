@@ -473,6 +473,7 @@ impl Render {
             channels: channels.collect(),
             attributes: Vec::new(),
             chromaticities: None,
+            compression: Default::default(),
         };
         let directory = tempfile::tempdir().unwrap();
         let picture = directory.path().join("render.exr");

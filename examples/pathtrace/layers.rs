@@ -53,6 +53,7 @@ pub(crate) fn write_layers(path: &Path, job: &Job, extras: Extras) -> relievo::R
         channels,
         attributes: vec![("software".into(), "relievo, examples/pathtrace.rs".into())],
         chromaticities: None,
+        compression: Default::default(),
     };
     write_atomically(path, true, |w| write_results(w, path, &part))
 }

@@ -50,6 +50,7 @@ fn part(planes: &[Plane; 3]) -> OutputPart<'_> {
             .collect(),
         attributes: vec![("software".into(), "relievo test".into())],
         chromaticities: None,
+        compression: Default::default(),
     }
 }
 

@@ -2,9 +2,10 @@
 
 use super::real_files::real;
 use super::{HEIGHTS, TARGET, bits, part, planes, push_in_strips, saved, whole};
-use relievo::frame::Plane;
+use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
-    ChannelId, ExrFile, Limits, PartDescription, PartWriter, RowReader, append_part,
+    ChannelId, ExrFile, Limits, OutputChannel, OutputCompression, OutputPart, OutputType,
+    PartDescription, PartWriter, RowReader, append_part, write_results,
 };
 use std::io::Cursor;
 use std::ops::Range;
@@ -19,14 +20,17 @@ fn row_bits(plane: &Plane, rows: Range<usize>) -> Vec<u32> {
 #[test]
 fn a_file_does_not_depend_on_how_its_rows_were_cut() {
     let planes = planes();
-    let part = part(&planes);
-    let expected = whole(&part);
-    for heights in HEIGHTS {
-        let mut file = Cursor::new(Vec::new());
-        let description: PartDescription = part.description();
-        let writer = PartWriter::create(&mut file, Path::new(TARGET), &description).unwrap();
-        push_in_strips(writer, &planes, heights);
-        assert!(file.into_inner() == expected, "{heights:?}");
+    let mut part = part(&planes);
+    for compression in OutputCompression::ALL {
+        part.compression = compression;
+        let expected = whole(&part);
+        for heights in HEIGHTS {
+            let mut file = Cursor::new(Vec::new());
+            let description: PartDescription = part.description();
+            let writer = PartWriter::create(&mut file, Path::new(TARGET), &description).unwrap();
+            push_in_strips(writer, &planes, heights);
+            assert!(file.into_inner() == expected, "{compression} {heights:?}");
+        }
     }
 }
 
@@ -54,6 +58,59 @@ fn a_part_added_does_not_depend_on_how_its_rows_were_cut() {
             assert!(file.into_inner() == expected, "{heights:?}");
         }
     }
+}
+
+#[test]
+fn lossless_compressions_keep_every_sample_and_dwa_keeps_colours_close() {
+    // A ramp in the colours, and a sample that is no number in alpha.
+    let color = Plane::from_fn(67, 300, |x, y| 0.01 * x as f32 + 0.002 * y as f32);
+    let mut alpha = Plane::filled(67, 300, 1.0);
+    alpha.samples_mut()[5] = f32::NAN;
+    let channels = [("R", &color), ("G", &color), ("B", &color), ("A", &alpha)];
+    let channels = channels.map(|(name, plane)| OutputChannel {
+        name: name.into(),
+        plane,
+        sample_type: OutputType::Float,
+    });
+    let planes = planes();
+    for compression in OutputCompression::ALL {
+        let part = OutputPart {
+            data_window: Window::from_size(67, 300),
+            channels: channels.to_vec(),
+            compression,
+            ..part(&planes)
+        };
+        let (_directory, file) = saved(&whole(&part), &Limits::default());
+        assert_eq!(file.parts[0].compression, compression.name());
+        let ids: Vec<ChannelId> = file.channel_ids().collect();
+        // A, B, G, R.
+        let read = file.read_channels(&ids).unwrap();
+        for (plane, (channel, name)) in read.iter().zip(file.parts[0].channels.iter().zip(0..)) {
+            let expected = if channel.name == "A" { &alpha } else { &color };
+            match file.parts[0].is_lossy(name) {
+                false => assert!(bits(plane) == bits(expected), "{compression}"),
+                true => {
+                    assert!(compression.is_lossy());
+                    let pairs = plane.samples().iter().zip(expected.samples());
+                    // Far below the step of 0.01 between pixels; the ramp ends at 1.27.
+                    let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                    assert!(apart < 5e-3, "{compression} {apart}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn data_are_not_compressed_with_loss() {
+    let planes = planes();
+    let mut part = part(&planes);
+    part.compression = OutputCompression::Dwaa;
+    part.channels[1].name = "normal.Y".into();
+    let mut file = Cursor::new(Vec::new());
+    let error = write_results(&mut file, Path::new(TARGET), &part).unwrap_err();
+    assert!(error.to_string().contains("normal.Y"), "{error}");
+    assert!(file.into_inner().is_empty());
 }
 
 /// Compares rows with the same rows of whole channels: one by one, and with a reader that goes down,

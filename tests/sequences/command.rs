@@ -69,6 +69,7 @@ fn write_frame(directory: &Path, number: i32, luminance: f32, with: With) {
             .collect(),
         attributes: Vec::new(),
         chromaticities: None,
+        compression: Default::default(),
     };
     let mut file = BufWriter::new(fs::File::create(&path).unwrap());
     write_results(&mut file, &path, &part).unwrap();

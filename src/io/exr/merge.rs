@@ -1,6 +1,5 @@
 //! Adding channels to a part of a copy of a file.
 
-use super::ExrFile;
 use super::append::copy_chunks;
 use super::attributes::Attributes;
 use super::chunks::ChunkReader;
@@ -15,6 +14,7 @@ use super::write::{
     PartDescription, ReadyPart, Source, channel_entry, check_attribute_name, sorted_channels,
     typed_header,
 };
+use super::{ExrFile, OutputCompression};
 use crate::error::{Error, Result};
 use ::exr::compression::Compression;
 use ::exr::meta::BlockDescription;
@@ -25,7 +25,6 @@ use std::ops::Range;
 use std::path::Path;
 
 const TILED: u32 = 1 << 9;
-const ZIP: u8 = 3;
 
 /// What adding channels to a part came to.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -96,7 +95,11 @@ fn ready(
     let mut attributes = input.header.parts[part].clone();
     let mut warnings = Vec::new();
     if !keeps_samples(header.compression) {
-        attributes.set("compression", "compression", vec![ZIP]);
+        attributes.set(
+            "compression",
+            "compression",
+            vec![OutputCompression::Zip.code()],
+        );
         attributes.remove("dwaCompressionLevel");
         warnings.push(format!(
             "its {} pixels would lose precision once more; the part is ZIP-compressed now, and larger",

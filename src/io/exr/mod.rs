@@ -11,6 +11,7 @@
 mod append;
 mod attributes;
 mod chunks;
+mod compression;
 mod decode;
 mod encode;
 mod fault;
@@ -24,6 +25,7 @@ mod whole;
 mod write;
 mod writer;
 
+pub use compression::OutputCompression;
 pub use merge::Merged;
 pub use rows::RowReader;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
@@ -146,11 +148,7 @@ impl Part {
         match self.compression.as_str() {
             "pxr24" => *sample_type == SampleType::Float,
             "b44" | "b44a" => *sample_type == SampleType::Half,
-            "dwaa" | "dwab" => {
-                let suffix = name.rsplit('.').next().unwrap_or(name);
-                *sample_type != SampleType::Uint
-                    && ["R", "G", "B", "Y", "RY", "BY"].contains(&suffix)
-            }
+            "dwaa" | "dwab" => *sample_type != SampleType::Uint && compression::dwa_spoils(name),
             _ => false,
         }
     }

@@ -1,5 +1,6 @@
 //! Parts to be written, and their headers.
 
+use super::OutputCompression;
 use super::attributes::{Attributes, MAX_NAME, MAX_SHORT_NAME};
 use super::fault::Fault;
 use super::header::{LONG_NAMES, typed};
@@ -9,9 +10,6 @@ use ::exr::meta::header::Header;
 use std::path::Path;
 
 pub(super) const VERSION: u32 = 2;
-const ZIP: u8 = 3;
-/// Rows in a block of ZIP-compressed pixels.
-const BLOCK_ROWS: usize = 16;
 /// Attributes that describe the part and are not free to be given.
 const RESERVED: [&str; 20] = [
     "channels",
@@ -53,6 +51,9 @@ pub struct OutputPart<'a> {
     pub attributes: Vec<(String, String)>,
     /// x and y of the red, green and blue primaries and of white; `None` means Rec. 709.
     pub chromaticities: Option<[f32; 8]>,
+    /// How the pixels are compressed. A lossy one is refused for channels that are no colour: names
+    /// in `R`, `G` or `B` of a layer that has not all three, and in `Y`, `RY` or `BY`.
+    pub compression: OutputCompression,
 }
 
 /// A channel to be written.
@@ -93,6 +94,9 @@ pub struct PartDescription {
     pub attributes: Vec<(String, String)>,
     /// x and y of the red, green and blue primaries and of white; `None` means Rec. 709.
     pub chromaticities: Option<[f32; 8]>,
+    /// How the pixels are compressed. A lossy one is refused for channels that are no colour: names
+    /// in `R`, `G` or `B` of a layer that has not all three, and in `Y`, `RY` or `BY`.
+    pub compression: OutputCompression,
 }
 
 impl OutputPart<'_> {
@@ -107,6 +111,7 @@ impl OutputPart<'_> {
             channels: channels.map(|c| (c.name.clone(), c.sample_type)).collect(),
             attributes: self.attributes.clone(),
             chromaticities: self.chromaticities,
+            compression: self.compression,
         }
     }
 
@@ -143,14 +148,18 @@ impl ReadyPart {
         shared: Option<&Attributes>,
     ) -> Result<Self> {
         let order = sorted_channels(part)?;
+        let names: Vec<&str> = part.channels.iter().map(|(n, _)| n.as_str()).collect();
+        part.compression.check_channels(&names)?;
         let mut attributes = attributes_of(part, &order)?;
         if let Some(shared) = shared {
             share(&mut attributes, shared);
         }
+        let header = typed_header(&attributes, target)?;
+        attributes.set_int("chunkCount", header.chunk_count as i32);
         attributes.sort();
         let given = |&i: &usize| Source::Given(i, part.channels[i].1);
         Ok(ReadyPart {
-            header: typed_header(&attributes, target)?,
+            header,
             attributes,
             sources: order.iter().map(given).collect(),
             planes: part.channels.len(),
@@ -214,7 +223,7 @@ fn attributes_of(part: &PartDescription, order: &[usize]) -> Result<Attributes> 
     }
     let mut attributes = Attributes::default();
     attributes.set("channels", "chlist", channel_list(part, order));
-    attributes.set("compression", "compression", vec![ZIP]);
+    attributes.set("compression", "compression", vec![part.compression.code()]);
     attributes.set_window("dataWindow", part.data_window);
     attributes.set_window("displayWindow", part.display_window);
     attributes.set("lineOrder", "lineOrder", vec![0]);
@@ -223,8 +232,6 @@ fn attributes_of(part: &PartDescription, order: &[usize]) -> Result<Attributes> 
     attributes.set_floats("screenWindowCenter", "v2f", &[0.0, 0.0]);
     attributes.set_floats("screenWindowWidth", "float", &[1.0]);
     attributes.set_text("type", "scanlineimage");
-    let chunks = part.data_window.height().div_ceil(BLOCK_ROWS);
-    attributes.set_int("chunkCount", chunks as i32);
     if let Some(chromaticities) = part.chromaticities {
         attributes.set_floats("chromaticities", "chromaticities", &chromaticities);
     }

@@ -13,7 +13,7 @@ use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Writes `part` alone as a file, ZIP-compressed. `target` is only named in errors.
+/// Writes `part` alone as a file. `target` is only named in errors.
 ///
 /// # Panics
 /// If a plane does not have the size of the data window.
@@ -45,8 +45,8 @@ pub fn append_part(
 /// attributes of `added` are set. Its pixels are compressed anew, the way they were if that is
 /// lossless, else with ZIP; tiles become rows, at full resolution alone. Other parts are copied as
 /// they are. Where a layer of `added` has a channel that the part has too, the layer is renamed: bare
-/// channels go to a layer named like `added`. Its window must be that of the part; the rest of its
-/// description stands in the part already.
+/// channels go to a layer named like `added`. Its window must be that of the part; of the rest of its
+/// description the part keeps its own.
 ///
 /// # Panics
 /// If there is no such part, or a plane does not have the size of the data window.

@@ -115,6 +115,7 @@ pub(super) fn through_a_file(frame: &Frame) -> Result<Loaded> {
         channels,
         attributes: Vec::new(),
         chromaticities: None,
+        compression: Default::default(),
     };
     let place = std::env::temp_dir();
     let directory = tempfile::tempdir().map_err(Error::io(&place, "write"))?;

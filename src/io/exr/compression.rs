@@ -1,0 +1,155 @@
+//! How the pixels of a written part are compressed.
+
+use crate::error::{Error, Result};
+use std::fmt;
+use std::str::FromStr;
+
+/// How the pixels of a part are compressed when it is written.
+///
+/// All but the last two are lossless. `Default` is ZIP, which every program reads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum OutputCompression {
+    /// Not at all.
+    None,
+    /// Runs of equal bytes: small only where the picture is flat.
+    Rle,
+    /// ZIP, row by row: rows can be read alone.
+    Zips,
+    /// ZIP, 16 rows at a time.
+    #[default]
+    Zip,
+    /// Wavelets, 32 rows at a time: smallest for grainy pictures.
+    Piz,
+    /// DWA, 32 rows at a time: loses detail that is not seen, of colours alone.
+    Dwaa,
+    /// DWA, 256 rows at a time.
+    Dwab,
+}
+
+impl OutputCompression {
+    /// All of them.
+    pub const ALL: [OutputCompression; 7] = [
+        OutputCompression::None,
+        OutputCompression::Rle,
+        OutputCompression::Zips,
+        OutputCompression::Zip,
+        OutputCompression::Piz,
+        OutputCompression::Dwaa,
+        OutputCompression::Dwab,
+    ];
+
+    /// The name, as files and the command line have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            OutputCompression::None => "none",
+            OutputCompression::Rle => "rle",
+            OutputCompression::Zips => "zips",
+            OutputCompression::Zip => "zip",
+            OutputCompression::Piz => "piz",
+            OutputCompression::Dwaa => "dwaa",
+            OutputCompression::Dwab => "dwab",
+        }
+    }
+
+    /// Whether some samples are not the same after it.
+    pub fn is_lossy(self) -> bool {
+        matches!(self, OutputCompression::Dwaa | OutputCompression::Dwab)
+    }
+
+    /// The number in the file.
+    pub(super) fn code(self) -> u8 {
+        match self {
+            OutputCompression::None => 0,
+            OutputCompression::Rle => 1,
+            OutputCompression::Zips => 2,
+            OutputCompression::Zip => 3,
+            OutputCompression::Piz => 4,
+            OutputCompression::Dwaa => 8,
+            OutputCompression::Dwab => 9,
+        }
+    }
+
+    /// Refuses to lose precision of channels that are no colour: those that DWA takes for one by the
+    /// last token of their name, in a layer that lacks red, green or blue.
+    pub(super) fn check_channels(self, names: &[&str]) -> Result<()> {
+        let is_color = |name: &str| {
+            let layer = name.strip_suffix(last_token(name)).unwrap_or_default();
+            let component = |c: &str| names.contains(&format!("{layer}{c}").as_str());
+            ["R", "G", "B"].contains(&last_token(name))
+                && ["R", "G", "B"].into_iter().all(component)
+        };
+        let spoiled = names.iter().find(|n| dwa_spoils(n) && !is_color(n));
+        match spoiled.filter(|_| self.is_lossy()) {
+            Some(name) => Err(Error::BadParameter {
+                name: "--compression",
+                found: format!("{self} would lose precision of the channel {name:?}"),
+                remedy: format!("use a lossless one, such as {}", Self::default()),
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn last_token(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or(name)
+}
+
+/// Whether DWA takes the floating-point channel `name` for colour, of which it loses precision.
+pub(super) fn dwa_spoils(name: &str) -> bool {
+    ["R", "G", "B", "Y", "RY", "BY"].contains(&last_token(name))
+}
+
+impl fmt::Display for OutputCompression {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for OutputCompression {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        let found = Self::ALL.into_iter().find(|c| c.name() == name);
+        found.ok_or_else(|| Error::BadParameter {
+            name: "--compression",
+            found: format!("is {name:?}"),
+            remedy: format!("use one of {}", Self::ALL.map(Self::name).join(", ")),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back() {
+        for compression in OutputCompression::ALL {
+            assert_eq!(
+                compression
+                    .to_string()
+                    .parse::<OutputCompression>()
+                    .unwrap(),
+                compression
+            );
+        }
+        let error = "lzw".parse::<OutputCompression>().unwrap_err().to_string();
+        assert!(
+            error.contains("none, rle, zips, zip, piz, dwaa, dwab"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn only_colours_may_lose_precision() {
+        let dwaa = |names: &[&str]| OutputCompression::Dwaa.check_channels(names).is_ok();
+        assert!(dwaa(&["R", "G", "B", "A"]));
+        assert!(dwaa(&["relievo.R", "relievo.G", "relievo.B", "Z"]));
+        // Of a vector X, Y, Z it would spoil exactly Y.
+        assert!(!dwaa(&["normal.X", "normal.Y", "normal.Z"]));
+        assert!(!dwaa(&["Y"]));
+        assert!(!dwaa(&["R", "G", "B", "flow.R", "flow.G"]));
+        let zip = OutputCompression::Zip.check_channels(&["normal.Y"]);
+        assert!(zip.is_ok());
+    }
+}
