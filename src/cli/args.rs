@@ -9,10 +9,12 @@ use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::{FramesArg, SequenceArgs};
 use crate::error::Error;
+use crate::io::exr::OutputCompression;
 use crate::io::picture::ViewTransform;
 use crate::params::{
     Adaptive, Magnitudes, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver, TermWhiteLevel,
 };
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -413,9 +415,13 @@ pub(super) struct OutputArgs {
         required_unless_present = "save_recipe"
     )]
     pub(super) output: Option<PathBuf>,
-    /// EXR: append a part to the input's own bytes, or write the results alone.
+    /// EXR: append a part to the input's own bytes; encode its first part anew with our channels, for readers that
+    /// see no other; or write the results alone.
     #[arg(long, value_name = "WHAT", default_value = "keep")]
     pub(super) layers: LayersArg,
+    /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
+    #[arg(long, value_name = "HOW", default_value = "zip", value_parser = compression_parser())]
+    pub(super) compression: OutputCompression,
     /// EXR: sample type; as the input where not given (float for descriptor layers and photos).
     #[arg(long, value_name = "TYPE")]
     pub(super) depth_of_output: Option<SampleArg>,
@@ -427,9 +433,19 @@ pub(super) struct OutputArgs {
     pub(super) no_clobber: bool,
 }
 
+fn compression_parser() -> impl TypedValueParser<Value = OutputCompression> {
+    let names = OutputCompression::ALL.map(OutputCompression::name);
+    PossibleValuesParser::new(names).map(|told| {
+        let all = OutputCompression::ALL;
+        let known = all.into_iter().find(|kind| kind.name() == told);
+        known.expect("the parser knows no other names")
+    })
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum LayersArg {
     Keep,
+    Channels,
     Results,
 }
 

@@ -1,6 +1,11 @@
 //! What is chosen automatically, as the flags that would choose the same.
 
 use super::job::Done;
+use super::role_args::{EncodingArg, SpaceArg};
+use crate::backend::cpu::StripChoice;
+use crate::io::Loaded;
+use crate::io::inputs::Conventions;
+use clap::ValueEnum;
 use std::ffi::OsString;
 
 /// A flag with its value: `--name=value`; without one, a switch.
@@ -47,6 +52,8 @@ impl Flag {
 pub(super) struct Chosen {
     /// Numbers, by the flag that gives them; those of a kind of light also by its name.
     numbers: Vec<(&'static str, &'static str, f32)>,
+    /// How the layers were read, where they show any surface.
+    conventions: Option<Conventions>,
 }
 
 impl Chosen {
@@ -67,10 +74,33 @@ impl Chosen {
         let terms = terms.map(|&(term, level)| ("term-white-level", term, level));
         Self {
             numbers: single.chain(terms).collect(),
+            conventions: conventions_of(&done.loaded),
         }
     }
 
-    /// What suits frames of which `each` was chosen: of every number the median.
+    /// How layers were read, and nothing else yet.
+    pub(super) fn of_reading(loaded: &Loaded) -> Self {
+        Self {
+            numbers: Vec::new(),
+            conventions: conventions_of(loaded),
+        }
+    }
+
+    /// The same with what was chosen of a picture that came in strips.
+    pub(super) fn with(mut self, choice: &StripChoice) -> Self {
+        let single = [
+            ("curvature-gain", choice.gain),
+            ("white-level", choice.white_level),
+        ];
+        let single = single.into_iter();
+        let single = single.filter_map(|(flag, number)| Some((flag, "", number?)));
+        let terms = choice.term_white_levels.iter();
+        let terms = terms.map(|&(term, level)| ("term-white-level", term, level));
+        self.numbers.extend(single.chain(terms));
+        self
+    }
+
+    /// What suits frames of which `each` was chosen: of every number the median, of conventions those of most.
     pub(super) fn for_all(each: &[Self]) -> Self {
         let mut kinds: Vec<_> = each.iter().flat_map(|chosen| &chosen.numbers).collect();
         kinds.sort_by(|a, b| {
@@ -81,6 +111,7 @@ impl Chosen {
         let groups = kinds.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
         Self {
             numbers: groups.map(|group| *group[group.len() / 2]).collect(),
+            conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
         }
     }
 
@@ -89,7 +120,8 @@ impl Chosen {
             "" => Flag::new(name, number),
             term => Flag::new(name, format_args!("{term}={number}")),
         };
-        self.numbers.iter().map(flag).collect()
+        let conventions = self.conventions.iter().flat_map(conventions_as_flags);
+        self.numbers.iter().map(flag).chain(conventions).collect()
     }
 
     /// The choices in words: `curvature gain 2.140, white level 0.8812`.
@@ -104,6 +136,51 @@ impl Chosen {
     }
 }
 
+/// A frame without any surface tells nothing of its layers.
+fn conventions_of(loaded: &Loaded) -> Option<Conventions> {
+    let shows_surface = loaded.frame.mask.count() > 0;
+    shows_surface.then_some(loaded.conventions)
+}
+
+fn conventions_as_flags(conventions: &Conventions) -> Vec<Flag> {
+    let Conventions {
+        normal_space,
+        normal_encoding,
+        normal_flip,
+        depth_kind,
+    } = conventions;
+    let space = SpaceArg::from(*normal_space);
+    let encoding = EncodingArg::from(*normal_encoding);
+    let depth = depth_kind.map(|kind| Flag::new("depth-kind", kind.name()));
+    [
+        Flag::new("normal-space", name(space)),
+        Flag::new("normal-encoding", name(encoding)),
+        Flag::new("normal-flip", normal_flip),
+    ]
+    .into_iter()
+    .chain(depth)
+    .collect()
+}
+
+/// The word that the command line has for a value.
+fn name(value: impl ValueEnum) -> String {
+    let word = value.to_possible_value().expect("every value has a word");
+    word.get_name().into()
+}
+
+/// What there is most of; of equals the first.
+fn most_frequent(all: impl Iterator<Item = Conventions>) -> Option<Conventions> {
+    let mut counts: Vec<(Conventions, usize)> = Vec::new();
+    for one in all {
+        match counts.iter_mut().find(|(known, _)| *known == one) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((one, 1)),
+        }
+    }
+    let best = counts.iter().rev().max_by_key(|(_, count)| *count);
+    best.map(|(conventions, _)| *conventions)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +192,7 @@ mod tests {
                 ("curvature-gain", "", gain),
                 ("term-white-level", "diffuse", white),
             ],
+            conventions: None,
         };
         // One frame is a flash, one is dark.
         let all = Chosen::for_all(&[frame(2.0, 0.5), frame(9.0, 70.0), frame(2.5, 0.01)]);

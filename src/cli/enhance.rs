@@ -4,6 +4,7 @@ use super::args::{EnhanceArgs, WorkArgs};
 use super::chosen::Chosen;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
+use super::strips;
 use crate::backend::cpu::Runner;
 use crate::error::Result;
 use crate::frame::LightLayers;
@@ -40,12 +41,16 @@ impl FrameCommand for EnhanceArgs {
             projection: shape.foreshortening != 0.0,
             ..Needs::default()
         };
+        let told = dark_rims(&scaling);
+        told.iter().for_each(|warning| job.warn(warning));
+        if strips::is_too_large(job) {
+            return strips::enhance(self, runner, job, inputs, needs);
+        }
         let (loaded, read) = job.load(&inputs, needs)?;
         let available = Available::in_frame(&loaded.frame);
         let plan = Plan::at_scales(Goal::Enhance, available, shape, scaling, &[])?;
         job.tell_plan(&plan)?;
-        let told = dark_rims(&scaling).into_iter();
-        for warning in told.chain(idle_magnitudes(&scaling, &loaded.frame.light)) {
+        for warning in idle_magnitudes(&scaling, &loaded.frame.light) {
             job.warn(&warning);
         }
         let outcome = runner.run(&plan, &loaded.frame);
@@ -64,7 +69,7 @@ impl FrameCommand for EnhanceArgs {
 }
 
 impl EnhanceArgs {
-    fn scaling(&self) -> ScalingParams {
+    pub(super) fn scaling(&self) -> ScalingParams {
         ScalingParams {
             white_level: self.white_level,
             term_white_levels: self.term_white_level.iter().copied().collect(),

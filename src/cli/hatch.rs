@@ -8,6 +8,7 @@ use super::line_args::{HatchArgs, ToneArg};
 use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
+use super::strips::refuse_too_large;
 use crate::backend::cpu::{Drawing, DrawingInputs, Runner, SequenceInputs, TextureCoordinates};
 use crate::compose::on_paper;
 use crate::error::{Error, Result};
@@ -148,6 +149,7 @@ impl FrameCommand for HatchArgs {
 
 impl HatchArgs {
     fn load(&self, kit: &HatchKit, job: &Job) -> Result<(Loaded, Duration)> {
+        refuse_too_large(job)?;
         let mut inputs = self.relight.inputs(job);
         let Looks { shape, light, .. } = &kit.looks;
         let mut needs = needs(light, shape.foreshortening, &kit.illumination);
@@ -328,5 +330,5 @@ fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
         plane,
         sample_type,
     }));
-    job.write_exr(done, channels)
+    job.write_exr(done, &channels)
 }

@@ -9,7 +9,7 @@ use super::told::Told;
 use crate::backend::cpu::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
-use crate::io::exr::{OutputChannel, OutputType};
+use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
 use crate::io::picture::{Picture, write_picture};
@@ -168,13 +168,9 @@ impl<'a> Job<'a> {
         let output = &self.work.output;
         match output.kind()? {
             Kind::Exr => {
-                let sample_type = match output.depth_of_output {
-                    Some(chosen) => chosen.into(),
-                    None if loaded.color_is_half => OutputType::Half,
-                    None => OutputType::Float,
-                };
+                let sample_type = output.sample_type(loaded);
                 let layer = output.color_layer(loaded);
-                self.write_exr(done, color_channels(layer, color, alpha, sample_type))
+                self.write_exr(done, &color_channels(layer, color, alpha, sample_type))
             }
             Kind::Picture(_) => {
                 let picture = Picture {
@@ -201,13 +197,20 @@ impl<'a> Job<'a> {
     }
 
     /// Writes planes to an EXR and ends the frame.
-    pub(super) fn write_exr(&self, done: &Done, channels: Vec<OutputChannel>) -> Result<Chosen> {
+    pub(super) fn write_exr(&self, done: &Done, channels: &[OutputChannel]) -> Result<Chosen> {
         self.write(done, |output| {
-            let recipe = self.recipe.with(&Chosen::of(done));
-            self.work
-                .output
-                .write_exr(output, &done.loaded, channels, recipe)
+            let recipe = self.recipe(&Chosen::of(done));
+            let args = &self.work.output;
+            for warning in args.write_exr(output, &done.loaded, channels, recipe)? {
+                self.say_once("warning", &warning, true);
+            }
+            Ok(())
         })
+    }
+
+    /// The recipe of this run, with what was chosen.
+    pub(super) fn recipe(&self, chosen: &Chosen) -> String {
+        self.recipe.with(chosen)
     }
 
     /// Writes a drawing in lines and ends the frame.
@@ -220,13 +223,25 @@ impl<'a> Job<'a> {
     /// Writes through `write` where there is anything to be written, then the timings, and says what was done.
     fn write(&self, done: &Done, write: impl FnOnce(ReadyOutput) -> Result<()>) -> Result<Chosen> {
         let chosen = Chosen::of(done);
+        self.write_output(&chosen, |output| {
+            let start = Instant::now();
+            write(output)?;
+            self.write_timings(done, start.elapsed())
+        })?;
+        Ok(chosen)
+    }
+
+    /// Writes through `write` where there is anything to be written, and says what was done.
+    pub(super) fn write_output(
+        &self,
+        chosen: &Chosen,
+        write: impl FnOnce(ReadyOutput) -> Result<()>,
+    ) -> Result<()> {
         let Some(path) = self.work.output.output.as_deref().filter(|_| self.writes) else {
-            return Ok(chosen);
+            return Ok(());
         };
-        let start = Instant::now();
         let clobber = !self.work.output.no_clobber;
         write(ReadyOutput { path, clobber })?;
-        self.write_timings(done, start.elapsed())?;
         if !self.work.run.quiet && !self.told.is_sequence() {
             let words = chosen.in_words();
             let comma = if words.is_empty() { "" } else { ", " };
@@ -235,7 +250,7 @@ impl<'a> Job<'a> {
             self.told
                 .say(&format!("{path}: {words}{comma}{seconds:.2} s"));
         }
-        Ok(chosen)
+        Ok(())
     }
 
     fn write_timings(&self, done: &Done, write: Duration) -> Result<()> {

@@ -24,6 +24,7 @@ mod sequence;
 mod shape;
 mod specular_args;
 mod stop;
+mod strips;
 mod threads;
 mod told;
 

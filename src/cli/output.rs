@@ -2,15 +2,19 @@
 
 use super::args::{LayersArg, OutputArgs, SampleArg, WorkArgs};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane};
+use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
-use crate::io::exr::{OutputChannel, OutputPart, OutputType, append_part, write_results};
+use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
 use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
 use crate::io::picture::PictureFormat;
+use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the part that holds our results, and of the layer that holds the enhanced picture in it.
 const PART: &str = "relievo";
+
+/// The attribute that holds the recipe.
+const RECIPE_ATTRIBUTE: &str = "relievo.recipe";
 
 /// What kind of file an output path stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,37 +58,93 @@ impl OutputArgs {
 
     /// The prefix of our colour channels: none in a file of our own, where they are the picture.
     pub(super) fn color_layer(&self, loaded: &Loaded) -> Option<&'static str> {
-        let beside = loaded.exr().is_some() && self.layers == LayersArg::Keep;
+        let beside = loaded.exr().is_some() && self.layers != LayersArg::Results;
         beside.then_some(PART)
     }
 
-    /// Writes planes to an EXR: beside the input's own where there are any to keep, else alone.
+    /// How samples of a picture are stored.
+    pub(super) fn sample_type(&self, loaded: &Loaded) -> OutputType {
+        match self.depth_of_output {
+            Some(chosen) => chosen.into(),
+            None if loaded.color_is_half => OutputType::Half,
+            None => OutputType::Float,
+        }
+    }
+
+    /// The part that our results make, of the pixels `window`.
+    pub(super) fn part(
+        &self,
+        loaded: &Loaded,
+        window: Window,
+        channels: Vec<(String, OutputType)>,
+        recipe: String,
+    ) -> PartDescription {
+        let software = format!("relievo {}", env!("CARGO_PKG_VERSION"));
+        PartDescription {
+            name: PART.into(),
+            data_window: window,
+            display_window: loaded.frame.display_window,
+            pixel_aspect: loaded.frame.pixel_aspect,
+            channels,
+            attributes: vec![
+                ("software".into(), software),
+                (RECIPE_ATTRIBUTE.into(), recipe),
+            ],
+            chromaticities: loaded.exr().and_then(|file| file.chromaticities),
+            compression: self.compression,
+        }
+    }
+
+    /// Starts to write a part where the results go: beside the input's own parts, into its first one, or alone. What is
+    /// not as it was in the input is said with it.
+    pub(super) fn part_writer<'w, W: Write + Seek>(
+        &self,
+        loaded: &'w Loaded,
+        w: &'w mut W,
+        path: &Path,
+        part: &PartDescription,
+    ) -> Result<(PartWriter<'w, W>, Vec<String>)> {
+        let Some(input) = loaded.exr() else {
+            return Ok((PartWriter::create(w, path, part)?, Vec::new()));
+        };
+        match self.layers {
+            LayersArg::Results => Ok((PartWriter::create(w, path, part)?, Vec::new())),
+            LayersArg::Keep => Ok((PartWriter::append(input, w, path, part)?, Vec::new())),
+            LayersArg::Channels => {
+                let window = input.parts[0].window;
+                if window != part.data_window {
+                    return Err(Error::SizeMismatch {
+                        path: input.path.clone(),
+                        found: format!("{window} in its first part"),
+                        expected: format!("the results are {}", part.data_window),
+                    });
+                }
+                let (writer, merged) = PartWriter::add_channels(input, 0, w, path, part)?;
+                Ok((writer, merged.warnings))
+            }
+        }
+    }
+
+    /// Writes planes to an EXR; what is not as it was in the input.
     pub(super) fn write_exr(
         &self,
         ReadyOutput { path, clobber }: ReadyOutput,
         loaded: &Loaded,
-        channels: Vec<OutputChannel>,
+        channels: &[OutputChannel],
         recipe: String,
-    ) -> Result<()> {
-        let frame = &loaded.frame;
-        let software = format!("relievo {}", env!("CARGO_PKG_VERSION"));
-        let part = OutputPart {
-            name: PART.into(),
-            data_window: frame.data_window,
-            display_window: frame.display_window,
-            pixel_aspect: frame.pixel_aspect,
-            channels,
-            attributes: vec![
-                ("software".into(), software),
-                ("relievo.recipe".into(), recipe),
-            ],
-            chromaticities: loaded.exr().and_then(|file| file.chromaticities),
-        };
-        let kept = loaded.exr().filter(|_| self.layers == LayersArg::Keep);
-        write_atomically(path, clobber, |w| match kept {
-            Some(input) => append_part(input, w, path, &part),
-            None => write_results(w, path, &part),
-        })
+    ) -> Result<Vec<String>> {
+        let named = channels.iter().map(|c| (c.name.clone(), c.sample_type));
+        let window = loaded.frame.data_window;
+        let part = self.part(loaded, window, named.collect(), recipe);
+        let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
+        let mut said = Vec::new();
+        write_atomically(path, clobber, |w| {
+            let (mut writer, warnings) = self.part_writer(loaded, w, path, &part)?;
+            writer.push(&planes, 0..window.height())?;
+            said = warnings;
+            writer.finish()
+        })?;
+        Ok(said)
     }
 }
 

@@ -1,5 +1,6 @@
 //! How far a sequence has come: a bar on a terminal, else lines of text or of JSON.
 
+use super::args::RunArgs;
 use super::message::say;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -170,6 +171,24 @@ impl Progress {
         }
         tally
     }
+}
+
+/// A bar for the strips of one picture, where progress is shown as bars; else one that is not seen.
+pub(super) fn strips_bar(args: &RunArgs, doing: &'static str, total: usize) -> ProgressBar {
+    let on_terminal = std::io::stderr().is_terminal();
+    let is_shown = match args.progress {
+        ProgressArg::Bar => true,
+        ProgressArg::Auto => on_terminal && !args.quiet,
+        ProgressArg::Plain | ProgressArg::Json | ProgressArg::None => false,
+    };
+    if !is_shown {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} strips, {eta} left");
+    let style = style.expect("the template is well formed");
+    ProgressBar::new(total as u64)
+        .with_style(style)
+        .with_message(doing)
 }
 
 fn bar(total: usize) -> ProgressBar {

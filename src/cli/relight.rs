@@ -6,6 +6,7 @@ use super::enhance::dark_rims;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
+use super::strips::refuse_too_large;
 use crate::backend::cpu::Runner;
 use crate::error::{Error, Result};
 use crate::frame::SpecularScene;
@@ -56,6 +57,7 @@ impl FrameCommand for RelightArgs {
         let (shape, params) = (self.work.shape.params(), self.params());
         let scaling = self.scaling.params(self.work.shape.curvature_gain);
         let needs = needs(&params, shape.foreshortening, illumination);
+        refuse_too_large(job)?;
         let (mut loaded, read) = job.load(&self.inputs(job), needs)?;
         let specular = self.specular.of_frame(job.frame).inputs();
         let scene = match specular.is_empty() {

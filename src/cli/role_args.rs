@@ -49,17 +49,35 @@ pub(super) struct RoleArgs {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum SpaceArg {
+pub(super) enum SpaceArg {
     Auto,
     View,
     World,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum EncodingArg {
+pub(super) enum EncodingArg {
     Auto,
     Signed,
     Unsigned,
+}
+
+impl From<NormalSpace> for SpaceArg {
+    fn from(space: NormalSpace) -> Self {
+        match space {
+            NormalSpace::View => Self::View,
+            NormalSpace::World => Self::World,
+        }
+    }
+}
+
+impl From<NormalEncoding> for EncodingArg {
+    fn from(encoding: NormalEncoding) -> Self {
+        match encoding {
+            NormalEncoding::Signed => Self::Signed,
+            NormalEncoding::Unsigned => Self::Unsigned,
+        }
+    }
 }
 
 /// Axes that were told, or none told.
@@ -117,6 +135,8 @@ impl RoleArgs {
             normal_flip: self.normal_flip.0,
             depth_kind: self.depth_kind.0,
             light: None,
+            rows: None,
+            known_camera: None,
         }
     }
 

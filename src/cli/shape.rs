@@ -5,6 +5,7 @@ use super::chosen::Chosen;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::output::Kind;
+use super::strips::refuse_too_large;
 use crate::backend::cpu::{Outcome, Runner, ScaleShape};
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
@@ -44,6 +45,7 @@ impl FrameCommand for WorkArgs {
             ..Needs::default()
         };
         let inputs = job.work.roles.inputs(&job.work.input);
+        refuse_too_large(job)?;
         let (loaded, read) = job.load(&inputs, needs)?;
         let available = Available::in_frame(&loaded.frame);
         let scales = self.shape.more_scales();
@@ -74,7 +76,7 @@ impl WorkArgs {
             let stored = self.output.depth_of_output;
             let stored = stored.map_or(OutputType::Float, Into::into);
             let channels = descriptor_channels(&done.loaded.frame, &done.outcome, stored);
-            return job.write_exr(done, channels);
+            return job.write_exr(done, &channels);
         }
         let color = done.outcome.color.as_ref();
         let picture = Picture {

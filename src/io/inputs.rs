@@ -1,7 +1,8 @@
 //! What a user may say about the inputs; everything left out is found from names and data.
 
-use crate::frame::{DepthKind, NormalSpace, Plane};
+use crate::frame::{Camera, DepthKind, NormalSpace, Plane};
 use glam::Vec3;
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Which files and layers a frame is made of, and how they are to be read.
@@ -44,6 +45,10 @@ pub struct Inputs {
     pub depth_kind: Option<StoredDepth>,
     /// Light layers; read only where they are asked for here.
     pub light: Option<LightInputs>,
+    /// Rows of the frame to be read, counted from the top of its data window; all where not given.
+    pub rows: Option<Range<usize>>,
+    /// The camera, where it is known already; it goes before all others.
+    pub known_camera: Option<Camera>,
 }
 
 /// Which layers of light are wanted. A lobe that is not named is found by its layers' names.

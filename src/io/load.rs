@@ -7,13 +7,14 @@ use super::inputs::{Conventions, Inputs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
-use super::sources::{Opened, RolePlanes, RoleSource, read_all};
+use super::sources::{Opened, RolePlanes, RoleSource, read_part};
 use super::view::{Surface, turn_to_view};
 use crate::error::{Error, Result};
 use crate::frame::{
     AWAY, ColorPlanes, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };
 use serde::Serialize;
+use std::ops::Range;
 use std::rc::Rc;
 
 /// What was concluded about an input, from what evidence, and the flag that would force it.
@@ -87,9 +88,11 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let main = Opened::open(&inputs.picture)?;
     let light = LightSources::resolve(inputs, &main)?;
     let sources = Sources::resolve(inputs, &main, needs, !light.is_empty())?;
-    let data_window = sources.common_window(&light)?;
+    let whole = sources.common_window(&light)?;
+    let part = inputs.rows.as_ref().map(|rows| rows_of(whole, rows));
+    let data_window = part.unwrap_or(whole);
     let (display_window, pixel_aspect) = shown(&main, data_window);
-    let (mut planes, light_planes) = sources.read(&light)?;
+    let (mut planes, light_planes) = sources.read(&light, part)?;
     let mut notes = Notes::about(&sources);
 
     let mut normal = planes
@@ -204,6 +207,27 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     })
 }
 
+/// The pixels that the frame of `inputs` has.
+///
+/// # Errors
+/// As [`load`], as far as headers tell.
+pub fn data_window(inputs: &Inputs, needs: Needs) -> Result<Window> {
+    let main = Opened::open(&inputs.picture)?;
+    let light = LightSources::resolve(inputs, &main)?;
+    let sources = Sources::resolve(inputs, &main, needs, !light.is_empty())?;
+    sources.common_window(&light)
+}
+
+/// The rows `rows` of a window, as far as it has them.
+fn rows_of(window: Window, rows: &Range<usize>) -> Window {
+    let row = |y: usize| window.y0 + y.min(window.height()) as i32;
+    Window {
+        y0: row(rows.start),
+        y1: row(rows.end),
+        ..window
+    }
+}
+
 fn photo_bits(main: &Opened) -> Option<u8> {
     match main {
         Opened::Photo { photo, .. } => Some(photo.bits),
@@ -280,9 +304,13 @@ impl Sources {
     }
 
     /// Reads the roles and the light layers, each file once.
-    fn read(&self, light: &LightSources) -> Result<(Planes, Vec<RolePlanes>)> {
+    fn read(
+        &self,
+        light: &LightSources,
+        part: Option<Window>,
+    ) -> Result<(Planes, Vec<RolePlanes>)> {
         let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
-        let mut read = read_all(&all)?;
+        let mut read = read_part(&all, part)?;
         let light = read.split_off(self.roles.len());
         let roles = self.roles.iter().map(|s| s.role).zip(read).collect();
         Ok((Planes { roles }, light))

@@ -94,6 +94,14 @@ pub(super) struct RolePlanes {
     pub(super) alpha: Option<Plane>,
 }
 
+impl RolePlanes {
+    fn crop(&mut self, whole: Window, part: Window) {
+        for plane in self.planes.iter_mut().chain(&mut self.alpha) {
+            *plane = plane.crop(whole, part);
+        }
+    }
+}
+
 impl RoleSource {
     /// The layer that plays `role`: the one named, a layer of `main` or a file; else by its name.
     pub(super) fn resolve(
@@ -276,6 +284,11 @@ fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
 
 /// Reads the planes of all `sources`, each file once, in the order given.
 pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
+    read_part(sources, None)
+}
+
+/// [`read_all`] of the rows of `part` alone, where it is given; they must be rows of every source.
+pub(super) fn read_part(sources: &[RoleSource], part: Option<Window>) -> Result<Vec<RolePlanes>> {
     let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
     for first in 0..sources.len() {
         if planes[first].is_some() {
@@ -291,7 +304,13 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
                     .iter()
                     .flat_map(|&i| sources[i].channel_ids())
                     .collect();
-                let mut read = file.read_channels(&wanted)?.into_iter();
+                let top = sources[first].window().y0;
+                let row = |y: i32| (y - top) as usize;
+                let read = match part {
+                    Some(part) => file.read_rows(&wanted, row(part.y0)..row(part.y1))?,
+                    None => file.read_channels(&wanted)?,
+                };
+                let mut read = read.into_iter();
                 for &i in &of_file {
                     planes[i] = sources[i].layer.as_ref().map(|layer| RolePlanes {
                         planes: read.by_ref().take(layer.channels.len()).collect(),
@@ -300,8 +319,13 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
                 }
             }
             Opened::Photo { photo, .. } => {
+                let whole = Window::from_size(photo.width, photo.height);
                 for &i in &of_file {
-                    planes[i] = Some(photo_planes(photo, sources[i].role));
+                    let mut read = photo_planes(photo, sources[i].role);
+                    if let Some(part) = part {
+                        read.crop(whole, part);
+                    }
+                    planes[i] = Some(read);
                 }
             }
         }

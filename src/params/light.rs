@@ -79,7 +79,7 @@ impl Default for ScalingParams {
             invariant_point: 0.25,
             curvature_gain: Adaptive::Auto,
             white_level: Adaptive::Auto,
-            term_white_levels: TermWhiteLevels::default(),
+            term_white_levels: TermWhiteLevels::NONE,
             anisotropy: 0.0,
         }
     }
@@ -97,10 +97,13 @@ pub const TERMS: [&str; 7] = [
 ];
 
 /// White levels by kind of light, as many as are given.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TermWhiteLevels([Option<f32>; TERMS.len()]);
 
 impl TermWhiteLevels {
+    /// None is given.
+    pub const NONE: Self = Self([None; TERMS.len()]);
+
     /// The level given for the light called `term`, one of [`TERMS`].
     pub fn of(&self, term: &str) -> Option<f32> {
         let index = TERMS.iter().position(|&name| name == term)?;
@@ -120,7 +123,7 @@ impl TermWhiteLevels {
 
 impl FromIterator<TermWhiteLevel> for TermWhiteLevels {
     fn from_iter<I: IntoIterator<Item = TermWhiteLevel>>(levels: I) -> Self {
-        let mut all = Self::default();
+        let mut all = Self::NONE;
         for TermWhiteLevel { term, level } in levels {
             all.0[term] = Some(level);
         }

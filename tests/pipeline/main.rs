@@ -4,6 +4,7 @@ mod recipes;
 mod sequences;
 #[cfg(unix)]
 mod stops;
+mod strips;
 
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
@@ -14,13 +15,18 @@ use std::process::{Command, Output};
 
 /// Writes frame `number`: bumps under a light of this luminance, `size` pixels on a side.
 fn write_frame(directory: &Path, number: i32, size: usize, luminance: f32) {
+    let path = directory.join(format!("in.{number:04}.exr"));
+    write_bumps(&path, number, [size, size], luminance);
+}
+
+fn write_bumps(path: &Path, number: i32, [width, height]: [usize; 2], luminance: f32) {
     // z = cos(x) cos(y) with a period of 24 px: slopes are its derivatives, up to 0.5.
     let wave = |x: usize| x as f32 * std::f32::consts::TAU / 24.0 + number as f32;
     let normal = |x: usize, y: usize| {
         let (x, y) = (wave(x), wave(y));
         glam::Vec3::new(0.5 * x.sin() * y.cos(), -0.5 * x.cos() * y.sin(), 1.0).normalize()
     };
-    let plane = |value: &dyn Fn(usize, usize) -> f32| Plane::from_fn(size, size, value);
+    let plane = |value: &dyn Fn(usize, usize) -> f32| Plane::from_fn(width, height, value);
     let lit = plane(&|x, y| luminance * normal(x, y).z);
     let channels = [
         ("R", lit.clone()),
@@ -36,7 +42,7 @@ fn write_frame(directory: &Path, number: i32, size: usize, luminance: f32) {
         plane,
         sample_type: OutputType::Float,
     });
-    let window = Window::from_size(size, size);
+    let window = Window::from_size(width, height);
     let part = OutputPart {
         name: "shot".into(),
         data_window: window,
@@ -45,10 +51,10 @@ fn write_frame(directory: &Path, number: i32, size: usize, luminance: f32) {
         channels: channels.collect(),
         attributes: Vec::new(),
         chromaticities: None,
+        compression: Default::default(),
     };
-    let path = directory.join(format!("in.{number:04}.exr"));
-    let mut file = BufWriter::new(fs::File::create(&path).unwrap());
-    write_results(&mut file, &path, &part).unwrap();
+    let mut file = BufWriter::new(fs::File::create(path).unwrap());
+    write_results(&mut file, path, &part).unwrap();
 }
 
 /// A desk with frames of these numbers, each of its own brightness.

@@ -61,6 +61,9 @@ impl<'a> CameraSearch<'a> {
             pixel_aspect,
             ..
         } = *self.surface;
+        if let Some(camera) = self.inputs.known_camera {
+            return Ok(Some(camera));
+        }
         let found = match (&self.inputs.camera, position) {
             (Some(path), _) => {
                 let camera = read_camera(path, display_window, pixel_aspect)?;

@@ -1,0 +1,111 @@
+//! What is chosen from a whole picture that comes strip by strip.
+
+use super::Runner;
+use super::light::luminance_weights;
+use super::light_layers::add_to_searches;
+use super::percentile::PercentileSearch;
+use super::statistics::{GainSearch, WHITE_PERCENTILE, luminances, white_of};
+use crate::frame::{Frame, Window};
+use crate::params::{Adaptive, ScalingParams};
+use crate::plan::{Goal, Plan, Stage};
+use std::ops::Range;
+
+/// A search for the gain and the white levels that a picture would be given as a whole. All strips come twice:
+/// before [`StripSearch::narrow`], and after.
+#[derive(Debug, Clone)]
+pub struct StripSearch {
+    gain: Option<GainSearch>,
+    white: Option<PercentileSearch>,
+    terms: Vec<(&'static str, PercentileSearch)>,
+}
+
+/// What a search came to; `None` for what was given.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StripChoice {
+    /// Gain of the curvature mapping.
+    pub gain: Option<f32>,
+    /// White level of the picture.
+    pub white_level: Option<f32>,
+    /// White levels of the kinds of light that are scaled by themselves, with their names.
+    pub term_white_levels: Vec<(&'static str, f32)>,
+}
+
+impl StripSearch {
+    /// A search in a picture of this window for what `plan` leaves open; `None` where that is nothing.
+    pub fn new(plan: &Plan, whole: Window) -> Option<Self> {
+        let size = [whole.width(), whole.height()];
+        let scales = plan.scaling.curvature_gain == Adaptive::Auto && plan.has(Stage::AutoGain);
+        let factor = plan.resolution_factor as f32;
+        let search = Self {
+            gain: scales.then(|| GainSearch::new(size, factor)),
+            white: (plan.has(Stage::AutoWhite) && plan.has(Stage::RadianceScaling))
+                .then(|| PercentileSearch::new(WHITE_PERCENTILE)),
+            terms: Vec::new(),
+        };
+        let open = search.gain.is_some() || plan.has(Stage::AutoWhite);
+        open.then_some(search)
+    }
+
+    /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
+    ///
+    /// # Panics
+    /// As [`Runner::run`] does, and if the plan is for another goal than [`Goal::Enhance`].
+    pub fn look(&mut self, runner: &Runner, plan: &Plan, strip: &Frame, rows: Range<usize>) {
+        assert!(plan.goal == Goal::Enhance, "light is scaled");
+        if let Some(search) = &mut self.gain {
+            // The shape does not depend on the gain.
+            let mut given = plan.clone();
+            given.scaling.curvature_gain = Adaptive::Fixed(1.0);
+            let outcome = runner.find_shape(&given, strip);
+            let shape = &outcome.shape;
+            let trace = shape.trace.as_ref().expect("the gain takes the trace");
+            let conductance = shape.conductance.as_ref();
+            let conductance = conductance.expect("the trace takes the conductance");
+            search.add(rows.clone(), trace, conductance);
+            runner.take_back(outcome);
+        }
+        if let (Some(search), Some(color)) = (&mut self.white, &strip.color) {
+            let weights = luminance_weights(strip);
+            search.add(rows.clone(), |y| luminances(color, weights, &strip.mask, y));
+        }
+        if plan.has(Stage::AutoWhite) && plan.has(Stage::LightLobes) {
+            let (searches, memory) = (&mut self.terms, &runner.memory);
+            add_to_searches(searches, strip, &plan.scaling, &rows, memory);
+        }
+    }
+
+    /// Ends the first time, and begins the second.
+    pub fn narrow(&mut self) {
+        let gain = self.gain.iter_mut().map(|search| &mut search.0);
+        let terms = self.terms.iter_mut().map(|(_, search)| search);
+        gain.chain(&mut self.white)
+            .chain(terms)
+            .for_each(PercentileSearch::narrow);
+    }
+
+    /// What was searched for, when all strips have come twice.
+    pub fn found(&self) -> StripChoice {
+        let terms = self.terms.iter();
+        StripChoice {
+            gain: self.gain.as_ref().map(GainSearch::gain),
+            white_level: self.white.as_ref().map(|search| white_of(search.found())),
+            term_white_levels: terms
+                .map(|(name, search)| (*name, search.found().unwrap_or(1.0)))
+                .collect(),
+        }
+    }
+}
+
+impl StripChoice {
+    /// Puts what was found in the place of what was left open; what was given for a kind of light stays.
+    pub fn give(&self, scaling: &mut ScalingParams) {
+        if let Some(gain) = self.gain {
+            scaling.curvature_gain = Adaptive::Fixed(gain);
+        }
+        if let Some(white) = self.white_level {
+            scaling.white_level = Adaptive::Fixed(white);
+        }
+        let found = self.term_white_levels.iter().copied();
+        scaling.term_white_levels = scaling.term_white_levels.or(found);
+    }
+}
