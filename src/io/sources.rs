@@ -1,10 +1,13 @@
 //! Opened inputs, and which of them each role is read from.
 
 use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
+use super::names::{self, Hint};
 use super::photo::{Photo, max_code};
 use super::roles::{self, Layer, Match, Role};
+use super::views;
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -12,7 +15,11 @@ use std::rc::Rc;
 pub(super) enum Opened {
     Exr {
         file: Box<ExrFile>,
+        /// Its layers, of one view where there are several.
         layers: Vec<Layer>,
+        /// All views, and the one whose layers are used.
+        views: Vec<String>,
+        view: Option<String>,
     },
     Photo {
         path: PathBuf,
@@ -22,6 +29,11 @@ pub(super) enum Opened {
 
 impl Opened {
     pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
+        Self::open_view(path, None)
+    }
+
+    /// The file with the layers of one view: the one that is wanted, else the default.
+    pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
         if !has_exr_magic(path)? {
             let photo = Photo::read(path)?;
             return Ok(Rc::new(Self::Photo {
@@ -30,19 +42,43 @@ impl Opened {
             }));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
-        let layers = roles::layers(file.parts.iter().map(|part| {
+        let mut layers = layers_of(&file);
+        let all = views::mark(&file, &mut layers);
+        let view = views::keep(&file, &mut layers, &all, wanted)?;
+        Ok(Rc::new(Self::Exr {
+            file,
+            layers,
+            views: all,
+            view,
+        }))
+    }
+
+    /// A file that goes with this one: of the same view, if it has several.
+    fn open_beside(&self, path: &Path) -> Result<Rc<Self>> {
+        let beside = Self::open(path)?;
+        match (self, beside.as_ref()) {
             (
-                part.name.as_deref(),
-                part.channels.iter().map(|c| c.name.as_str()).collect(),
-            )
-        }));
-        Ok(Rc::new(Self::Exr { file, layers }))
+                Self::Exr {
+                    view: Some(view), ..
+                },
+                Self::Exr { views, .. },
+            ) if !views.is_empty() => Self::open_view(path, Some(view)),
+            _ => Ok(beside),
+        }
     }
 
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::Exr { file, .. } => &file.path,
             Self::Photo { path, .. } => path,
+        }
+    }
+
+    /// What the file says about itself.
+    pub(super) fn attributes(&self) -> Option<&BTreeMap<String, String>> {
+        match self {
+            Self::Exr { file, .. } => Some(&file.attributes),
+            Self::Photo { .. } => None,
         }
     }
 
@@ -53,6 +89,14 @@ impl Opened {
             Self::Photo { .. } => Vec::new(),
         }
     }
+}
+
+/// The layers of all parts and views of a file.
+pub(super) fn layers_of(file: &ExrFile) -> Vec<Layer> {
+    roles::layers(file.parts.iter().map(|part| {
+        let names = part.channels.iter().map(|c| c.name.as_str());
+        (part.name.as_deref(), names.collect())
+    }))
 }
 
 /// A layer's name, or its bare channels where it has none.
@@ -94,6 +138,23 @@ pub(super) struct RolePlanes {
     pub(super) alpha: Option<Plane>,
 }
 
+impl RolePlanes {
+    /// Cuts the planes of `source` to a window, or adds what was never seen: NaN where that tells coverage, else 0.
+    pub(super) fn bring_to(&mut self, source: &RoleSource, window: Window) {
+        let stored = source.window();
+        if stored == window {
+            return;
+        }
+        let outside = match source.role {
+            Role::Normal | Role::Depth | Role::Position => f32::NAN,
+            _ => 0.0,
+        };
+        for plane in self.planes.iter_mut().chain(&mut self.alpha) {
+            *plane = plane.moved(stored, window, outside);
+        }
+    }
+}
+
 impl RoleSource {
     /// The layer that plays `role`: the one named, a layer of `main` or a file; else by its name.
     pub(super) fn resolve(
@@ -111,7 +172,7 @@ impl RoleSource {
         if !path.exists() {
             return Err(no_such_layer(role, name, main));
         }
-        let file = Opened::open(path)?;
+        let file = main.open_beside(path)?;
         Self::in_file(role, &file)
             .map(Some)
             .ok_or_else(|| no_such_layer(role, name, &file))
@@ -194,6 +255,27 @@ impl RoleSource {
             Some(layer) if layer.layer.is_empty() => format!("--{role} NAME|FILE"),
             Some(layer) => format!("--{role} \"{}\"", layer.layer),
             None => format!("--{role} \"{}\"", self.file.path().display()),
+        }
+    }
+
+    /// The pixels meant to be shown of the file it is in.
+    pub(super) fn display(&self) -> Window {
+        match self.file.as_ref() {
+            Opened::Exr { file, .. } => file.display_window,
+            Opened::Photo { .. } => self.window(),
+        }
+    }
+
+    /// Whether it is a layer of an EXR.
+    pub(super) fn is_exr(&self) -> bool {
+        self.layer.is_some()
+    }
+
+    /// What the name of its layer, or the file's renderer, implies of it; with who says so.
+    pub(super) fn hint(&self) -> (Hint, String) {
+        match (self.file.as_ref(), &self.layer) {
+            (Opened::Exr { file, .. }, Some(layer)) => names::hint(&layer.layer, file),
+            _ => (Hint::default(), String::new()),
         }
     }
 
