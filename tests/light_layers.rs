@@ -15,7 +15,7 @@ use relievo::io::exr::{
     ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, write_results,
 };
 use relievo::light::radiance_scaling::scaling;
-use relievo::params::{Adaptive, ScalingParams, ShapeParams};
+use relievo::params::{Adaptive, ScalingParams, ShapeParams, TermWhiteLevels};
 use relievo::plan::{Available, Goal, Plan, Stage};
 use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 use std::path::{Path, PathBuf};
@@ -101,6 +101,7 @@ const FIXED: ScalingParams = ScalingParams {
     invariant_point: 0.25,
     curvature_gain: Adaptive::Fixed(20.0),
     white_level: Adaptive::Fixed(1.5),
+    term_white_levels: TermWhiteLevels::NONE,
     anisotropy: 0.0,
 };
 

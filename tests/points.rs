@@ -169,7 +169,7 @@ fn what_depth_measures_is_told_by_the_normals() {
             "inverse",
             of(|e| 1.0 / e.depth),
             OutputType::Float,
-            DepthKind::Relative,
+            DepthKind::Planar,
         ),
         (
             "half floats",

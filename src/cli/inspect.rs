@@ -56,8 +56,8 @@ pub(super) fn run(args: &InspectArgs) -> Result<()> {
 }
 
 fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
-    let survey = io::survey(file)?;
     let mut inputs = args.roles.inputs(file);
+    let survey = io::survey(file, inputs.view.as_deref())?;
     inputs.light = Some(LightInputs::default());
     let (findings, mut warnings, problem) = match io::load(&inputs, EVERYTHING) {
         Ok(loaded) => (loaded.findings, loaded.warnings, None),
@@ -103,6 +103,10 @@ fn text(inspection: &Inspection) -> String {
         "  display {}, pixel aspect {}",
         survey.display_window, survey.pixel_aspect
     );
+    if let Some(view) = &survey.view {
+        let views = survey.views.join(", ");
+        let _ = writeln!(out, "  view {view} of {views}; force with --view {view}");
+    }
     for part in &survey.parts {
         let _ = writeln!(out, "  {}", part_text(part));
         for layer in &part.layers {

@@ -10,6 +10,9 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Inputs")]
 pub(super) struct RoleArgs {
+    /// View that all layers are taken from, of a file with several: left. Not given: the default one.
+    #[arg(long, value_name = "NAME")]
+    view: Option<String>,
     /// Normals: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     normal: Option<String>,
@@ -112,6 +115,7 @@ impl RoleArgs {
     pub(super) fn inputs(&self, picture: &std::path::Path) -> Inputs {
         Inputs {
             picture: picture.to_path_buf(),
+            view: self.view.clone(),
             color: self.color.clone(),
             normal: self.normal.clone(),
             depth: self.depth.clone(),

@@ -127,6 +127,24 @@ impl<T: Copy> Plane<T> {
         }
     }
 
+    /// The part of this plane inside `to`, where the plane itself covers `from`; `outside` where it does not.
+    pub fn moved(&self, from: Window, to: Window, outside: T) -> Plane<T> {
+        let mut moved = Plane::filled(to.width(), to.height(), outside);
+        let Some(both) = from.common(&to) else {
+            return moved;
+        };
+        let columns = |window: Window| {
+            let first = (i64::from(both.x0) - i64::from(window.x0)) as usize;
+            first..first + both.width()
+        };
+        for y in both.y0..both.y1 {
+            let row = |window: Window| (i64::from(y) - i64::from(window.y0)) as usize;
+            moved.row_mut(row(to))[columns(to)]
+                .copy_from_slice(&self.row(row(from))[columns(from)]);
+        }
+        moved
+    }
+
     /// The samples as an array indexed `[row, column]`.
     pub fn view(&self) -> ArrayView2<'_, T> {
         ArrayView2::from_shape((self.height, self.width), &self.samples)

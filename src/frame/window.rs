@@ -57,6 +57,17 @@ impl Window {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
 
+    /// The pixels that lie in both, if there are any.
+    pub fn common(&self, other: &Window) -> Option<Window> {
+        let both = Window {
+            x0: self.x0.max(other.x0),
+            y0: self.y0.max(other.y0),
+            x1: self.x1.min(other.x1),
+            y1: self.y1.min(other.y1),
+        };
+        (both.x0 < both.x1 && both.y0 < both.y1).then_some(both)
+    }
+
     /// Whether every pixel of `other` lies inside.
     pub fn encloses(&self, other: &Window) -> bool {
         self.x0 <= other.x0 && self.y0 <= other.y0 && other.x1 <= self.x1 && other.y1 <= self.y1

@@ -2,8 +2,10 @@
 
 use super::inputs::StoredDepth;
 use super::load::Finding;
+use super::normals::normalise;
+use super::view::{Surface, turn_normals};
 use crate::frame::SightLines;
-use crate::frame::{Camera, DepthKind, Frame, Plane, Vector3Planes};
+use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, Vector3Planes};
 use glam::DVec3;
 
 /// About how many pixels are looked at.
@@ -91,9 +93,9 @@ pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<
     }
 }
 
-/// The finding on a kind that was told.
-pub(super) fn told_depth(stored: StoredDepth) -> Option<Finding> {
-    concluded(stored, "as told".into()).1
+/// The finding on a kind that is known beforehand.
+pub(super) fn told_depth(stored: StoredDepth, why: String) -> Option<Finding> {
+    concluded(stored, why).1
 }
 
 fn concluded(stored: StoredDepth, evidence: String) -> (StoredDepth, Option<Finding>) {
@@ -104,6 +106,27 @@ fn concluded(stored: StoredDepth, evidence: String) -> (StoredDepth, Option<Find
         flag: format!("--depth-kind {}", stored.name()),
     };
     (stored, Some(finding))
+}
+
+/// Median angle, in degrees, by which the points of world-space normals lie off their planes, by the better kind
+/// of distance.
+pub(super) fn off_tangents(
+    surface: &Surface,
+    normal: &Vector3Planes,
+    depth: &Plane,
+    camera: &Camera,
+) -> Option<f64> {
+    let mut normal = normal.clone();
+    turn_normals(&mut normal, NormalSpace::World, camera);
+    normalise(&mut normal, surface.mask.plane());
+    let mut frame = Frame::of_normals(normal, surface.mask.clone());
+    frame.data_window = surface.data_window;
+    let sight = SightLines::new(camera.projection);
+    let pixels = sample_pixels(&frame);
+    let sine = |kind| median(sines(&frame, depth, &sight, kind, &pixels));
+    let kinds = [DepthKind::Planar, DepthKind::Ray];
+    let best = kinds.into_iter().filter_map(sine).min_by(f64::total_cmp);
+    best.map(|sine| sine.asin().to_degrees())
 }
 
 /// Covered pixels with covered neighbours on all four sides, evenly spread.

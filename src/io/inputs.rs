@@ -13,6 +13,8 @@ use std::path::PathBuf;
 pub struct Inputs {
     /// The picture: an EXR with its layers, or a photo.
     pub picture: PathBuf,
+    /// Which view of a file of several all layers are taken from; `None` takes the default.
+    pub view: Option<String>,
     /// The colour to be enhanced.
     pub color: Option<String>,
     /// Normals.

@@ -2,16 +2,17 @@
 
 use super::coverage::{self, Evidence};
 use super::depth::{depth_of_positions, judge_depth, to_distances, told_depth};
+use super::depth_sense::{self, judge_sense};
 use super::exr::ExrFile;
 use super::inputs::{Conventions, Inputs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
-use super::sources::{Opened, RolePlanes, RoleSource, read_part};
+use super::sources::{Opened, RolePlanes, RoleSource, read_all, read_rows};
 use super::view::{Surface, turn_to_view};
 use crate::error::{Error, Result};
 use crate::frame::{
-    AWAY, ColorPlanes, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
+    AWAY, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };
 use serde::Serialize;
 use std::ops::Range;
@@ -85,14 +86,14 @@ impl Loaded {
 /// wanted; [`Error::SizeMismatch`] for inputs of unlike windows; [`Error::Undetermined`] where
 /// neither names nor data tell the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-    let main = Opened::open(&inputs.picture)?;
+    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
     let light = LightSources::resolve(inputs, &main)?;
     let sources = Sources::resolve(inputs, &main, needs, !light.is_empty())?;
     let whole = sources.common_window(&light)?;
     let part = inputs.rows.as_ref().map(|rows| rows_of(whole, rows));
     let data_window = part.unwrap_or(whole);
     let (display_window, pixel_aspect) = shown(&main, data_window);
-    let (mut planes, light_planes) = sources.read(&light, part)?;
+    let (mut planes, light_planes) = sources.read(&light, data_window, part.is_some())?;
     let mut notes = Notes::about(&sources);
 
     let mut normal = planes
@@ -107,15 +108,43 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         .into_iter()
         .find_map(|role| planes.color(role, &mut notes).0);
     let mut depth = planes.scalar(Role::Depth);
-    if let (Some(depth), Some(stored)) = (&mut depth, inputs.depth_kind) {
+    let position = planes.vector(Role::Position);
+    let told_mask = planes.scalar(Role::Mask);
+    // What is known of depth before it is compared with the frame.
+    let known = match (inputs.depth_kind, &depth) {
+        (Some(stored), _) => Some((stored, "as told".into())),
+        (None, Some(raw)) => {
+            let layers = depth_sense::Layers {
+                inputs,
+                raw,
+                normal: &normal,
+                surface: Surface {
+                    mask: &Mask::full(raw.width(), raw.height()),
+                    position: position.as_ref(),
+                    depth: None,
+                    attributes: main.attributes(),
+                    data_window,
+                    display_window,
+                    pixel_aspect,
+                },
+                alpha: alpha.as_ref(),
+                mask: told_mask.as_ref(),
+            };
+            let source = sources.get(Role::Depth);
+            judge_sense(&layers, source.map(RoleSource::hint).unwrap_or_default())?
+        }
+        (None, None) => None,
+    };
+    let stored = known.as_ref().map(|(stored, _)| *stored);
+    if let (Some(depth), Some(stored)) = (&mut depth, stored) {
         to_distances(depth, stored);
     }
     let mask = coverage::coverage(&Evidence {
         normal: &normal,
         depth: depth.as_ref(),
-        depth_tells: inputs.depth_kind.is_none_or(StoredDepth::tells_coverage),
+        depth_tells: stored.is_none_or(StoredDepth::tells_coverage),
         alpha: alpha.as_ref(),
-        mask: planes.scalar(Role::Mask).as_ref(),
+        mask: told_mask.as_ref(),
     });
     notes.on_coverage(&mask);
     if let Some(depth) = &mut depth {
@@ -123,11 +152,11 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     }
     let lengths = normals::normalise(&mut normal, mask.plane());
 
-    let position = planes.vector(Role::Position);
     let surface = Surface {
         mask: &mask,
         position: position.as_ref(),
         depth: depth.as_ref(),
+        attributes: main.attributes(),
         data_window,
         display_window,
         pixel_aspect,
@@ -137,7 +166,8 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         .as_ref()
         .filter(|_| depth.is_none() && !only_occlusion(inputs));
     let projection = needs.projection || from_positions.is_some();
-    let view = turn_to_view(inputs, &surface, projection, &mut normal)?;
+    let hint = sources.roles[0].hint();
+    let view = turn_to_view(inputs, &surface, projection, &hint, &mut normal)?;
     let camera = view.camera;
     notes.findings.extend(view.findings);
     let depth_role = match &depth {
@@ -180,11 +210,15 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         },
     };
     let motion = planes.motion();
-    let (stored, finding) = match inputs.depth_kind {
-        Some(stored) => (stored, told_depth(stored)),
+    let (stored, finding) = match known {
+        Some((stored, why)) => (stored, told_depth(stored, why)),
         None => judge_depth(&frame, depth_is_half),
     };
-    frame.source.depth_kind = stored.kind();
+    frame.source.depth_kind = match stored {
+        // One over a half float is as coarse as a half float.
+        StoredDepth::Inverse if depth_is_half => DepthKind::Relative,
+        stored => stored.kind(),
+    };
     notes
         .findings
         .extend(finding.filter(|_| frame.depth.is_some()));
@@ -212,7 +246,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
 /// # Errors
 /// As [`load`], as far as headers tell.
 pub fn data_window(inputs: &Inputs, needs: Needs) -> Result<Window> {
-    let main = Opened::open(&inputs.picture)?;
+    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
     let light = LightSources::resolve(inputs, &main)?;
     let sources = Sources::resolve(inputs, &main, needs, !light.is_empty())?;
     sources.common_window(&light)
@@ -287,16 +321,23 @@ impl Sources {
         Ok(Self { roles })
     }
 
-    /// The window that all sources share.
+    /// The window that the frame has: that of the picture, where one is read, else that of the normals.
+    ///
+    /// # Errors
+    /// [`Error::SizeMismatch`] where other windows cannot be brought to it: those of photos, and of files made
+    /// for other display windows.
     fn common_window(&self, light: &LightSources) -> Result<Window> {
-        let expected = &self.roles[0];
+        let expected = self.get(Role::Color).unwrap_or(&self.roles[0]);
         let window = expected.window();
-        for source in self.roles[1..].iter().chain(light.sources()) {
-            if source.window() != window {
+        for source in self.roles.iter().chain(light.sources()) {
+            let overlaps = source.display() == expected.display()
+                && source.window().common(&window).is_some()
+                && [source, expected].iter().all(|source| source.is_exr());
+            if source.window() != window && !overlaps {
                 return Err(Error::SizeMismatch {
                     path: source.file.path().to_path_buf(),
                     found: format!("{} ({})", source.window(), source.label()),
-                    expected: format!("the normals ({}) are {window}", expected.label()),
+                    expected: format!("{} has {window}", expected.label()),
                 });
             }
         }
@@ -304,13 +345,21 @@ impl Sources {
     }
 
     /// Reads the roles and the light layers, each file once.
+    /// Of a part of them only its rows are decoded.
     fn read(
         &self,
         light: &LightSources,
-        part: Option<Window>,
+        window: Window,
+        is_part: bool,
     ) -> Result<(Planes, Vec<RolePlanes>)> {
         let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
-        let mut read = read_part(&all, part)?;
+        let mut read = match is_part {
+            true => read_rows(&all, window.y0..window.y1)?,
+            false => read_all(&all)?,
+        };
+        for (source, read) in all.iter().zip(&mut read) {
+            read.bring_to(source.role, window);
+        }
         let light = read.split_off(self.roles.len());
         let roles = self.roles.iter().map(|s| s.role).zip(read).collect();
         Ok((Planes { roles }, light))
@@ -372,6 +421,7 @@ impl Planes {
         let Some(RolePlanes {
             mut planes,
             mut alpha,
+            ..
         }) = self.take(role)
         else {
             return (None, None);

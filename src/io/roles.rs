@@ -4,6 +4,7 @@
 //! punctuation, is looked up in one table. So `ViewLayer.Depth.Z`, `depth.V` and plain `Z` are all
 //! depth, while `ViewLayer.Normal.Z` is a component of the normal.
 
+use super::names::{self, RULES};
 use serde::Serialize;
 
 /// What a layer is for.
@@ -61,7 +62,7 @@ pub enum Role {
 
 /// How many values a role has per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Arity {
+pub(super) enum Arity {
     /// One.
     Scalar,
     /// Two: x, y.
@@ -71,147 +72,6 @@ enum Arity {
     /// Three: red, green, blue; or one grey.
     Color,
 }
-
-/// One row: a role, its arity, and the names that mean it, best first. The empty name is a layer
-/// without a name: bare `R`, `G`, `B`, `Z`.
-type Rule = (Role, Arity, &'static [&'static str]);
-
-const RULES: &[Rule] = &[
-    (
-        Role::Color,
-        Arity::Color,
-        &["combined", "beauty", "rgba", "rgb", "", "image", "color"],
-    ),
-    (Role::Normal, Arity::Vector, &["normal", "normals", "n"]),
-    (Role::Depth, Arity::Scalar, &["depth", "z", ""]),
-    (Role::Position, Arity::Vector, &["position", "p"]),
-    (
-        Role::HitPosition,
-        Arity::Vector,
-        &["hitposition", "hitpoint", "hitp"],
-    ),
-    (
-        Role::Occlusion,
-        Arity::Color,
-        &["ambientocclusion", "ao", "occlusion"],
-    ),
-    (Role::Importance, Arity::Color, &["importance"]),
-    (
-        Role::DiffuseDirect,
-        Arity::Color,
-        &[
-            "diffusedirect",
-            "diffdir",
-            "directdiffuse",
-            "diffuselighting",
-        ],
-    ),
-    (
-        Role::DiffuseIndirect,
-        Arity::Color,
-        &["diffuseindirect", "diffind", "indirectdiffuse"],
-    ),
-    (
-        Role::DiffuseColor,
-        Arity::Color,
-        &["diffusecolor", "diffcol"],
-    ),
-    (Role::Diffuse, Arity::Color, &["diffuse", "combineddiffuse"]),
-    (
-        Role::Albedo,
-        Arity::Color,
-        &["diffusealbedo", "albedo", "diffusefilter"],
-    ),
-    (
-        Role::GlossyDirect,
-        Arity::Color,
-        &["glossydirect", "glossdir", "speculardirect"],
-    ),
-    (
-        Role::GlossyIndirect,
-        Arity::Color,
-        &["glossyindirect", "glossind", "specularindirect"],
-    ),
-    (
-        Role::GlossyColor,
-        Arity::Color,
-        &["glossycolor", "glosscol"],
-    ),
-    (
-        Role::Specular,
-        Arity::Color,
-        &["specular", "glossyreflection"],
-    ),
-    (
-        Role::TransmissionDirect,
-        Arity::Color,
-        &["transmissiondirect", "transdir"],
-    ),
-    (
-        Role::TransmissionIndirect,
-        Arity::Color,
-        &["transmissionindirect", "transind"],
-    ),
-    (
-        Role::TransmissionColor,
-        Arity::Color,
-        &["transmissioncolor", "transcol"],
-    ),
-    (Role::Transmission, Arity::Color, &["transmission"]),
-    (
-        Role::SubsurfaceDirect,
-        Arity::Color,
-        &["subsurfacedirect", "subsurfacedir", "sssdirect"],
-    ),
-    (
-        Role::SubsurfaceIndirect,
-        Arity::Color,
-        &["subsurfaceindirect", "subsurfaceind", "sssindirect"],
-    ),
-    (
-        Role::SubsurfaceColor,
-        Arity::Color,
-        &["subsurfacecolor", "subsurfacecol"],
-    ),
-    (Role::Subsurface, Arity::Color, &["sss"]),
-    (Role::CoatDirect, Arity::Color, &["coatdirect"]),
-    (Role::CoatIndirect, Arity::Color, &["coatindirect"]),
-    (Role::Coat, Arity::Color, &["coat"]),
-    (Role::SheenDirect, Arity::Color, &["sheendirect"]),
-    (Role::SheenIndirect, Arity::Color, &["sheenindirect"]),
-    (Role::Sheen, Arity::Color, &["sheen"]),
-    (
-        Role::VolumeDirect,
-        Arity::Color,
-        &["volumedirect", "volumedir"],
-    ),
-    (
-        Role::VolumeIndirect,
-        Arity::Color,
-        &["volumeindirect", "volumeind"],
-    ),
-    (Role::Volume, Arity::Color, &["volume"]),
-    (Role::Emission, Arity::Color, &["emission", "emit"]),
-    (
-        Role::Environment,
-        Arity::Color,
-        &["environment", "env", "background"],
-    ),
-    (Role::Shadow, Arity::Color, &["shadow"]),
-    (Role::Motion, Arity::Pair, &["vector", "motion", "backward"]),
-    (Role::Mist, Arity::Scalar, &["mist"]),
-    (Role::TextureCoordinates, Arity::Vector, &["uv", "st"]),
-    (
-        Role::ObjectIndex,
-        Arity::Scalar,
-        &["objectindex", "indexob"],
-    ),
-    (
-        Role::MaterialIndex,
-        Arity::Scalar,
-        &["materialindex", "indexma"],
-    ),
-];
 
 impl Role {
     /// The role as messages and `--json` name it.
@@ -247,6 +107,8 @@ pub struct Layer {
     pub components: Vec<(String, usize)>,
     /// Whether the name is that of the part, the channels being called `R` or `Z` alone.
     pub bare: bool,
+    /// The view it belongs to, such as the left eye's, where it belongs to one.
+    pub view: Option<String>,
 }
 
 /// The channels that play a role, in the order of its components.
@@ -283,6 +145,7 @@ pub fn layers<'a>(parts: impl Iterator<Item = (Option<&'a str>, Vec<&'a str>)>) 
                     name: name.to_string(),
                     components: vec![(component, index)],
                     bare: prefix.is_empty(),
+                    view: None,
                 }),
             }
         }
@@ -313,14 +176,14 @@ pub(super) fn last_word(name: &str) -> &str {
 }
 
 impl Layer {
-    /// The word the table knows the layer by: the last of its name in lower case, without
-    /// punctuation.
+    /// The word the table knows the layer by: the last of its name that is not its view.
     fn key(&self) -> String {
-        let last = last_word(&self.name);
-        last.chars()
-            .filter(char::is_ascii_alphanumeric)
-            .collect::<String>()
-            .to_ascii_lowercase()
+        let is_view = |word: &&str| {
+            let view = self.view.as_deref();
+            view.is_some_and(|view| word.eq_ignore_ascii_case(view))
+        };
+        let words: Vec<&str> = self.name.split('.').filter(|w| !is_view(w)).collect();
+        names::key(last_word(&words.join(".")))
     }
 
     /// The layer's channels in the order that `role` wants, if it has them.
@@ -395,10 +258,9 @@ pub fn named(layers: &[Layer], name: &str, role: Role) -> Option<Match> {
     let exact = layers.iter().find(|l| l.name.eq_ignore_ascii_case(name));
     let by_last_word = || {
         layers.iter().find(|l| {
-            l.name
-                .rsplit('.')
-                .next()
-                .is_some_and(|last| last.eq_ignore_ascii_case(name))
+            let last = l.name.rsplit('.').next();
+            last.is_some_and(|last| last.eq_ignore_ascii_case(name))
+                || l.view.is_some() && l.key() == names::key(name)
         })
     };
     // `--depth Z` may also name a single channel of a layer: `ViewLayer.Depth.Z`, or bare `Z`.

@@ -1,10 +1,14 @@
 //! Opened inputs, and which of them each role is read from.
 
 use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
+use super::names::{self, Hint};
 use super::photo::{Photo, max_code};
 use super::roles::{self, Layer, Match, Role};
+use super::views;
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -12,7 +16,11 @@ use std::rc::Rc;
 pub(super) enum Opened {
     Exr {
         file: Box<ExrFile>,
+        /// Its layers, of one view where there are several.
         layers: Vec<Layer>,
+        /// All views, and the one whose layers are used.
+        views: Vec<String>,
+        view: Option<String>,
     },
     Photo {
         path: PathBuf,
@@ -22,6 +30,11 @@ pub(super) enum Opened {
 
 impl Opened {
     pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
+        Self::open_view(path, None)
+    }
+
+    /// The file with the layers of one view: the one that is wanted, else the default.
+    pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
         if !has_exr_magic(path)? {
             let photo = Photo::read(path)?;
             return Ok(Rc::new(Self::Photo {
@@ -30,19 +43,43 @@ impl Opened {
             }));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
-        let layers = roles::layers(file.parts.iter().map(|part| {
+        let mut layers = layers_of(&file);
+        let all = views::mark(&file, &mut layers);
+        let view = views::keep(&file, &mut layers, &all, wanted)?;
+        Ok(Rc::new(Self::Exr {
+            file,
+            layers,
+            views: all,
+            view,
+        }))
+    }
+
+    /// A file that goes with this one: of the same view, if it has several.
+    fn open_beside(&self, path: &Path) -> Result<Rc<Self>> {
+        let beside = Self::open(path)?;
+        match (self, beside.as_ref()) {
             (
-                part.name.as_deref(),
-                part.channels.iter().map(|c| c.name.as_str()).collect(),
-            )
-        }));
-        Ok(Rc::new(Self::Exr { file, layers }))
+                Self::Exr {
+                    view: Some(view), ..
+                },
+                Self::Exr { views, .. },
+            ) if !views.is_empty() => Self::open_view(path, Some(view)),
+            _ => Ok(beside),
+        }
     }
 
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::Exr { file, .. } => &file.path,
             Self::Photo { path, .. } => path,
+        }
+    }
+
+    /// What the file says about itself.
+    pub(super) fn attributes(&self) -> Option<&BTreeMap<String, String>> {
+        match self {
+            Self::Exr { file, .. } => Some(&file.attributes),
+            Self::Photo { .. } => None,
         }
     }
 
@@ -53,6 +90,14 @@ impl Opened {
             Self::Photo { .. } => Vec::new(),
         }
     }
+}
+
+/// The layers of all parts and views of a file.
+pub(super) fn layers_of(file: &ExrFile) -> Vec<Layer> {
+    roles::layers(file.parts.iter().map(|part| {
+        let names = part.channels.iter().map(|c| c.name.as_str());
+        (part.name.as_deref(), names.collect())
+    }))
 }
 
 /// A layer's name, or its bare channels where it has none.
@@ -92,12 +137,22 @@ pub(super) struct RoleSource {
 pub(super) struct RolePlanes {
     pub(super) planes: Vec<Plane>,
     pub(super) alpha: Option<Plane>,
+    /// The pixels they hold.
+    pub(super) window: Window,
 }
 
 impl RolePlanes {
-    fn crop(&mut self, whole: Window, part: Window) {
+    /// Cuts the planes of `role` to a window, or adds what was never seen: NaN where that tells coverage, else 0.
+    pub(super) fn bring_to(&mut self, role: Role, window: Window) {
+        if self.window == window {
+            return;
+        }
+        let outside = match role {
+            Role::Normal | Role::Depth | Role::Position => f32::NAN,
+            _ => 0.0,
+        };
         for plane in self.planes.iter_mut().chain(&mut self.alpha) {
-            *plane = plane.crop(whole, part);
+            *plane = plane.moved(self.window, window, outside);
         }
     }
 }
@@ -119,7 +174,7 @@ impl RoleSource {
         if !path.exists() {
             return Err(no_such_layer(role, name, main));
         }
-        let file = Opened::open(path)?;
+        let file = main.open_beside(path)?;
         Self::in_file(role, &file)
             .map(Some)
             .ok_or_else(|| no_such_layer(role, name, &file))
@@ -205,6 +260,27 @@ impl RoleSource {
         }
     }
 
+    /// The pixels meant to be shown of the file it is in.
+    pub(super) fn display(&self) -> Window {
+        match self.file.as_ref() {
+            Opened::Exr { file, .. } => file.display_window,
+            Opened::Photo { .. } => self.window(),
+        }
+    }
+
+    /// Whether it is a layer of an EXR.
+    pub(super) fn is_exr(&self) -> bool {
+        self.layer.is_some()
+    }
+
+    /// What the name of its layer, or the file's renderer, implies of it; with who says so.
+    pub(super) fn hint(&self) -> (Hint, String) {
+        match (self.file.as_ref(), &self.layer) {
+            (Opened::Exr { file, .. }, Some(layer)) => names::hint(&layer.layer, file),
+            _ => (Hint::default(), String::new()),
+        }
+    }
+
     /// The pixels this source holds.
     pub(super) fn window(&self) -> Window {
         match (self.file.as_ref(), &self.layer) {
@@ -282,50 +358,51 @@ fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
     }
 }
 
-/// Reads the planes of all `sources`, each file once, in the order given.
+/// Reads the planes of all `sources`, each part of a file once, in the order given.
 pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
-    read_part(sources, None)
+    read_rows(sources, i32::MIN..i32::MAX)
 }
 
-/// [`read_all`] of the rows of `part` alone, where it is given; they must be rows of every source.
-pub(super) fn read_part(sources: &[RoleSource], part: Option<Window>) -> Result<Vec<RolePlanes>> {
+/// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them.
+pub(super) fn read_rows(sources: &[RoleSource], rows: Range<i32>) -> Result<Vec<RolePlanes>> {
     let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
     for first in 0..sources.len() {
         if planes[first].is_some() {
             continue;
         }
-        let file = &sources[first].file;
-        let of_file: Vec<usize> = (first..sources.len())
-            .filter(|&i| Rc::ptr_eq(&sources[i].file, file))
+        let (file, stored) = (&sources[first].file, sources[first].window());
+        let together =
+            |source: &RoleSource| Rc::ptr_eq(&source.file, file) && source.window() == stored;
+        let together: Vec<usize> = (first..sources.len())
+            .filter(|&i| together(&sources[i]))
             .collect();
+        let y0 = rows.start.clamp(stored.y0, stored.y1);
+        let window = Window {
+            y0,
+            y1: rows.end.clamp(y0, stored.y1),
+            ..stored
+        };
         match file.as_ref() {
             Opened::Exr { file, .. } => {
-                let wanted: Vec<_> = of_file
-                    .iter()
-                    .flat_map(|&i| sources[i].channel_ids())
-                    .collect();
-                let top = sources[first].window().y0;
-                let row = |y: i32| (y - top) as usize;
-                let read = match part {
-                    Some(part) => file.read_rows(&wanted, row(part.y0)..row(part.y1))?,
-                    None => file.read_channels(&wanted)?,
+                let ids = together.iter().flat_map(|&i| sources[i].channel_ids());
+                let ids: Vec<_> = ids.collect();
+                let row = |y: i32| (y - stored.y0) as usize;
+                let read = match window == stored {
+                    true => file.read_channels(&ids)?,
+                    false => file.read_rows(&ids, row(window.y0)..row(window.y1))?,
                 };
                 let mut read = read.into_iter();
-                for &i in &of_file {
+                for &i in &together {
                     planes[i] = sources[i].layer.as_ref().map(|layer| RolePlanes {
                         planes: read.by_ref().take(layer.channels.len()).collect(),
                         alpha: layer.alpha.and_then(|_| read.next()),
+                        window,
                     });
                 }
             }
             Opened::Photo { photo, .. } => {
-                let whole = Window::from_size(photo.width, photo.height);
-                for &i in &of_file {
-                    let mut read = photo_planes(photo, sources[i].role);
-                    if let Some(part) = part {
-                        read.crop(whole, part);
-                    }
-                    planes[i] = Some(read);
+                for &i in &together {
+                    planes[i] = Some(photo_planes(photo, sources[i].role));
                 }
             }
         }
@@ -350,5 +427,6 @@ fn photo_planes(photo: &Photo, role: Role) -> RolePlanes {
     RolePlanes {
         planes,
         alpha: photo.alpha.clone(),
+        window: Window::from_size(photo.width, photo.height),
     }
 }

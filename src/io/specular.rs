@@ -216,6 +216,7 @@ impl Layer<'_> {
             let RolePlanes {
                 planes,
                 alpha: coverage,
+                ..
             } = read;
             match source.role {
                 Role::Depth => depth = Some(self.loaded.conventions.distances(grey(planes))),

@@ -2,7 +2,7 @@
 
 use super::exr::SampleType;
 use super::roles;
-use super::sources::Opened;
+use super::sources::{Opened, layers_of};
 use crate::error::Result;
 use crate::frame::Window;
 use serde::Serialize;
@@ -15,6 +15,10 @@ pub struct Survey {
     pub display_window: Window,
     /// Width of a pixel over its height.
     pub pixel_aspect: f32,
+    /// The views of a stereo file, that of the default first; empty where there is but one.
+    pub views: Vec<String>,
+    /// The view whose layers play the roles.
+    pub view: Option<String>,
     /// The parts of an EXR; a photo has one.
     pub parts: Vec<PartSurvey>,
     /// Which layer plays which role, by name.
@@ -56,18 +60,28 @@ pub struct RoleSurvey {
     pub channels: Vec<String>,
 }
 
-/// Looks into the file at `path` without reading the pixels of an EXR.
+/// Looks into the file at `path` without reading the pixels of an EXR. Roles are those of the layers of `view`,
+/// or of the default one.
 ///
 /// # Errors
 /// Any [`crate::Error`] of opening it.
-pub fn survey(path: &Path) -> Result<Survey> {
-    Ok(match Opened::open(path)?.as_ref() {
-        Opened::Exr { file, layers } => Survey {
+pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
+    Ok(match Opened::open_view(path, view)?.as_ref() {
+        Opened::Exr {
+            file,
+            layers,
+            views,
+            view,
+        } => Survey {
             display_window: file.display_window,
             pixel_aspect: file.pixel_aspect,
-            parts: (0..file.parts.len())
-                .map(|part| part_survey(file, layers, part))
-                .collect(),
+            views: views.clone(),
+            view: view.clone(),
+            parts: {
+                let all = layers_of(file);
+                let parts = 0..file.parts.len();
+                parts.map(|part| part_survey(file, &all, part)).collect()
+            },
             roles: roles::assign(layers)
                 .into_iter()
                 .map(|(role, found)| RoleSurvey {
@@ -127,6 +141,8 @@ fn photo_survey(photo: &super::photo::Photo) -> Survey {
     Survey {
         display_window: window,
         pixel_aspect: 1.0,
+        views: Vec::new(),
+        view: None,
         parts: vec![PartSurvey {
             name: None,
             data_window: window,

@@ -3,11 +3,13 @@
 use super::camera::{CAMERA, CameraSearch, FoundCamera};
 use super::inputs::{Flip, Inputs};
 use super::load::Finding;
+use super::names::Hint;
 use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
 use super::normals::flip_axes;
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
 use glam::{DMat3, Mat3};
+use std::collections::BTreeMap;
 
 /// Normals read as view space whose lean is off the slope of depth by more than this, in degrees, could be
 /// turned a little: a world with y up, seen from slightly above, leans nearly as a view does.
@@ -19,10 +21,13 @@ const TURN_ERRORS: f64 = 3.0;
 const TURN_LEAVES: f64 = 0.5;
 
 /// What the camera and the space of the normals are judged from.
+#[derive(Clone, Copy)]
 pub(super) struct Surface<'a> {
     pub(super) mask: &'a Mask,
     pub(super) position: Option<&'a Vector3Planes>,
     pub(super) depth: Option<&'a Plane>,
+    /// Attributes of the picture's file.
+    pub(super) attributes: Option<&'a BTreeMap<String, String>>,
     pub(super) data_window: Window,
     pub(super) display_window: Window,
     pub(super) pixel_aspect: f32,
@@ -39,23 +44,24 @@ pub(super) struct View {
 }
 
 /// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn
-/// normals, to know their space, or because the projection is asked for.
+/// normals, to know their space, or because the projection is asked for. `hint` is what their name implies.
 pub(super) fn turn_to_view(
     inputs: &Inputs,
     surface: &Surface,
     projection: bool,
+    hint: &(Hint, String),
     normal: &mut Vector3Planes,
 ) -> Result<View> {
     let mut search = CameraSearch::new(inputs, surface);
     let is_needed = projection || inputs.camera.is_some();
     let mut camera = match is_needed {
-        true => search.placed()?,
+        true => search.placed(normal)?,
         false => None,
     };
     let mut reading = Reading::of(inputs, surface, normal, camera.as_ref());
     if !is_needed && !reading.is_view() {
         // Only now is a camera worth looking for.
-        camera = search.placed()?;
+        camera = search.placed(normal)?;
         if camera.is_some() {
             reading = Reading::of(inputs, surface, normal, camera.as_ref());
         }
@@ -66,6 +72,7 @@ pub(super) fn turn_to_view(
         (camera, reading) = aided_by_depth(&mut search, reading, normal, judge);
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
+    reading.take(hint);
     let mut findings = search.findings;
     let normals = reading.settled(inputs, surface, &findings)?;
     if normals.space == NormalSpace::World && camera.is_none() {
@@ -253,6 +260,20 @@ impl Reading {
                 .is_some_and(|left| left < TURN_LEAVES * slope)
     }
 
+    /// What a name or the renderer implies, where the data leave it open.
+    fn take(&mut self, (hint, by): &(Hint, String)) {
+        let open = self.certain.is_none() && !self.by_elimination;
+        if let Some(space) = hint.space.filter(|_| open) {
+            let flip = Flip {
+                z: space == NormalSpace::View
+                    && self.evidence.facing_view_flipped > self.evidence.facing_view,
+                ..Flip::NONE
+            };
+            self.certain = Some(NormalReading { space, flip });
+            self.reason = format!("{by}; {}", self.reason);
+        }
+    }
+
     /// The reading, or why there is none.
     fn settled(
         &self,
@@ -284,6 +305,17 @@ impl Reading {
             NormalSpace::View => "view",
         };
         let flip = inputs.normal_flip.unwrap_or_default().and(normals.flip);
+        let judged_by_depth = self.evidence.slope_reversed_deg.is_some();
+        let y_is_open = normals.space == NormalSpace::View
+            && inputs.normal_flip.is_none()
+            && !judged_by_depth
+            && !self.is_told;
+        let open = match y_is_open {
+            true => {
+                "; without depth nothing tells whether y points up, as it does not in DirectX maps"
+            }
+            false => "",
+        };
         let (conclusion, flag) = match flip {
             Flip::NONE => (name.into(), format!("--normal-space {name}")),
             axes => (
@@ -294,7 +326,7 @@ impl Reading {
         Finding {
             subject: "normal space".into(),
             conclusion,
-            evidence: self.reason.clone(),
+            evidence: format!("{}{open}", self.reason),
             flag,
         }
     }

@@ -4,4 +4,5 @@
 mod common;
 mod exr;
 mod forced;
+mod renderers;
 mod truth;

@@ -1,15 +1,25 @@
-//! Which camera a picture was made by: from a file, from positions, else from depth and normals.
+//! Which camera a picture was made by: from a file, from attributes, from positions, else from depth and normals.
 
+use super::attributes::{Candidate, candidates, is_mirrored};
+use super::samples::quantile;
 use super::{RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use crate::error::Result;
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::inputs::Inputs;
 use crate::io::load::Finding;
+use crate::io::normal_space::judge_normal_space;
 use crate::io::view::Surface;
 use glam::DVec3;
 
 /// What findings about the camera are called.
 pub(in crate::io) const CAMERA: &str = "camera";
+
+/// About how many positions a camera is compared with.
+const PROBES: usize = 2000;
+/// A camera that positions contradict by more than this share of the picture's width is not theirs.
+const MOST_OFF: f64 = 0.005;
+/// Normals that fit a camera worse than this, as a share, do not speak for it.
+const WORST_MISFIT: f64 = 0.2;
 
 /// A search for the camera, with what it found on the way.
 pub(in crate::io) struct CameraSearch<'a> {
@@ -50,11 +60,12 @@ impl<'a> CameraSearch<'a> {
         }
     }
 
-    /// The camera whose place in the world is told: by a file, or by positions.
+    /// The camera whose place in the world is told: by a file, by attributes, or by positions. `normal` has a say
+    /// in how attributes are read.
     ///
     /// # Errors
     /// Those of reading the file.
-    pub(in crate::io) fn placed(&mut self) -> Result<Option<Camera>> {
+    pub(in crate::io) fn placed(&mut self, normal: &Vector3Planes) -> Result<Option<Camera>> {
         let Surface {
             position,
             display_window,
@@ -69,18 +80,60 @@ impl<'a> CameraSearch<'a> {
                 let camera = read_camera(path, display_window, pixel_aspect)?;
                 FoundCamera::new(camera, format!("from {}", path.display()))
             }
-            (None, Some(position)) => match self.from_positions(position) {
-                Ok(found) => found,
-                Err(failure) => {
-                    self.failure = Some(failure);
-                    self.tell(None);
-                    return Ok(None);
-                }
+            (None, position) => match (self.from_attributes(normal), position) {
+                (Some(found), _) => found,
+                (None, Some(position)) => match self.from_positions(position) {
+                    Ok(found) => found,
+                    Err(failure) => {
+                        self.failure = Some(failure);
+                        self.tell(None);
+                        return Ok(None);
+                    }
+                },
+                (None, None) => return Ok(None),
             },
-            (None, None) => return Ok(None),
         };
         self.tell(Some(&found));
         Ok(Some(found.camera))
+    }
+
+    /// The reading of the attributes that agrees best with the positions, else with the normals, else the
+    /// standard's.
+    fn from_attributes(&self, normal: &Vector3Planes) -> Option<FoundCamera> {
+        let surface = self.surface;
+        let aspect = f64::from(surface.pixel_aspect);
+        let candidates = candidates(surface.attributes?, surface.display_window, aspect);
+        let (chosen, agrees) = match surface.position {
+            Some(position) => {
+                let off = |c: &Candidate| off_positions_px(&c.camera, surface, position);
+                let (chosen, off) = best(&candidates, off)?;
+                let limit = MOST_OFF * (surface.display_window.width() as f64).max(1.0);
+                if off > limit {
+                    return None;
+                }
+                (
+                    chosen,
+                    format!(", {off:.3} px off the positions in the median"),
+                )
+            }
+            None => {
+                let proper = candidates.iter().filter(|c| !is_mirrored(&c.camera));
+                let mut sensible: Vec<Candidate> = proper.cloned().collect();
+                if sensible.is_empty() {
+                    sensible = candidates;
+                }
+                let (chosen, misfit) = best(&sensible, |c| misfit(&c.camera, surface, normal))?;
+                let agrees = match misfit < WORST_MISFIT {
+                    true => ", by which the normals fit best".into(),
+                    false => String::new(),
+                };
+                let spec = sensible.swap_remove(0);
+                let chosen = if agrees.is_empty() { spec } else { chosen };
+                (chosen, agrees)
+            }
+        };
+        let evidence = format!("from its attributes: {}{agrees}", chosen.reading);
+        Some(FoundCamera::new(chosen.camera, evidence))
     }
 
     fn from_positions(
@@ -148,6 +201,61 @@ impl<'a> CameraSearch<'a> {
             flag: "--camera FILE".into(),
         });
     }
+}
+
+/// The candidate with the least cost, and that; the first of equals.
+fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(Candidate, f64)> {
+    let costs = candidates.iter().map(|c| (c, cost(c)));
+    let better = |best: (_, f64), next: (_, f64)| {
+        if next.1 < 0.9 * best.1 - 1e-9 {
+            next
+        } else {
+            best
+        }
+    };
+    let (candidate, cost) = costs.reduce(better)?;
+    Some((candidate.clone(), cost))
+}
+
+/// Median distance, in pixels, between where positions were seen and where a camera sees them.
+fn off_positions_px(camera: &Camera, surface: &Surface, position: &Vector3Planes) -> f64 {
+    let covered = pixels(surface).filter_map(|(x, y)| {
+        let point = position.at(x, y);
+        (point.is_finite() && point != DVec3::ZERO).then_some((x, y, point))
+    });
+    let mut off: Vec<f64> = covered
+        .map(|(x, y, point)| {
+            let seen = camera.pixel_of(point);
+            let at = surface.data_window.middle(x, y);
+            seen.map_or(f64::INFINITY, |seen| seen.distance(at))
+        })
+        .collect();
+    match off.is_empty() {
+        true => f64::INFINITY,
+        false => quantile(&mut off, 0.5),
+    }
+}
+
+/// How badly normals, taken for the world's, go with a camera: 0 well, 1 not at all.
+fn misfit(camera: &Camera, surface: &Surface, normal: &Vector3Planes) -> f64 {
+    let Surface {
+        mask,
+        depth,
+        data_window,
+        ..
+    } = *surface;
+    let verdict = judge_normal_space(normal, mask, None, depth, Some(camera), data_window);
+    let evidence = verdict.evidence;
+    let averted = 1.0 - evidence.facing_world.unwrap_or(0.0);
+    averted.max(evidence.slope_world_deg.unwrap_or(0.0) / 90.0)
+}
+
+/// Covered pixels, evenly thinned.
+fn pixels<'a>(surface: &'a Surface) -> impl Iterator<Item = (usize, usize)> + 'a {
+    let mask = surface.mask;
+    let covered = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
+    let covered = covered.filter(|&(x, y)| mask.at(x, y));
+    covered.step_by((mask.count() / PROBES).max(1))
 }
 
 /// The camera in words; its place only where something told it.

@@ -35,8 +35,8 @@ const STEPS: usize = 16;
 const UNCERTAIN_FOCAL: f64 = 0.1;
 /// Typical angle between normals and slopes, in degrees, from which a fit is none.
 const WORST_RESIDUAL_DEG: f64 = 15.0;
-/// From this angle on, in degrees, a mirrored fit is looked for; it counts where it leaves less than this
-/// share of the angle.
+/// From this angle on, in degrees, a mirrored fit is looked for; it counts where it leaves less than that, and less
+/// than this share of the angle.
 const MIRRORED_RESIDUAL_DEG: f64 = 6.0;
 const MIRRORED_SHARE: f64 = 0.4;
 /// Rotation less certain than this, in degrees, is no answer.
@@ -106,20 +106,28 @@ pub fn recover_camera_from_depth(
         });
     }
     let width = display_window.width() as f64;
-    match Answer::of(&patches, width) {
-        Err(RecoveryFailure::Mirrored) => {
-            // Seen in a mirror across its y axis the world is right-handed.
-            let mut patches = patches;
-            for patch in &mut patches {
-                patch.normal.y = -patch.normal.y;
-            }
-            let mut report = Answer::of(&patches, width)?.report(&surface);
-            report.camera.view_from_world =
-                report.camera.view_from_world * DAffine3::from_scale(MIRROR);
-            Ok(report)
-        }
-        answer => Ok(answer?.report(&surface)),
+    let failure = match Answer::of(&patches, width) {
+        Ok(answer) => return Ok(answer.report(&surface)),
+        Err(failure) => failure,
+    };
+    // Seen in a mirror across its y axis a left-handed world is right-handed.
+    let may_be_mirrored = matches!(
+        failure,
+        RecoveryFailure::Mirrored | RecoveryFailure::NormalsDisagree { .. }
+    );
+    let mut patches = patches;
+    for patch in &mut patches {
+        patch.normal.y = -patch.normal.y;
     }
+    let answer = may_be_mirrored
+        .then(|| Answer::of(&patches, width).ok())
+        .flatten();
+    let mut report = answer.ok_or(failure)?.report(&surface);
+    if report.residual_deg_median > MIRRORED_RESIDUAL_DEG {
+        return Err(failure);
+    }
+    report.camera.view_from_world *= DAffine3::from_scale(MIRROR);
+    Ok(report)
 }
 
 /// A fit that passed, with how certain it is.

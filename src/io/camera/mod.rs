@@ -1,6 +1,7 @@
-//! The camera: read from a file, or recovered from a layer of world-space positions, or as far as that
+//! The camera: read from a file or from attributes, or recovered from a layer of world-space positions, or as far as that
 //! goes from depth and world-space normals.
 
+mod attributes;
 mod depth_fit;
 mod depth_lens;
 mod depth_samples;

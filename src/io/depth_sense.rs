@@ -1,0 +1,266 @@
+//! Whether a layer of depth grows with distance, shrinks with it, or is no distance at all.
+//!
+//! Nuke writes 1/z, others map near and far to white and black either way round. Where the background is a
+//! renderer's infinity there is nothing to ask. Else the normals tell: depth rises the way they lean, and what falls
+//! that way is the reverse of a distance. One over it is a distance if its slopes then fit the normals through
+//! some lens. What the data leave open, the layer's name and the renderer decide.
+
+use super::camera::{CameraSearch, recover_camera_from_depth};
+use super::coverage::{self, Evidence, is_distance};
+use super::depth::{off_tangents, to_distances};
+use super::inputs::{Inputs, StoredDepth};
+use super::names::Hint;
+use super::normal_space::judge_normal_space;
+use super::view::Surface;
+use crate::frame::{Camera, Mask, Plane, Vector3Planes};
+
+/// Mean angle, in degrees, between the slope of depth and the lean of normals up to which they agree.
+const AGREES_DEG: f64 = 35.0;
+/// Share of normals that face the viewer in view space.
+const FACES: f64 = 0.9;
+/// Median angle, in degrees, between normals and the slopes of depth up to which it is a distance.
+const DISTANCE_DEG: f64 = 4.0;
+/// What is mapped to 0..1 may end above by so much.
+const ABOVE_ONE: f32 = 1e-3;
+
+/// What a layer holds that is not simply a distance, and why.
+pub(super) type Sense = Option<(StoredDepth, String)>;
+
+/// The layers that tell.
+pub(super) struct Layers<'a> {
+    pub(super) inputs: &'a Inputs,
+    /// Depth as stored.
+    pub(super) raw: &'a Plane,
+    /// Decoded normals.
+    pub(super) normal: &'a Vector3Planes,
+    /// The rest; its mask and depth are not looked at.
+    pub(super) surface: Surface<'a>,
+    pub(super) alpha: Option<&'a Plane>,
+    pub(super) mask: Option<&'a Plane>,
+}
+
+/// Values of depth where a surface was seen, and where none was.
+#[derive(Debug)]
+struct Range {
+    least: f32,
+    most: f32,
+    /// Whether some are exactly 0 or 1, as clamping leaves them.
+    clamped: bool,
+    background: Option<f32>,
+}
+
+impl Range {
+    fn is_unit(&self) -> bool {
+        self.least >= 0.0 && self.most <= 1.0 + ABOVE_ONE
+    }
+
+    /// Whether the background is what renderers write for an infinite distance.
+    fn is_open(&self) -> bool {
+        self.background
+            .is_some_and(|b| b != 0.0 && !is_distance(b.abs()))
+    }
+
+    /// Whether the values look mapped to 0..1 rather than small distances.
+    fn looks_mapped(&self) -> bool {
+        self.is_unit() && (self.clamped || self.background == Some(1.0))
+    }
+}
+
+/// Which way depth goes.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Away,
+    Toward,
+}
+
+/// What the layer holds where it is not simply a distance. A placed camera is looked for only if the normals as they
+/// are leave it open.
+///
+/// # Errors
+/// Those of reading the camera's file.
+pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate::Result<Sense> {
+    let covered = coverage::coverage(&Evidence {
+        normal: layers.normal,
+        depth: None,
+        depth_tells: false,
+        alpha: layers.alpha,
+        mask: layers.mask,
+    });
+    let Some(range) = range(layers.raw, &covered) else {
+        return Ok(None);
+    };
+    let hinted = hint.depth.filter(|stored| match stored {
+        StoredDepth::WhiteFar | StoredDepth::WhiteNear => range.is_unit(),
+        _ => true,
+    });
+    if range.is_open() {
+        return Ok(None);
+    }
+    let raw = layers.raw.map(|d| if is_distance(d) { d } else { 0.0 });
+    let judged = Judged {
+        layers,
+        covered: &covered,
+        raw: &raw,
+    };
+    let toward = matches!(hinted, Some(StoredDepth::Inverse | StoredDepth::WhiteNear));
+    let (way, why, camera) = judged.way(toward)?;
+    Ok(match way {
+        Some(Way::Toward) => {
+            let stored = match hinted {
+                Some(stored @ (StoredDepth::Inverse | StoredDepth::WhiteNear)) => stored,
+                _ if !range.is_unit() => StoredDepth::Inverse,
+                _ if range.looks_mapped() => StoredDepth::WhiteNear,
+                _ if judged.is_distance(StoredDepth::Inverse, camera.as_ref()) => {
+                    StoredDepth::Inverse
+                }
+                _ => StoredDepth::WhiteNear,
+            };
+            Some((stored, format!("it falls where {why}")))
+        }
+        Some(Way::Away) if range.looks_mapped() => {
+            let is_distance = judged.is_distance(StoredDepth::Planar, camera.as_ref());
+            (!is_distance).then(|| {
+                let why = format!("it rises where {why}, and lies between 0 and 1");
+                (StoredDepth::WhiteFar, why)
+            })
+        }
+        Some(Way::Away) => None,
+        None => hinted
+            .filter(|stored| !matches!(stored, StoredDepth::Planar | StoredDepth::Ray))
+            .map(|stored| (stored, format!("{by}; the normals leave it open"))),
+    })
+}
+
+/// The values of depth, where any surface was seen at all.
+fn range(raw: &Plane, covered: &Mask) -> Option<Range> {
+    let mut range = Range {
+        least: f32::INFINITY,
+        most: f32::NEG_INFINITY,
+        clamped: false,
+        background: None,
+    };
+    let mut outside = Vec::new();
+    for (&d, &covered) in raw.samples().iter().zip(covered.plane().samples()) {
+        if !covered {
+            outside.push(if d.is_nan() { f32::INFINITY } else { d });
+        } else if d == 0.0 || is_distance(d.abs()) {
+            range.least = range.least.min(d);
+            range.most = range.most.max(d);
+            range.clamped |= d == 0.0 || d == 1.0;
+        } else {
+            // A renderer's infinity inside the surface is its background.
+            outside.push(if d.is_nan() { f32::INFINITY } else { d });
+        }
+    }
+    if !outside.is_empty() {
+        let middle = outside.len() / 2;
+        range.background = Some(*outside.select_nth_unstable_by(middle, f32::total_cmp).1);
+    }
+    (range.least <= range.most).then_some(range)
+}
+
+struct Judged<'a> {
+    layers: &'a Layers<'a>,
+    covered: &'a Mask,
+    /// Depth as stored, 0 where it is none.
+    raw: &'a Plane,
+}
+
+impl Judged<'_> {
+    fn surface<'a>(&'a self, depth: &'a Plane) -> Surface<'a> {
+        Surface {
+            mask: self.covered,
+            depth: Some(depth),
+            ..self.layers.surface
+        }
+    }
+
+    /// Which way depth goes, why, and the camera that was found for it.
+    ///
+    /// Depth that falls beside normals with x reversed leans as depth that rises beside normals with y reversed:
+    /// where it comes to that, `toward` is what the name implies.
+    fn way(&self, toward: bool) -> crate::Result<(Option<Way>, &'static str, Option<Camera>)> {
+        let told = |angle: f64| match angle {
+            a if a <= AGREES_DEG => Some(Way::Away),
+            a if a >= 180.0 - AGREES_DEG => Some(Way::Toward),
+            _ => None,
+        };
+        let surface = self.surface(self.raw);
+        let evidence = |camera: Option<&Camera>| {
+            let window = surface.data_window;
+            let (normal, mask) = (self.layers.normal, self.covered);
+            judge_normal_space(normal, mask, None, Some(self.raw), camera, window).evidence
+        };
+        let unaided = evidence(None);
+        let faces = unaided.facing_view.max(unaided.facing_view_flipped) >= FACES;
+        let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
+        let reversed = [x, y].map(told);
+        let implied = match toward {
+            true => Way::Toward,
+            false => Way::Away,
+        };
+        let view = told(as_is)
+            .or(reversed.into_iter().flatten().find(|way| *way == implied))
+            .or(reversed.into_iter().find_map(|way| way))
+            .filter(|_| faces);
+        if view.is_some() {
+            return Ok((view, "the normals lean toward what is far", None));
+        }
+        let mut search = CameraSearch::new(self.layers.inputs, &surface);
+        if let Some(camera) = search.placed(self.layers.normal)? {
+            let slope = evidence(Some(&camera)).slope_world_deg;
+            let way = slope.and_then(told);
+            return Ok((
+                way,
+                "the turned normals lean toward what is far",
+                Some(camera),
+            ));
+        }
+        // Without a camera one has to be found either way.
+        let residual = |stored| self.recovered_deg(stored).unwrap_or(90.0);
+        let (away, toward) = (
+            residual(StoredDepth::Planar),
+            residual(StoredDepth::Inverse),
+        );
+        let way = match away.min(toward) <= DISTANCE_DEG {
+            true if away <= toward => Some(Way::Away),
+            true => Some(Way::Toward),
+            false => None,
+        };
+        Ok((
+            way,
+            "the normals, turned to fit, lean toward what is far",
+            None,
+        ))
+    }
+
+    /// The angle left between normals and depth by the camera that these tell, in degrees.
+    fn recovered_deg(&self, stored: StoredDepth) -> Option<f64> {
+        let mut depth = self.raw.clone();
+        to_distances(&mut depth, stored);
+        let surface = self.surface(&depth);
+        let found = recover_camera_from_depth(
+            self.layers.normal,
+            &depth,
+            self.covered,
+            surface.data_window,
+            surface.display_window,
+            surface.pixel_aspect,
+        );
+        found.ok().map(|found| found.residual_deg_median)
+    }
+
+    /// Whether the layer, read so, is a distance through this camera, or through any.
+    fn is_distance(&self, stored: StoredDepth, camera: Option<&Camera>) -> bool {
+        let Some(camera) = camera else {
+            return self
+                .recovered_deg(stored)
+                .is_some_and(|deg| deg <= DISTANCE_DEG);
+        };
+        let mut depth = self.raw.clone();
+        to_distances(&mut depth, stored);
+        let surface = self.surface(&depth);
+        let off = off_tangents(&surface, self.layers.normal, &depth, camera);
+        off.is_some_and(|deg| deg <= DISTANCE_DEG)
+    }
+}
