@@ -2,6 +2,7 @@
 
 mod art_map;
 pub mod camera;
+pub mod colorspace;
 mod coverage;
 mod depth;
 mod depth_sense;

@@ -31,6 +31,7 @@ pub use rows::RowReader;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
 pub use writer::{PartWriter, add_channels, append_part, write_results};
 
+use super::colorspace::luminance_weights;
 use crate::error::{Error, Result};
 use crate::frame::Window;
 use header::FileHeader;
@@ -174,7 +175,7 @@ impl ExrFile {
                 .map(|a| (attributes::text_of_bytes(&a.name), a.text()))
                 .collect(),
             chromaticities,
-            luminance_weights: chromaticities.and_then(header::luminance_weights),
+            luminance_weights: chromaticities.and_then(luminance_weights),
             file_len: metadata.len(),
             limits: *limits,
             header,
