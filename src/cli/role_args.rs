@@ -56,6 +56,8 @@ pub(super) enum SpaceArg {
     Auto,
     View,
     World,
+    /// Of an object that was not turned: as the world.
+    Object,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -129,7 +131,7 @@ impl RoleArgs {
             normal_space: match self.normal_space {
                 SpaceArg::Auto => None,
                 SpaceArg::View => Some(NormalSpace::View),
-                SpaceArg::World => Some(NormalSpace::World),
+                SpaceArg::World | SpaceArg::Object => Some(NormalSpace::World),
             },
             normal_encoding: match self.normal_encoding {
                 EncodingArg::Auto => None,

@@ -141,15 +141,13 @@ fn range(raw: &Plane, covered: &Mask) -> Option<Range> {
     };
     let mut outside = Vec::new();
     for (&d, &covered) in raw.samples().iter().zip(covered.plane().samples()) {
-        if !covered {
-            outside.push(if d.is_nan() { f32::INFINITY } else { d });
-        } else if d == 0.0 || is_distance(d.abs()) {
+        if covered && (d == 0.0 || is_distance(d.abs())) {
             range.least = range.least.min(d);
             range.most = range.most.max(d);
             range.clamped |= d == 0.0 || d == 1.0;
-        } else {
-            // A renderer's infinity inside the surface is its background.
-            outside.push(if d.is_nan() { f32::INFINITY } else { d });
+        } else if !d.is_nan() {
+            // A renderer's infinity inside the surface is its background too.
+            outside.push(d);
         }
     }
     if !outside.is_empty() {

@@ -301,8 +301,14 @@ impl Sources {
         if needs.color && color.is_none() {
             return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
         }
-        // Without depth, alpha tells coverage, so the picture is read for it; and light is compared to it.
-        let with_color = needs.color || needs.color_if_any || with_light;
+        // Without depth that does, alpha tells coverage, so the picture is read for it; and light is compared to it.
+        let depth = roles.iter().find(|s| s.role == Role::Depth);
+        let implied = depth.and_then(|source| source.hint().0.depth);
+        let untelling = inputs
+            .depth_kind
+            .or(implied)
+            .is_some_and(|d| !d.tells_coverage());
+        let with_color = needs.color || needs.color_if_any || with_light || untelling;
         if with_color || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(color);
         }

@@ -305,7 +305,9 @@ impl Reading {
             NormalSpace::View => "view",
         };
         let flip = inputs.normal_flip.unwrap_or_default().and(normals.flip);
-        let judged_by_depth = self.evidence.slope_reversed_deg.is_some();
+        let evidence = &self.evidence;
+        let judged_by_depth =
+            evidence.slope_reversed_deg.is_some() || evidence.shape_world_deg.is_some();
         let y_is_open = normals.space == NormalSpace::View
             && inputs.normal_flip.is_none()
             && !judged_by_depth

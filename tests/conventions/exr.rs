@@ -59,7 +59,7 @@ impl Part {
         channels
     }
 
-    fn header(&self, display: Window, aspect: f32, multi: bool) -> Vec<u8> {
+    fn header(&self, display: Window, multi: bool) -> Vec<u8> {
         let mut out = Vec::new();
         let mut attribute = |name: &str, kind: &str, value: &[u8]| {
             for text in [name, kind] {
@@ -87,7 +87,7 @@ impl Part {
         attribute("dataWindow", "box2i", &corners(self.window));
         attribute("displayWindow", "box2i", &corners(display));
         attribute("lineOrder", "lineOrder", &[0]);
-        attribute("pixelAspectRatio", "float", &aspect.to_le_bytes());
+        attribute("pixelAspectRatio", "float", &1f32.to_le_bytes());
         attribute("screenWindowCenter", "v2f", &[0; 8]);
         attribute("screenWindowWidth", "float", &1f32.to_le_bytes());
         if let Some(name) = self.name {
@@ -122,16 +122,12 @@ impl Part {
 
 /// Writes a file of these parts.
 pub(crate) fn write(path: &Path, display: Window, parts: &[Part]) {
-    write_with_aspect(path, display, 1.0, parts);
-}
-
-pub(crate) fn write_with_aspect(path: &Path, display: Window, aspect: f32, parts: &[Part]) {
     let multi = parts.len() > 1;
     // Version 2, long names, and perhaps several parts.
     let flags = 2u32 | 1 << 10 | if multi { 1 << 12 } else { 0 };
     let mut out = [0x0131_2f76u32, flags].map(u32::to_le_bytes).concat();
     for part in parts {
-        out.extend(part.header(display, aspect, multi));
+        out.extend(part.header(display, multi));
     }
     if multi {
         out.push(0);
