@@ -1,6 +1,6 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
-use super::args::WorkArgs;
+use super::args::{TransformArg, WorkArgs};
 use super::chosen::Chosen;
 use super::message;
 use super::output::{Kind, ReadyOutput, color_channels};
@@ -9,6 +9,7 @@ use super::told::Told;
 use crate::backend::cpu::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
+use crate::io::colorspace::{converted, rec709_from};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
@@ -173,8 +174,12 @@ impl<'a> Job<'a> {
                 self.write_exr(done, &color_channels(layer, color, alpha, sample_type))
             }
             Kind::Picture(_) => {
+                // A display has Rec. 709 primaries.
+                let turn = loaded.chromaticities.and_then(rec709_from);
+                let turn = turn.filter(|_| output.view_transform == TransformArg::Srgb);
+                let turned = turn.map(|matrix| converted(color, matrix));
                 let picture = Picture {
-                    color,
+                    color: turned.as_ref().unwrap_or(color),
                     alpha,
                     grey: false,
                     bits: if loaded.photo_bits == Some(16) { 16 } else { 8 },

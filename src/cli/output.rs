@@ -90,7 +90,7 @@ impl OutputArgs {
                 ("software".into(), software),
                 (RECIPE_ATTRIBUTE.into(), recipe),
             ],
-            chromaticities: loaded.exr().and_then(|file| file.chromaticities),
+            chromaticities: loaded.chromaticities,
             compression: self.compression,
         }
     }

@@ -1,6 +1,7 @@
 //! Which layers and files play which role: the names of the inputs.
 
 use crate::frame::NormalSpace;
+use crate::io::colorspace::ColorSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding, StoredDepth};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
@@ -46,6 +47,10 @@ pub(super) struct RoleArgs {
     /// What depth measures.
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = depth_kind_parser())]
     depth_kind: DepthKindArg,
+    /// What the colours of the inputs mean: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos
+    /// are srgb and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
+    #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = colorspace_parser())]
+    colorspace: ColorSpaceArg,
     /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
@@ -100,6 +105,19 @@ impl std::str::FromStr for FlipArg {
     }
 }
 
+/// A space that was told, or none told.
+#[derive(Debug, Clone, Copy)]
+struct ColorSpaceArg(Option<ColorSpace>);
+
+/// Offers `auto` and the names of all spaces.
+fn colorspace_parser() -> impl TypedValueParser<Value = ColorSpaceArg> {
+    let names = ColorSpace::ALL.map(|(_, name)| name);
+    PossibleValuesParser::new(std::iter::once("auto").chain(names)).map(|told| {
+        let space = ColorSpace::ALL.iter().find(|(_, name)| *name == told);
+        ColorSpaceArg(space.map(|(space, _)| *space))
+    })
+}
+
 /// A kind that was told, or none told.
 #[derive(Debug, Clone, Copy)]
 struct DepthKindArg(Option<StoredDepth>);
@@ -140,6 +158,7 @@ impl RoleArgs {
             },
             normal_flip: self.normal_flip.0,
             depth_kind: self.depth_kind.0,
+            colorspace: self.colorspace.0,
             light: None,
             rows: None,
             known_camera: None,

@@ -157,7 +157,11 @@ mod tests {
             b: one,
         };
         let white = converted(&white, matrix);
-        assert!([&white.r, &white.g, &white.b].iter().all(|p| (p.at(0, 0) - 1.0).abs() < 1e-5));
+        assert!(
+            [&white.r, &white.g, &white.b]
+                .iter()
+                .all(|p| (p.at(0, 0) - 1.0).abs() < 1e-5)
+        );
         assert_eq!(rec709_from(REC709), None);
         assert_eq!(rec709_from([0.3; 8]), None);
     }

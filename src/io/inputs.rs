@@ -1,5 +1,6 @@
 //! What a user may say about the inputs; everything left out is found from names and data.
 
+use super::colorspace::ColorSpace;
 use crate::frame::{Camera, DepthKind, NormalSpace, Plane};
 use glam::Vec3;
 use std::ops::Range;
@@ -45,6 +46,8 @@ pub struct Inputs {
     pub normal_flip: Option<Flip>,
     /// What the layer of depth holds; `None` decides from the data.
     pub depth_kind: Option<StoredDepth>,
+    /// What colours mean; `None` goes by what files say: photos are sRGB, EXR files linear.
+    pub colorspace: Option<ColorSpace>,
     /// Light layers; read only where they are asked for here.
     pub light: Option<LightInputs>,
     /// Rows of the frame to be read, counted from the top of its data window; all where not given.

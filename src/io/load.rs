@@ -1,5 +1,6 @@
 //! From files to a frame: reads what a goal needs, and turns everything to view space once.
 
+use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
 use super::coverage::{self, Evidence};
 use super::depth::{depth_of_positions, judge_depth, to_distances, told_depth};
 use super::depth_sense::{self, judge_sense};
@@ -8,7 +9,7 @@ use super::inputs::{Conventions, Inputs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
-use super::sources::{Opened, RolePlanes, RoleSource, read_all, read_rows};
+use super::sources::{Opened, RolePlanes, RoleSource, read_rows};
 use super::view::{Surface, turn_to_view};
 use crate::error::{Error, Result};
 use crate::frame::{
@@ -66,6 +67,8 @@ pub struct Loaded {
     pub camera_is_placed: bool,
     /// How the layers were read.
     pub conventions: Conventions,
+    /// Primaries and white of the picture, where somebody told them: Rec. 709 else.
+    pub chromaticities: Option<Chromaticities>,
     pub(super) main: Rc<Opened>,
 }
 
@@ -93,7 +96,8 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let part = inputs.rows.as_ref().map(|rows| rows_of(whole, rows));
     let data_window = part.unwrap_or(whole);
     let (display_window, pixel_aspect) = shown(&main, data_window);
-    let (mut planes, light_planes) = sources.read(&light, data_window, part.is_some())?;
+    let told = inputs.colorspace.or_else(|| sources.interop_space());
+    let (mut planes, light_planes) = sources.read(&light, data_window, part, told)?;
     let mut notes = Notes::about(&sources);
 
     let mut normal = planes
@@ -187,6 +191,13 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     notes.findings.extend(read.findings);
     notes.warnings.extend(read.warnings);
 
+    let chromaticities = match (inputs.colorspace, main.as_ref()) {
+        (Some(space), _) => Some(space.chromaticities()),
+        (None, Opened::Exr { file, .. }) => file
+            .chromaticities
+            .or_else(|| told.map(ColorSpace::chromaticities)),
+        (None, Opened::Photo { .. }) => None,
+    };
     let mut frame = Frame {
         data_window,
         display_window,
@@ -206,6 +217,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         camera,
         source: Source {
             normal_rounding: sources.get(Role::Normal).map_or(0.0, RoleSource::rounding),
+            luminance_weights: chromaticities.and_then(luminance_weights),
             ..origin(&main)
         },
     };
@@ -237,6 +249,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
         camera_is_placed: view.is_placed,
         conventions,
+        chromaticities,
         main,
     })
 }
@@ -356,19 +369,23 @@ impl Sources {
         &self,
         light: &LightSources,
         window: Window,
-        is_part: bool,
+        part: Option<Window>,
+        told: Option<ColorSpace>,
     ) -> Result<(Planes, Vec<RolePlanes>)> {
         let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
-        let mut read = match is_part {
-            true => read_rows(&all, window.y0..window.y1)?,
-            false => read_all(&all)?,
-        };
+        let rows = part.map_or(i32::MIN..i32::MAX, |part| part.y0..part.y1);
+        let mut read = read_rows(&all, rows, told)?;
         for (source, read) in all.iter().zip(&mut read) {
             read.bring_to(source.role, window);
         }
         let light = read.split_off(self.roles.len());
         let roles = self.roles.iter().map(|s| s.role).zip(read).collect();
         Ok((Planes { roles }, light))
+    }
+
+    /// What the file says that the colours of its picture mean.
+    fn interop_space(&self) -> Option<ColorSpace> {
+        ColorSpace::of_interop_id(self.get(Role::Color)?.interop_id()?)
     }
 
     fn get(&self, role: Role) -> Option<&RoleSource> {
@@ -491,7 +508,6 @@ fn origin(main: &Opened) -> Source {
         Opened::Exr { file, .. } => Source {
             layers: main.layer_names(),
             attributes: file.attributes.clone(),
-            luminance_weights: file.luminance_weights,
             ..Source::default()
         },
     }

@@ -1,9 +1,11 @@
 //! Opened inputs, and which of them each role is read from.
 
+use super::colorspace::ColorSpace;
 use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
 use super::names::{self, Hint};
 use super::photo::{Photo, max_code};
 use super::roles::{self, Layer, Match, Role};
+use super::srgb;
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
@@ -142,6 +144,22 @@ pub(super) struct RolePlanes {
 }
 
 impl RolePlanes {
+    /// Makes colours linear that were encoded by the sRGB curve and then multiplied by their coverage.
+    fn decode(&mut self) {
+        let decoded = |v: f32| srgb::decoded(v.into()) as f32;
+        for plane in &mut self.planes {
+            let samples = plane.samples_mut().iter_mut();
+            match &self.alpha {
+                None => samples.for_each(|v| *v = decoded(*v)),
+                Some(alpha) => samples.zip(alpha.samples()).for_each(|(v, &a)| {
+                    if a > 0.0 {
+                        *v = a * decoded(*v / a);
+                    }
+                }),
+            }
+        }
+    }
+
     /// Cuts the planes of `role` to a window, or adds what was never seen: NaN where that tells coverage, else 0.
     pub(super) fn bring_to(&mut self, role: Role, window: Window) {
         if self.window == window {
@@ -290,6 +308,16 @@ impl RoleSource {
         }
     }
 
+    /// What the file says of the colours of its part.
+    pub(super) fn interop_id(&self) -> Option<&str> {
+        match (self.file.as_ref(), &self.layer) {
+            (Opened::Exr { file, .. }, Some(layer)) => {
+                file.parts[layer.part].color_interop_id.as_deref()
+            }
+            _ => None,
+        }
+    }
+
     /// The channels whose stored values a lossy compression has altered.
     pub(super) fn lossy_channels(&self) -> Vec<String> {
         let (Opened::Exr { file, .. }, Some(layer)) = (self.file.as_ref(), &self.layer) else {
@@ -360,11 +388,16 @@ fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
 
 /// Reads the planes of all `sources`, each part of a file once, in the order given.
 pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
-    read_rows(sources, i32::MIN..i32::MAX)
+    read_rows(sources, i32::MIN..i32::MAX, None)
 }
 
-/// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them.
-pub(super) fn read_rows(sources: &[RoleSource], rows: Range<i32>) -> Result<Vec<RolePlanes>> {
+/// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them; colours are what
+/// was `told`.
+pub(super) fn read_rows(
+    sources: &[RoleSource],
+    rows: Range<i32>,
+    told: Option<ColorSpace>,
+) -> Result<Vec<RolePlanes>> {
     let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
     for first in 0..sources.len() {
         if planes[first].is_some() {
@@ -398,11 +431,14 @@ pub(super) fn read_rows(sources: &[RoleSource], rows: Range<i32>) -> Result<Vec<
                         alpha: layer.alpha.and_then(|_| read.next()),
                         window,
                     });
+                    if sources[i].role.is_seen() && told == Some(ColorSpace::Srgb) {
+                        planes[i].iter_mut().for_each(RolePlanes::decode);
+                    }
                 }
             }
             Opened::Photo { photo, .. } => {
                 for &i in &together {
-                    planes[i] = Some(photo_planes(photo, sources[i].role));
+                    planes[i] = Some(photo_planes(photo, sources[i].role, told));
                 }
             }
         }
@@ -412,8 +448,9 @@ pub(super) fn read_rows(sources: &[RoleSource], rows: Range<i32>) -> Result<Vec<
 
 /// A photo is colour only where colour or light is wanted: then it is linear and multiplied by its alpha, as a
 /// frame's picture is. As data its values are taken as they are.
-fn photo_planes(photo: &Photo, role: Role) -> RolePlanes {
-    let mut planes = if role.is_seen() {
+fn photo_planes(photo: &Photo, role: Role, told: Option<ColorSpace>) -> RolePlanes {
+    let is_linear = told.is_some_and(|space| space != ColorSpace::Srgb);
+    let mut planes = if role.is_seen() && !is_linear {
         photo.to_linear()
     } else {
         photo.channels.clone()

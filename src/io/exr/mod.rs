@@ -31,7 +31,6 @@ pub use rows::RowReader;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
 pub use writer::{PartWriter, add_channels, append_part, write_results};
 
-use super::colorspace::luminance_weights;
 use crate::error::{Error, Result};
 use crate::frame::Window;
 use header::FileHeader;
@@ -75,8 +74,6 @@ pub struct ExrFile {
     pub attributes: BTreeMap<String, String>,
     /// x and y of the red, green and blue primaries and of white, where the file gives them.
     pub chromaticities: Option<[f32; 8]>,
-    /// Weights of linear red, green and blue in luminance, where `chromaticities` are usable.
-    pub luminance_weights: Option<[f32; 3]>,
     header: FileHeader,
     file_len: u64,
     limits: Limits,
@@ -175,7 +172,6 @@ impl ExrFile {
                 .map(|a| (attributes::text_of_bytes(&a.name), a.text()))
                 .collect(),
             chromaticities,
-            luminance_weights: chromaticities.and_then(luminance_weights),
             file_len: metadata.len(),
             limits: *limits,
             header,
