@@ -86,6 +86,13 @@ fn the_camera_of_the_readme_is_read() {
     );
 }
 
+#[test]
+fn the_recipe_of_the_readme_is_one() {
+    let toml = README.split("```toml\n").nth(1);
+    let toml = toml.and_then(|rest| rest.split("```").next()).unwrap();
+    relievo::cli::recipe::Recipe::parse(Path::new("README.md"), toml).unwrap();
+}
+
 /// The help of a command.
 fn help_of(command: &str) -> String {
     let help = Command::new(env!("CARGO_BIN_EXE_relievo"))

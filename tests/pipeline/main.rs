@@ -1,5 +1,7 @@
 //! Sequences, recipes and stops, as a user or a farm runs them.
 
+mod colors;
+mod outputs;
 mod recipes;
 mod sequences;
 #[cfg(unix)]
@@ -37,12 +39,22 @@ fn write_bumps(path: &Path, number: i32, [width, height]: [usize; 2], luminance:
         ("N.Z", plane(&|x, y| normal(x, y).z)),
         ("Z", plane(&|_, _| 5.0)),
     ];
+    write_part(path, &channels, Part::default());
+}
+
+/// What a part of a file has beside its channels.
+#[derive(Default)]
+struct Part {
+    chromaticities: Option<[f32; 8]>,
+}
+
+fn write_part(path: &Path, channels: &[(&str, Plane)], part: Part) {
+    let window = Window::from_size(channels[0].1.width(), channels[0].1.height());
     let channels = channels.iter().map(|(name, plane)| OutputChannel {
         name: (*name).into(),
         plane,
         sample_type: OutputType::Float,
     });
-    let window = Window::from_size(width, height);
     let part = OutputPart {
         name: "shot".into(),
         data_window: window,
@@ -50,7 +62,7 @@ fn write_bumps(path: &Path, number: i32, [width, height]: [usize; 2], luminance:
         pixel_aspect: 1.0,
         channels: channels.collect(),
         attributes: Vec::new(),
-        chromaticities: None,
+        chromaticities: part.chromaticities,
         compression: Default::default(),
     };
     let mut file = BufWriter::new(fs::File::create(path).unwrap());
