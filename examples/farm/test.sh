@@ -49,9 +49,11 @@ fi
 RELIEVO=$(realpath -- "$RELIEVO")
 export RELIEVO
 
-# A sequence of one picture, and the same with a frame cut short and one that is not there.
+# A sequence that cuts from one picture to another, so that chunks that chose for themselves would differ; and one with a
+# frame cut short and one that is not there.
 mkdir "$WORK"/{in,broken}
-for number in {1001..1048}; do cp "$root/fixtures/bust.exr" "$WORK/in/shot.$number.exr"; done
+for number in {1001..1030}; do cp "$root/fixtures/bust.exr" "$WORK/in/shot.$number.exr"; done
+for number in {1031..1048}; do cp "$root/fixtures/gears.exr" "$WORK/in/shot.$number.exr"; done
 cp "$WORK"/in/shot.100{1,3,5}.exr "$WORK/broken"
 head -c 999 "$WORK/in/shot.1002.exr" >"$WORK/broken/shot.1002.exr"
 

@@ -82,20 +82,26 @@ def main(arguments):
         sys.exit(__doc__)
 
     child = None
-    stopped = None
+    asked = told = False
 
-    # A farm that cancels tells this process alone: the command is told to finish the frame in hand.
-    def stop(number, _):
-        nonlocal stopped
-        stopped = number
-        if child is not None:
-            child.send_signal(number)
+    def stop():
+        nonlocal told
+        if asked and child is not None and not told:
+            told = True
+            child.send_signal(signal.SIGTERM)
 
-    signal.signal(signal.SIGINT, stop)
-    signal.signal(signal.SIGTERM, stop)
+    # A farm that cancels tells this process alone: the command is told to finish the frames in hand. Once: a second signal
+    # would drop them.
+    def terminate(*_):
+        nonlocal asked
+        asked = True
+        stop()
+
+    signal.signal(signal.SIGTERM, terminate)
+    # A terminal tells both.
+    signal.signal(signal.SIGINT, lambda *_: None)
     child = subprocess.Popen([*arguments, *also], stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="replace")
-    if stopped is not None:
-        child.send_signal(stopped)
+    stop()
     teller = Teller()
     for line in child.stderr:
         teller.line(line.rstrip("\n"))

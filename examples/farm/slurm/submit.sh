@@ -8,12 +8,12 @@ usage: submit.sh [options] INPUT FRAMES OUTPUT [-- LOOK...]
 
   INPUT, OUTPUT  names of files with #### for the number, on a disk that all nodes see
   FRAMES         as in 1001-1240, 1-100x2 or 1,5,9
-  LOOK           options of `relievo enhance`
+  LOOK           options of `relievo enhance`, or of the recipe's command
 
   -c N           frames in one task (10)
   -t N           threads of one task (4)
   -m error|skip  what a frame that is not there is (error)
-  -r RECIPE      a recipe chosen before; no look then
+  -r RECIPE      a recipe to start from; what it leaves open is chosen
 
 The program is `relievo`, or $RELIEVO. Account, partition, memory and time limit are Slurm's own: SBATCH_ACCOUNT,
 SBATCH_PARTITION, SBATCH_MEM_PER_CPU and SBATCH_TIMELIMIT. Prints the number of the array.
@@ -44,7 +44,7 @@ shift 3
 [[ $chunk =~ ^[1-9][0-9]*$ ]] || misused "-c takes a number of frames from 1, not '$chunk'"
 [[ $threads =~ ^[1-9][0-9]*$ ]] || misused "-t takes a number of threads from 1, not '$threads'"
 [[ $missing == error || $missing == skip ]] || misused "-m takes error or skip, not '$missing'"
-[[ -z $recipe || $# -eq 0 ]] || misused "the look is in the recipe: give -r or LOOK, not both"
+[[ -z $recipe || -r $recipe ]] || misused "-r $recipe cannot be read"
 
 # The frames one by one.
 numbers=()
@@ -80,15 +80,15 @@ output=$(realpath -s -- "$output")
 program=${RELIEVO:-relievo}
 
 here=$(dirname -- "$(realpath -- "${BASH_SOURCE[0]}")")
-first=()
+what=(enhance)
 if [[ -n $recipe ]]; then
-  cp -- "$recipe" "$job/look.toml"
-else
-  choose=$(sbatch --parsable --cpus-per-task="$threads" --output="$job/choose.log" \
-    "$here/choose.sbatch" "$program" "$input" "$frames" "$threads" "$job/look.toml" "$@")
-  # With several clusters the answer is NUMBER;CLUSTER.
-  first=(--dependency="afterok:${choose%%;*}" --kill-on-invalid-dep=yes)
+  cp -- "$recipe" "$job/start.toml"
+  what=(run "$job/start.toml")
 fi
-sbatch --parsable ${first[@]+"${first[@]}"} --array="1-$tasks" --cpus-per-task="$threads" --output="$job/%a.log" \
+choose=$(sbatch --parsable --cpus-per-task="$threads" --output="$job/choose.log" "$here/choose.sbatch" \
+  "$program" "${what[@]}" "$input" --frames "$frames" --threads "$threads" --save-recipe "$job/look.toml" "$@")
+# With several clusters the answer is NUMBER;CLUSTER.
+sbatch --parsable --dependency="afterok:${choose%%;*}" --kill-on-invalid-dep=yes --array="1-$tasks" \
+  --cpus-per-task="$threads" --output="$job/%a.log" \
   "$here/render.sbatch" "$program" "$input" "$output" "$missing" "$threads" "$job"
 echo "logs, chunks and recipe: $job" >&2

@@ -47,17 +47,18 @@ told 'openjd_status: 1 done, 6 skipped'
 same "$out"
 passed "run again: only the frames that are not there are made"
 
-# A recipe from before, and a job that is not to choose twice.
-mkdir "$WORK/ready"
-job "$WORK/ready" "ReadyRecipe=$WORK/reference/look.toml"
-same "$WORK/ready"
-! job "$WORK/ready" "ReadyRecipe=$WORK/reference/look.toml" "Look=--strength 2" || failed "a recipe and a look were taken"
-told 'openjd_fail: both Look and ReadyRecipe'
-passed "a ready recipe is taken, a look beside it refused"
+# A recipe to start from: one that leaves nothing open stays as it is.
+mkdir "$WORK/again"
+job "$WORK/again" "Recipe=$WORK/reference/look.toml"
+cmp "$WORK/reference/look.toml" "$WORK/again/look.toml"
+same "$WORK/again"
+job "$WORK/again" "Recipe=$WORK/reference/look.toml" 'Look=--iterations 20' RecipeName=other.toml
+grep -qx 'iterations = 20' "$WORK/again/other.toml" || failed "the look was not laid over the recipe"
+passed "a recipe is taken, a look laid over it"
 
 # A frame cut short and one that is not there: the others of their chunks are made, and the session is told why.
 mkdir "$WORK/broken.out"
-broken=("InputDir=$WORK/broken" "ReadyRecipe=$WORK/reference/look.toml" "Frames=1001-1005")
+broken=("InputDir=$WORK/broken" "Recipe=$WORK/reference/look.toml" "Frames=1001-1005")
 ! job "$WORK/broken.out" "${broken[@]}" || failed "a broken frame was taken for made"
 told 'openjd_fail: 2 failed: 1002: .*; 1004: '
 [[ $(find "$WORK/broken.out" -name 'shot.*.exr' | wc -l) == 3 ]] || failed "frames beside a broken one were not made"
