@@ -11,6 +11,11 @@ mkdir -p "$cluster"/{state,munge}
 chmod 700 "$cluster/munge"
 export SLURM_CONF=$cluster/slurm.conf
 
+# gone PROCESS: ended, whether or not its parent has asked how.
+gone() {
+  ! readlink "/proc/$1/exe" >/dev/null
+}
+
 # Ends programs, frozen ones too, then the daemons, each by its own number.
 cleanup() {
   local pid name
@@ -24,7 +29,7 @@ cleanup() {
     pid=$(cat "$cluster/$name.pid" 2>/dev/null) || continue
     kill "$pid" 2>/dev/null || continue
     for _ in {1..50}; do
-      kill -0 "$pid" 2>/dev/null || continue 2
+      gone "$pid" && continue 2
       sleep 0.1
     done
     kill -KILL "$pid" 2>/dev/null || true
@@ -91,10 +96,6 @@ field() {
 # ended ARRAY: no task waits or runs.
 ended() {
   [[ -z $(squeue --noheader --jobs "$1" 2>/dev/null) ]]
-}
-
-gone() {
-  ! kill -0 "$1" 2>/dev/null
 }
 
 # array SUBMITTED...: the number of the array and its folder.
