@@ -121,7 +121,7 @@ fn sequence<C: FrameCommand>(
     if !quiet && chosen != Chosen::default() {
         message::say(&format!("for all frames: {}", chosen.in_words()));
     }
-    save_recipe(command.work(), &recipe.with(&chosen))?;
+    save_recipe(command.work(), &recipe.clone().of_sequence(&chosen))?;
     if let Some(code) = stop::asked() {
         return Ok(code);
     }

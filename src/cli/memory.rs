@@ -1,6 +1,7 @@
 //! How much memory a run may take.
 
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// Share of what is free that a run takes where nothing is told.
@@ -37,19 +38,40 @@ fn free() -> Option<u64> {
     Some(group_limit().map_or(machine, |group| machine.min(group)))
 }
 
-/// What the control group still allows, of either version.
+/// What the control groups of this process still allow: the least of its own and of those around it.
 fn group_limit() -> Option<u64> {
-    let number = |path: &str| -> Option<u64> {
+    let number = |path: PathBuf| -> Option<u64> {
         let text = std::fs::read_to_string(path).ok()?;
         text.trim().parse().ok()
     };
-    let of = |limit: &str, used: &str| Some(number(limit)?.saturating_sub(number(used)?));
-    of("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current").or_else(|| {
-        of(
-            "/sys/fs/cgroup/memory/memory.limit_in_bytes",
-            "/sys/fs/cgroup/memory/memory.usage_in_bytes",
-        )
-    })
+    let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let limits = groups.lines().flat_map(|line| {
+        let mut fields = line.splitn(3, ':');
+        let (_, kind, path) = (fields.next(), fields.next(), fields.next());
+        // Version 2 has one group of no kind, version 1 one of each.
+        let (root, limit, used) = match kind {
+            Some("") => ("/sys/fs/cgroup", "memory.max", "memory.current"),
+            _ => (
+                "/sys/fs/cgroup/memory",
+                "memory.limit_in_bytes",
+                "memory.usage_in_bytes",
+            ),
+        };
+        let is_memory =
+            kind.is_some_and(|kind| kind.is_empty() || kind.split(',').any(|k| k == "memory"));
+        let path = path
+            .filter(|_| is_memory)
+            .unwrap_or("/")
+            .trim_start_matches('/');
+        let around: Vec<PathBuf> = Path::new(path)
+            .ancestors()
+            .map(|p| Path::new(root).join(p))
+            .collect();
+        around.into_iter().filter_map(move |group| {
+            Some(number(group.join(limit))?.saturating_sub(number(group.join(used))?))
+        })
+    });
+    limits.min()
 }
 
 impl fmt::Display for MaxMemory {

@@ -30,12 +30,7 @@ pub(super) struct SequenceArgs {
     frames: FramesArg,
     /// Frames that all which is automatic is chosen from, once for all: five across --frames where not given;
     /// none lets each frame choose for itself.
-    #[arg(
-        long,
-        value_name = "LIST|none",
-        requires = "frames",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "LIST|none", allow_hyphen_values = true)]
     sample_frames: Option<Samples>,
     /// Leave frames alone whose output is there and whole.
     #[arg(long, requires = "frames")]

@@ -9,9 +9,15 @@ use std::sync::Mutex;
 use std::time::{Duration, SystemTime};
 use tempfile::{NamedTempFile, TempPath};
 
-/// How the names of temporary files begin and end.
-const PREFIX: &str = ".relievo-";
+/// How the names of temporary files end.
 const SUFFIX: &str = ".part";
+
+/// How they begin: with the name of this machine, for locks of files may not reach others.
+fn prefix() -> String {
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
+    format!(".relievo-{host}-")
+}
 
 /// A temporary file that is younger may be held by its writer any moment.
 const JUST_MADE: Duration = Duration::from_secs(2);
@@ -75,14 +81,16 @@ pub fn drop_unfinished() {
     }
 }
 
-/// Removes what programs that were killed have left in `directory`: temporary files that nobody writes.
+/// Removes what programs that were killed on this machine have left in `directory`: temporary files that nobody
+/// writes.
 pub fn remove_leftovers(directory: &Path) {
+    let prefix = prefix();
     let Ok(entries) = fs::read_dir(directory) else {
         return;
     };
     for path in entries.flatten().map(|entry| entry.path()) {
         let name = path.file_name().and_then(|name| name.to_str());
-        let ours = name.is_some_and(|n| n.starts_with(PREFIX) && n.ends_with(SUFFIX));
+        let ours = name.is_some_and(|n| n.starts_with(&prefix) && n.ends_with(SUFFIX));
         if ours && is_left(&path) {
             // Another program may have been faster.
             let _ = fs::remove_file(&path);
@@ -192,7 +200,8 @@ fn directory_of(path: &Path) -> &Path {
 /// A new file beside `target` with the rights any new file would get.
 fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX).suffix(SUFFIX);
+    let prefix = prefix();
+    builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

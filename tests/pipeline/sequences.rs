@@ -32,6 +32,14 @@ fn all_frames_get_the_same_values_and_each_the_bits_of_a_run_of_its_own() {
         ),
         0,
     );
+    let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
+    for setting in [
+        "white-level = 0.",
+        "normal-space = \"view\"",
+        "sample-frames = \"none\"",
+    ] {
+        assert!(recipe.contains(setting), "{setting} in\n{recipe}");
+    }
     for chunk in ["1-2", "3,4", "5-6"] {
         let words =
             format!("run look.toml in.####.exr --frames {chunk} -o two.####.exr --threads 1");

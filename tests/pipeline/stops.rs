@@ -65,21 +65,27 @@ fn a_killed_run_goes_on_to_the_same_bits() {
 fn what_a_killed_run_left_is_removed_by_the_next() {
     let desk = desk();
     let here = desk.path();
-    let left = here.join(".relievo-abcdef.part");
+    let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
+    let left = here.join(format!(".relievo-{host}-abcdef.part"));
     std::fs::write(&left, b"half a frame").unwrap();
     let long_ago = std::time::SystemTime::now() - Duration::from_secs(60);
     let file = std::fs::File::options().write(true).open(&left).unwrap();
     file.set_modified(long_ago).unwrap();
     // Another run still writes this one.
-    let held = here.join(".relievo-held.part");
+    let held = here.join(format!(".relievo-{host}-held.part"));
     let writer = std::fs::File::create(&held).unwrap();
     writer.set_modified(long_ago).unwrap();
     writer.lock().unwrap();
+    // And of another machine nothing is known.
+    let foreign = here.join(".relievo--elsewhere-.part");
+    let file = std::fs::File::create(&foreign).unwrap();
+    file.set_modified(long_ago).unwrap();
     ended(
         relievo(here, "enhance in.####.exr --frames 1-2 -o ./out.####.png"),
         0,
     );
-    assert_eq!(names(here, ".relievo"), [".relievo-held.part"]);
+    assert!(!left.exists() && held.exists() && foreign.exists());
 }
 
 #[test]

@@ -13,14 +13,19 @@ use clap::{Arg, ArgAction};
 /// Version of the recipes that this program writes, and the newest it reads.
 const VERSION: i64 = 1;
 
+/// The argument that tells which frames choose for all: none do where a recipe holds what they chose.
+const SAMPLE_FRAMES: &str = "sample_frames";
+
 /// Commands that a recipe may stand for.
 const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
 
 /// Whether an argument is a setting, to be kept: not a file of this run, nor how it is run.
 fn is_setting(arg: &Arg) -> bool {
+    let id = arg.get_id().as_str();
     let of_a_run = matches!(arg.get_help_heading(), Some("Run" | "Sequence"));
     let files = ["input", "output", "no_clobber", "help"];
-    arg.get_long().is_some() && !of_a_run && !files.contains(&arg.get_id().as_str())
+    let is_kept = id == SAMPLE_FRAMES || !of_a_run;
+    arg.get_long().is_some() && is_kept && !files.contains(&id)
 }
 
 /// Whether it is on where it is given, and takes no value.
