@@ -2,9 +2,10 @@
 
 use super::job::Done;
 use super::role_args::{EncodingArg, SpaceArg};
+use super::still_camera::{self, StillCamera};
 use crate::backend::cpu::StripChoice;
 use crate::io::Loaded;
-use crate::io::inputs::Conventions;
+use crate::io::inputs::{Conventions, KnownCamera};
 use clap::ValueEnum;
 use std::ffi::OsString;
 
@@ -47,6 +48,9 @@ impl Flag {
     }
 }
 
+/// Rows of depth that tell how far away a frame's surface is.
+const ROWS_FOR_DISTANCE: usize = 32;
+
 /// What was chosen for one frame. What was given, or was not needed, is not among it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Chosen {
@@ -54,6 +58,9 @@ pub(super) struct Chosen {
     numbers: Vec<(&'static str, &'static str, f32)>,
     /// How the layers were read, where they show any surface.
     conventions: Option<Conventions>,
+    /// The camera, where it was recovered, and how far away what it sees is; of a sequence that of all.
+    recovered: Option<(KnownCamera, f64)>,
+    still_camera: Option<StillCamera>,
 }
 
 impl Chosen {
@@ -75,14 +82,16 @@ impl Chosen {
         Self {
             numbers: single.chain(terms).collect(),
             conventions: conventions_of(&done.loaded),
+            recovered: recovered(&done.loaded),
+            still_camera: None,
         }
     }
 
     /// How layers were read, and nothing else yet.
     pub(super) fn of_reading(loaded: &Loaded) -> Self {
         Self {
-            numbers: Vec::new(),
             conventions: conventions_of(loaded),
+            ..Self::default()
         }
     }
 
@@ -108,10 +117,13 @@ impl Chosen {
                 .partial_cmp(&(b.0, b.1, b.2))
                 .expect("no NaN")
         });
+        let cameras: Option<Vec<_>> = each.iter().map(|chosen| chosen.recovered).collect();
         let groups = kinds.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
         Self {
             numbers: groups.map(|group| *group[group.len() / 2]).collect(),
             conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
+            recovered: None,
+            still_camera: cameras.and_then(|cameras| still_camera::of_all(&cameras)),
         }
     }
 
@@ -121,7 +133,11 @@ impl Chosen {
             term => Flag::new(name, format_args!("{term}={number}")),
         };
         let conventions = self.conventions.iter().flat_map(conventions_as_flags);
-        self.numbers.iter().map(flag).chain(conventions).collect()
+        let camera = self
+            .still_camera
+            .map(|still| Flag::new("still-camera", still));
+        let numbers = self.numbers.iter().map(flag);
+        numbers.chain(conventions).chain(camera).collect()
     }
 
     /// The choices in words: `curvature gain 2.140, white level 0.8812`.
@@ -134,6 +150,27 @@ impl Chosen {
         });
         words.collect::<Vec<_>>().join(", ")
     }
+}
+
+/// The camera of a frame, if it was recovered, and the distance of something in its middle.
+fn recovered(loaded: &Loaded) -> Option<(KnownCamera, f64)> {
+    let known = loaded
+        .known_camera()
+        .filter(|_| loaded.camera_is_recovered)?;
+    let frame = &loaded.frame;
+    let depth = frame.depth.as_ref();
+    let mut distances: Vec<f32> = (0..frame.mask.height())
+        .step_by(frame.mask.height().div_ceil(ROWS_FOR_DISTANCE).max(1))
+        .flat_map(|y| {
+            depth
+                .into_iter()
+                .flat_map(move |d| d.row(y).iter().copied())
+        })
+        .filter(|&distance| distance > 0.0)
+        .collect();
+    distances.sort_by(f32::total_cmp);
+    let middle = distances.get(distances.len() / 2).copied();
+    Some((known, middle.unwrap_or(1.0).into()))
 }
 
 /// A frame without any surface tells nothing of its layers.
@@ -192,7 +229,7 @@ mod tests {
                 ("curvature-gain", "", gain),
                 ("term-white-level", "diffuse", white),
             ],
-            conventions: None,
+            ..Chosen::default()
         };
         // One frame is a flash, one is dark.
         let all = Chosen::for_all(&[frame(2.0, 0.5), frame(9.0, 70.0), frame(2.5, 0.01)]);

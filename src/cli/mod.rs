@@ -23,6 +23,7 @@ mod role_args;
 mod sequence;
 mod shape;
 mod specular_args;
+mod still_camera;
 mod stop;
 mod strips;
 mod threads;

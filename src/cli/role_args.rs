@@ -1,5 +1,6 @@
 //! Which layers and files play which role: the names of the inputs.
 
+use super::still_camera::StillCamera;
 use crate::frame::NormalSpace;
 use crate::io::colorspace::ColorSpace;
 use crate::io::inputs::{Flip, Inputs, NormalEncoding, StoredDepth};
@@ -51,6 +52,9 @@ pub(super) struct RoleArgs {
     /// are srgb and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = colorspace_parser())]
     colorspace: ColorSpaceArg,
+    /// The camera of all frames of a sequence, as --save-recipe writes it where it was recovered and stands still.
+    #[arg(long, value_name = "JSON", conflicts_with = "camera")]
+    still_camera: Option<StillCamera>,
     /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
@@ -161,7 +165,7 @@ impl RoleArgs {
             colorspace: self.colorspace.0,
             light: None,
             rows: None,
-            known_camera: None,
+            known_camera: self.still_camera.map(|still| still.0),
         }
     }
 

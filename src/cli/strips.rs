@@ -132,7 +132,7 @@ pub(super) fn enhance(
     inputs.rows = Some(middle.strip(middle.count() / 2).0);
     let (mut sample, _) = job.load(&inputs, needs)?;
     sample.conventions.force(&mut inputs);
-    inputs.known_camera = sample.frame.camera;
+    inputs.known_camera = sample.known_camera();
     let mut source = Source {
         inputs,
         needs,

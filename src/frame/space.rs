@@ -41,7 +41,7 @@ impl std::fmt::Display for DepthKind {
 }
 
 /// How view space falls onto the picture, in pixels of the display window.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", tag = "type")]
 pub enum Projection {
     /// All sight lines meet in the eye.

@@ -53,7 +53,16 @@ pub struct Inputs {
     /// Rows of the frame to be read, counted from the top of its data window; all where not given.
     pub rows: Option<Range<usize>>,
     /// The camera, where it is known already; it goes before all others.
-    pub known_camera: Option<Camera>,
+    pub known_camera: Option<KnownCamera>,
+}
+
+/// A camera that need not be looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownCamera {
+    /// The camera.
+    pub camera: Camera,
+    /// Whether it is known where in the world it stands; else only how it is turned.
+    pub is_placed: bool,
 }
 
 /// Which layers of light are wanted. A lobe that is not named is found by its layers' names.

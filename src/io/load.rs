@@ -5,7 +5,7 @@ use super::coverage::{self, Evidence};
 use super::depth::{depth_of_positions, judge_depth, to_distances, told_depth};
 use super::depth_sense::{self, judge_sense};
 use super::exr::ExrFile;
-use super::inputs::{Conventions, Inputs, NormalEncoding, StoredDepth};
+use super::inputs::{Conventions, Inputs, KnownCamera, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::normals;
 use super::roles::Role;
@@ -65,6 +65,8 @@ pub struct Loaded {
     pub color_is_half: bool,
     /// Whether it is known where in the world the camera stands: positions of the world can be used.
     pub camera_is_placed: bool,
+    /// Whether the camera was recovered from what it saw, and not told.
+    pub camera_is_recovered: bool,
     /// How the layers were read.
     pub conventions: Conventions,
     /// Primaries and white of the picture, where somebody told them: Rec. 709 else.
@@ -79,6 +81,15 @@ impl Loaded {
             Opened::Exr { file, .. } => Some(file),
             Opened::Photo { .. } => None,
         }
+    }
+}
+
+impl Loaded {
+    /// The camera, to be given to the inputs of another frame.
+    pub fn known_camera(&self) -> Option<KnownCamera> {
+        let is_placed = self.camera_is_placed;
+        let known = |camera| KnownCamera { camera, is_placed };
+        self.frame.camera.map(known)
     }
 }
 
@@ -248,6 +259,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         photo_bits: photo_bits(&main),
         color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
         camera_is_placed: view.is_placed,
+        camera_is_recovered: view.is_recovered,
         conventions,
         chromaticities,
         main,

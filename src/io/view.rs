@@ -38,6 +38,8 @@ pub(super) struct View {
     pub(super) camera: Option<Camera>,
     /// Whether it is known where in the world the camera stands, and not only how it is turned.
     pub(super) is_placed: bool,
+    /// Whether the camera was recovered from what it saw, and not told.
+    pub(super) is_recovered: bool,
     /// How the stored normals were read.
     pub(super) normals: NormalReading,
     pub(super) findings: Vec<Finding>,
@@ -73,6 +75,7 @@ pub(super) fn turn_to_view(
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
     reading.take(hint);
+    let is_recovered = search.has_recovered;
     let mut findings = search.findings;
     let normals = reading.settled(inputs, surface, &findings)?;
     if normals.space == NormalSpace::World && camera.is_none() {
@@ -82,6 +85,7 @@ pub(super) fn turn_to_view(
     normals.turn(normal, camera.as_ref());
     Ok(View {
         is_placed,
+        is_recovered,
         camera,
         normals,
         findings,

@@ -202,3 +202,21 @@ fn inputs_of_a_sequence_are_not_written_over() {
     assert!(said.contains("is the input"), "{said}");
     assert!(bytes(desk.path(), "in.0001.exr") == before);
 }
+
+#[test]
+fn a_camera_that_stands_still_is_recovered_once() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    let bust = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/bust.exr");
+    for number in 1..=3 {
+        fs::copy(bust, here.join(format!("in.{number}.exr"))).unwrap();
+    }
+    let words = "enhance in.#.exr --frames 1-3 -o out.#.exr --save-recipe look.toml";
+    ended(relievo(here, words), 0);
+    let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
+    assert!(recipe.contains("still-camera = "), "{recipe}");
+    // Found anew it is the same, as the frames are.
+    ended(relievo(here, "enhance in.2.exr -o alone.png"), 0);
+    ended(relievo(here, "run look.toml in.2.exr -o by_recipe.png"), 0);
+    assert!(bytes(here, "alone.png") == bytes(here, "by_recipe.png"));
+}

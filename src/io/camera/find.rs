@@ -26,6 +26,8 @@ pub(in crate::io) struct CameraSearch<'a> {
     inputs: &'a Inputs,
     surface: &'a Surface<'a>,
     failure: Option<RecoveryFailure>,
+    /// Whether a camera was recovered from what it saw, and not told.
+    pub(in crate::io) has_recovered: bool,
     pub(in crate::io) findings: Vec<Finding>,
 }
 
@@ -56,6 +58,7 @@ impl<'a> CameraSearch<'a> {
             inputs,
             surface,
             failure: None,
+            has_recovered: false,
             findings: Vec::new(),
         }
     }
@@ -72,8 +75,8 @@ impl<'a> CameraSearch<'a> {
             pixel_aspect,
             ..
         } = *self.surface;
-        if let Some(camera) = self.inputs.known_camera {
-            return Ok(Some(camera));
+        if let Some(known) = self.inputs.known_camera {
+            return Ok(known.is_placed.then_some(known.camera));
         }
         let found = match (&self.inputs.camera, position) {
             (Some(path), _) => {
@@ -83,7 +86,10 @@ impl<'a> CameraSearch<'a> {
             (None, position) => match (self.from_attributes(normal), position) {
                 (Some(found), _) => found,
                 (None, Some(position)) => match self.from_positions(position) {
-                    Ok(found) => found,
+                    Ok(found) => {
+                        self.has_recovered = true;
+                        found
+                    }
                     Err(failure) => {
                         self.failure = Some(failure);
                         self.tell(None);
@@ -157,6 +163,10 @@ impl<'a> CameraSearch<'a> {
 
     /// The turn and lens that depth and `normal` tell; no place. Not told yet.
     pub(in crate::io) fn by_depth(&mut self, normal: &Vector3Planes) -> Option<FoundCamera> {
+        if let Some(known) = self.inputs.known_camera {
+            let told = FoundCamera::new(known.camera, "as told".into());
+            return (!known.is_placed).then_some(told);
+        }
         let surface = self.surface;
         let depth = surface.depth?;
         let found = recover_camera_from_depth(
@@ -174,6 +184,7 @@ impl<'a> CameraSearch<'a> {
                 return None;
             }
         };
+        self.has_recovered = true;
         let evidence = format!(
             "recovered from normals and {}, rotation within {:.2} degrees, focal within {:.1} %",
             found.depth_kind,
