@@ -260,7 +260,7 @@ fn arnold() {
         layer(part(), "N", RGB, Float, world_normals(truth, y_up())).channel("Z", Float, &depth);
     let file = with_matrices(file, view, ndc_from_camera(true, -1.0), false);
     let arnold = expected(World, StoredDepth::Planar, FLOAT_DEG);
-    check("Arnold", &[file.clone()], &arnold);
+    check("Arnold", std::slice::from_ref(&file), &arnold);
     let placed = layer(file, "P", RGB, Float, world_positions(truth, y_up()));
     let loaded = check("Arnold, positions", &[placed], &arnold);
     assert!(loaded.camera_is_placed);
@@ -290,7 +290,7 @@ fn renderman() {
     .channel("__depth.r", Float, &depth);
     let file = with_matrices(file, forward, ndc_from_camera(false, 1.0), false);
     let renderman = expected(World, StoredDepth::Planar, FLOAT_DEG);
-    check("RenderMan", &[file.clone()], &renderman);
+    check("RenderMan", std::slice::from_ref(&file), &renderman);
     let file = layer(
         file,
         "__Pworld",

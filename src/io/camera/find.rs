@@ -83,9 +83,9 @@ impl<'a> CameraSearch<'a> {
                 let camera = read_camera(path, display_window, pixel_aspect)?;
                 FoundCamera::new(camera, format!("from {}", path.display()))
             }
-            (None, position) => match (self.from_attributes(normal), position) {
+            (None, position) => match (self.by_attributes(normal), position) {
                 (Some(found), _) => found,
-                (None, Some(position)) => match self.from_positions(position) {
+                (None, Some(position)) => match self.by_positions(position) {
                     Ok(found) => {
                         self.has_recovered = true;
                         found
@@ -105,7 +105,7 @@ impl<'a> CameraSearch<'a> {
 
     /// The reading of the attributes that agrees best with the positions, else with the normals, else the
     /// standard's.
-    fn from_attributes(&self, normal: &Vector3Planes) -> Option<FoundCamera> {
+    fn by_attributes(&self, normal: &Vector3Planes) -> Option<FoundCamera> {
         let surface = self.surface;
         let aspect = f64::from(surface.pixel_aspect);
         let candidates = candidates(surface.attributes?, surface.display_window, aspect);
@@ -142,7 +142,7 @@ impl<'a> CameraSearch<'a> {
         Some(FoundCamera::new(chosen.camera, evidence))
     }
 
-    fn from_positions(
+    fn by_positions(
         &self,
         position: &Vector3Planes,
     ) -> std::result::Result<FoundCamera, RecoveryFailure> {

@@ -151,8 +151,7 @@ pub fn recover_camera(
             samples.mirror();
             let found = Fit::of(&samples, display_window)?;
             let mut report = found.report(&samples, display_window, aspect);
-            report.camera.view_from_world =
-                report.camera.view_from_world * DAffine3::from_scale(MIRROR);
+            report.camera.view_from_world *= DAffine3::from_scale(MIRROR);
             Ok(report)
         }
         found => Ok(found?.report(&samples, display_window, aspect)),
