@@ -7,7 +7,7 @@ use super::job::Job;
 use super::message;
 use super::output::check_output;
 use super::progress::{Progress, Status};
-use super::recipe::RecipeText;
+use super::recipe::{RecipeText, SAMPLE_FRAMES};
 use super::sequence::MissingArg;
 use super::stop::{self, First};
 use super::threads::{Lanes, use_threads};
@@ -121,21 +121,19 @@ fn sequence<C: FrameCommand>(
     if !quiet && chosen != Chosen::default() {
         message::say(&format!("for all frames: {}", chosen.in_words()));
     }
-    save_recipe(command.work(), &recipe.clone().of_sequence(&chosen))?;
+    // What was chosen is what the flags would say, and no frame chooses again.
+    let mut flags = chosen.flags();
+    if !samples.is_empty() {
+        flags.push(Flag::new(SAMPLE_FRAMES, "none"));
+    }
+    let (command, recipe) = command_of::<C>(&invocation.with(&flags));
+    save_recipe(command.work(), &recipe.with(&Chosen::default()))?;
     if let Some(code) = stop::asked() {
         return Ok(code);
     }
     if command.work().output.output.is_none() {
         return Ok(0);
     }
-    let flags: Vec<Flag> = chosen.flags();
-    let (command, recipe) = match flags.is_empty() {
-        true => (command, recipe),
-        false => {
-            drop(command);
-            command_of::<C>(&invocation.with(&flags))
-        }
-    };
     let progress = Progress::begin(command.work().run.progress, quiet, frames.len());
     let told = Told::of_sequence(progress);
     let run = Sequence {

@@ -13,8 +13,8 @@ use clap::{Arg, ArgAction};
 /// Version of the recipes that this program writes, and the newest it reads.
 const VERSION: i64 = 1;
 
-/// The argument that tells which frames choose for all: none do where a recipe holds what they chose.
-const SAMPLE_FRAMES: &str = "sample_frames";
+/// The flag that tells which frames choose for all: none do where a recipe holds what they chose.
+pub(super) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe may stand for.
 const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
@@ -24,7 +24,7 @@ fn is_setting(arg: &Arg) -> bool {
     let id = arg.get_id().as_str();
     let of_a_run = matches!(arg.get_help_heading(), Some("Run" | "Sequence"));
     let files = ["input", "output", "no_clobber", "help"];
-    let is_kept = id == SAMPLE_FRAMES || !of_a_run;
+    let is_kept = arg.get_long() == Some(SAMPLE_FRAMES) || !of_a_run;
     arg.get_long().is_some() && is_kept && !files.contains(&id)
 }
 

@@ -1,6 +1,6 @@
 //! From flags to TOML.
 
-use super::{SAMPLE_FRAMES, VERSION, is_repeatable, is_setting, is_switch};
+use super::{VERSION, is_repeatable, is_setting, is_switch};
 use crate::cli::chosen::{Chosen, Flag};
 use crate::cli::invocation::{command_named, long, typed_ids};
 use clap::{Arg, ArgMatches};
@@ -30,13 +30,6 @@ impl RecipeText {
             settings: settings.collect(),
             command: name.to_string(),
         }
-    }
-
-    /// [`RecipeText::with`] what was `chosen` for all frames of a sequence: none of them chooses again.
-    pub(in crate::cli) fn of_sequence(mut self, chosen: &Chosen) -> String {
-        let name = SAMPLE_FRAMES.replace('_', "-");
-        self.settings.insert(name, Value::String("none".into()));
-        self.with(chosen)
     }
 
     /// The recipe with what was `chosen` in place of what was left open.
