@@ -4,6 +4,7 @@ use super::attributes::text_of_bytes;
 use super::chunks::Place;
 use super::fault::{Fault, Parsed};
 use super::layout::{Area, Layout};
+use super::zip::{Pairs, inflate};
 use crate::io::fence::fenced;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{
@@ -17,6 +18,10 @@ use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 use std::ops::Range;
+
+/// Whether ZIP and what is not compressed are decoded and encoded here: where numbers in memory are as
+/// they are in files, low byte first.
+pub(super) const OWN_CODEC: bool = cfg!(target_endian = "little");
 
 /// A channel to be read: where its samples lie in a row of a decompressed block.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +37,27 @@ impl Slot {
         Slot {
             before: bytes_per_pixel(&list[..channel]),
             sample_type: list[channel].sample_type,
+        }
+    }
+
+    /// Converts samples given as words of 16 bits, low ones first.
+    fn convert_words(self, words: &[u16], into: &mut [f32]) {
+        let bits = |&[low, high]: &[u16; 2]| u32::from(low) | u32::from(high) << 16;
+        match self.sample_type {
+            SampleType::F16 => {
+                let halves: &[f16] = words.reinterpret_cast();
+                halves.convert_to_f32_slice(into);
+            }
+            SampleType::F32 => {
+                for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
+                    *to = f32::from_bits(bits(words));
+                }
+            }
+            SampleType::U32 => {
+                for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
+                    *to = bits(words) as f32;
+                }
+            }
         }
     }
 
@@ -67,6 +93,14 @@ fn bytes_per_pixel(channels: &[::exr::meta::attribute::ChannelDescription]) -> u
         .sum()
 }
 
+/// A decompressed block: for each row, all samples of one channel after another.
+pub(super) enum Block {
+    /// As they are in memory.
+    Bytes(Vec<u8>),
+    /// As ZIP prepares them.
+    Differences(Vec<u8>),
+}
+
 /// Rows of a picture that are to be filled.
 pub(super) enum Rows<'t> {
     /// The samples of some channels, in planes as wide as the picture.
@@ -98,7 +132,65 @@ impl<'t> Rows<'t> {
 
     /// Copies what `block`, whose pixels are those of `area`, holds of the rows `rows`: the rows
     /// that are here.
-    pub(super) fn fill(&mut self, block: &[u8], area: &Area, rows: &Range<usize>, layout: &Layout) {
+    pub(super) fn fill(
+        &mut self,
+        block: &Block,
+        area: &Area,
+        rows: &Range<usize>,
+        layout: &Layout,
+    ) {
+        match block {
+            Block::Bytes(bytes) => self.fill_bytes(bytes, area, rows, layout),
+            Block::Differences(bytes) => self.fill_pairs(Pairs::new(bytes), area, rows, layout),
+        }
+    }
+
+    fn fill_pairs(&mut self, mut pairs: Pairs, area: &Area, rows: &Range<usize>, layout: &Layout) {
+        let (x, width) = (area.columns.start, area.columns.len());
+        let row_pairs = layout.pixel_bytes / 2 * width;
+        let shared = area.rows.start.max(rows.start)..area.rows.end.min(rows.end);
+        pairs.skip((shared.start - area.rows.start) * row_pairs);
+        let mut words = vec![0; row_pairs];
+        if let Rows::Samples(planes) = self {
+            planes.sort_by_key(|(slot, _)| slot.before);
+        }
+        for y in shared {
+            let y = y - rows.start;
+            match self {
+                Rows::Samples(planes) => {
+                    let (mut at, mut last) = (0, None);
+                    for (slot, samples) in planes {
+                        let count = slot.sample_type.bytes_per_sample() / 2 * width;
+                        // A channel may be wanted twice.
+                        if last != Some(slot.before) {
+                            pairs.skip(slot.before / 2 * width - at);
+                            pairs.take(&mut words[..count]);
+                            at = slot.before / 2 * width + count;
+                            last = Some(slot.before);
+                        }
+                        let into = &mut samples[y * layout.width + x..][..width];
+                        slot.convert_words(&words[..count], into);
+                    }
+                    pairs.skip(row_pairs - at);
+                }
+                Rows::Bytes(bytes) => {
+                    pairs.take(&mut words);
+                    let row: Vec<u8> = words.iter().flat_map(|w| w.to_ne_bytes()).collect();
+                    let bytes_per_row = layout.width * layout.pixel_bytes;
+                    let into = &mut bytes[y * bytes_per_row..][..bytes_per_row];
+                    copy_row(
+                        &row,
+                        into,
+                        &layout.sample_bytes,
+                        layout.width,
+                        &area.columns,
+                    );
+                }
+            }
+        }
+    }
+
+    fn fill_bytes(&mut self, block: &[u8], area: &Area, rows: &Range<usize>, layout: &Layout) {
         let (x, width) = (area.columns.start, area.columns.len());
         let row_bytes = layout.pixel_bytes * width;
         let shared = area.rows.start.max(rows.start)..area.rows.end.min(rows.end);
@@ -140,13 +232,33 @@ fn copy_row(
     }
 }
 
-/// Decompresses a block of `part` that lies at `place`, where its part says.
+/// Decompresses a block of `part` that lies at `place`, where its part says; it has `size` bytes.
 pub(super) fn decode_block(
     bytes: Vec<u8>,
     meta: &MetaData,
     part: usize,
     place: Place,
-) -> Parsed<Vec<u8>> {
+    size: usize,
+) -> Parsed<Block> {
+    let header = &meta.headers[part];
+    // What compression would not have made smaller is stored as it is.
+    if OWN_CODEC && bytes.len() == size {
+        return Ok(Block::Bytes(bytes));
+    }
+    match header.compression {
+        Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => {
+            let mut differences = vec![0; size];
+            match fenced(|| inflate(&bytes, &mut differences)) {
+                Some(inflated) => inflated.map(|()| Block::Differences(differences)),
+                None => Err(contradiction(part, header)),
+            }
+        }
+        _ => decode_foreign(bytes, meta, part, place),
+    }
+}
+
+/// Lets the `exr` crate decompress a block.
+fn decode_foreign(bytes: Vec<u8>, meta: &MetaData, part: usize, place: Place) -> Parsed<Block> {
     let header = &meta.headers[part];
     if matches!(
         header.compression,
@@ -159,12 +271,16 @@ pub(super) fn decode_block(
         compressed_block: compressed_block(bytes, place),
     };
     match fenced(|| UncompressedBlock::decompress_chunk(chunk, meta, false)) {
-        Some(block) => Ok(block?.data),
-        None => Err(Fault::damaged(format!(
-            "a block of pixels in part {} contradicts itself",
-            part_name(part, header)
-        ))),
+        Some(block) => Ok(Block::Bytes(block?.data)),
+        None => Err(contradiction(part, header)),
     }
+}
+
+fn contradiction(part: usize, header: &Header) -> Fault {
+    Fault::damaged(format!(
+        "a block of pixels in part {} contradicts itself",
+        part_name(part, header)
+    ))
 }
 
 fn part_name(index: usize, header: &Header) -> String {

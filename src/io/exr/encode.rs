@@ -1,9 +1,12 @@
 //! Rows to compressed blocks.
 
+use super::decode::OWN_CODEC;
 use super::fault::{Fault, Parsed};
 use super::write::{OutputType, ReadyPart, Source};
+use super::zip;
 use crate::frame::Plane;
 use crate::io::fence::fenced;
+use ::exr::compression::Compression;
 use ::exr::math::Vec2;
 use ::exr::meta::attribute::IntegerBounds;
 use ::exr::meta::header::Header;
@@ -134,6 +137,11 @@ impl Encoder {
     }
 
     fn compressed(&self, first_row: usize, rows: usize, raw: Vec<u8>) -> Parsed<Vec<u8>> {
+        match self.header.compression {
+            Compression::Uncompressed if OWN_CODEC => return Ok(raw),
+            Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => return Ok(zip::compress(raw)),
+            _ => {}
+        }
         let section = IntegerBounds {
             position: Vec2(0, first_row as i32),
             size: Vec2(self.header.layer_size.width(), rows),
@@ -150,13 +158,28 @@ impl Encoder {
 }
 
 fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw: &mut Vec<u8>) {
+    let start = raw.len();
     match sample_type {
-        OutputType::Float => raw.extend(row.iter().flat_map(|v| v.to_ne_bytes())),
+        OutputType::Float => {
+            raw.resize(start + 4 * row.len(), 0);
+            for (to, v) in raw[start..].as_chunks_mut().0.iter_mut().zip(row) {
+                *to = v.to_ne_bytes();
+            }
+        }
         OutputType::Half => {
-            let clamped: Vec<f32> = row.iter().map(|&v| clamped_to_half(v)).collect();
+            // A few at a time, which need no more memory than the stack has.
+            let mut clamped = [0.0; 64];
             halves.resize(row.len(), f16::ZERO);
-            halves.convert_from_f32_slice(&clamped);
-            raw.extend(halves.iter().flat_map(|v| v.to_ne_bytes()));
+            for (row, halves) in row.chunks(64).zip(halves.chunks_mut(64)) {
+                for (to, &v) in clamped.iter_mut().zip(row) {
+                    *to = clamped_to_half(v);
+                }
+                halves.convert_from_f32_slice(&clamped[..row.len()]);
+            }
+            raw.resize(start + 2 * row.len(), 0);
+            for (to, v) in raw[start..].as_chunks_mut().0.iter_mut().zip(halves.iter()) {
+                *to = v.to_ne_bytes();
+            }
         }
     }
 }

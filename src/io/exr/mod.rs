@@ -5,7 +5,7 @@
 //! makes a file of one part, adds a part to a copy of the input in which every other byte of pixels
 //! stays as it was, or adds channels to a part of a copy. All three go by strips of rows.
 //!
-//! The `exr` crate decompresses; everything that decides how much memory is used, and where a chunk
+//! ZIP is undone and done here, other compressions by the `exr` crate; everything that decides how much memory is used, and where a chunk
 //! lies, is done here, because that crate trusts what the file claims.
 
 mod append;
@@ -23,6 +23,7 @@ mod rows;
 mod sink;
 mod write;
 mod writer;
+mod zip;
 
 pub use compression::OutputCompression;
 pub use merge::Merged;

@@ -222,13 +222,18 @@ impl PartBlocks {
     }
 
     fn decode_band(&self, blocks: Vec<Vec<u8>>, band: &mut Band, meta: &MetaData) -> Parsed<()> {
-        let decoded: Vec<_> = blocks
-            .into_par_iter()
-            .enumerate()
-            .map(|(i, bytes)| {
-                decode_block(bytes, meta, self.part, self.layout.place(band.index, i))
-            })
-            .collect();
+        let decode = |(i, bytes)| {
+            let area = self.layout.area(band.index, i);
+            let size = area.columns.len() * area.rows.len() * self.layout.pixel_bytes;
+            decode_block(
+                bytes,
+                meta,
+                self.part,
+                self.layout.place(band.index, i),
+                size,
+            )
+        };
+        let decoded: Vec<_> = blocks.into_par_iter().enumerate().map(decode).collect();
         for (i, block) in decoded.into_iter().enumerate() {
             let area = self.layout.area(band.index, i);
             band.target.fill(&block?, &area, &band.rows, &self.layout);

@@ -1,0 +1,232 @@
+//! ZIP compression: zlib over bytes that were sorted and differenced.
+//!
+//! A block is cut into the bytes at even places and those at odd places, one after the other; then
+//! each byte but the first is replaced by its difference from the one before it, plus 128. Samples are
+//! stored low byte first, so a pair of bytes, one of each half, is a half float or half of a sample of
+//! 32 bits. Only pairs that are wanted are put together: of the rest nothing but the sum is needed.
+
+use super::fault::{Fault, Parsed};
+use std::cell::RefCell;
+use zlib_rs::{Deflate, DeflateFlush, Inflate, InflateFlush, Status};
+
+/// Effort of zlib, 1 to 9. A render of 1920x1080 with 16 channels of halves becomes 12.4 MB in 0.52 s of
+/// one core; with 2, 13.1 MB in 0.40 s; with 4, 12.1 MB in 0.64 s; with 6, 11.6 MB in 1.00 s. Level 4 of
+/// miniz_oxide, which the `exr` crate uses, makes 12.2 MB in 1.41 s.
+const LEVEL: i32 = 3;
+/// The window of zlib, as a power of two; the largest there is.
+const WINDOW_BITS: u8 = 15;
+
+thread_local! {
+    /// What zlib works with: costly to make, and used again by every block of a thread.
+    static INFLATE: RefCell<Inflate> = RefCell::new(Inflate::new(true, WINDOW_BITS));
+    static DEFLATE: RefCell<Deflate> = RefCell::new(Deflate::new(LEVEL, true, WINDOW_BITS));
+}
+
+/// Undoes zlib. `into` must have the size of the block, which must have just that many bytes.
+pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Parsed<()> {
+    let inflated = INFLATE.with_borrow_mut(|inflate| {
+        inflate.reset(true);
+        let status = inflate.decompress(compressed, into, InflateFlush::Finish);
+        (status, inflate.total_out())
+    });
+    match inflated {
+        (Ok(Status::StreamEnd), bytes) if bytes == into.len() as u64 => Ok(()),
+        _ => Err(Fault::damaged("is damaged (ZIP-compressed pixels)")),
+    }
+}
+
+/// Compresses a block; one that would not become smaller is returned as it is.
+pub(super) fn compress(raw: Vec<u8>) -> Vec<u8> {
+    let differences = differences(&raw);
+    let mut bytes = vec![0; raw.len()];
+    let done = DEFLATE.with_borrow_mut(|deflate| {
+        deflate.reset();
+        match deflate.compress(&differences, &mut bytes, DeflateFlush::Finish) {
+            Ok(Status::StreamEnd) => Some(deflate.total_out() as usize),
+            // It does not fit.
+            _ => None,
+        }
+    });
+    match done.filter(|&size| size < raw.len()) {
+        Some(size) => {
+            bytes.truncate(size);
+            bytes.shrink_to_fit();
+            bytes
+        }
+        None => raw,
+    }
+}
+
+/// The bytes of a block, sorted and differenced.
+fn differences(raw: &[u8]) -> Vec<u8> {
+    let mut sorted = vec![0; raw.len()];
+    let (low, high) = sorted.split_at_mut(raw.len().div_ceil(2));
+    let (pairs, last) = raw.as_chunks::<2>();
+    for ((low, high), &[l, h]) in low.iter_mut().zip(high).zip(pairs) {
+        (*low, *high) = (l, h);
+    }
+    if let ([byte], Some(low)) = (last, low.last_mut()) {
+        *low = *byte;
+    }
+    let mut differences = sorted.clone();
+    for ((to, from), before) in differences
+        .iter_mut()
+        .skip(1)
+        .zip(&sorted[1..])
+        .zip(&sorted)
+    {
+        *to = from.wrapping_sub(*before).wrapping_add(128);
+    }
+    differences
+}
+
+/// The pairs of bytes of a block whose zlib compression has been undone, from first to last.
+pub(super) struct Pairs<'b> {
+    low: &'b [u8],
+    high: &'b [u8],
+    /// The byte before the next one of each half; 128 before the first of all.
+    low_sum: u8,
+    high_sum: u8,
+}
+
+impl<'b> Pairs<'b> {
+    /// The pairs of `differences`, an even number of bytes.
+    pub(super) fn new(differences: &'b [u8]) -> Self {
+        let (low, high) = differences.split_at(differences.len() / 2);
+        Pairs {
+            low,
+            high,
+            low_sum: 128,
+            high_sum: total(128, low),
+        }
+    }
+
+    /// Passes over `count` pairs.
+    pub(super) fn skip(&mut self, count: usize) {
+        let (low, high) = self.next(count);
+        self.low_sum = total(self.low_sum, low);
+        self.high_sum = total(self.high_sum, high);
+    }
+
+    /// Puts together as many pairs as `into` holds.
+    pub(super) fn take(&mut self, into: &mut [u16]) {
+        let (low, high) = self.next(into.len());
+        let (into, into_rest) = into.as_chunks_mut::<8>();
+        let (low, low_rest) = low.as_chunks::<8>();
+        let (high, high_rest) = high.as_chunks::<8>();
+        for ((into, &low), &high) in into.iter_mut().zip(low).zip(high) {
+            let low = sums(low, &mut self.low_sum);
+            let high = sums(high, &mut self.high_sum);
+            let [even, odd] = [low[0] | high[0] << 8, low[1] | high[1] << 8];
+            for i in 0..4 {
+                into[2 * i] = (even >> (16 * i)) as u16;
+                into[2 * i + 1] = (odd >> (16 * i)) as u16;
+            }
+        }
+        for ((into, low), high) in into_rest.iter_mut().zip(low_rest).zip(high_rest) {
+            self.low_sum = total(self.low_sum, &[*low]);
+            self.high_sum = total(self.high_sum, &[*high]);
+            *into = u16::from_le_bytes([self.low_sum, self.high_sum]);
+        }
+    }
+
+    fn next(&mut self, count: usize) -> (&'b [u8], &'b [u8]) {
+        let (low, high) = (&self.low[..count], &self.high[..count]);
+        (self.low, self.high) = (&self.low[count..], &self.high[count..]);
+        (low, high)
+    }
+}
+
+/// The byte that `differences` lead to from `before`.
+fn total(before: u8, differences: &[u8]) -> u8 {
+    let sum = differences
+        .iter()
+        .fold(before, |sum, &d| sum.wrapping_add(d));
+    // Each was stored with 128 added, and two of those are nothing.
+    sum.wrapping_add(128 * (differences.len() % 2) as u8)
+}
+
+/// The eight bytes that `differences` lead to from `before`, which becomes the last of them: those at
+/// even places and those at odd places, in lanes of 16 bits.
+///
+/// All eight sums are made at once: a product with 1 in every lane adds to each lane those below it.
+fn sums(differences: [u8; 8], before: &mut u8) -> [u64; 2] {
+    const ONES: u64 = 0x0001_0001_0001_0001;
+    const BYTES: u64 = 0x00ff * ONES;
+    let bytes = u64::from_le_bytes(differences) ^ 0x8080_8080_8080_8080;
+    let odd = (bytes >> 8) & BYTES;
+    let pairs = (bytes & BYTES) + odd;
+    // At most 255 + 4 * 510 in a lane, so none spills into the next.
+    let odd_sums = pairs.wrapping_mul(ONES) + u64::from(*before) * ONES;
+    *before = (odd_sums >> 48) as u8;
+    [(odd_sums - odd) & BYTES, odd_sums & BYTES]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bytes that look random (a linear congruential generator), with runs.
+    fn bytes(count: usize) -> Vec<u8> {
+        let mut state = 7u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        };
+        (0..count)
+            .map(|i| if i / 50 % 2 == 0 { next() } else { 9 })
+            .collect()
+    }
+
+    #[test]
+    fn a_block_comes_back() {
+        for count in [2, 16, 30, 1000, 4096] {
+            let raw = bytes(count);
+            let mut differences = vec![0; count];
+            let compressed = compress(raw.clone());
+            if compressed.len() < count {
+                inflate(&compressed, &mut differences).unwrap();
+            } else {
+                assert_eq!(compressed, raw);
+                differences = super::differences(&raw);
+            }
+            let mut words = vec![0; count / 2];
+            Pairs::new(&differences).take(&mut words);
+            let back: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
+            assert_eq!(back, raw, "{count}");
+        }
+    }
+
+    #[test]
+    fn pairs_may_be_passed_over() {
+        let raw = bytes(2000);
+        let differences = differences(&raw);
+        let mut pairs = Pairs::new(&differences);
+        let mut next = 0;
+        // Skipped and taken: none, few, odd, more than a lane holds.
+        for (skipped, taken) in [(0, 3), (5, 0), (1, 17), (300, 8), (64, 100)] {
+            pairs.skip(skipped);
+            next += skipped;
+            let mut words = vec![0; taken];
+            pairs.take(&mut words);
+            let expected = raw.as_chunks().0[next..next + taken].iter();
+            assert!(
+                words.iter().eq(expected
+                    .map(|&b| u16::from_le_bytes(b))
+                    .collect::<Vec<_>>()
+                    .iter())
+            );
+            next += taken;
+        }
+    }
+
+    #[test]
+    fn a_stream_of_another_size_is_damaged() {
+        let raw = vec![0; 400];
+        let compressed = compress(raw);
+        assert!(inflate(&compressed, &mut [0; 400]).is_ok());
+        assert!(inflate(&compressed, &mut [0; 399]).is_err());
+        assert!(inflate(&compressed, &mut [0; 401]).is_err());
+        assert!(inflate(&compressed[..compressed.len() - 5], &mut [0; 400]).is_err());
+    }
+}
