@@ -65,7 +65,7 @@ pub(super) enum SpaceArg {
     Auto,
     View,
     World,
-    /// Of an object that was not turned: as the world.
+    // Of an object that was not turned: as the world. No doc comment: it would change the layout of all help.
     Object,
 }
 
