@@ -167,14 +167,13 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
             }
         }
         OutputType::Half => {
-            // A few at a time, which need no more memory than the stack has.
-            let mut clamped = [0.0; 64];
             halves.resize(row.len(), f16::ZERO);
-            for (row, halves) in row.chunks(64).zip(halves.chunks_mut(64)) {
-                for (to, &v) in clamped.iter_mut().zip(row) {
-                    *to = clamped_to_half(v);
+            halves.convert_from_f32_slice(row);
+            // Rare: what was finite and is no more.
+            if halves.iter().any(|half| half.is_infinite()) {
+                for (half, &v) in halves.iter_mut().zip(row) {
+                    *half = f16::from_f32(clamped_to_half(v));
                 }
-                halves.convert_from_f32_slice(&clamped[..row.len()]);
             }
             raw.resize(start + 2 * row.len(), 0);
             for (to, v) in raw[start..].as_chunks_mut().0.iter_mut().zip(halves.iter()) {

@@ -57,25 +57,22 @@ pub(super) fn compress(raw: Vec<u8>) -> Vec<u8> {
     }
 }
 
-/// The bytes of a block, sorted and differenced.
+/// The bytes of a block, an even number of them, sorted and differenced.
 fn differences(raw: &[u8]) -> Vec<u8> {
-    let mut sorted = vec![0; raw.len()];
-    let (low, high) = sorted.split_at_mut(raw.len().div_ceil(2));
-    let (pairs, last) = raw.as_chunks::<2>();
-    for ((low, high), &[l, h]) in low.iter_mut().zip(high).zip(pairs) {
-        (*low, *high) = (l, h);
+    let mut differences = vec![0; raw.len()];
+    let (low, high) = differences.split_at_mut(raw.len() / 2);
+    let (pairs, _) = raw.as_chunks::<2>();
+    let apart = |byte: u8, before: u8| byte.wrapping_sub(before).wrapping_add(128);
+    let after_first = low.iter_mut().zip(high.iter_mut()).skip(1);
+    let neighbours = pairs.iter().skip(1).zip(pairs);
+    for ((low, high), (now, before)) in after_first.zip(neighbours) {
+        *low = apart(now[0], before[0]);
+        *high = apart(now[1], before[1]);
     }
-    if let ([byte], Some(low)) = (last, low.last_mut()) {
-        *low = *byte;
-    }
-    let mut differences = sorted.clone();
-    for ((to, from), before) in differences
-        .iter_mut()
-        .skip(1)
-        .zip(&sorted[1..])
-        .zip(&sorted)
-    {
-        *to = from.wrapping_sub(*before).wrapping_add(128);
+    // The high bytes come after the last of the low ones.
+    if let (Some(first), Some(last)) = (pairs.first(), pairs.last()) {
+        low[0] = first[0];
+        high[0] = apart(first[1], last[0]);
     }
     differences
 }
