@@ -12,15 +12,10 @@ use std::time::{Duration, Instant};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum ProgressArg {
-    /// A bar on a terminal, plain lines elsewhere.
     Auto,
-    /// A bar.
     Bar,
-    /// A line per frame.
     Plain,
-    /// A JSON object per line.
     Json,
-    /// Nothing.
     None,
 }
 

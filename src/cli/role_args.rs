@@ -46,12 +46,12 @@ pub(super) struct RoleArgs {
     #[arg(long, value_name = "AXES", default_value = "auto")]
     normal_flip: FlipArg,
     /// What depth measures.
-    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = depth_kind_parser())]
-    depth_kind: DepthKindArg,
+    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = auto_or(StoredDepth::ALL))]
+    depth_kind: Told<StoredDepth>,
     /// What the colours of the inputs mean: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos
     /// are srgb and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
-    #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = colorspace_parser())]
-    colorspace: ColorSpaceArg,
+    #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(ColorSpace::ALL))]
+    colorspace: Told<ColorSpace>,
     /// The camera of all frames of a sequence, as --save-recipe writes it where it was recovered and stands still.
     #[arg(long, value_name = "JSON", conflicts_with = "camera")]
     still_camera: Option<StillCamera>,
@@ -109,29 +109,19 @@ impl std::str::FromStr for FlipArg {
     }
 }
 
-/// A space that was told, or none told.
+/// One of several that was told, or `auto`.
 #[derive(Debug, Clone, Copy)]
-struct ColorSpaceArg(Option<ColorSpace>);
+struct Told<T>(Option<T>);
 
-/// Offers `auto` and the names of all spaces.
-fn colorspace_parser() -> impl TypedValueParser<Value = ColorSpaceArg> {
-    let names = ColorSpace::ALL.map(|(_, name)| name);
-    PossibleValuesParser::new(std::iter::once("auto").chain(names)).map(|told| {
-        let space = ColorSpace::ALL.iter().find(|(_, name)| *name == told);
-        ColorSpaceArg(space.map(|(space, _)| *space))
-    })
-}
-
-/// A kind that was told, or none told.
-#[derive(Debug, Clone, Copy)]
-struct DepthKindArg(Option<StoredDepth>);
-
-/// Offers `auto` and the names of all kinds.
-fn depth_kind_parser() -> impl TypedValueParser<Value = DepthKindArg> {
-    let names = StoredDepth::ALL.map(|(_, name)| name);
-    PossibleValuesParser::new(std::iter::once("auto").chain(names)).map(|told| {
-        let kind = StoredDepth::ALL.iter().find(|(_, name)| *name == told);
-        DepthKindArg(kind.map(|(kind, _)| *kind))
+/// Offers `auto` and the names of `all`.
+fn auto_or<T, const N: usize>(all: [(T, &'static str); N]) -> impl TypedValueParser<Value = Told<T>>
+where
+    T: Copy + Send + Sync + 'static,
+{
+    let names = all.map(|(_, name)| name);
+    PossibleValuesParser::new(std::iter::once("auto").chain(names)).map(move |told| {
+        let known = all.iter().find(|(_, name)| *name == told);
+        Told(known.map(|(value, _)| *value))
     })
 }
 
