@@ -134,6 +134,8 @@ fn sequence<C: FrameCommand>(
     if command.work().output.output.is_none() {
         return Ok(0);
     }
+    drop(kit);
+    let kit = command.prepare()?;
     let progress = Progress::begin(command.work().run.progress, quiet, frames.len());
     let told = Told::of_sequence(progress);
     let run = Sequence {

@@ -120,6 +120,8 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert!(said.contains("white point 0.8000"), "{said}");
     let [second, third] = ["out.0002.png", "out.0003.png"].map(|n| drawing(desk.path(), n));
     assert!(second.samples().iter().all(|&white| white == 1.0));
+    let first = drawing(desk.path(), "out.0001.png");
+    assert!(first.samples().iter().any(|&white| white < 0.5));
     assert!(is_moved(&third, &second));
 
     // A tone of its own for each: the second and third are alike, and go with the surface.
