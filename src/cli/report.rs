@@ -106,7 +106,7 @@ fn coherence(
         };
         inputs.motion = args.motion.of_frame(number).filter(|_| needs.motion);
         let mut loaded = io::load(&inputs, needs)?;
-        let motion = steps.motion(number, &mut loaded, &tell);
+        let motion = steps.motion(number, &mut loaded, tell);
         Ok(MovingFrame {
             number,
             motion: motion.filter(|_| args.motion.moves()),

@@ -168,6 +168,10 @@ impl<T: Copy + Default> HeldRows<T> {
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::single_range_in_vec_init,
+    reason = "one missing range is a list of one"
+)]
 mod tests {
     use super::*;
 
