@@ -43,7 +43,7 @@ impl FrameCommand for EnhanceArgs {
         };
         let told = dark_rims(&scaling);
         told.iter().for_each(|warning| job.warn(warning));
-        if strips::is_too_large(job) {
+        if strips::is_too_large(job)? {
             return strips::enhance(self, runner, job, inputs, needs);
         }
         let (loaded, read) = job.load(&inputs, needs)?;

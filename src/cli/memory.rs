@@ -24,7 +24,15 @@ impl MaxMemory {
     pub(super) fn bytes(self) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes,
-            Self::Auto => (free().unwrap_or(UNKNOWN) as f64 * SHARE) as u64,
+            Self::Auto => (self.most() as f64 * SHARE) as u64,
+        }
+    }
+
+    /// The amount beyond which nothing is begun: where none is given, all that is free.
+    pub(super) fn most(self) -> u64 {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Auto => free().unwrap_or(UNKNOWN),
         }
     }
 }

@@ -21,14 +21,25 @@ const FIXED_BYTES: u64 = 256 << 20;
 /// Fewer rows are not worth a strip.
 const FEWEST_ROWS: usize = 16;
 
-/// Whether a frame takes more memory than it may have.
-pub(super) fn is_too_large(job: &Job) -> bool {
-    frame_bytes(&job.work.input) > job.work.run.max_memory.bytes()
+/// Whether a frame takes more memory than it may have, and goes in strips.
+///
+/// # Errors
+/// [`Error::Unsupported`] where it takes more than there is, and cannot go in strips.
+pub(super) fn is_too_large(job: &Job) -> Result<bool> {
+    let (bytes, memory) = (frame_bytes(&job.work.input), job.work.run.max_memory);
+    let [from, to] = [Kind::of(&job.work.input), job.work.output.kind()];
+    if let (Ok(Kind::Exr), Kind::Exr) = (from, to?) {
+        return Ok(bytes > memory.bytes());
+    }
+    match bytes > memory.most() {
+        true => Err(too_large(job, "goes in strips from EXR to EXR alone")),
+        false => Ok(false),
+    }
 }
 
 /// Refuses a frame that is too large, for commands that need it whole.
 pub(super) fn refuse_too_large(job: &Job) -> Result<()> {
-    match is_too_large(job) {
+    match frame_bytes(&job.work.input) > job.work.run.max_memory.most() {
         true => Err(too_large(job, "needs the picture whole")),
         false => Ok(()),
     }
@@ -41,7 +52,7 @@ fn too_large(job: &Job, why: &str) -> Error {
         found: format!(
             "takes about {:.1} GiB, and {:.1} are allowed; this {why}",
             gib(frame_bytes(&job.work.input)),
-            gib(job.work.run.max_memory.bytes()),
+            gib(job.work.run.max_memory.most()),
         ),
         remedy: "allow more with --max-memory, or crop it".into(),
     }
@@ -122,10 +133,6 @@ pub(super) fn enhance(
     mut inputs: Inputs,
     needs: Needs,
 ) -> Result<Chosen> {
-    let [from, to] = [Kind::of(&job.work.input), job.work.output.kind()];
-    if !matches!((from, to?), (Ok(Kind::Exr), Kind::Exr)) {
-        return Err(too_large(job, "goes in strips from EXR to EXR alone"));
-    }
     let whole = data_window(&inputs, needs)?;
     // The middle of the picture tells how its layers are to be read.
     let middle = Strips::new(job, whole, 0)?;

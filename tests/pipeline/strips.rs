@@ -2,8 +2,8 @@
 
 use super::{bytes, ended, relievo, write_bumps};
 
-/// 512 x 4096 pixels take about 400 MiB, of 200 bytes each; in 300 MiB a strip has some 400 rows.
-const SIZE: [usize; 2] = [512, 4096];
+/// 512 x 6400 pixels take about 310 MiB, of 100 bytes each; in 300 MiB a strip has some 900 rows.
+const SIZE: [usize; 2] = [512, 6400];
 
 #[test]
 fn strips_are_the_whole_bit_for_bit() {
