@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Frame numbers in order, each once.
+/// Frame numbers in order, each once; at least one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameList(Vec<i32>);
 
@@ -29,6 +29,9 @@ impl std::str::FromStr for FrameList {
             if numbers.len() > MOST_FRAMES {
                 return Err(format!("more than {MOST_FRAMES} frames"));
             }
+        }
+        if numbers.is_empty() {
+            return Err(format!("'{text}' leaves no frame"));
         }
         numbers.sort_unstable();
         numbers.dedup();
@@ -236,6 +239,9 @@ mod tests {
         assert!(list("5-1").unwrap_err().contains("backward"));
         assert!(list("1--3").unwrap_err().contains("backward"));
         assert!(list("1-5x0").unwrap_err().contains("step of 0"));
+        // All others of every one.
+        assert!(list("-1-9y01").unwrap_err().contains("leaves no frame"));
+        assert_eq!(list("1-9y1,4"), Ok(vec![4]));
         assert!(list("0-2147483647").unwrap_err().contains("more than"));
     }
 
