@@ -75,12 +75,8 @@ impl Chosen {
                 outcome.drawing.as_ref().map(|d| d.white_point),
             ),
         ];
-        let single = single.into_iter();
-        let single = single.filter_map(|(flag, number)| Some((flag, "", number?)));
-        let terms = outcome.term_white_levels.iter();
-        let terms = terms.map(|&(term, level)| ("term-white-level", term, level));
         Self {
-            numbers: single.chain(terms).collect(),
+            numbers: numbers(&single, &outcome.term_white_levels),
             conventions: conventions_of(&done.loaded),
             recovered: recovered(&done.loaded),
             still_camera: None,
@@ -101,11 +97,8 @@ impl Chosen {
             ("curvature-gain", choice.gain),
             ("white-level", choice.white_level),
         ];
-        let single = single.into_iter();
-        let single = single.filter_map(|(flag, number)| Some((flag, "", number?)));
-        let terms = choice.term_white_levels.iter();
-        let terms = terms.map(|&(term, level)| ("term-white-level", term, level));
-        self.numbers.extend(single.chain(terms));
+        self.numbers
+            .extend(numbers(&single, &choice.term_white_levels));
         self
     }
 
@@ -150,6 +143,18 @@ impl Chosen {
         });
         words.collect::<Vec<_>>().join(", ")
     }
+}
+
+/// The numbers among these that there are, and the white levels of kinds of light.
+fn numbers(
+    single: &[(&'static str, Option<f32>)],
+    terms: &[(&'static str, f32)],
+) -> Vec<(&'static str, &'static str, f32)> {
+    let single = single.iter();
+    let single = single.filter_map(|&(flag, number)| Some((flag, "", number?)));
+    let terms = terms.iter();
+    let terms = terms.map(|&(term, level)| ("term-white-level", term, level));
+    single.chain(terms).collect()
 }
 
 /// The camera of a frame, if it was recovered, and the distance of something in its middle.

@@ -82,9 +82,7 @@ impl Loaded {
             Opened::Photo { .. } => None,
         }
     }
-}
 
-impl Loaded {
     /// The camera, to be given to the inputs of another frame.
     pub fn known_camera(&self) -> Option<KnownCamera> {
         let is_placed = self.camera_is_placed;
