@@ -92,10 +92,11 @@ impl Chosen {
     }
 
     /// The same with what was chosen of a picture that came in strips.
-    pub(super) fn with(mut self, choice: &StripChoice) -> Self {
+    pub(super) fn with(mut self, choice: &StripChoice, environment_gain: Option<f32>) -> Self {
         let single = [
             ("curvature-gain", choice.gain),
             ("white-level", choice.white_level),
+            ("environment-gain", environment_gain),
         ];
         self.numbers
             .extend(numbers(&single, &choice.term_white_levels));

@@ -4,11 +4,12 @@ use super::args::{EnhanceArgs, WorkArgs};
 use super::chosen::Chosen;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
-use super::strips;
-use crate::backend::cpu::Runner;
+use super::strips::{self, StripWork};
+use crate::backend::cpu::{Outcome, Runner, StripChoice};
 use crate::error::Result;
-use crate::frame::LightLayers;
-use crate::io::Needs;
+use crate::frame::{ColorPlanes, Frame, LightLayers};
+use crate::io::exr::OutputChannel;
+use crate::io::{Loaded, Needs};
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, LightAvailable, Plan};
@@ -43,12 +44,12 @@ impl FrameCommand for EnhanceArgs {
         };
         let told = dark_rims(&scaling);
         told.iter().for_each(|warning| job.warn(warning));
+        let work = Enhancement { args: self, runner };
         if strips::is_too_large(job)? {
-            return strips::enhance(self, runner, job, inputs, needs);
+            return strips::make(&work, job, inputs, needs);
         }
         let (loaded, read) = job.load(&inputs, needs)?;
-        let available = Available::in_frame(&loaded.frame);
-        let plan = Plan::at_scales(Goal::Enhance, available, shape, scaling, &[])?;
+        let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
         for warning in idle_magnitudes(&scaling, &loaded.frame.light) {
             job.warn(&warning);
@@ -59,13 +60,54 @@ impl FrameCommand for EnhanceArgs {
             outcome,
             read,
         };
-        // A plan with nothing to do leaves the picture as it came.
-        let scaled = done.outcome.color.as_ref();
-        let color = scaled.or(done.loaded.frame.color.as_ref());
-        let chosen = job.write_color(&done, color.expect("a picture was loaded"))?;
+        let chosen = job.write_color(&done, made(&done.loaded.frame, &done.outcome))?;
         runner.take_back(done.outcome);
         Ok(chosen)
     }
+}
+
+/// How `enhance` makes its pictures.
+struct Enhancement<'a> {
+    args: &'a EnhanceArgs,
+    runner: &'a Runner,
+}
+
+impl StripWork for Enhancement<'_> {
+    fn runner(&self) -> &Runner {
+        self.runner
+    }
+
+    fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
+        let (available, shape) = (
+            Available::in_frame(&strip.frame),
+            self.args.work.shape.params(),
+        );
+        Plan::new(
+            Goal::Enhance,
+            available,
+            shape,
+            found.given(self.args.scaling()),
+        )
+    }
+
+    fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
+        self.runner.run(plan, strip)
+    }
+
+    fn channels<'a>(
+        &self,
+        job: &Job,
+        strip: &'a Loaded,
+        outcome: &'a Outcome,
+    ) -> Vec<OutputChannel<'a>> {
+        job.color_channels(strip, made(&strip.frame, outcome))
+    }
+}
+
+/// The picture that was made. A plan with nothing to do leaves it as it came.
+fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> &'a ColorPlanes {
+    let color = outcome.color.as_ref().or(frame.color.as_ref());
+    color.expect("a picture was asked for")
 }
 
 impl EnhanceArgs {

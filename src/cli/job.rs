@@ -168,11 +168,7 @@ impl<'a> Job<'a> {
         let (loaded, alpha) = (&done.loaded, done.loaded.frame.alpha.as_ref());
         let output = &self.work.output;
         match output.kind()? {
-            Kind::Exr => {
-                let sample_type = output.sample_type(loaded);
-                let layer = output.color_layer(loaded);
-                self.write_exr(done, &color_channels(layer, color, alpha, sample_type))
-            }
+            Kind::Exr => self.write_exr(done, &self.color_channels(loaded, color)),
             Kind::Picture(_) => {
                 // A display has Rec. 709 primaries.
                 let turn = loaded.chromaticities.and_then(rec709_from);
@@ -188,6 +184,17 @@ impl<'a> Job<'a> {
                 self.write_picture(done, &picture)
             }
         }
+    }
+
+    /// A picture made of `loaded`, as channels of an EXR.
+    pub(super) fn color_channels<'p>(
+        &self,
+        loaded: &'p Loaded,
+        color: &'p ColorPlanes,
+    ) -> Vec<OutputChannel<'p>> {
+        let output = &self.work.output;
+        let (layer, alpha) = (output.color_layer(loaded), loaded.frame.alpha.as_ref());
+        color_channels(layer, color, alpha, output.sample_type(loaded))
     }
 
     /// Writes colours to a display file and ends the frame.

@@ -1,5 +1,7 @@
 //! How much memory a run may take.
 
+use super::args::WorkArgs;
+use crate::io::frame_bytes;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -34,6 +36,13 @@ impl MaxMemory {
             Self::Bytes(bytes) => bytes,
             Self::Auto => free().unwrap_or(UNKNOWN),
         }
+    }
+}
+
+impl WorkArgs {
+    /// About how much memory it takes to work on `picture`.
+    pub(super) fn frame_bytes(&self, picture: &Path) -> u64 {
+        frame_bytes(picture, self.shape.more_scales().len())
     }
 }
 

@@ -6,17 +6,18 @@ use super::enhance::dark_rims;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
-use super::strips::refuse_too_large;
-use crate::backend::cpu::Runner;
+use super::strips::{self, StripWork};
+use crate::backend::cpu::{Outcome, Runner, StripChoice};
 use crate::error::{Error, Result};
-use crate::frame::SpecularScene;
+use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::environment::{read_environment, read_lit_sphere};
+use crate::io::exr::OutputChannel;
 use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
 use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
 use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
-use crate::plan::{Available, LightKinds, Plan};
+use crate::plan::{Available, LightKinds, Plan, Stage};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -50,49 +51,98 @@ impl FrameCommand for RelightArgs {
     }
 
     fn make(&self, kit: &RelightKit, job: &Job) -> Result<Chosen> {
-        let RelightKit {
-            illumination,
-            runner,
-        } = kit;
-        let (shape, params) = (self.work.shape.params(), self.params());
-        let scaling = self.scaling.params(self.work.shape.curvature_gain);
-        let needs = needs(&params, shape.foreshortening, illumination);
-        refuse_too_large(job)?;
-        let (mut loaded, read) = job.load(&self.inputs(job), needs)?;
+        let shape = self.work.shape.params();
+        let needs = needs(&self.params(), shape.foreshortening, &kit.illumination);
         let specular = self.specular.of_frame(job.frame).inputs();
-        let scene = match specular.is_empty() {
-            true => None,
-            false => Some(specular_scene(&specular, &params, &mut loaded)?),
+        let mut work = Relight {
+            args: self,
+            kit,
+            scene: None,
         };
-        let traced = scene
-            .as_ref()
-            .map(|_| self.specular.params(&params.material));
-        let available = Available {
-            specular: traced.transpose()?,
-            ..Available::in_frame(&loaded.frame)
-        };
-        let kinds = LightKinds::in_light(illumination);
-        let plan = Plan::relight(available, shape, scaling, params, kinds)?;
-        job.tell_plan(&plan)?;
-        if params.method.scales() {
-            for warning in dark_rims(&scaling) {
-                job.warn(&warning);
-            }
+        if self.params().method.scales() {
+            let scaling = self.scaling.params(self.work.shape.curvature_gain);
+            let told = dark_rims(&scaling);
+            told.iter().for_each(|warning| job.warn(warning));
         }
-        let outcome = match &scene {
-            Some(scene) => runner.relight_specular(&plan, &loaded.frame, illumination, scene),
-            None => runner.relight(&plan, &loaded.frame, illumination),
-        };
+        if strips::is_too_large(job)? {
+            if !specular.is_empty() {
+                strips::refuse_too_large(job)?;
+            }
+            return strips::make(&work, job, self.inputs(job), needs);
+        }
+        let (mut loaded, read) = job.load(&self.inputs(job), needs)?;
+        if !specular.is_empty() {
+            work.scene = Some(specular_scene(&specular, &self.params(), &mut loaded)?);
+        }
+        let plan = work.plan(&loaded, &StripChoice::default())?;
+        job.tell_plan(&plan)?;
+        let outcome = work.run(&plan, &loaded.frame);
         let done = Done {
             loaded,
             outcome,
             read,
         };
-        let color = done.outcome.color.as_ref().expect("light makes a picture");
-        let chosen = job.write_color(&done, color)?;
-        runner.take_back(done.outcome);
+        let chosen = job.write_color(&done, lit(&done.outcome))?;
+        kit.runner.take_back(done.outcome);
         Ok(chosen)
     }
+}
+
+/// How `relight` makes its pictures.
+struct Relight<'a> {
+    args: &'a RelightArgs,
+    kit: &'a RelightKit,
+    /// What mirrors and lenses show.
+    scene: Option<SpecularScene>,
+}
+
+impl StripWork for Relight<'_> {
+    fn runner(&self) -> &Runner {
+        &self.kit.runner
+    }
+
+    fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
+        let (args, params) = (self.args, self.args.params());
+        let flags = &args.work.shape;
+        let scaling = found.given(args.scaling.params(flags.curvature_gain));
+        let traced = self.scene.as_ref();
+        let traced = traced.map(|_| args.specular.params(&params.material));
+        let available = Available {
+            specular: traced.transpose()?,
+            ..Available::in_frame(&strip.frame)
+        };
+        let kinds = LightKinds::in_light(&self.kit.illumination);
+        Plan::relight(available, flags.params(), scaling, params, kinds)
+    }
+
+    fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
+        let RelightKit {
+            illumination,
+            runner,
+        } = self.kit;
+        match &self.scene {
+            Some(scene) => runner.relight_specular(plan, strip, illumination, scene),
+            None => runner.relight(plan, strip, illumination),
+        }
+    }
+
+    fn channels<'a>(
+        &self,
+        job: &Job,
+        strip: &'a Loaded,
+        outcome: &'a Outcome,
+    ) -> Vec<OutputChannel<'a>> {
+        job.color_channels(strip, lit(outcome))
+    }
+
+    fn takes_whole(&self, plan: &Plan) -> Option<&'static str> {
+        plan.has(Stage::AlbedoEstimate)
+            .then_some("estimates the albedo (--albedo-from), and needs the picture whole")
+    }
+}
+
+fn lit(outcome: &Outcome) -> &ColorPlanes {
+    outcome.color.as_ref().expect("light makes a picture")
 }
 
 impl RelightArgs {

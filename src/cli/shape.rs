@@ -5,13 +5,13 @@ use super::chosen::Chosen;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::output::Kind;
-use super::strips::refuse_too_large;
-use crate::backend::cpu::{Outcome, Runner, ScaleShape};
+use super::strips::{self, StripWork};
+use crate::backend::cpu::{Outcome, Runner, ScaleShape, StripChoice};
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
-use crate::io::Needs;
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::picture::{Picture, ViewTransform};
+use crate::io::{Loaded, Needs};
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
@@ -35,21 +35,21 @@ impl FrameCommand for WorkArgs {
     }
 
     fn make(&self, runner: &Runner, job: &Job) -> Result<Chosen> {
-        let (goal, shape) = (self.goal()?, self.shape.params());
-        let scaling = ScalingParams {
-            curvature_gain: self.shape.curvature_gain,
-            ..ScalingParams::default()
+        let work = Description {
+            args: self,
+            goal: self.goal()?,
+            runner,
         };
         let needs = Needs {
-            projection: shape.foreshortening != 0.0 || goal == Goal::Layers,
+            projection: self.shape.params().foreshortening != 0.0 || work.goal == Goal::Layers,
             ..Needs::default()
         };
         let inputs = job.work.roles.inputs(&job.work.input);
-        refuse_too_large(job)?;
+        if strips::is_too_large(job)? {
+            return strips::make(&work, job, inputs, needs);
+        }
         let (loaded, read) = job.load(&inputs, needs)?;
-        let available = Available::in_frame(&loaded.frame);
-        let scales = self.shape.more_scales();
-        let plan = Plan::at_scales(goal, available, shape, scaling, scales)?;
+        let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
         let outcome = runner.run(&plan, &loaded.frame);
         let done = Done {
@@ -57,26 +57,55 @@ impl FrameCommand for WorkArgs {
             outcome,
             read,
         };
-        let chosen = self.write(job, goal, &done)?;
+        let chosen = work.write(job, &done)?;
         runner.take_back(done.outcome);
         Ok(chosen)
     }
 }
 
-impl WorkArgs {
-    fn goal(&self) -> Result<Goal> {
-        Ok(match self.output.kind()? {
-            Kind::Exr => Goal::Layers,
-            Kind::Picture(_) => Goal::Display,
-        })
+/// How `shape` makes its layers, or its display.
+struct Description<'a> {
+    args: &'a WorkArgs,
+    goal: Goal,
+    runner: &'a Runner,
+}
+
+impl StripWork for Description<'_> {
+    fn runner(&self) -> &Runner {
+        self.runner
     }
 
-    fn write(&self, job: &Job, goal: Goal, done: &Done) -> Result<Chosen> {
-        if goal == Goal::Layers {
-            let stored = self.output.depth_of_output;
-            let stored = stored.map_or(OutputType::Float, Into::into);
-            let channels = descriptor_channels(&done.loaded.frame, &done.outcome, stored);
-            return job.write_exr(done, &channels);
+    fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
+        let flags = &self.args.shape;
+        let scaling = ScalingParams {
+            curvature_gain: flags.curvature_gain,
+            ..ScalingParams::default()
+        };
+        let (available, scaling) = (Available::in_frame(&strip.frame), found.given(scaling));
+        let scales = flags.more_scales();
+        Plan::at_scales(self.goal, available, flags.params(), scaling, scales)
+    }
+
+    fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
+        self.runner.run(plan, strip)
+    }
+
+    fn channels<'a>(
+        &self,
+        _job: &Job,
+        strip: &'a Loaded,
+        outcome: &'a Outcome,
+    ) -> Vec<OutputChannel<'a>> {
+        let stored = self.args.output.depth_of_output;
+        let stored = stored.map_or(OutputType::Float, Into::into);
+        descriptor_channels(&strip.frame, outcome, stored)
+    }
+}
+
+impl Description<'_> {
+    fn write(&self, job: &Job, done: &Done) -> Result<Chosen> {
+        if self.goal == Goal::Layers {
+            return job.write_exr(done, &self.channels(job, &done.loaded, &done.outcome));
         }
         let color = done.outcome.color.as_ref();
         let picture = Picture {
@@ -88,6 +117,15 @@ impl WorkArgs {
             transform: ViewTransform::None,
         };
         job.write_picture(done, &picture)
+    }
+}
+
+impl WorkArgs {
+    fn goal(&self) -> Result<Goal> {
+        Ok(match self.output.kind()? {
+            Kind::Exr => Goal::Layers,
+            Kind::Picture(_) => Goal::Display,
+        })
     }
 }
 

@@ -1,7 +1,6 @@
 //! Threads, and how many frames are made at a time.
 
 use super::args::WorkArgs;
-use crate::io::frame_bytes;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -27,7 +26,7 @@ impl Lanes {
     pub(super) fn of(work: &WorkArgs, first: &Path, frames: usize) -> Self {
         let machine = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
         let threads = work.run.threads.map_or(machine, usize::from);
-        let most = work.run.max_memory.bytes() / frame_bytes(first).max(1);
+        let most = work.run.max_memory.bytes() / work.frame_bytes(first).max(1);
         let lanes = threads
             .div_ceil(2)
             .max(2)

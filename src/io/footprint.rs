@@ -4,14 +4,19 @@ use super::exr::{ExrFile, Limits};
 use std::path::Path;
 
 /// Bytes per pixel while a frame is made, at the least. Measured at 1920x1080, the program included: `enhance` 74,
-/// drawings 103.
+/// `relight` 66, `shape` 103, drawings 103.
 const LEAST_PER_PIXEL: u64 = 100;
 
 /// Bytes per pixel of a file without light passes, less those of its channels.
 const WORK_PER_PIXEL: u64 = 60;
 
-/// About how much memory it takes to make something of the picture `path`; 0 where it cannot be told.
-pub fn frame_bytes(path: &Path) -> u64 {
+/// Bytes per pixel of the curvature at a scale beyond the first. Measured with `shape --scale 2,4,8`.
+const SCALE_PER_PIXEL: u64 = 20;
+
+/// About how much memory it takes to make something of the picture `path`, at so many scales beyond the
+/// first; 0 where it cannot be told.
+pub fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
+    let scales = SCALE_PER_PIXEL * more_scales as u64;
     let pixels = |width: usize, height: usize| width as u64 * height as u64;
     let of_exr = || {
         let file = ExrFile::open(path, &Limits::default()).ok()?;
@@ -20,11 +25,11 @@ pub fn frame_bytes(path: &Path) -> u64 {
         // All may be light passes that are scaled by themselves.
         let channels = file.channel_ids().count() as u64;
         let per_pixel = LEAST_PER_PIXEL.max(WORK_PER_PIXEL + 4 * channels);
-        Some(largest.saturating_mul(per_pixel))
+        Some(largest.saturating_mul(per_pixel + scales))
     };
     let of_photo = || {
         let (width, height) = image::image_dimensions(path).ok()?;
-        Some(pixels(width as usize, height as usize).saturating_mul(LEAST_PER_PIXEL))
+        Some(pixels(width as usize, height as usize).saturating_mul(LEAST_PER_PIXEL + scales))
     };
     of_exr().or_else(of_photo).unwrap_or(0)
 }

@@ -26,6 +26,18 @@ pub fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Opti
 /// What is left of a sum, as a share of its weights, below which nothing but rounding is.
 const CANCELLED: f32 = 1e-3;
 
+/// Pixels over which the direction of a plane turns from its neighbours' to the fixed one.
+pub const PLANE_MARGIN_PX: usize = 16;
+
+/// The same for pixels of a curved surface that have no direction of their own.
+pub const SURFACE_MARGIN_PX: usize = 64;
+
+/// The same for pixels on edges.
+pub const EDGE_MARGIN_PX: usize = 16;
+
+/// How far, in pixels, directions come from.
+pub const FILL_REACH_PX: usize = PLANE_MARGIN_PX + SURFACE_MARGIN_PX + EDGE_MARGIN_PX;
+
 /// The direction of a surface that has none of its own and no neighbour with one: the first of the axes
 /// x, y, z crossed with the normal that is seen in the picture ([LA] section 4.2). It is the same all
 /// over a plane, and turns smoothly over a ball.

@@ -13,6 +13,7 @@ pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
 use crate::error::{Error, Result};
 use crate::frame::{DepthKind, Frame};
+use crate::line::direction::FILL_REACH_PX;
 use crate::params::{
     LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, SpecularParams, Style,
 };
@@ -380,8 +381,8 @@ impl Plan {
     }
 
     /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
-    /// this distance to its border on, unless a gain or white level is chosen from the frame, or a
-    /// direction is taken from neighbours because a pixel has none of its own.
+    /// this distance to its border on, unless a gain or white level is chosen from the frame. A drawing
+    /// depends on all of it.
     pub fn reach(&self) -> usize {
         let sweeps = if self.has(Stage::Diffusion) {
             self.sweeps.count()
@@ -390,13 +391,19 @@ impl Plan {
         };
         let curvature = sweeps * diffusion::REACH + hessian::REACH;
         let rays = if self.has(Stage::NormalRays) {
-            self.direction_steps_px[1]
+            self.direction_steps_px[1] + FILL_REACH_PX
         } else {
             0
         };
         // Of new light pixels that are covered in part take some from their neighbours.
         let rim = usize::from(self.goal == Goal::Relight);
         EDGE_REACH + curvature.max(rays) + rim
+    }
+
+    /// The same without the directions of the surface's own curvature.
+    pub(crate) fn without_directions(mut self) -> Self {
+        self.stages.retain(|&stage| stage != Stage::NormalRays);
+        self
     }
 
     /// Every stage there is, kept or left out, and why.

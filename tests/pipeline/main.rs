@@ -18,13 +18,23 @@ use std::process::{Command, Output};
 /// Writes frame `number`: bumps under a light of this luminance, `size` pixels on a side.
 fn write_frame(directory: &Path, number: i32, size: usize, luminance: f32) {
     let path = directory.join(format!("in.{number:04}.exr"));
-    write_bumps(&path, number, [size, size], luminance);
+    write_bumps(&path, number, [size, size], luminance, |_| false);
 }
 
-fn write_bumps(path: &Path, number: i32, [width, height]: [usize; 2], luminance: f32) {
+/// Writes bumps that are a plane in some rows.
+fn write_bumps(
+    path: &Path,
+    number: i32,
+    [width, height]: [usize; 2],
+    luminance: f32,
+    is_plane: impl Fn(usize) -> bool,
+) {
     // z = cos(x) cos(y) with a period of 24 px: slopes are its derivatives, up to 0.5.
     let wave = |x: usize| x as f32 * std::f32::consts::TAU / 24.0 + number as f32;
     let normal = |x: usize, y: usize| {
+        if is_plane(y) {
+            return glam::Vec3::Z;
+        }
         let (x, y) = (wave(x), wave(y));
         glam::Vec3::new(0.5 * x.sin() * y.cos(), -0.5 * x.cos() * y.sin(), 1.0).normalize()
     };

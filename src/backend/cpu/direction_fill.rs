@@ -2,19 +2,19 @@
 
 use super::ROWS_PER_TASK;
 use crate::frame::{Mask, Plane, Vector2Planes};
-use crate::line::direction::mean_direction;
+use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX, mean_direction};
 use crate::shape::conductance::face_conductance;
 use glam::Vec2;
 use rayon::prelude::*;
 
 /// Gives every covered pixel whose direction is 0 one: the mean of its neighbours', as far as they
-/// have one, wave after wave, so that the time is linear in the pixels filled.
+/// have one, wave after wave, so that the time is linear in the pixels filled. With every wave the mean turns
+/// to the fixed direction, which is taken by what no wave comes to.
 ///
-/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane the
-/// mean turns to the fixed direction within [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of what
-/// its rims do, and a flat spot follows its surroundings. Where no pixel of a connected surface has a
-/// direction, all take the fixed one. Then the pixels on edges, conductance 0, from whatever neighbours
-/// they have.
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane they have
+/// turned after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of what its rims do; elsewhere after
+/// [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges, conductance 0,
+/// from whatever neighbours they have, within [`EDGE_MARGIN_PX`].
 pub(super) fn fill(
     directions: &mut Vector2Planes,
     parts: &Parts,
@@ -27,12 +27,9 @@ pub(super) fn fill(
     } = *parts;
     let width = mask.width();
     let fixed = |i: usize| fixed(i % width, i / width);
-    let is_flat = |i: usize| flat.samples()[i] != 0.0;
-    let turned = |i: usize, mean: Vec2, wave: usize| {
-        if !is_flat(i) {
-            return mean;
-        }
-        let share = wave as f32 / PLANE_MARGIN_PX as f32;
+    let is_flat = |i: &usize| flat.samples()[*i] != 0.0;
+    let turned = |i: usize, mean: Vec2, wave: usize, margin_px: usize| {
+        let share = wave as f32 / margin_px as f32;
         let fixed = fixed(i);
         mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
     };
@@ -43,13 +40,27 @@ pub(super) fn fill(
         let c = conductance.samples();
         face_conductance(c[from], c[to])
     };
-    let unturned = |_, mean, _| mean;
-    field.spread(PLANE_MARGIN_PX, &open, through_faces, turned);
-    let on_planes: Vec<_> = open.iter().copied().filter(|&i| is_flat(i)).collect();
+    field.spread(
+        PLANE_MARGIN_PX,
+        &open,
+        through_faces,
+        |i, mean, wave| match is_flat(&i) {
+            true => turned(i, mean, wave, PLANE_MARGIN_PX),
+            false => mean,
+        },
+    );
+    let on_planes: Vec<_> = open.iter().copied().filter(is_flat).collect();
     field.fix(&on_planes, fixed);
-    field.spread(usize::MAX, &open, through_faces, unturned);
+    field.spread(SURFACE_MARGIN_PX, &open, through_faces, |i, mean, wave| {
+        turned(i, mean, wave, SURFACE_MARGIN_PX)
+    });
     field.fix(&open, fixed);
-    field.spread(usize::MAX, &closed, |_, _| 1.0, unturned);
+    field.spread(
+        EDGE_MARGIN_PX,
+        &closed,
+        |_, _| 1.0,
+        |i, mean, wave| turned(i, mean, wave, EDGE_MARGIN_PX),
+    );
     field.fix(&closed, fixed);
 }
 
@@ -66,9 +77,6 @@ pub(super) fn fill_rest(
     field.spread(usize::MAX, &lacking, |_, _| 1.0, |_, mean, _| mean);
     field.fix(&lacking, |i| fixed(i % width, i / width));
 }
-
-/// Pixels over which a plane's direction turns from its neighbours' to the fixed one.
-const PLANE_MARGIN_PX: usize = 16;
 
 /// What pixels are: covered or not, open or on an edge, and on a plane where `flat` is not 0.
 pub(super) struct Parts<'a> {

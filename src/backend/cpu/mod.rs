@@ -189,15 +189,17 @@ impl Run<'_> {
         let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask, memory));
         let direction_view =
             self.timed("directions", || passes::directions(&hessian, mask, memory));
-        let direction = self.timed("normal-rays", || {
-            normal_rays::directions(plan, frame, conductance, memory)
+        let direction = plan.has(Stage::NormalRays).then(|| {
+            self.timed("normal-rays", || {
+                normal_rays::directions(plan, frame, conductance, memory)
+            })
         });
-        let trace = curvatures.mean.map(|mean| 2.0 * mean);
+        let trace = curvatures.trace();
         let gain = self.choose_gain(&trace, conductance);
         self.outcome.shape.kappa = Some(passes::mapped_curvature(&trace, gain, mask, memory));
         self.outcome.shape.hessian = Some(hessian);
         self.outcome.shape.curvatures = Some(curvatures);
-        self.outcome.shape.direction = Some(direction);
+        self.outcome.shape.direction = direction;
         self.outcome.shape.direction_view = Some(direction_view);
     }
 
@@ -215,7 +217,7 @@ impl Run<'_> {
                 let hessian = passes::hessian(&gradient, conductance, mask, memory);
                 let hessian = hessian_at(plan.resolution_factor, hessian);
                 let curvatures = passes::curvatures(&hessian, mask, memory);
-                let trace = curvatures.mean.map(|mean| 2.0 * mean);
+                let trace = curvatures.trace();
                 ScaleShape {
                     sigma_px,
                     kappa: passes::mapped_curvature(&trace, gain, mask, memory),

@@ -61,6 +61,13 @@ pub struct CurvaturePlanes {
     pub mean: Plane,
 }
 
+impl CurvaturePlanes {
+    /// The trace of the Hessian, twice the mean.
+    pub(super) fn trace(&self) -> Plane {
+        self.mean.map(|mean| 2.0 * mean)
+    }
+}
+
 /// A drawing in layers: how much of the paper each covers, 0..1; 0 outside the mask.
 #[derive(Debug, Clone)]
 pub struct Drawing {

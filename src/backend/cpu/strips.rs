@@ -1,13 +1,13 @@
 //! What is chosen from a whole picture that comes strip by strip.
 
-use super::Runner;
 use super::light::luminance_weights;
 use super::light_layers::add_to_searches;
 use super::percentile::PercentileSearch;
 use super::statistics::{GainSearch, WHITE_PERCENTILE, luminances, white_of};
+use super::{Runner, Shape};
 use crate::frame::{Frame, Window};
 use crate::params::{Adaptive, ScalingParams};
-use crate::plan::{Goal, Plan, Stage};
+use crate::plan::{Plan, Stage};
 use std::ops::Range;
 
 /// A search for the gain and the white levels that a picture would be given as a whole. All strips come twice:
@@ -49,17 +49,24 @@ impl StripSearch {
     /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
     ///
     /// # Panics
-    /// As [`Runner::run`] does, and if the plan is for another goal than [`Goal::Enhance`].
+    /// As [`Runner::run`] does, and if the plan is for a drawing.
     pub fn look(&mut self, runner: &Runner, plan: &Plan, strip: &Frame, rows: Range<usize>) {
-        assert!(plan.goal == Goal::Enhance, "light is scaled");
+        assert!(plan.drawing.is_none(), "a drawing takes the picture whole");
         if let Some(search) = &mut self.gain {
-            // The shape does not depend on the gain.
-            let mut given = plan.clone();
+            // The gain depends neither on itself nor on directions.
+            let mut given = plan.clone().without_directions();
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
             let outcome = runner.find_shape(&given, strip);
-            let shape = &outcome.shape;
-            let trace = shape.trace.as_ref().expect("the gain takes the trace");
-            let conductance = shape.conductance.as_ref();
+            let Shape {
+                trace,
+                curvatures,
+                conductance,
+                ..
+            } = &outcome.shape;
+            let summed = curvatures.as_ref().map(|c| c.trace());
+            let trace = trace.as_ref().or(summed.as_ref());
+            let trace = trace.expect("the gain takes the trace");
+            let conductance = conductance.as_ref();
             let conductance = conductance.expect("the trace takes the conductance");
             search.add(rows.clone(), trace, conductance);
             runner.take_back(outcome);
@@ -97,8 +104,8 @@ impl StripSearch {
 }
 
 impl StripChoice {
-    /// Puts what was found in the place of what was left open; what was given for a kind of light stays.
-    pub fn give(&self, scaling: &mut ScalingParams) {
+    /// `scaling` with what was found in the place of what was left open; what was given for a kind of light stays.
+    pub fn given(&self, mut scaling: ScalingParams) -> ScalingParams {
         if let Some(gain) = self.gain {
             scaling.curvature_gain = Adaptive::Fixed(gain);
         }
@@ -107,5 +114,6 @@ impl StripChoice {
         }
         let found = self.term_white_levels.iter().copied();
         scaling.term_white_levels = scaling.term_white_levels.or(found);
+        scaling
     }
 }

@@ -190,7 +190,8 @@ impl Run<'_> {
         {
             self.outcome.gain = Some(gain);
         }
-        if plan.relighting.is_some_and(|relighting| relighting.grain) {
+        let has_grain = plan.relighting.is_some_and(|relighting| relighting.grain);
+        if has_grain && plan.has(Stage::NormalRays) {
             let direction = self.timed("normal-rays", || {
                 normal_rays::directions(plan, frame, conductance, memory)
             });

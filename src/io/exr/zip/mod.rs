@@ -5,49 +5,28 @@
 //! stored low byte first, so a pair of bytes, one of each half, is a half float or half of a sample of
 //! 32 bits. Only pairs that are wanted are put together: of the rest nothing but the sum is needed.
 
+#[cfg(feature = "libdeflate")]
+mod libdeflate;
+#[cfg(not(feature = "libdeflate"))]
+mod zlib;
+
 use super::fault::{Fault, Parsed};
-use std::cell::RefCell;
-use zlib_rs::{Deflate, DeflateFlush, Inflate, InflateFlush, Status};
-
-/// Effort of zlib, 1 to 9. A render of 1920x1080 with 16 channels of halves becomes 12.4 MB in 0.52 s of
-/// one core; with 2, 13.1 MB in 0.40 s; with 4, 12.1 MB in 0.64 s; with 6, 11.6 MB in 1.00 s. Level 4 of
-/// miniz_oxide, which the `exr` crate uses, makes 12.2 MB in 1.41 s.
-const LEVEL: i32 = 3;
-/// The window of zlib, as a power of two; the largest there is.
-const WINDOW_BITS: u8 = 15;
-
-thread_local! {
-    /// What zlib works with: costly to make, and used again by every block of a thread.
-    static INFLATE: RefCell<Inflate> = RefCell::new(Inflate::new(true, WINDOW_BITS));
-    static DEFLATE: RefCell<Deflate> = RefCell::new(Deflate::new(LEVEL, true, WINDOW_BITS));
-}
+#[cfg(feature = "libdeflate")]
+use libdeflate as zlib;
 
 /// Undoes zlib. `into` must have the size of the block, which must have just that many bytes.
 pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Parsed<()> {
-    let inflated = INFLATE.with_borrow_mut(|inflate| {
-        inflate.reset(true);
-        let status = inflate.decompress(compressed, into, InflateFlush::Finish);
-        (status, inflate.total_out())
-    });
-    match inflated {
-        (Ok(Status::StreamEnd), bytes) if bytes == into.len() as u64 => Ok(()),
+    match zlib::inflate(compressed, into) {
+        Some(bytes) if bytes == into.len() => Ok(()),
         _ => Err(Fault::damaged("is damaged (ZIP-compressed pixels)")),
     }
 }
 
 /// Compresses a block; one that would not become smaller is returned as it is.
 pub(super) fn compress(raw: Vec<u8>) -> Vec<u8> {
-    let differences = differences(&raw);
     let mut bytes = vec![0; raw.len()];
-    let done = DEFLATE.with_borrow_mut(|deflate| {
-        deflate.reset();
-        match deflate.compress(&differences, &mut bytes, DeflateFlush::Finish) {
-            Ok(Status::StreamEnd) => Some(deflate.total_out() as usize),
-            // It does not fit.
-            _ => None,
-        }
-    });
-    match done.filter(|&size| size < raw.len()) {
+    let size = zlib::deflate(&differences(&raw), &mut bytes);
+    match size.filter(|&size| size < raw.len()) {
         Some(size) => {
             bytes.truncate(size);
             bytes.shrink_to_fit();
