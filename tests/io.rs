@@ -295,6 +295,38 @@ fn patched(bytes: &[u8], name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// The bytes in which the first text called `attribute` has no type: what was its type belongs to its value.
+fn without_type(bytes: &[u8], attribute: &str) -> Vec<u8> {
+    let key = format!("{attribute}\0string\0");
+    let at = bytes
+        .windows(key.len())
+        .position(|w| w == key.as_bytes())
+        .unwrap();
+    let mut bytes = bytes.to_vec();
+    let kind = at + attribute.len() + 1;
+    let size = u32::from_le_bytes(bytes[kind + 7..kind + 11].try_into().unwrap());
+    bytes[kind] = 0;
+    bytes[kind + 1..kind + 5].copy_from_slice(&(size + 6).to_le_bytes());
+    bytes
+}
+
+#[test]
+fn an_attribute_without_a_type_is_refused() {
+    let (_, _, one) = awkward();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("untyped.exr");
+    std::fs::write(&path, &one).unwrap();
+    let plane = Plane::filled(4, 3, 1.0);
+    let planes = [("more.Z", &plane, OutputType::Float)];
+    let more = part("more", Window::from_size(4, 3), &planes);
+    let two = appended(&open(&path), &more);
+    for bytes in [one, two] {
+        std::fs::write(&path, without_type(&bytes, "software")).unwrap();
+        let message = survive(&path).unwrap_err();
+        assert!(message.contains("\"software\" has no type"), "{message}");
+    }
+}
+
 #[test]
 fn a_small_file_that_claims_to_be_huge_is_refused() {
     let (_, _, bytes) = awkward();

@@ -166,6 +166,11 @@ impl<R: Read> HeaderReader<R> {
                 return Ok(attributes);
             }
             let kind = self.name()?;
+            if kind.is_empty() {
+                // The `exr` crate would take what follows for its type.
+                let name = text_of_bytes(&name);
+                return Err(Fault::Damaged(format!("attribute {name:?} has no type")));
+            }
             let size = i32::from_le_bytes(self.array()?);
             let value = self.bytes(size, &name)?;
             attributes.0.push(Attribute { name, kind, value });

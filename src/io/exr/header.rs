@@ -197,10 +197,9 @@ pub(super) fn header_bytes(flags: u32, parts: &[Attributes]) -> Vec<u8> {
 pub(super) fn typed(flags: u32, parts: &[Attributes]) -> Parsed<MetaData> {
     // Without the long-name flag names are still read: only the writer has to obey it.
     let bytes = header_bytes(flags | LONG_NAMES, parts);
-    match fenced(|| MetaData::read_from_buffered(bytes.as_slice(), false)) {
-        Some(meta) => Ok(meta?),
-        None => Err(Fault::damaged("its header contradicts itself")),
-    }
+    let meta = fenced(|| MetaData::read_from_buffered(bytes.as_slice(), false)).transpose()?;
+    let meta = meta.filter(|meta| meta.headers.len() == parts.len());
+    meta.ok_or_else(|| Fault::damaged("its header contradicts itself"))
 }
 
 fn check_channels(meta: &MetaData) -> Parsed<()> {
