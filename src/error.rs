@@ -77,6 +77,22 @@ pub enum Error {
         /// What to write instead.
         remedy: String,
     },
+    /// There is no device for the GPU backend, or none that will do.
+    #[error("no GPU: {found}; {remedy}")]
+    NoGpu {
+        /// What was looked for.
+        found: String,
+        /// What to install, or to use instead.
+        remedy: &'static str,
+    },
+    /// A device failed: out of memory, lost, or refusing what it was asked to do.
+    #[error("{device}: {found}; use --backend cpu, or a smaller picture")]
+    Gpu {
+        /// Its name.
+        device: String,
+        /// What happened.
+        found: String,
+    },
     /// The system refused a file operation.
     #[error("{}: cannot {action}: {source}", path.display())]
     Io {

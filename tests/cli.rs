@@ -338,6 +338,18 @@ fn several_scales_are_layers_named_after_them() {
 }
 
 #[test]
+#[cfg(not(feature = "gpu"))]
+fn a_gpu_is_refused_where_the_program_has_none() {
+    let desk = Desk::new();
+    let gears = fixture("gears.exr");
+    let line = desk.run("enhance", &gears, "a.exr", &["--backend", "gpu"]);
+    assert!(line.refused(1).contains("--features gpu"));
+    // What was not asked for is not missed.
+    let ran = desk.run("enhance", &gears, "a.exr", &["--backend", "auto"]);
+    assert!(!ran.done().stderr.contains("GPU"));
+}
+
+#[test]
 fn importance_keeps_detail_where_it_is_low() {
     let desk = Desk::new();
     let gears = fixture("gears.exr");

@@ -1,3 +1,11 @@
 //! Running a plan.
 
+mod agreement;
+mod choice;
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+mod importance;
+mod palette;
+
+pub use agreement::{Product, difference, products};

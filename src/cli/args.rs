@@ -470,10 +470,20 @@ impl From<TransformArg> for ViewTransform {
     }
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum BackendArg {
+    Auto,
+    Cpu,
+    Gpu,
+}
+
 /// How the work is run and told about.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub(super) struct RunArgs {
+    /// What computes: auto takes a GPU where there is one, in a build that can, and the CPU for what it has no kernels for.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
+    pub(super) backend: BackendArg,
     /// Threads; all cores where not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) threads: Option<u16>,

@@ -2,6 +2,7 @@
 
 use super::args::{EnhanceArgs, WorkArgs};
 use super::chosen::Chosen;
+use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::strips::{self, StripWork};
@@ -16,7 +17,7 @@ use crate::plan::{Available, Goal, LightAvailable, Plan};
 use std::path::PathBuf;
 
 impl FrameCommand for EnhanceArgs {
-    type Kit = Runner;
+    type Kit = Engine;
 
     fn work(&self) -> &WorkArgs {
         &self.work
@@ -26,14 +27,14 @@ impl FrameCommand for EnhanceArgs {
         self.light.files(frame).collect()
     }
 
-    fn prepare(&self) -> Result<Runner> {
+    fn prepare(&self) -> Result<Engine> {
         self.work.output.kind()?;
         self.work.shape.refuse_more_scales()?;
         self.scaling().validate()?;
-        Ok(Runner::default())
+        Engine::new(self.work.run.backend)
     }
 
-    fn make(&self, runner: &Runner, job: &Job) -> Result<Chosen> {
+    fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
         let (shape, scaling) = (self.work.shape.params(), self.scaling());
         let mut inputs = job.work.roles.inputs(&job.work.input);
         inputs.light = Some(self.light.inputs(&self.scaling, job.frame));
@@ -44,7 +45,10 @@ impl FrameCommand for EnhanceArgs {
         };
         let told = dark_rims(&scaling);
         told.iter().for_each(|warning| job.warn(warning));
-        let work = Enhancement { args: self, runner };
+        let work = Enhancement {
+            args: self,
+            runner: &engine.cpu,
+        };
         if strips::is_too_large(job)? {
             return strips::make(&work, job, inputs, needs);
         }
@@ -54,14 +58,14 @@ impl FrameCommand for EnhanceArgs {
         for warning in idle_magnitudes(&scaling, &loaded.frame.light) {
             job.warn(&warning);
         }
-        let outcome = runner.run(&plan, &loaded.frame);
+        let outcome = engine.run(job, &plan, &loaded.frame)?;
         let done = Done {
             loaded,
             outcome,
             read,
         };
         let chosen = job.write_color(&done, made(&done.loaded.frame, &done.outcome))?;
-        runner.take_back(done.outcome);
+        engine.cpu.take_back(done.outcome);
         Ok(chosen)
     }
 }

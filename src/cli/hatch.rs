@@ -2,6 +2,7 @@
 
 use super::args::WorkArgs;
 use super::chosen::Chosen;
+use super::engine::refuse_gpu;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::line_args::{HatchArgs, ToneArg};
@@ -75,6 +76,7 @@ impl FrameCommand for HatchArgs {
     fn prepare(&self) -> Result<HatchKit> {
         let relight = &self.relight;
         let work = &relight.work;
+        refuse_gpu(work.run.backend)?;
         work.shape.refuse_more_scales()?;
         let mut line = self.params();
         if is_svg(work) {

@@ -2,6 +2,7 @@
 
 mod args;
 mod chosen;
+mod engine;
 mod enhance;
 mod frames;
 mod hatch;

@@ -2,6 +2,7 @@
 
 use super::args::WorkArgs;
 use super::chosen::Chosen;
+use super::engine::refuse_gpu;
 use super::enhance::dark_rims;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
@@ -40,6 +41,7 @@ impl FrameCommand for RelightArgs {
 
     fn prepare(&self) -> Result<RelightKit> {
         let work = &self.work;
+        refuse_gpu(work.run.backend)?;
         work.output.kind()?;
         work.shape.refuse_more_scales()?;
         self.scaling.params(work.shape.curvature_gain).validate()?;

@@ -2,6 +2,7 @@
 
 use super::args::WorkArgs;
 use super::chosen::Chosen;
+use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::output::Kind;
@@ -17,7 +18,7 @@ use crate::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
 
 impl FrameCommand for WorkArgs {
-    type Kit = Runner;
+    type Kit = Engine;
 
     fn work(&self) -> &WorkArgs {
         self
@@ -27,18 +28,18 @@ impl FrameCommand for WorkArgs {
         Vec::new()
     }
 
-    fn prepare(&self) -> Result<Runner> {
+    fn prepare(&self) -> Result<Engine> {
         if self.goal()? == Goal::Display {
             self.shape.refuse_more_scales()?;
         }
-        Ok(Runner::default())
+        Engine::new(self.run.backend)
     }
 
-    fn make(&self, runner: &Runner, job: &Job) -> Result<Chosen> {
+    fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
         let work = Description {
             args: self,
             goal: self.goal()?,
-            runner,
+            runner: &engine.cpu,
         };
         let needs = Needs {
             projection: self.shape.params().foreshortening != 0.0 || work.goal == Goal::Layers,
@@ -51,14 +52,14 @@ impl FrameCommand for WorkArgs {
         let (loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let outcome = runner.run(&plan, &loaded.frame);
+        let outcome = engine.run(job, &plan, &loaded.frame)?;
         let done = Done {
             loaded,
             outcome,
             read,
         };
         let chosen = work.write(job, &done)?;
-        runner.take_back(done.outcome);
+        engine.cpu.take_back(done.outcome);
         Ok(chosen)
     }
 }

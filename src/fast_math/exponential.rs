@@ -118,11 +118,11 @@ const ROUNDING_F64: f64 = 6_755_399_441_055_744.0;
 const TWO_TO_23: f32 = 8_388_608.0;
 
 /// ln 2 in two parts; products of the first with whole numbers up to 2^14 are exact.
-const LN2_HIGH: f32 = 355.0 / 512.0;
-const LN2_LOW: f32 = -2.121_944_4e-4;
+pub(crate) const LN2_HIGH: f32 = 355.0 / 512.0;
+pub(crate) const LN2_LOW: f32 = -2.121_944_4e-4;
 
 /// (e^r - 1 - r) / r^2 for |r| up to half of ln 2; 2^-26 relative to e^r - 1.
-const EXP: [f32; 5] = [
+pub(crate) const EXP: [f32; 5] = [
     0.499_999_97,
     0.166_665_43,
     0.041_667_2,
@@ -131,7 +131,7 @@ const EXP: [f32; 5] = [
 ];
 
 /// (ln(1 + f) - f + f^2/2) / f^3 for 1 + f from sqrt(1/2) to sqrt(2); 2^-27 relative to ln(1 + f).
-const LN: [f32; 8] = [
+pub(crate) const LN: [f32; 8] = [
     0.333_333_3,
     -0.250_008_2,
     0.200_012_27,

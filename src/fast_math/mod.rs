@@ -10,8 +10,8 @@
 //! The errors stated were measured over every f32 (for [`pow`], over a seventh of them at seven exponents
 //! and 3e8 scattered pairs), against double precision; an ulp is the distance between neighbouring f32.
 
-mod circular;
-mod exponential;
+pub(crate) mod circular;
+pub(crate) mod exponential;
 mod rows;
 
 pub use circular::{atan, atan2, tan_to_eighth_turn};

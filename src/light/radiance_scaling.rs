@@ -8,10 +8,10 @@
 use crate::fast_math::exp;
 
 /// Invariant points are kept this far inside (0, 1), where the function is defined.
-const INVARIANT_MARGIN: f32 = 1e-4;
+pub(crate) const INVARIANT_MARGIN: f32 = 1e-4;
 
 /// Largest |gamma kappa| told apart: e^60 is far past any picture, and its square still finite.
-const MAX_EXPONENT: f32 = 60.0;
+pub(crate) const MAX_EXPONENT: f32 = 60.0;
 
 /// The scaling sigma(d) of intensity `d` (clamped to 0..1), for the exponent `x = gamma * kappa` and
 /// the invariant point `alpha`.

@@ -15,11 +15,11 @@ use std::ops::Range;
 /// Turns angles between unit normals into crease weights.
 #[derive(Debug, Clone, Copy)]
 pub struct CreaseDetector {
-    threshold_rad: SoftThreshold,
+    pub(crate) threshold_rad: SoftThreshold,
     /// Above this cosine the angle is surely below the threshold.
-    flat_cosine: f32,
+    pub(crate) flat_cosine: f32,
     /// Above this length a filtered normal surely hides no crease.
-    flat_length: f32,
+    pub(crate) flat_length: f32,
 }
 
 impl CreaseDetector {

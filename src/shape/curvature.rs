@@ -32,7 +32,7 @@ pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
 
 /// Relative difference of the principal curvatures below which a point is umbilic: a few roundings
 /// of f32.
-const UMBILIC: f32 = 1e-6;
+pub(crate) const UMBILIC: f32 = 1e-6;
 
 /// Mapped curvature in -1..1, **+1 convex and -1 concave** ([RS] section 4.1), from the trace of
 /// the Hessian. This is the only place where the sign turns.

@@ -178,7 +178,7 @@ const WEIGHTS: [[f32; 3]; 3] = [[1.0, 2.0, 1.0], [2.0, 0.0, 2.0], [1.0, 2.0, 1.0
 
 /// Keeps the fit solvable where the open neighbours lie on one line: there the slope across that
 /// line is taken as 0. Small against the least weight of a fit with an open neighbour, 1.
-const RIDGE: f32 = 1e-4;
+pub(crate) const RIDGE: f32 = 1e-4;
 
 /// A weighted least-squares fit of a plane through the centre of 3x3 samples, y up.
 struct Stencil {

@@ -4,10 +4,11 @@ use super::memory::Memory;
 use super::simd::Simd;
 use super::tiles::{Tiling, even_tiles};
 use super::wave::{Pass, Results, VectorRows, Wave, Weights};
+use crate::backend::importance::Levels;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::RunOptions;
 use crate::plan::{Readout, Recurrence, Sweeps};
-use crate::shape::diffusion::{FEW_LEVELS, LEVELS, Update};
+use crate::shape::diffusion::{FEW_LEVELS, Update};
 use rayon::prelude::*;
 
 /// The gradient after all sweeps: at every scale that is read out.
@@ -108,71 +109,6 @@ fn updates(sweeps: &Sweeps) -> Vec<Update> {
             }
             updates
         }
-    }
-}
-
-/// Importance in whole levels, and the weights of every level that occurs.
-struct Levels {
-    plane: Plane<u16>,
-    /// How many there are.
-    count: usize,
-    /// For every term, the weight of every level.
-    weights: Vec<[f32; LEVELS]>,
-}
-
-impl Levels {
-    /// The levels of a frame, if the sweeps are read out by importance.
-    fn of(frame: &Frame, sweeps: &Sweeps) -> Option<Self> {
-        let Readout::ByImportance(_) = sweeps.readout else {
-            return None;
-        };
-        let importance = frame
-            .importance
-            .as_ref()
-            .expect("the plan found it in the frame");
-        let top = (LEVELS - 1) as f32;
-        // No number at all counts as 0.
-        let level = |share: f32| (share.clamp(0.0, 1.0) * top + 0.5) as usize;
-        let occurs = importance
-            .samples()
-            .par_chunks(1 << 16)
-            .map(|part| {
-                let mut occurs = [false; LEVELS];
-                part.iter().for_each(|&share| occurs[level(share)] = true);
-                occurs
-            })
-            .reduce(
-                || [false; LEVELS],
-                |a, b| std::array::from_fn(|i| a[i] | b[i]),
-            );
-        // Levels that occur are numbered on: mostly there are few.
-        let mut number = [0; LEVELS];
-        let mut shares = Vec::new();
-        for level in (0..LEVELS).filter(|&level| occurs[level]) {
-            number[level] = shares.len() as u16;
-            shares.push(level as f64 / f64::from(top));
-        }
-        let mut plane = Plane::filled(importance.width(), importance.height(), 0);
-        plane
-            .samples_mut()
-            .par_chunks_mut(1 << 16)
-            .zip(importance.samples().par_chunks(1 << 16))
-            .for_each(|(numbers, shares)| {
-                for (out, &share) in numbers.iter_mut().zip(shares) {
-                    *out = number[level(share)];
-                }
-            });
-        let mut weights = vec![[0.0; LEVELS]; sweeps.count() + 1];
-        for (level, of_level) in sweeps.weights_by_importance(&shares).iter().enumerate() {
-            for (of_term, weight) in weights.iter_mut().zip(of_level) {
-                of_term[level] = *weight;
-            }
-        }
-        Some(Self {
-            plane,
-            count: shares.len(),
-            weights,
-        })
     }
 }
 

@@ -4,6 +4,7 @@ use super::ROWS_PER_TASK;
 use super::memory::Memory;
 use super::passes::map_covered;
 use super::simd::Simd;
+use crate::backend::palette;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::radiance_scaling::scaling;
 use crate::params::ScalingParams;
@@ -99,14 +100,6 @@ pub(super) fn scale_row(
         g[x] = scaled(rgb[1]);
         b[x] = scaled(rgb[2]);
     }
-}
-
-/// Display colours, sRGB-encoded 0..1, of [LW] figure 6.
-mod palette {
-    pub(super) const NEUTRAL: [f32; 3] = [0.90, 0.90, 0.88];
-    pub(super) const CONCAVE: [f32; 3] = [0.86, 0.22, 0.08];
-    pub(super) const CONVEX: [f32; 3] = [0.08, 0.32, 0.78];
-    pub(super) const BACKGROUND: [f32; 3] = [1.0, 1.0, 1.0];
 }
 
 /// The curvature display: silhouettes and creases black, concave warm, convex cold, plane neutral,

@@ -6,7 +6,7 @@ use super::memory::Memory;
 use super::passes::map_rows;
 use super::percentile::{PercentileSearch, percentile};
 use super::simd::Simd;
-use super::statistics::WHITE_PERCENTILE;
+use crate::backend::choice::WHITE_PERCENT;
 use crate::frame::{ColorPlanes, Frame, LobeLayers, Mask, Plane, SymmetricPlanes};
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};
@@ -101,7 +101,7 @@ impl Term<'_> {
     fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
         let luminance = self.luminance(weights, mask, absent, memory);
         let lit = |y| lit(&luminance, mask, y);
-        let white = percentile(mask.height(), WHITE_PERCENTILE, lit).unwrap_or(1.0);
+        let white = percentile(mask.height(), WHITE_PERCENT, lit).unwrap_or(1.0);
         memory.take_back([luminance]);
         white
     }
@@ -137,7 +137,7 @@ pub(super) fn add_to_searches(
         let luminance = term.luminance(weights, &frame.mask, &absent, memory);
         let known = searches.iter().position(|(name, _)| *name == term.name);
         let index = known.unwrap_or_else(|| {
-            searches.push((term.name, PercentileSearch::new(WHITE_PERCENTILE)));
+            searches.push((term.name, PercentileSearch::new(WHITE_PERCENT)));
             searches.len() - 1
         });
         let values = |y| lit(&luminance, &frame.mask, y);

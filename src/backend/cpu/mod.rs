@@ -55,6 +55,16 @@ pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     simd::Simd::widest().map_row(function, out, x);
 }
 
+/// The directions of the surface's own curvature, for other backends.
+#[cfg(feature = "gpu")]
+pub(in crate::backend) fn surface_directions(
+    plan: &Plan,
+    frame: &Frame,
+    conductance: &Plane,
+) -> Vector2Planes {
+    normal_rays::directions(plan, frame, conductance, &memory::Memory::default())
+}
+
 /// Bits of the widest vectors that this machine has.
 pub fn vector_bits() -> u32 {
     simd::Simd::widest().bits()

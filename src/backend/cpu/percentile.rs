@@ -1,4 +1,4 @@
-//! The value below which a given share of many others lies, without sorting or copying them.
+//! The value below which a given percentage of many others lies, without sorting or copying them.
 //!
 //! Floats are ordered as their bits are, once those of negative ones are turned about. So a histogram of
 //! the upper half of the bits tells in which bin the value lies, and one of the lower half, over that
@@ -11,14 +11,14 @@ use std::ops::Range;
 /// Bins of a histogram over half of the bits.
 const BINS: usize = 1 << 16;
 
-/// The value below which the share `share` of the finite ones lies; `None` if there are none. `row(y)`
+/// The value below which `percent` of the finite ones lie; `None` if there are none. `row(y)`
 /// are the values of row `y`, asked for twice.
 pub(super) fn percentile<Values: Iterator<Item = f32>>(
     height: usize,
-    share: f64,
+    percent: u32,
     row: impl Fn(usize) -> Values + Sync,
 ) -> Option<f32> {
-    let mut search = PercentileSearch::new(share);
+    let mut search = PercentileSearch::new(percent);
     search.add(0..height, &row);
     search.narrow();
     search.add(0..height, &row);
@@ -29,7 +29,7 @@ pub(super) fn percentile<Values: Iterator<Item = f32>>(
 /// once after.
 #[derive(Debug, Clone)]
 pub(super) struct PercentileSearch {
-    share: f64,
+    percent: u32,
     counts: Vec<u64>,
     /// The upper half of the value's bits, and its rank among those that have it.
     upper: Option<(u32, u64)>,
@@ -37,9 +37,9 @@ pub(super) struct PercentileSearch {
 }
 
 impl PercentileSearch {
-    pub(super) fn new(share: f64) -> Self {
+    pub(super) fn new(percent: u32) -> Self {
         Self {
-            share,
+            percent,
             counts: vec![0; BINS],
             upper: None,
             is_narrow: false,
@@ -73,7 +73,7 @@ impl PercentileSearch {
         upper[key(f32::INFINITY) as usize >> 16..].fill(0);
         let count: u64 = upper.iter().sum();
         self.upper = count.checked_sub(1).map(|last| {
-            let rank = (self.share * last as f64).round() as u64;
+            let rank = (f64::from(self.percent) / 100.0 * last as f64).round() as u64;
             bin_at(upper, rank)
         });
         self.counts.fill(0);
@@ -141,18 +141,18 @@ const SIGN: u32 = 1 << 31;
 mod tests {
     use super::*;
 
-    fn of_rows(rows: &[Vec<f32>], share: f64) -> Option<f32> {
-        percentile(rows.len(), share, |y| rows[y].iter().copied())
+    fn of_rows(rows: &[Vec<f32>], percent: u32) -> Option<f32> {
+        percentile(rows.len(), percent, |y| rows[y].iter().copied())
     }
 
     #[test]
     fn percentiles_of_hostile_values() {
-        assert_eq!(of_rows(&[], 0.5), None);
-        assert_eq!(of_rows(&[vec![], vec![]], 0.5), None);
-        assert_eq!(of_rows(&[vec![f32::NAN, f32::INFINITY]], 0.5), None);
+        assert_eq!(of_rows(&[], 50), None);
+        assert_eq!(of_rows(&[vec![], vec![]], 50), None);
+        assert_eq!(of_rows(&[vec![f32::NAN, f32::INFINITY]], 50), None);
         let some = vec![vec![3.0, f32::NAN], vec![1.0, 2.0, f32::NEG_INFINITY]];
-        assert_eq!(of_rows(&some, 0.5), Some(2.0));
-        assert_eq!(of_rows(&[vec![7.5; 1000]], 0.98), Some(7.5));
+        assert_eq!(of_rows(&some, 50), Some(2.0));
+        assert_eq!(of_rows(&[vec![7.5; 1000]], 98), Some(7.5));
     }
 
     #[test]
@@ -177,10 +177,11 @@ mod tests {
         let mut sorted: Vec<f32> = rows.iter().flatten().copied().collect();
         sorted.retain(|v| v.is_finite());
         sorted.sort_by(f32::total_cmp);
-        for share in [0.0, 0.1, 0.5, 0.8, 0.98, 1.0] {
+        for percent in [0, 10, 50, 80, 98, 100] {
+            let share = f64::from(percent) / 100.0;
             let index = (share * (sorted.len() - 1) as f64).round() as usize;
-            let found = of_rows(&rows, share).unwrap();
-            assert_eq!(found.to_bits(), sorted[index].to_bits(), "share {share}");
+            let found = of_rows(&rows, percent).unwrap();
+            assert_eq!(found.to_bits(), sorted[index].to_bits(), "{percent} %");
         }
     }
 

@@ -1,26 +1,11 @@
 //! What is chosen from the whole frame: the gain of the curvature mapping and the white level.
 
 use super::percentile::{PercentileSearch, percentile};
+use crate::backend::choice::{
+    CURVATURE_PERCENT, MAX_GAIN, WHITE_PERCENT, flat_curvature, typical_exponent,
+};
 use crate::frame::{ColorPlanes, Mask, Plane};
 use std::ops::Range;
-
-/// Share of the surface whose curvature the gain leaves below [`TYPICAL_KAPPA`].
-const CURVATURE_PERCENTILE: f64 = 0.80;
-
-/// Mapped curvature that the percentile is brought to: clearly seen, far from saturated.
-const TYPICAL_KAPPA: f32 = 0.35;
-
-/// Gains past this would draw the rounding of half-float normals (5e-4 per pixel) as relief. It holds at
-/// every factor of resolution: diffusion that counts f times as many pixels lowers noise by f^2, more
-/// than the factor raises it.
-const MAX_GAIN: f32 = 200.0;
-
-/// Share of the surface that the white level leaves below it.
-pub(super) const WHITE_PERCENTILE: f64 = 0.98;
-
-/// Surfaces that turn by less than this many radians over the whole picture are flat to the eye and
-/// have no say: a room is mostly walls. An angle, it is the same at every resolution.
-const FLAT_TURN: f32 = 0.25;
 
 /// The gain that maps the 80th percentile of |trace| to 0.35, over what is curved, edges left out.
 ///
@@ -41,8 +26,8 @@ pub(super) struct GainSearch(pub(super) PercentileSearch, f32);
 impl GainSearch {
     /// For a picture of this size, whose trace is `factor` times what it is per pixel.
     pub(super) fn new(size: [usize; 2], factor: f32) -> Self {
-        let flat = factor * FLAT_TURN / (size[0] as f32).hypot(size[1] as f32);
-        Self(PercentileSearch::new(CURVATURE_PERCENTILE), flat)
+        let flat = flat_curvature(size, factor);
+        Self(PercentileSearch::new(CURVATURE_PERCENT), flat)
     }
 
     pub(super) fn add(&mut self, rows: Range<usize>, trace: &Plane, conductance: &Plane) {
@@ -58,7 +43,7 @@ impl GainSearch {
 
     pub(super) fn gain(&self) -> f32 {
         match self.0.found() {
-            Some(typical) if typical > 0.0 => (TYPICAL_KAPPA.atanh() / typical).min(MAX_GAIN),
+            Some(typical) if typical > 0.0 => (typical_exponent() / typical).min(MAX_GAIN),
             _ => MAX_GAIN,
         }
     }
@@ -67,7 +52,7 @@ impl GainSearch {
 /// A high percentile of the luminance of the covered pixels; 1 where none has any.
 pub(super) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -> f32 {
     let luminances = |y| luminances(color, weights, mask, y);
-    white_of(percentile(mask.height(), WHITE_PERCENTILE, luminances))
+    white_of(percentile(mask.height(), WHITE_PERCENT, luminances))
 }
 
 /// The luminance of the covered pixels of a row.
@@ -102,7 +87,7 @@ mod tests {
             _ => 1e-5,
         });
         let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0), 1.0);
-        assert!(((gain * 0.05).tanh() - TYPICAL_KAPPA).abs() < 1e-6);
+        assert!(((gain * 0.05).tanh() - 0.35).abs() < 1e-6);
         // A plane: rounding noise is not blown up without end.
         assert_eq!(
             curvature_gain(&Plane::filled(4, 4, 1e-9), &Plane::filled(4, 4, 1.0), 1.0),

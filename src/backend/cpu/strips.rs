@@ -3,8 +3,9 @@
 use super::light::luminance_weights;
 use super::light_layers::add_to_searches;
 use super::percentile::PercentileSearch;
-use super::statistics::{GainSearch, WHITE_PERCENTILE, luminances, white_of};
+use super::statistics::{GainSearch, luminances, white_of};
 use super::{Runner, Shape};
+use crate::backend::choice::WHITE_PERCENT;
 use crate::frame::{Frame, Window};
 use crate::params::{Adaptive, ScalingParams};
 use crate::plan::{Plan, Stage};
@@ -39,7 +40,7 @@ impl StripSearch {
         let search = Self {
             gain: scales.then(|| GainSearch::new(size, factor)),
             white: (plan.has(Stage::AutoWhite) && plan.has(Stage::RadianceScaling))
-                .then(|| PercentileSearch::new(WHITE_PERCENTILE)),
+                .then(|| PercentileSearch::new(WHITE_PERCENT)),
             terms: Vec::new(),
         };
         let open = search.gain.is_some() || plan.has(Stage::AutoWhite);

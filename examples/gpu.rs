@@ -1,0 +1,126 @@
+//! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH HEIGHT]`.
+//!
+//! Prints, for each size of features, how far the picture is from the CPU's and what each stage takes. Without a file,
+//! waves of that size, 1920x1080 where none is given.
+
+use relievo::backend::gpu::{Choice, Device, Runner};
+use relievo::backend::{cpu, difference, products};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
+use relievo::io::inputs::Inputs;
+use relievo::io::{Needs, load};
+use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
+use relievo::plan::{Available, Goal, Plan};
+use std::time::{Duration, Instant};
+
+/// Runs of which the quickest counts.
+const RUNS: usize = 9;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let frame = match arguments.as_slice() {
+        [] => waves(1920, 1080),
+        [width, height] => waves(width.parse()?, height.parse()?),
+        [path] => {
+            let inputs = Inputs {
+                picture: path.into(),
+                ..Inputs::default()
+            };
+            let needs = Needs {
+                color: true,
+                ..Needs::default()
+            };
+            load(&inputs, needs)?.frame
+        }
+        _ => return Err("give FRAME.exr, or WIDTH HEIGHT, or nothing".into()),
+    };
+    let runner = Runner::new(Device::open(Choice::Any)?);
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    println!("{}, {width}x{height}", runner.device().name());
+    for (name, scale, solver) in [
+        ("no diffusion", Scale::Iterations(0), Solver::Chebyshev),
+        ("10 steps", Scale::Iterations(10), Solver::Chebyshev),
+        (
+            "50 steps, explicit",
+            Scale::Iterations(50),
+            Solver::Explicit,
+        ),
+        (
+            "50 steps, Chebyshev",
+            Scale::Iterations(50),
+            Solver::Chebyshev,
+        ),
+    ] {
+        let shape = ShapeParams {
+            scale,
+            solver,
+            ..ShapeParams::default()
+        };
+        let available = Available::in_frame(&frame);
+        let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
+        measure(name, &runner, &plan, &frame)?;
+    }
+    Ok(())
+}
+
+fn measure(name: &str, runner: &Runner, plan: &Plan, frame: &Frame) -> relievo::Result<()> {
+    let on_cpu = cpu::Runner::default();
+    let expected = on_cpu.run(plan, frame);
+    let found = runner.run(plan, frame)?;
+    let pictures = products(&found).zip(expected.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]));
+    let apart = pictures.map(|((_, found), expected)| difference(found, expected));
+    println!("\n{name}: {:.1e} apart", apart.fold(0.0, f64::max));
+    let mut stages: Vec<(&str, Duration)> = Vec::new();
+    let mut whole = [Duration::MAX; 2];
+    let mut processor = f64::INFINITY;
+    for _ in 0..RUNS {
+        let start = Instant::now();
+        on_cpu.take_back(on_cpu.run(plan, frame));
+        whole[0] = whole[0].min(start.elapsed());
+        let (start, before) = (Instant::now(), processor_seconds());
+        let timings = runner.run(plan, frame)?.timings;
+        whole[1] = whole[1].min(start.elapsed());
+        processor = processor.min(processor_seconds() - before);
+        stages.resize(timings.len(), ("", Duration::MAX));
+        for (least, (stage, time)) in stages.iter_mut().zip(timings) {
+            *least = (stage, least.1.min(time));
+        }
+    }
+    let ms = |time: Duration| 1e3 * time.as_secs_f64();
+    println!(
+        "  CPU backend {:.1} ms; device {:.1} ms, {processor:.3} s of processors",
+        ms(whole[0]),
+        ms(whole[1])
+    );
+    for (stage, time) in stages {
+        println!("  {stage:20} {:9.3} ms", ms(time));
+    }
+    Ok(())
+}
+
+/// Seconds that all processors together have worked for this process; 0 where the system does not tell.
+fn processor_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = stat.rsplit(')').next().unwrap_or_default();
+    let ticks = fields.split_whitespace().skip(11).take(2);
+    let ticks = ticks.filter_map(|field| field.parse::<f64>().ok());
+    // Hundredths of a second, on every Linux there is.
+    ticks.sum::<f64>() / 100.0
+}
+
+/// Waves of 64 pixels under a soft light.
+fn waves(width: usize, height: usize) -> Frame {
+    let turn = std::f64::consts::TAU / 64.0;
+    let normal = Vector3Planes::from_fn(width, height, |x, y| {
+        let (x, y) = (turn * x as f64, turn * y as f64);
+        glam::DVec3::new(0.5 * x.sin() * y.cos(), -0.5 * x.cos() * y.sin(), 1.0).normalize()
+    });
+    let lit = normal.z.map(|z| 0.8 * z);
+    let mut frame = Frame::of_normals(normal, Mask::full(width, height));
+    frame.depth = Some(Plane::filled(width, height, 5.0));
+    frame.color = Some(ColorPlanes {
+        r: lit.clone(),
+        g: lit.clone(),
+        b: lit,
+    });
+    frame
+}

@@ -1,0 +1,129 @@
+//! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
+
+use super::kernels::{Kernel, SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
+use super::run::Run;
+use super::uniforms::{CountParams, NarrowParams};
+use crate::backend::choice::{CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, typical_exponent};
+use std::ops::Range;
+
+/// Workgroups that count, at the most; each takes every so-manieth row.
+const MOST_GROUPS: u32 = 1024;
+
+/// What is searched for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Search {
+    /// The gain of the curvature mapping, in a picture of this size whose curvature is told by this factor.
+    Gain { size: [usize; 2], factor: f32 },
+    /// The white level, by these weights of luminance.
+    White([f32; 3]),
+}
+
+/// A search, and its state on the device.
+pub(super) struct Searching {
+    search: Search,
+    /// Bits found, rank, and how many numbers there are.
+    state: wgpu::Buffer,
+    bins: wgpu::Buffer,
+}
+
+impl Searching {
+    pub(super) fn new(run: &mut Run, search: Search) -> Self {
+        let state = run.take(12);
+        let bins = run.take(4 * u64::from(SEARCH_BINS));
+        run.recorder.clear(&state);
+        run.recorder.clear(&bins);
+        Self {
+            search,
+            state,
+            bins,
+        }
+    }
+
+    /// Where the bits begin that pass number `pass` finds.
+    fn shift(pass: u32) -> u32 {
+        u32::BITS.saturating_sub((pass + 1) * SEARCH_BITS)
+    }
+
+    /// Counts the numbers in some rows of three planes: of a trace, the conductance and either again, or of a picture.
+    pub(super) fn count(
+        &self,
+        run: &mut Run,
+        pass: u32,
+        [a, b, c]: [&wgpu::Buffer; 3],
+        rows: Range<u32>,
+    ) {
+        let [width, height] = run.surface.size;
+        let (least, weights) = match self.search {
+            Search::Gain { size, factor } => (flat_curvature(size, factor), [0.0; 3]),
+            Search::White(weights) => (0.0, weights),
+        };
+        let params = CountParams {
+            width,
+            height,
+            rows_start: rows.start,
+            rows_end: rows.end,
+            known_bits: match pass {
+                0 => 0,
+                _ => u32::MAX << Self::shift(pass - 1),
+            },
+            shift: Self::shift(pass),
+            least,
+            weight_r: weights[0],
+            weight_g: weights[1],
+            weight_b: weights[2],
+        };
+        let of_trace = matches!(self.search, Search::Gain { .. });
+        let groups = [rows.end.clamp(1, MOST_GROUPS), 1];
+        run.recorder.dispatch(
+            self.stage(),
+            (Kernel::Count, &[("OF_TRACE", of_trace)]),
+            &params,
+            &[&run.surface.covered, a, b, c, &self.state, &self.bins],
+            groups,
+        );
+    }
+
+    /// Ends pass number `pass`; the last one chooses.
+    pub(super) fn narrow(&self, run: &mut Run, pass: u32) {
+        let (percent, is_gain) = match self.search {
+            Search::Gain { .. } => (CURVATURE_PERCENT, true),
+            Search::White(_) => (WHITE_PERCENT, false),
+        };
+        let params = NarrowParams {
+            is_first: u32::from(pass == 0),
+            shift: Self::shift(pass),
+            share: percent,
+            share_of: 100,
+            target_times: typical_exponent(),
+        };
+        run.recorder.dispatch(
+            self.stage(),
+            (Kernel::Narrow, &[("IS_GAIN", is_gain)]),
+            &params,
+            &[&self.bins, &self.state, &run.chosen],
+            [1, 1],
+        );
+    }
+
+    /// All passes over planes that are there.
+    pub(super) fn choose(self, run: &mut Run, planes: [&wgpu::Buffer; 3]) {
+        let rows = 0..run.surface.size[1];
+        for pass in 0..SEARCH_PASSES {
+            self.count(run, pass, planes, rows.clone());
+            self.narrow(run, pass);
+        }
+        run.buffers.take_back(self.into_buffers());
+    }
+
+    /// Its buffers.
+    pub(super) fn into_buffers(self) -> [wgpu::Buffer; 2] {
+        [self.state, self.bins]
+    }
+
+    fn stage(&self) -> &'static str {
+        match self.search {
+            Search::Gain { .. } => "auto-gain",
+            Search::White(_) => "auto-white",
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Pictures: radiance scaling, and the curvature display.
+
+use super::choose::{Search, Searching};
+use super::kernels::Kernel;
+use super::run::Run;
+use super::shape::Shape;
+use super::surface::Picture;
+use super::uniforms::{ScaleParams, SizeParams};
+use crate::frame::{Frame, REC709_LUMINANCE};
+use crate::params::Adaptive;
+use crate::plan::{Plan, Stage};
+
+pub(super) fn luminance_weights(frame: &Frame) -> [f32; 3] {
+    frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
+}
+
+/// The white level where it does not depend on the picture.
+pub(super) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
+    match plan.scaling.white_level {
+        Adaptive::Fixed(level) => Some(level),
+        // What arrives of ambient light is a share of 1.
+        Adaptive::Auto => frame.light.picture_is_occlusion.then_some(1.0),
+    }
+}
+
+impl Run<'_> {
+    /// Scales a picture in place, by a white level that is chosen first where it is not known.
+    pub(super) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
+        if !plan.has(Stage::RadianceScaling) {
+            return;
+        }
+        let weights = luminance_weights(frame);
+        let [red, green, blue] = picture;
+        if known_white_level(plan, frame).is_none() {
+            let search = Searching::new(self, Search::White(weights));
+            search.choose(self, [red, green, blue]);
+        }
+        let mut scaling = plan.scaling;
+        if frame.light.picture_is_occlusion {
+            scaling.scaling = scaling.magnitudes().ambient;
+        }
+        let [width, height] = self.surface.size;
+        let params = ScaleParams {
+            width,
+            height,
+            scaling: scaling.scaling,
+            invariant_point: scaling.invariant_point,
+            weight_r: weights[0],
+            weight_g: weights[1],
+            weight_b: weights[2],
+            nan_bits: f32::NAN.to_bits(),
+        };
+        let hessian = shape.hessian.as_ref().expect("scaling takes curvature");
+        self.recorder.over_pixels(
+            "radiance-scaling",
+            (Kernel::ScalePicture, &[]),
+            &params,
+            &[
+                &self.surface.covered,
+                &hessian.trace,
+                &self.chosen,
+                red,
+                green,
+                blue,
+            ],
+            [width, height],
+        );
+    }
+
+    /// The curvature display.
+    pub(super) fn display(&mut self, shape: &Shape) -> Picture {
+        let [width, height] = self.surface.size;
+        let picture = [(); 3].map(|()| self.take(self.surface.plane_bytes()));
+        let [red, green, blue] = &picture;
+        let trace = &shape
+            .hessian
+            .as_ref()
+            .expect("the display takes curvature")
+            .trace;
+        self.recorder.over_pixels(
+            "display",
+            (Kernel::CurvatureDisplay, &[]),
+            &SizeParams { width, height },
+            &[
+                &self.surface.covered,
+                &shape.conductance,
+                trace,
+                &self.chosen,
+                red,
+                green,
+                blue,
+            ],
+            [width, height],
+        );
+        picture
+    }
+}

@@ -1,0 +1,208 @@
+//! The kernels: their WGSL, put together of shared parts, and the numbers that they share with Rust.
+
+use super::uniforms::{
+    CountParams, DiffusionParams, EdgeParams, HessianParams, NarrowParams, ScaleParams, SizeParams,
+    Uniforms,
+};
+use crate::backend::choice::MAX_GAIN;
+use crate::backend::palette;
+use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, TAN_EIGHTH_PI};
+use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
+use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
+use crate::shape::curvature::UMBILIC;
+use crate::shape::hessian::RIDGE;
+use std::f32::consts;
+use std::fmt::Write;
+
+/// Columns and rows of a workgroup that makes a pixel per invocation.
+pub(super) const GROUP: [u32; 2] = [64, 4];
+
+/// Columns and rows that a workgroup of `diffusion.wgsl` holds, its rim included.
+pub(super) const REGION: [u32; 2] = [64, 32];
+
+/// Rows of that region which one invocation makes.
+const ROWS_PER_INVOCATION: u32 = 8;
+
+/// Invocations of a workgroup that searches for a percentile.
+const SEARCH_INVOCATIONS: u32 = 256;
+
+/// Bits that a pass of that search finds out, and how many passes find all 32.
+pub(super) const SEARCH_BITS: u32 = 11;
+pub(super) const SEARCH_PASSES: u32 = u32::BITS.div_ceil(SEARCH_BITS);
+
+/// Bins that it counts.
+pub(super) const SEARCH_BINS: u32 = 1 << SEARCH_BITS;
+
+/// Where the numbers stand that are chosen from the whole picture.
+pub(super) const GAIN: u32 = 0;
+pub(super) const WHITE: u32 = 1;
+
+/// A kernel, named after its file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Kernel {
+    LogDepth,
+    Edges,
+    Diffusion,
+    Faces,
+    Sweep,
+    Hessian,
+    Curvatures,
+    Count,
+    Narrow,
+    ScalePicture,
+    CurvatureDisplay,
+}
+
+macro_rules! wgsl {
+    ($name:literal) => {
+        include_str!(concat!("shaders/", $name, ".wgsl"))
+    };
+}
+
+impl Kernel {
+    /// All there are.
+    const ALL: [Self; 11] = [
+        Self::LogDepth,
+        Self::Edges,
+        Self::Diffusion,
+        Self::Faces,
+        Self::Sweep,
+        Self::Hessian,
+        Self::Curvatures,
+        Self::Count,
+        Self::Narrow,
+        Self::ScalePicture,
+        Self::CurvatureDisplay,
+    ];
+
+    /// The whole module.
+    pub(super) fn source(self) -> String {
+        let index = wgsl!("index");
+        let covered = wgsl!("coverage");
+        let mapped = wgsl!("mapped_curvature");
+        let (uniforms, parts): (&str, &[&str]) = match self {
+            Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
+            Self::Edges => (
+                EdgeParams::WGSL,
+                &[index, covered, wgsl!("soft_threshold"), wgsl!("edges")],
+            ),
+            Self::Diffusion => (
+                DiffusionParams::WGSL,
+                &[index, wgsl!("face_conductance"), wgsl!("diffusion")],
+            ),
+            Self::Faces => (
+                SizeParams::WGSL,
+                &[index, wgsl!("face_conductance"), wgsl!("faces")],
+            ),
+            Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
+            Self::Hessian => (HessianParams::WGSL, &[index, covered, wgsl!("hessian")]),
+            Self::Curvatures => (
+                SizeParams::WGSL,
+                &[index, covered, mapped, wgsl!("curvatures")],
+            ),
+            Self::Count => (
+                CountParams::WGSL,
+                &[index, covered, wgsl!("keys"), wgsl!("count")],
+            ),
+            Self::Narrow => (NarrowParams::WGSL, &[wgsl!("keys"), wgsl!("narrow")]),
+            Self::ScalePicture => (
+                ScaleParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    wgsl!("radiance_scaling"),
+                    wgsl!("scale_picture"),
+                ],
+            ),
+            Self::CurvatureDisplay => (
+                SizeParams::WGSL,
+                &[index, covered, mapped, wgsl!("curvature_display")],
+            ),
+        };
+        let mut source = constants();
+        source += uniforms;
+        source += wgsl!("fast_math");
+        for part in parts {
+            source += part;
+        }
+        source
+    }
+}
+
+/// The name and the WGSL of every kernel, whole as a device is given it.
+pub fn kernel_sources() -> impl Iterator<Item = (String, String)> {
+    let all = Kernel::ALL.into_iter();
+    all.map(|kernel| (format!("{kernel:?}"), kernel.source()))
+}
+
+/// The numbers that Rust and WGSL share, each with its only value.
+fn constants() -> String {
+    let mut text = String::new();
+    let whole = [
+        ("GROUP_COLUMNS", GROUP[0]),
+        ("GROUP_ROWS", GROUP[1]),
+        ("REGION_COLUMNS", REGION[0]),
+        ("REGION_ROWS", REGION[1]),
+        ("REGION_PIXELS", REGION[0] * REGION[1]),
+        ("REGION_GROUP_ROWS", REGION[1] / ROWS_PER_INVOCATION),
+        ("ROWS_PER_INVOCATION", ROWS_PER_INVOCATION),
+        ("SEARCH_INVOCATIONS", SEARCH_INVOCATIONS),
+        ("SEARCH_BINS", SEARCH_BINS),
+        ("GAIN", GAIN),
+        ("WHITE", WHITE),
+        ("FRAC_1_SQRT_2_BITS", consts::FRAC_1_SQRT_2.to_bits()),
+        // No key of a finite number.
+        ("NOTHING", u32::MAX),
+    ];
+    for (name, value) in whole {
+        line(&mut text, format_args!("const {name}: u32 = {value}u;"));
+    }
+    let real = [
+        ("LOG2_E", consts::LOG2_E),
+        ("PI", consts::PI),
+        ("FRAC_PI_2", consts::FRAC_PI_2),
+        ("FRAC_PI_4", consts::FRAC_PI_4),
+        ("F32_MAX", f32::MAX),
+        ("LN2_HIGH", LN2_HIGH),
+        ("LN2_LOW", LN2_LOW),
+        ("TAN_EIGHTH_PI", TAN_EIGHTH_PI),
+        ("COT_EIGHTH_PI", COT_EIGHTH_PI),
+        ("RIDGE", RIDGE),
+        ("UMBILIC", UMBILIC),
+        ("MAX_GAIN", MAX_GAIN),
+        ("INVARIANT_MARGIN", INVARIANT_MARGIN),
+        ("MAX_EXPONENT", MAX_EXPONENT),
+    ];
+    for (name, value) in real {
+        line(&mut text, format_args!("const {name}: f32 = {value:e}f;"));
+    }
+    let colors = [
+        ("NEUTRAL", palette::NEUTRAL),
+        ("CONCAVE", palette::CONCAVE),
+        ("CONVEX", palette::CONVEX),
+        ("BACKGROUND", palette::BACKGROUND),
+    ];
+    for (name, [r, g, b]) in colors {
+        let color = format_args!("const {name} = vec3<f32>({r:e}f, {g:e}f, {b:e}f);");
+        line(&mut text, color);
+    }
+    add_polynomial(&mut text, "exp", &EXP);
+    add_polynomial(&mut text, "ln", &LN);
+    add_polynomial(&mut text, "atan", &ATAN);
+    text
+}
+
+/// A polynomial with these coefficients, the constant first, as a function.
+fn add_polynomial(text: &mut String, name: &str, coefficients: &[f32]) {
+    line(text, format_args!("fn polynomial_{name}(x: f32) -> f32 {{"));
+    line(text, format_args!("    var sum = 0.0;"));
+    for coefficient in coefficients.iter().rev() {
+        line(text, format_args!("    sum = sum * x + {coefficient:e}f;"));
+    }
+    line(text, format_args!("    return sum;\n}}"));
+}
+
+fn line(text: &mut String, line: std::fmt::Arguments) {
+    writeln!(text, "{line}").expect("a string takes all");
+}

@@ -1,0 +1,22 @@
+//! The plan on a device of Vulkan, Metal or DirectX 12, as compute passes over storage buffers.
+//!
+//! A kernel in `shaders` does what the file of the same name in [`crate::shape`] or [`crate::light`] does, by the same
+//! statements in the same order; numbers and structs come from Rust. Between the stages nothing is read back.
+
+mod buffers;
+mod choose;
+mod device;
+mod diffusion;
+mod enhance;
+mod kernels;
+mod recorder;
+mod run;
+mod runner;
+mod shape;
+mod strips;
+mod surface;
+mod uniforms;
+
+pub use device::{Choice, Device};
+pub use kernels::kernel_sources;
+pub use runner::Runner;

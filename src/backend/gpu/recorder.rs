@@ -1,0 +1,268 @@
+//! Kernels in the order in which they run, and what they take.
+
+use super::device::Device;
+use super::kernels::{GROUP, Kernel};
+use super::uniforms::Uniforms;
+use crate::error::Result;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::Duration;
+
+/// A kernel with its switches, as it was compiled for the device.
+type Compiled = HashMap<(Kernel, Vec<(&'static str, bool)>), Arc<wgpu::ComputePipeline>>;
+
+/// Kernels compiled so far.
+#[derive(Debug, Default)]
+pub(super) struct Programs(Mutex<Compiled>);
+
+impl Programs {
+    fn of(
+        &self,
+        device: &wgpu::Device,
+        kernel: Kernel,
+        switches: &[(&'static str, bool)],
+    ) -> Arc<wgpu::ComputePipeline> {
+        let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (kernel, switches.to_vec());
+        if let Some(program) = compiled.get(&key) {
+            return program.clone();
+        }
+        let label = format!("{kernel:?}");
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(kernel.source().into()),
+        });
+        let constants: Vec<_> = switches
+            .iter()
+            .map(|&(name, on)| (name, f64::from(u8::from(on))))
+            .collect();
+        let program = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants,
+                // Kernels write what they read.
+                zero_initialize_workgroup_memory: false,
+            },
+            cache: None,
+        });
+        let program = Arc::new(program);
+        compiled.insert(key, program.clone());
+        program
+    }
+}
+
+/// How long each stage took, in order.
+pub(super) type Timings = Vec<(&'static str, Duration)>;
+
+/// Stages that a run can time, at the most.
+const MAX_TIMED: u32 = 256;
+
+/// Records kernels, and runs them.
+pub(super) struct Recorder<'d> {
+    device: &'d Device,
+    programs: &'d Programs,
+    encoder: wgpu::CommandEncoder,
+    /// The clock, and the stage of each pair of its readings.
+    clock: Option<(wgpu::QuerySet, Vec<&'static str>)>,
+}
+
+impl<'d> Recorder<'d> {
+    pub(super) fn new(device: &'d Device, programs: &'d Programs) -> Self {
+        let clock = device.tick_ns.map(|_| {
+            let set = device.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: None,
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * MAX_TIMED,
+            });
+            (set, Vec::new())
+        });
+        Self {
+            device,
+            programs,
+            encoder: device.device.create_command_encoder(&Default::default()),
+            clock,
+        }
+    }
+
+    /// Runs a kernel over as many workgroups, on buffers in the order of its bindings.
+    pub(super) fn dispatch<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        (kernel, switches): (Kernel, &[(&'static str, bool)]),
+        uniforms: &U,
+        buffers: &[&wgpu::Buffer],
+        groups: [u32; 2],
+    ) {
+        let device = &self.device.device;
+        let program = self.programs.of(device, kernel, switches);
+        let bytes = uniforms.bytes();
+        let told = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM,
+            mapped_at_creation: true,
+        });
+        told.slice(..)
+            .get_mapped_range_mut()
+            .expect("it was mapped when it was made")
+            .copy_from_slice(&bytes);
+        told.unmap();
+        let bound = std::iter::once(&told).chain(buffers.iter().copied());
+        let entries: Vec<_> = (0..)
+            .zip(bound)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &program.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let timestamp_writes = match &mut self.clock {
+            Some((set, stages)) if (stages.len() as u32) < MAX_TIMED => {
+                let index = 2 * stages.len() as u32;
+                stages.push(stage);
+                Some(wgpu::ComputePassTimestampWrites {
+                    query_set: set,
+                    beginning_of_pass_write_index: Some(index),
+                    end_of_pass_write_index: Some(index + 1),
+                })
+            }
+            _ => None,
+        };
+        let mut pass = self
+            .encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(stage),
+                timestamp_writes,
+            });
+        pass.set_pipeline(&program);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(groups[0], groups[1], 1);
+    }
+
+    /// Runs a kernel that makes a pixel per invocation of a picture of this size.
+    pub(super) fn over_pixels<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        kernel: (Kernel, &[(&'static str, bool)]),
+        uniforms: &U,
+        buffers: &[&wgpu::Buffer],
+        [width, height]: [u32; 2],
+    ) {
+        let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
+        self.dispatch(stage, kernel, uniforms, buffers, groups);
+    }
+
+    /// Copies a buffer.
+    pub(super) fn copy(&mut self, from: &wgpu::Buffer, to: &wgpu::Buffer) {
+        self.encoder
+            .copy_buffer_to_buffer(from, 0, to, 0, from.size());
+    }
+
+    /// Sets a buffer to 0.
+    pub(super) fn clear(&mut self, buffer: &wgpu::Buffer) {
+        self.encoder.clear_buffer(buffer, 0, None);
+    }
+
+    /// Runs what was recorded, waits for it, and hands out what `wanted` then hold, with the time of each stage where
+    /// the device has a clock.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub(super) fn run(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+        let device = &self.device.device;
+        let readable = |size: u64| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let mut to_read: Vec<wgpu::Buffer> = Vec::new();
+        for buffer in wanted {
+            let target = readable(buffer.size());
+            self.copy(buffer, &target);
+            to_read.push(target);
+        }
+        let mut ticks = None;
+        if let Some((set, stages)) = &self.clock {
+            let readings = 2 * stages.len() as u32;
+            let size = u64::from(readings.max(1)) * 8;
+            let resolved = device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            });
+            self.encoder
+                .resolve_query_set(set, 0..readings, &resolved, 0);
+            let target = readable(size);
+            self.encoder
+                .copy_buffer_to_buffer(&resolved, 0, &target, 0, size);
+            to_read.push(target);
+            ticks = Some(stages.clone());
+        }
+        self.device.queue.submit([self.encoder.finish()]);
+        wait(self.device, &to_read)?;
+        let times = match ticks.zip(self.device.tick_ns) {
+            Some((stages, tick_ns)) => {
+                let clock = to_read.pop().expect("the clock is read last");
+                times(&stages, &contents(self.device, &clock)?, tick_ns)
+            }
+            None => Vec::new(),
+        };
+        let numbers = to_read.iter().map(|buffer| contents(self.device, buffer));
+        Ok((numbers.collect::<Result<_>>()?, times))
+    }
+}
+
+/// Waits until buffers can be read.
+fn wait(device: &Device, buffers: &[wgpu::Buffer]) -> Result<()> {
+    let (sender, receiver) = mpsc::channel();
+    for buffer in buffers {
+        let sender = sender.clone();
+        buffer
+            .slice(..)
+            .map_async(wgpu::MapMode::Read, move |mapped| {
+                // Where nobody waits any more nothing is to be told.
+                let _ = sender.send(mapped);
+            });
+    }
+    device
+        .device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|error| device.error(error))?;
+    for _ in buffers {
+        let mapped = receiver.recv().map_err(|error| device.error(error))?;
+        mapped.map_err(|error| device.error(error))?;
+    }
+    Ok(())
+}
+
+/// What a buffer holds that can be read.
+fn contents<T: bytemuck::Pod>(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
+    let range = buffer.slice(..).get_mapped_range();
+    let range = range.map_err(|error| device.error(error))?;
+    Ok(bytemuck::pod_collect_to_vec(&range))
+}
+
+/// The time of each stage, its passes taken together, in the order of their first.
+fn times(stages: &[&'static str], readings: &[u64], tick_ns: f32) -> Timings {
+    let mut times = Timings::new();
+    for (&stage, pair) in stages.iter().zip(readings.chunks_exact(2)) {
+        let ticks = pair[1].saturating_sub(pair[0]);
+        let time = Duration::from_nanos((ticks as f64 * f64::from(tick_ns)) as u64);
+        match times.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += time,
+            None => times.push((stage, time)),
+        }
+    }
+    times
+}

@@ -1,0 +1,76 @@
+//! One frame, or a strip of it, on its way through the kernels.
+
+use super::buffers::Buffers;
+use super::device::Device;
+use super::recorder::{Programs, Recorder, Timings};
+use super::surface::{Surface, Upload};
+use crate::error::Result;
+
+/// Bytes of a buffer that nothing is written to.
+pub(super) const NOWHERE: u64 = 16;
+
+/// What is being recorded.
+pub(super) struct Run<'a> {
+    pub(super) device: &'a Device,
+    pub(super) buffers: &'a Buffers,
+    pub(super) recorder: Recorder<'a>,
+    pub(super) surface: Surface,
+    /// The numbers that are chosen from the whole picture: gain and white level.
+    pub(super) chosen: wgpu::Buffer,
+    /// What was copied to the device while kernels were recorded.
+    held: Vec<wgpu::Buffer>,
+}
+
+impl<'a> Run<'a> {
+    pub(super) fn new(
+        device: &'a Device,
+        programs: &'a Programs,
+        buffers: &'a Buffers,
+        surface: Surface,
+        chosen: [f32; 2],
+    ) -> Self {
+        let upload = Upload { device, buffers };
+        Self {
+            device,
+            buffers,
+            recorder: Recorder::new(device, programs),
+            surface,
+            chosen: upload.bytes(bytemuck::cast_slice(&chosen)),
+            held: Vec::new(),
+        }
+    }
+
+    /// A buffer of this many bytes, whose contents mean nothing.
+    pub(super) fn take(&self, bytes: u64) -> wgpu::Buffer {
+        self.buffers.take(self.device, bytes)
+    }
+
+    pub(super) fn copy_of(&mut self, buffer: &wgpu::Buffer) -> wgpu::Buffer {
+        let copy = self.take(buffer.size());
+        self.recorder.copy(buffer, &copy);
+        copy
+    }
+
+    /// Copies numbers to the device.
+    pub(super) fn hold(&mut self, numbers: &[f32]) -> wgpu::Buffer {
+        let device = self.device;
+        let buffer = Upload {
+            device,
+            buffers: self.buffers,
+        }
+        .bytes(bytemuck::cast_slice(numbers));
+        self.held.push(buffer.clone());
+        buffer
+    }
+
+    /// Runs what was recorded, and hands out what `wanted` then hold, with the time of each stage.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub(super) fn finish(self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+        let done = self.recorder.run(wanted)?;
+        let copied = self.surface.into_buffers().chain(self.held);
+        self.buffers.take_back_copied(copied.chain([self.chosen]));
+        Ok(done)
+    }
+}

@@ -1,0 +1,272 @@
+//! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
+
+use super::buffers::Buffers;
+use super::choose::{Search, Searching};
+use super::device::Device;
+use super::enhance::known_white_level;
+use super::kernels::{GAIN, WHITE};
+use super::recorder::Programs;
+use super::run::Run;
+use super::shape::{Curvatures, Shape};
+use super::strips::Strips;
+use super::surface::Upload;
+use crate::backend::cpu::{CurvaturePlanes, Outcome, ScaleShape, surface_directions};
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::params::Adaptive;
+use crate::plan::{Goal, Plan, Stage};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Stages that have no kernels yet.
+const ON_THE_CPU: [Stage; 3] = [
+    Stage::LightLobes,
+    Stage::LightGroups,
+    Stage::AmbientOcclusion,
+];
+
+/// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
+#[derive(Debug)]
+pub struct Runner {
+    device: Device,
+    programs: Programs,
+    pub(super) buffers: Buffers,
+}
+
+impl Runner {
+    /// A runner on this device.
+    pub fn new(device: Device) -> Self {
+        Self {
+            device,
+            programs: Programs::default(),
+            buffers: Buffers::default(),
+        }
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Whether all stages of `plan` have kernels.
+    pub fn can_run(plan: &Plan) -> bool {
+        let is_known = matches!(plan.goal, Goal::Layers | Goal::Display | Goal::Enhance);
+        is_known && plan.drawing.is_none() && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
+    }
+
+    /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
+    ///
+    /// The directions of the surface's own curvature are found on the CPU: they take double precision.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
+    ///
+    /// # Panics
+    /// If the plan was made for other inputs than the frame holds, or [`Runner::can_run`] is false.
+    pub fn run(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        assert!(Self::can_run(plan), "every stage has a kernel");
+        let device = &self.device.device;
+        let scopes = [
+            wgpu::ErrorFilter::Internal,
+            wgpu::ErrorFilter::OutOfMemory,
+            wgpu::ErrorFilter::Validation,
+        ]
+        .map(|filter| device.push_error_scope(filter));
+        let outcome = self.run_parts(plan, frame);
+        // The innermost scope ends first.
+        for scope in scopes.into_iter().rev() {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                return Err(self.device.error(error));
+            }
+        }
+        outcome
+    }
+
+    fn run_parts(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        // Vectors of two are the widest; only layers have wider ones.
+        let sample_bytes = if plan.goal == Goal::Layers { 16 } else { 8 };
+        let most_rows = self.device.plane_bytes / (sample_bytes * width.max(1) as u64);
+        if most_rows >= height as u64 {
+            return self.run_whole(plan, frame);
+        }
+        match Strips::new(plan, height, most_rows as usize) {
+            Some(strips) => self.run_strips(plan, frame, &strips),
+            None => Err(self.device.error(format_args!(
+                "takes {most_rows} rows of this picture at a time, and its scale asks for {} to each side",
+                plan.reach()
+            ))),
+        }
+    }
+
+    pub(super) fn upload(&self) -> Upload<'_> {
+        Upload {
+            device: &self.device,
+            buffers: &self.buffers,
+        }
+    }
+
+    /// Copies what `plan` takes of `frame` to the device, and begins to record.
+    pub(super) fn start(&self, plan: &Plan, frame: &Frame) -> Run<'_> {
+        let pixels = frame.mask.width() * frame.mask.height();
+        self.buffers.keep_for(pixels as u64);
+        let mut chosen = [0.0; 2];
+        chosen[WHITE as usize] = known_white_level(plan, frame).unwrap_or(1.0);
+        if let Adaptive::Fixed(gain) = plan.scaling.curvature_gain {
+            chosen[GAIN as usize] = gain;
+        }
+        let surface = self.upload().surface(plan, frame);
+        Run::new(&self.device, &self.programs, &self.buffers, surface, chosen)
+    }
+
+    /// Runs `plan` on a frame whose planes the device takes.
+    pub(super) fn run_whole(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        let start = Instant::now();
+        let mut picture = match plan.goal {
+            Goal::Enhance => self.upload().picture(frame),
+            _ => None,
+        };
+        let mut run = self.start(plan, frame);
+        let uploaded = start.elapsed();
+
+        let shape = plan.has(Stage::Conductance).then(|| {
+            let shape = run.find_shape(plan, frame);
+            if plan.has(Stage::AutoGain) && plan.scaling.curvature_gain == Adaptive::Auto {
+                let factor = plan.resolution_factor as f32;
+                let size = [width, height];
+                let search = Searching::new(&mut run, Search::Gain { size, factor });
+                search.choose(&mut run, shape.of_gain());
+            }
+            shape
+        });
+        let mut layers = Vec::new();
+        match (plan.goal, &shape) {
+            (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, shape),
+            (Goal::Display, Some(shape)) => picture = Some(run.display(shape)),
+            (Goal::Enhance, Some(shape)) => {
+                let picture = picture.as_ref().expect("enhancing takes a picture");
+                run.scale(plan, frame, shape, picture);
+            }
+            _ => {}
+        }
+        let start = Instant::now();
+        let numbers = run.chosen.clone();
+        let mut wanted = vec![&numbers];
+        wanted.extend(picture.iter().flatten());
+        wanted.extend(&layers);
+        let (read, timings) = run.finish(&wanted)?;
+        let computed = start.elapsed();
+
+        let mut read = read.into_iter();
+        let chosen = read.next().expect("what was chosen is read first");
+        let mut outcome = Outcome::default();
+        outcome.timings.push(("upload", uploaded));
+        outcome.timings.extend(timings);
+        let start = Instant::now();
+        if plan.goal != Goal::Layers && picture.is_some() {
+            let mut plane = || {
+                let samples = read.next().expect("a picture has three planes");
+                Plane::from_samples(width, height, samples)
+            };
+            let [r, g, b] = [plane(), plane(), plane()];
+            let is_made = plan.goal == Goal::Display || plan.has(Stage::RadianceScaling);
+            outcome.color = is_made.then_some(ColorPlanes { r, g, b });
+        }
+        if plan.goal == Goal::Layers {
+            self.describe(&mut outcome, plan, frame, read);
+        }
+        outcome
+            .timings
+            .push(("wait-and-read-back", computed + start.elapsed()));
+        if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
+            outcome.gain = Some(chosen[GAIN as usize]);
+        }
+        if plan.has(Stage::RadianceScaling) {
+            outcome.white_level = Some(chosen[WHITE as usize]);
+        }
+        let picture = picture.into_iter().flatten();
+        match plan.goal {
+            Goal::Enhance => self.buffers.take_back_copied(picture),
+            _ => self.buffers.take_back(picture),
+        }
+        self.buffers.take_back(layers);
+        if let Some(shape) = shape {
+            self.buffers.take_back(shape.into_buffers());
+        }
+        Ok(outcome)
+    }
+
+    /// Puts what was read of the layers into the outcome, in the order of [`layers_of`].
+    fn describe(
+        &self,
+        outcome: &mut Outcome,
+        plan: &Plan,
+        frame: &Frame,
+        mut read: impl Iterator<Item = Vec<f32>>,
+    ) {
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        let mut next = || read.next().expect("every layer is read");
+        let plane = |samples| Plane::from_samples(width, height, samples);
+        let pair = |samples: Vec<f32>| {
+            let [x, y] = apart::<2>(&samples).map(plane);
+            Vector2Planes { x, y }
+        };
+        let shape = &mut outcome.shape;
+        let conductance = plane(next());
+        let weights = pair(next());
+        (shape.silhouette, shape.crease) = (Some(weights.x), Some(weights.y));
+        shape.gradient = Some(pair(next()));
+        let [xx, xy, yy] = [plane(next()), plane(next()), plane(next())];
+        shape.hessian = Some(SymmetricPlanes { xx, xy, yy });
+        let curvatures = |samples: Vec<f32>| {
+            let [u, v, mean, kappa] = apart::<4>(&samples).map(plane);
+            (CurvaturePlanes { u, v, mean }, kappa)
+        };
+        let (first, kappa) = curvatures(next());
+        (shape.curvatures, shape.kappa) = (Some(first), Some(kappa));
+        shape.direction_view = Some(pair(next()));
+        for &sigma_px in &plan.more_px {
+            let (curvatures, kappa) = curvatures(next());
+            shape.more_scales.push(ScaleShape {
+                sigma_px,
+                curvatures,
+                kappa,
+            });
+        }
+        if plan.has(Stage::NormalRays) {
+            let start = Instant::now();
+            shape.direction = Some(surface_directions(plan, frame, &conductance));
+            outcome.timings.push(("normal-rays", start.elapsed()));
+        }
+        outcome.shape.conductance = Some(conductance);
+    }
+}
+
+/// The buffers of all layers, in order; those that `shape` keeps are shared with it.
+fn layers_of(run: &mut Run, plan: &Plan, shape: &Shape) -> Vec<wgpu::Buffer> {
+    let hessian = shape.hessian.as_ref().expect("layers take the Hessian");
+    let Curvatures {
+        curvature,
+        direction,
+    } = run.curvatures(hessian);
+    let entries = hessian.entries.as_ref().expect("layers take its entries");
+    let mut layers = vec![
+        shape.conductance.clone(),
+        shape.weights.clone().expect("layers take the weights"),
+        shape.gradient.clone(),
+    ];
+    layers.extend(entries.iter().cloned());
+    layers.extend([curvature, direction]);
+    for gradient in &shape.more_gradients {
+        let hessian = run.hessian(plan, gradient, &shape.conductance, true);
+        layers.push(run.curvatures(&hessian).curvature);
+    }
+    layers
+}
+
+/// The components of vectors that stand one after the other.
+fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
+    let (vectors, _) = samples.as_chunks::<N>();
+    std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
+}

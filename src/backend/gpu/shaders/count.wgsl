@@ -1,0 +1,64 @@
+// Counts the numbers of a plane by some bits of theirs, those among them whose higher bits were found before.
+
+@group(0) @binding(0) var<uniform> params: CountParams;
+@group(0) @binding(1) var<storage, read> covered: array<u32>;
+@group(0) @binding(2) var<storage, read> a: array<f32>;
+@group(0) @binding(3) var<storage, read> b: array<f32>;
+@group(0) @binding(4) var<storage, read> c: array<f32>;
+@group(0) @binding(5) var<storage, read> search: array<u32>;
+@group(0) @binding(6) var<storage, read_write> bins: array<atomic<u32>>;
+
+// Whether a is a trace and b the conductance, or a, b and c are red, green and blue.
+override OF_TRACE: bool;
+
+var<workgroup> counts: array<atomic<u32>, SEARCH_BINS>;
+
+fn width() -> u32 { return params.width; }
+fn height() -> u32 { return params.height; }
+
+fn key_at(x: u32, y: u32) -> u32 {
+    let i = index_of(x, y);
+    if OF_TRACE {
+        // What is too flat, or an edge, has no say.
+        let size = abs(a[i]);
+        if b[i] > 0.5 && size > params.least {
+            return key_of(size);
+        }
+        return NOTHING;
+    }
+    if !is_covered(i32(x), i32(y)) {
+        return NOTHING;
+    }
+    return key_of(a[i] * params.weight_r + b[i] * params.weight_g + c[i] * params.weight_b);
+}
+
+@compute @workgroup_size(SEARCH_INVOCATIONS)
+fn main(
+    @builtin(local_invocation_index) local: u32,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    for (var bin = local; bin < SEARCH_BINS; bin += SEARCH_INVOCATIONS) {
+        atomicStore(&counts[bin], 0u);
+    }
+    workgroupBarrier();
+    let found = search[0];
+    for (var y = group.x; y < params.rows_end; y += groups.x) {
+        if y < params.rows_start {
+            continue;
+        }
+        for (var x = local; x < width(); x += SEARCH_INVOCATIONS) {
+            let key = key_at(x, y);
+            if key != NOTHING && (key & params.known_bits) == found {
+                atomicAdd(&counts[(key >> params.shift) & (SEARCH_BINS - 1u)], 1u);
+            }
+        }
+    }
+    workgroupBarrier();
+    for (var bin = local; bin < SEARCH_BINS; bin += SEARCH_INVOCATIONS) {
+        let count = atomicLoad(&counts[bin]);
+        if count > 0u {
+            atomicAdd(&bins[bin], count);
+        }
+    }
+}

@@ -1,0 +1,68 @@
+// Principal curvatures, the direction of the one larger in size, and mapped curvature, from the Hessian.
+
+@group(0) @binding(0) var<uniform> params: SizeParams;
+@group(0) @binding(1) var<storage, read> covered: array<u32>;
+@group(0) @binding(2) var<storage, read> hessian_xx: array<f32>;
+@group(0) @binding(3) var<storage, read> hessian_xy: array<f32>;
+@group(0) @binding(4) var<storage, read> hessian_yy: array<f32>;
+@group(0) @binding(5) var<storage, read> chosen: array<f32>;
+// Of the view-centred curvature, u, v, mean and kappa.
+@group(0) @binding(6) var<storage, read_write> curvature: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> direction: array<vec2<f32>>;
+
+fn width() -> u32 { return params.width; }
+fn height() -> u32 { return params.height; }
+
+// The length of a vector whose square may leave the range of f32.
+fn hypot(a: f32, b: f32) -> f32 {
+    let large = max(abs(a), abs(b));
+    let small = min(abs(a), abs(b));
+    if large == 0.0 {
+        return 0.0;
+    }
+    let ratio = small / large;
+    return large * sqrt(1.0 + ratio * ratio);
+}
+
+// Unit direction at half the angle of (half_difference, xy), or at right angles to it where the mean is below 0; 0 where
+// both curvatures are alike.
+fn principal_direction(half_difference: f32, xy: f32, mean: f32, spread: f32) -> vec2<f32> {
+    if spread <= UMBILIC * abs(mean) || spread == 0.0 {
+        return vec2<f32>(0.0);
+    }
+    // cos^2 = (1 + cos 2a) / 2, whichever of sine and cosine is the larger; the other by sin 2a.
+    let cosine = half_difference / spread;
+    let sine = xy / spread;
+    let larger = sqrt(0.5 * (1.0 + abs(cosine)));
+    let lesser = 0.5 * sine / larger;
+    var t = vec2<f32>(larger, lesser);
+    if cosine < 0.0 {
+        t = vec2<f32>(abs(lesser), copysign(larger, sine));
+    }
+    if mean < 0.0 {
+        t = vec2<f32>(-t.y, t.x);
+    }
+    return t;
+}
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= width() || id.y >= height() {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    if !is_covered(i32(id.x), i32(id.y)) {
+        curvature[i] = vec4<f32>(0.0);
+        direction[i] = vec2<f32>(0.0);
+        return;
+    }
+    let xx = hessian_xx[i];
+    let xy = hessian_xy[i];
+    let yy = hessian_yy[i];
+    let mean = 0.5 * (xx + yy);
+    let half_difference = 0.5 * (xx - yy);
+    let spread = hypot(half_difference, xy);
+    let kappa = mapped_curvature(2.0 * mean, chosen[GAIN]);
+    curvature[i] = vec4<f32>(mean + spread, mean - spread, mean, kappa);
+    direction[i] = principal_direction(half_difference, xy, mean, spread);
+}

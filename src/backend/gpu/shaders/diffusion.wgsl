@@ -1,0 +1,155 @@
+// Several sweeps of the diffusion operator over a tile, whose current term is kept in workgroup memory.
+//
+// A group loads a region, sweeps it, and gives out what lies at least as many pixels inside as there were sweeps: a
+// region loses a pixel per sweep at its rim. Earlier terms, sums and faces stay with the invocation that owns the pixel.
+
+@group(0) @binding(0) var<uniform> params: DiffusionParams;
+@group(0) @binding(1) var<storage, read> last: array<vec2<f32>>;
+// The term before the last; any buffer where there is none.
+@group(0) @binding(2) var<storage, read> earlier: array<vec2<f32>>;
+@group(0) @binding(3) var<storage, read> conductance: array<f32>;
+// Weights of the terms, those of all levels of importance together.
+@group(0) @binding(4) var<storage, read> term_weights: array<f32>;
+@group(0) @binding(5) var<storage, read> levels: array<u32>;
+@group(0) @binding(6) var<storage, read_write> next_last: array<vec2<f32>>;
+@group(0) @binding(7) var<storage, read_write> next_earlier: array<vec2<f32>>;
+@group(0) @binding(8) var<storage, read_write> sums: array<vec2<f32>>;
+
+override IS_EXPANSION: bool;
+override BY_LEVEL: bool;
+
+var<workgroup> region: array<vec2<f32>, REGION_PIXELS>;
+
+fn width() -> u32 { return params.width; }
+fn height() -> u32 { return params.height; }
+
+fn conductance_at(x: i32, y: i32) -> f32 {
+    if x < 0 || y < 0 || x >= i32(width()) || y >= i32(height()) {
+        return 0.0;
+    }
+    return conductance[index_of(u32(x), u32(y))];
+}
+
+// What becomes of a value g with the flux lg into it.
+fn updated(g: vec2<f32>, lg: vec2<f32>, before: vec2<f32>, term: u32) -> vec2<f32> {
+    if !IS_EXPANSION {
+        return g + params.time_step * lg;
+    }
+    if term == 1u {
+        return -0.25 * lg - g;
+    }
+    return -0.5 * lg - (2.0 * g + before);
+}
+
+@compute @workgroup_size(REGION_COLUMNS, REGION_GROUP_ROWS)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+) {
+    let rim = i32(params.sweeps);
+    let inner_columns = i32(REGION_COLUMNS) - 2 * rim;
+    let inner_rows = i32(REGION_ROWS) - 2 * rim;
+    let column = i32(local.x);
+    let first_row = i32(local.y * ROWS_PER_INVOCATION);
+    let x = i32(group.x) * inner_columns - rim + column;
+    let top = i32(group.y) * inner_rows - rim + first_row;
+
+    var before: array<vec2<f32>, ROWS_PER_INVOCATION>;
+    var sum: array<vec2<f32>, ROWS_PER_INVOCATION>;
+    var level: array<u32, ROWS_PER_INVOCATION>;
+    // West, east and north of each pixel; south is north of the next.
+    var west: array<f32, ROWS_PER_INVOCATION>;
+    var east: array<f32, ROWS_PER_INVOCATION>;
+    var north: array<f32, ROWS_PER_INVOCATION + 1u>;
+
+    var above = conductance_at(x, top - 1);
+    for (var k = 0u; k < ROWS_PER_INVOCATION; k++) {
+        let y = top + i32(k);
+        let own = conductance_at(x, y);
+        west[k] = face_conductance(conductance_at(x - 1, y), own);
+        east[k] = face_conductance(own, conductance_at(x + 1, y));
+        north[k] = face_conductance(above, own);
+        above = own;
+        var g = vec2<f32>(0.0);
+        before[k] = vec2<f32>(0.0);
+        sum[k] = vec2<f32>(0.0);
+        level[k] = 0u;
+        if x >= 0 && y >= 0 && x < i32(width()) && y < i32(height()) {
+            let i = index_of(u32(x), u32(y));
+            g = last[i];
+            if IS_EXPANSION && params.first_term > 0u {
+                before[k] = earlier[i];
+                sum[k] = sums[i];
+            }
+            if BY_LEVEL {
+                level[k] = levels[i];
+                if !IS_EXPANSION && params.first_term > 0u {
+                    sum[k] = sums[i];
+                }
+            }
+        }
+        region[(first_row + i32(k)) * i32(REGION_COLUMNS) + column] = g;
+    }
+    north[ROWS_PER_INVOCATION] = face_conductance(above, conductance_at(x, top + i32(ROWS_PER_INVOCATION)));
+    workgroupBarrier();
+
+    for (var sweep = 1u; sweep <= params.sweeps; sweep++) {
+        let term = params.first_term + sweep;
+        var made: array<vec2<f32>, ROWS_PER_INVOCATION>;
+        for (var k = 0u; k < ROWS_PER_INVOCATION; k++) {
+            let row = first_row + i32(k);
+            let at = row * i32(REGION_COLUMNS) + column;
+            let g = region[at];
+            // At the rim any neighbour will do: what is made there is not given out.
+            let left = region[at - select(0, 1, column > 0)];
+            let right = region[at + select(0, 1, column + 1 < i32(REGION_COLUMNS))];
+            let up = region[at - select(0, i32(REGION_COLUMNS), row > 0)];
+            let down = region[at + select(0, i32(REGION_COLUMNS), row + 1 < i32(REGION_ROWS))];
+            // Opposite neighbours are summed first, as on the CPU.
+            let along_x = west[k] * (left - g) + east[k] * (right - g);
+            let along_y = north[k] * (up - g) + north[k + 1u] * (down - g);
+            made[k] = updated(g, along_x + along_y, before[k], term);
+        }
+        workgroupBarrier();
+        let is_odd = term % 2u == 1u;
+        let is_last = params.is_final == 1u && sweep == params.sweeps;
+        for (var k = 0u; k < ROWS_PER_INVOCATION; k++) {
+            let at = (first_row + i32(k)) * i32(REGION_COLUMNS) + column;
+            let g = region[at];
+            if IS_EXPANSION || BY_LEVEL {
+                let of_own = term_weights[term * params.level_count + level[k]];
+                let of_before = term_weights[(term - 1u) * params.level_count + level[k]];
+                // A term of an odd number brings the one before with it.
+                if is_odd {
+                    sum[k] += of_before * g + of_own * made[k];
+                } else if is_last {
+                    sum[k] += of_own * made[k];
+                }
+            }
+            before[k] = g;
+            region[at] = made[k];
+        }
+        workgroupBarrier();
+    }
+
+    if column < rim || column >= rim + inner_columns || x >= i32(width()) {
+        return;
+    }
+    for (var k = 0u; k < ROWS_PER_INVOCATION; k++) {
+        let row = first_row + i32(k);
+        let y = top + i32(k);
+        if row < rim || row >= rim + inner_rows || y >= i32(height()) {
+            continue;
+        }
+        let i = index_of(u32(x), u32(y));
+        if IS_EXPANSION || BY_LEVEL {
+            sums[i] = sum[k];
+        }
+        if params.is_final == 0u || !(IS_EXPANSION || BY_LEVEL) {
+            next_last[i] = region[row * i32(REGION_COLUMNS) + column];
+            if IS_EXPANSION {
+                next_earlier[i] = before[k];
+            }
+        }
+    }
+}

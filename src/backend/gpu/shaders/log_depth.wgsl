@@ -1,0 +1,22 @@
+// The logarithm of depth where covered, 0 elsewhere: the map that silhouettes are sought in.
+
+@group(0) @binding(0) var<uniform> params: SizeParams;
+@group(0) @binding(1) var<storage, read> covered: array<u32>;
+@group(0) @binding(2) var<storage, read> depth: array<f32>;
+@group(0) @binding(3) var<storage, read_write> log_depth: array<f32>;
+
+fn width() -> u32 { return params.width; }
+fn height() -> u32 { return params.height; }
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= width() || id.y >= height() {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    var log = 0.0;
+    if is_covered(i32(id.x), i32(id.y)) {
+        log = ln_of(depth[i]);
+    }
+    log_depth[i] = log;
+}

@@ -1,0 +1,78 @@
+// Finds the bin in which the percentile lies, and empties the bins; after the last bits what is chosen.
+//
+// search: the bits found so far, the rank among the numbers that have them, and how many numbers there are.
+
+@group(0) @binding(0) var<uniform> params: NarrowParams;
+@group(0) @binding(1) var<storage, read_write> bins: array<u32>;
+@group(0) @binding(2) var<storage, read_write> search: array<u32>;
+@group(0) @binding(3) var<storage, read_write> chosen: array<f32>;
+
+// Whether a gain is chosen, or a white level.
+override IS_GAIN: bool;
+
+var<workgroup> sums: array<u32, SEARCH_INVOCATIONS>;
+
+fn choose(is_found: bool, value: f32) {
+    if IS_GAIN {
+        chosen[GAIN] = MAX_GAIN;
+        if is_found && value > 0.0 {
+            chosen[GAIN] = min(params.target_times / value, MAX_GAIN);
+        }
+    } else {
+        chosen[WHITE] = 1.0;
+        if is_found && value > 0.0 {
+            chosen[WHITE] = value;
+        }
+    }
+}
+
+@compute @workgroup_size(SEARCH_INVOCATIONS)
+fn main(@builtin(local_invocation_index) local: u32) {
+    let per_invocation = SEARCH_BINS / SEARCH_INVOCATIONS;
+    var sum = 0u;
+    for (var k = 0u; k < per_invocation; k++) {
+        sum += bins[local * per_invocation + k];
+    }
+    sums[local] = sum;
+    workgroupBarrier();
+    if local == 0u {
+        if params.is_first == 1u {
+            var all = 0u;
+            for (var k = 0u; k < SEARCH_INVOCATIONS; k++) {
+                all += sums[k];
+            }
+            search[0] = 0u;
+            search[2] = all;
+            // Rounded, half a rank up.
+            let last = max(all, 1u) - 1u;
+            let whole = last / params.share_of;
+            let rest = last % params.share_of;
+            search[1] = whole * params.share + (2u * rest * params.share + params.share_of) / (2u * params.share_of);
+        }
+        var rank = search[1];
+        let all = search[2];
+        var bin = 0u;
+        if all > 0u {
+            var part = 0u;
+            while part + 1u < SEARCH_INVOCATIONS && rank >= sums[part] {
+                rank -= sums[part];
+                part += 1u;
+            }
+            bin = part * per_invocation;
+            while bin + 1u < SEARCH_BINS && rank >= bins[bin] {
+                rank -= bins[bin];
+                bin += 1u;
+            }
+        }
+        let found = search[0] | (bin << params.shift);
+        search[0] = found;
+        search[1] = rank;
+        if params.shift == 0u {
+            choose(all > 0u, value_of(found));
+        }
+    }
+    workgroupBarrier();
+    for (var k = 0u; k < per_invocation; k++) {
+        bins[local * per_invocation + k] = 0u;
+    }
+}

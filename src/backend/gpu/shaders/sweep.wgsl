@@ -1,0 +1,69 @@
+// One sweep of the diffusion operator, straight from memory: for devices in software, where the memory of a
+// workgroup is memory like any other and waiting for each other is dear.
+
+@group(0) @binding(0) var<uniform> params: DiffusionParams;
+@group(0) @binding(1) var<storage, read> last: array<vec2<f32>>;
+@group(0) @binding(2) var<storage, read> faces: array<vec2<f32>>;
+// Weights of the terms, those of all levels of importance together.
+@group(0) @binding(3) var<storage, read> term_weights: array<f32>;
+@group(0) @binding(4) var<storage, read> levels: array<u32>;
+// The term before the last, which the next one takes the place of.
+@group(0) @binding(5) var<storage, read_write> next: array<vec2<f32>>;
+@group(0) @binding(6) var<storage, read_write> sums: array<vec2<f32>>;
+
+override IS_EXPANSION: bool;
+override BY_LEVEL: bool;
+// Whether the term has an odd number, or is the last one: then it is added to the sums.
+override ADDS_TWO: bool;
+override ADDS_OWN: bool;
+
+fn width() -> u32 { return params.width; }
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= params.width || id.y >= params.height {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    let is_right = id.x + 1u == params.width;
+    let is_bottom = id.y + 1u == params.height;
+    // At the borders of the picture any pixel will do as a neighbour: the face is closed.
+    let right = select(i + 1u, i, is_right);
+    let down = select(i + width(), i, is_bottom);
+    let g = last[i];
+    let own = faces[i];
+    let east = select(faces[right].x, 0.0, is_right);
+    let south = select(faces[down].y, 0.0, is_bottom);
+    // Opposite neighbours are summed first, as on the CPU.
+    let along_x = own.x * (last[select(i - 1u, i, id.x == 0u)] - g) + east * (last[right] - g);
+    let along_y = own.y * (last[select(i - width(), i, id.y == 0u)] - g) + south * (last[down] - g);
+    let lg = along_x + along_y;
+    let term = params.first_term + 1u;
+    var made = g + params.time_step * lg;
+    if IS_EXPANSION {
+        if term == 1u {
+            made = -0.25 * lg - g;
+        } else {
+            made = -0.5 * lg - (2.0 * g + next[i]);
+        }
+    }
+    next[i] = made;
+    if ADDS_TWO || ADDS_OWN {
+        var level = 0u;
+        if BY_LEVEL {
+            level = levels[i];
+        }
+        var sum = vec2<f32>(0.0);
+        if term > 1u {
+            sum = sums[i];
+        }
+        let of_own = term_weights[term * params.level_count + level];
+        if ADDS_TWO {
+            let of_before = term_weights[(term - 1u) * params.level_count + level];
+            sum += of_before * g + of_own * made;
+        } else {
+            sum += of_own * made;
+        }
+        sums[i] = sum;
+    }
+}

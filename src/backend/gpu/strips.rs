@@ -1,0 +1,198 @@
+//! Pictures whose planes are larger than a device takes: strip by strip.
+
+use super::choose::{Search, Searching};
+use super::enhance::{known_white_level, luminance_weights};
+use super::kernels::{GAIN, SEARCH_PASSES, WHITE};
+use super::runner::Runner;
+use crate::backend::cpu::{Outcome, Shape};
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes, Window};
+use crate::params::Adaptive;
+use crate::plan::{Plan, Stage};
+use std::ops::Range;
+
+/// How a picture is cut into strips.
+pub(super) struct Strips {
+    height: usize,
+    /// Rows that a strip gives, and those it takes above and below.
+    rows: usize,
+    reach: usize,
+}
+
+impl Strips {
+    /// Strips of which none has more than so many rows; `None` where not even one row would be left to give.
+    pub(super) fn new(plan: &Plan, height: usize, most_rows: usize) -> Option<Self> {
+        let reach = plan.reach();
+        let rows = most_rows.checked_sub(2 * reach).filter(|&rows| rows > 0)?;
+        Some(Self {
+            height,
+            rows,
+            reach,
+        })
+    }
+
+    /// The rows that each strip takes of the picture, and those of these that it gives.
+    fn each(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+        (0..self.height).step_by(self.rows).map(|start| {
+            let end = (start + self.rows).min(self.height);
+            let takes = start.saturating_sub(self.reach)..(end + self.reach).min(self.height);
+            let gives = start - takes.start..end - takes.start;
+            (takes, gives)
+        })
+    }
+}
+
+fn strip_of(frame: &Frame, rows: &Range<usize>) -> Frame {
+    let whole = frame.data_window;
+    frame.crop(Window {
+        y0: whole.y0 + rows.start as i32,
+        y1: whole.y0 + rows.end as i32,
+        ..whole
+    })
+}
+
+impl Runner {
+    /// Runs `plan` on the strips of a frame, with what is chosen from all of it.
+    pub(super) fn run_strips(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        strips: &Strips,
+    ) -> Result<Outcome> {
+        let mut plan = plan.clone();
+        let chosen = self.choose(&plan, frame, strips)?;
+        if plan.has(Stage::AutoGain) {
+            plan.scaling.curvature_gain = Adaptive::Fixed(chosen[GAIN as usize]);
+        }
+        if plan.has(Stage::AutoWhite) {
+            plan.scaling.white_level = Adaptive::Fixed(chosen[WHITE as usize]);
+        }
+        let mut whole: Option<Outcome> = None;
+        for (takes, gives) in strips.each() {
+            let mut part = self.run_whole(&plan, &strip_of(frame, &takes))?;
+            let start = takes.start + gives.start;
+            match &mut whole {
+                None => {
+                    for plane in planes_mut(&mut part) {
+                        let size = (frame.mask.width(), frame.mask.height());
+                        let all = Plane::filled(size.0, size.1, 0.0);
+                        let strip = std::mem::replace(plane, all);
+                        paste(&strip, &gives, plane, start);
+                    }
+                    whole = Some(part);
+                }
+                Some(whole) => {
+                    let pairs = planes_mut(&mut part).into_iter().zip(planes_mut(whole));
+                    pairs.for_each(|(strip, whole)| paste(strip, &gives, whole, start));
+                    add_timings(&mut whole.timings, &part.timings);
+                }
+            }
+        }
+        Ok(whole.unwrap_or_default())
+    }
+
+    /// Gain and white level of the whole picture, as far as they are left open.
+    fn choose(&self, plan: &Plan, frame: &Frame, strips: &Strips) -> Result<[f32; 2]> {
+        let gain = plan.has(Stage::AutoGain).then(|| Search::Gain {
+            size: [frame.mask.width(), frame.mask.height()],
+            factor: plan.resolution_factor as f32,
+        });
+        let is_open = plan.has(Stage::AutoWhite) && known_white_level(plan, frame).is_none();
+        let white = is_open.then(|| Search::White(luminance_weights(frame)));
+        let searches: Vec<Search> = gain.into_iter().chain(white).collect();
+        let mut searching: Vec<Searching> = Vec::new();
+        let mut found = vec![1.0; 2];
+        if searches.is_empty() {
+            return Ok([1.0; 2]);
+        }
+        for pass in 0..SEARCH_PASSES {
+            for (takes, gives) in strips.each() {
+                let strip = strip_of(frame, &takes);
+                let mut run = self.start(plan, &strip);
+                let fresh = searches.iter().skip(searching.len());
+                let fresh = fresh.map(|&search| Searching::new(&mut run, search));
+                let fresh: Vec<_> = fresh.collect();
+                searching.extend(fresh);
+                let shape = gain.map(|_| run.find_shape(plan, &strip));
+                let picture = white.and_then(|_| self.upload().picture(&strip));
+                let rows = gives.start as u32..gives.end as u32;
+                for (search, kind) in searching.iter().zip(&searches) {
+                    let planes = match (kind, &shape, &picture) {
+                        (Search::Gain { .. }, Some(shape), _) => shape.of_gain(),
+                        (Search::White(_), _, Some(picture)) => picture.each_ref(),
+                        _ => continue,
+                    };
+                    search.count(&mut run, pass, planes, rows.clone());
+                }
+                if takes.end == strips.height && gives.end == takes.len() {
+                    searching.iter().for_each(|s| s.narrow(&mut run, pass));
+                }
+                let chosen = run.chosen.clone();
+                let (read, _) = run.finish(&[&chosen])?;
+                found = read.into_iter().next().expect("what was chosen is read");
+                let shape = shape.into_iter().flat_map(|shape| shape.into_buffers());
+                self.buffers.take_back(shape);
+                self.buffers.take_back_copied(picture.into_iter().flatten());
+            }
+        }
+        let searching = searching.into_iter();
+        self.buffers
+            .take_back(searching.flat_map(Searching::into_buffers));
+        Ok([found[GAIN as usize], found[WHITE as usize]])
+    }
+}
+
+/// Copies the rows `from` of a strip to those of `whole` from `start` on.
+fn paste(strip: &Plane, from: &Range<usize>, whole: &mut Plane, start: usize) {
+    for (i, y) in from.clone().enumerate() {
+        whole.row_mut(start + i).copy_from_slice(strip.row(y));
+    }
+}
+
+/// The planes of an outcome, in one order.
+fn planes_mut(outcome: &mut Outcome) -> Vec<&mut Plane> {
+    let Shape {
+        silhouette,
+        crease,
+        conductance,
+        gradient,
+        trace,
+        hessian,
+        curvatures,
+        kappa,
+        more_scales,
+        direction,
+        direction_view,
+    } = &mut outcome.shape;
+    let mut planes = Vec::new();
+    let single = [silhouette, crease, conductance, trace, kappa];
+    planes.extend(single.into_iter().flatten());
+    for Vector2Planes { x, y } in [gradient, direction, direction_view].into_iter().flatten() {
+        planes.extend([x, y]);
+    }
+    if let Some(SymmetricPlanes { xx, xy, yy }) = hessian {
+        planes.extend([xx, xy, yy]);
+    }
+    let (mut at_scales, mut mapped) = (Vec::new(), Vec::new());
+    for scale in more_scales {
+        at_scales.push(&mut scale.curvatures);
+        mapped.push(&mut scale.kappa);
+    }
+    for curvatures in curvatures.iter_mut().chain(at_scales) {
+        planes.extend([&mut curvatures.u, &mut curvatures.v, &mut curvatures.mean]);
+    }
+    planes.extend(mapped);
+    if let Some(ColorPlanes { r, g, b }) = &mut outcome.color {
+        planes.extend([r, g, b]);
+    }
+    planes
+}
+
+fn add_timings(sum: &mut super::recorder::Timings, more: &super::recorder::Timings) {
+    for &(stage, time) in more {
+        match sum.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += time,
+            None => sum.push((stage, time)),
+        }
+    }
+}

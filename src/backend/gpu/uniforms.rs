@@ -1,0 +1,132 @@
+//! What a kernel is told: structs that Rust and WGSL know by one definition.
+
+/// A struct of numbers of 32 bits, in the order in which WGSL lays them out.
+pub(super) trait Uniforms {
+    /// The definition in WGSL.
+    const WGSL: &'static str;
+
+    /// The numbers, one after the other.
+    fn bytes(&self) -> Vec<u8>;
+}
+
+/// Defines structs for both languages. Their fields are `f32`, `u32` or `i32`.
+macro_rules! uniforms {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $kind:ident,)* })*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Debug, Clone, Copy)]
+            pub(super) struct $name {
+                $($(#[$field_doc])* pub(super) $field: $kind,)*
+            }
+
+            impl Uniforms for $name {
+                const WGSL: &'static str = concat!(
+                    "struct ", stringify!($name), " {\n",
+                    $("    ", stringify!($field), ": ", stringify!($kind), ",\n",)*
+                    "}\n",
+                );
+
+                fn bytes(&self) -> Vec<u8> {
+                    let mut bytes = Vec::new();
+                    $(bytes.extend(self.$field.to_ne_bytes());)*
+                    bytes
+                }
+            }
+        )*
+    };
+}
+
+uniforms! {
+    /// Of kernels that are told nothing but the size of the picture.
+    SizeParams {
+        width: u32,
+        height: u32,
+    }
+
+    /// Of `edges.wgsl`.
+    EdgeParams {
+        width: u32,
+        height: u32,
+        silhouette_lo: f32,
+        silhouette_hi: f32,
+        /// Angles in radians.
+        crease_lo: f32,
+        crease_hi: f32,
+        /// Above this cosine an angle is surely below the threshold.
+        flat_cosine: f32,
+        /// Above this length a filtered normal surely hides no crease.
+        flat_length: f32,
+        foreshortening: f32,
+        min_nz: f32,
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        to_eye_x: f32,
+        to_eye_x_step: f32,
+        to_eye_y: f32,
+        to_eye_y_step: f32,
+    }
+
+    /// Of `diffusion.wgsl` and `sweep.wgsl`.
+    DiffusionParams {
+        width: u32,
+        height: u32,
+        /// Sweeps of this pass.
+        sweeps: u32,
+        /// Number of the term it starts from.
+        first_term: u32,
+        /// 1 where no pass follows.
+        is_final: u32,
+        /// Levels of importance that have weights of their own.
+        level_count: u32,
+        /// Length of an explicit step.
+        time_step: f32,
+    }
+
+    /// Of `hessian.wgsl`.
+    HessianParams {
+        width: u32,
+        height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
+    }
+
+    /// Of `count.wgsl`.
+    CountParams {
+        width: u32,
+        height: u32,
+        rows_start: u32,
+        rows_end: u32,
+        /// Mask of the bits found so far, and where the next ones begin.
+        known_bits: u32,
+        shift: u32,
+        /// Traces up to this have no say.
+        least: f32,
+        /// Weights of luminance.
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+    }
+
+    /// Of `narrow.wgsl`.
+    NarrowParams {
+        is_first: u32,
+        shift: u32,
+        /// The percentile as a fraction.
+        share: u32,
+        share_of: u32,
+        /// What the gain times the percentile of curvature is to be.
+        target_times: f32,
+    }
+
+    /// Of `scale_picture.wgsl`.
+    ScaleParams {
+        width: u32,
+        height: u32,
+        scaling: f32,
+        invariant_point: f32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        /// A NaN, which no kernel may spell.
+        nan_bits: u32,
+    }
+}

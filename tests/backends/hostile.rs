@@ -1,0 +1,172 @@
+//! Values and sizes that files and callers bring: the GPU makes of them what the CPU makes.
+
+use super::common::poisoned;
+use super::{assert_same, on_gpu, plan, waves};
+use relievo::backend::cpu;
+use relievo::backend::gpu::{Choice, Device, Runner};
+use relievo::frame::{Frame, Mask, Plane, Window};
+use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use relievo::plan::{Goal, Stage};
+
+#[test]
+fn colors_that_are_no_numbers() {
+    on_gpu(|runner| {
+        let mut frame = waves(70, 50);
+        let color = frame.color.as_mut().unwrap();
+        let hostile = [
+            f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::MAX,
+            -3.0,
+            0.0,
+            1e-40,
+        ];
+        for (i, value) in hostile.into_iter().enumerate() {
+            color.r.row_mut(10)[5 * i] = value;
+            color.b.row_mut(20)[5 * i] = value;
+            color.g.row_mut(20)[5 * i] = value;
+        }
+        let scaling = ScalingParams::default();
+        let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
+        let expected = cpu::run(&plan, &frame).color.unwrap();
+        let found = runner.run(&plan, &frame).unwrap().color.unwrap();
+        for (found, expected) in [
+            (found.r, expected.r),
+            (found.g, expected.g),
+            (found.b, expected.b),
+        ] {
+            for (f, e) in found.samples().iter().zip(expected.samples()) {
+                let same = f == e || f.is_nan() && e.is_nan() || (f / e - 1.0).abs() < 1e-5;
+                assert!(
+                    same || f.abs().max(e.abs()) < f32::MIN_POSITIVE,
+                    "{f:e}, not {e:e}"
+                );
+            }
+        }
+    });
+}
+
+#[test]
+fn sizes() {
+    on_gpu(|runner| {
+        for (width, height) in [
+            (1, 1),
+            (1, 7),
+            (65, 1),
+            (33, 2),
+            (64, 32),
+            (129, 5),
+            (300, 3),
+        ] {
+            let frame = waves(width, height);
+            for goal in [Goal::Layers, Goal::Enhance] {
+                let plan = plan(
+                    goal,
+                    &frame,
+                    ShapeParams::default(),
+                    ScalingParams::default(),
+                );
+                assert_same(&format!("{width}x{height}"), runner, &plan, &frame);
+            }
+        }
+    });
+}
+
+fn with_mask(mut frame: Frame, covers: impl Fn(usize, usize) -> bool) -> Frame {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    frame.mask = Mask::new(Plane::from_fn(width, height, covers));
+    frame
+}
+
+#[test]
+fn masks() {
+    on_gpu(|runner| {
+        let speckled = |x: usize, y: usize| (x * 7 + y * 13) % 5 != 0;
+        for (name, frame) in [
+            ("nothing", with_mask(waves(40, 30), |_, _| false)),
+            (
+                "one pixel",
+                with_mask(waves(40, 30), |x, y| x == 20 && y == 9),
+            ),
+            ("speckled", with_mask(waves(80, 60), speckled)),
+            ("half", with_mask(waves(80, 60), |x, _| x < 37)),
+        ] {
+            for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
+                let plan = plan(
+                    goal,
+                    &frame,
+                    ShapeParams::default(),
+                    ScalingParams::default(),
+                );
+                assert_same(name, runner, &plan, &frame);
+            }
+        }
+    });
+}
+
+#[test]
+fn what_lies_outside_the_mask_changes_nothing() {
+    on_gpu(|runner| {
+        let frame = with_mask(waves(80, 60), |x, y| (x / 20 + y / 20) % 2 == 0);
+        for poison in [f32::NAN, f32::INFINITY, -1.0] {
+            let frame = poisoned(&frame, poison);
+            let plan = plan(
+                Goal::Layers,
+                &frame,
+                ShapeParams::default(),
+                ScalingParams::default(),
+            );
+            assert_same(&format!("poisoned by {poison}"), runner, &plan, &frame);
+        }
+    });
+}
+
+#[test]
+fn a_crop_is_the_whole_away_from_its_border() {
+    on_gpu(|runner| {
+        let frame = waves(200, 150);
+        let scaling = ScalingParams {
+            curvature_gain: Adaptive::Fixed(3.0),
+            white_level: Adaptive::Fixed(1.0),
+            ..ScalingParams::default()
+        };
+        let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
+        let whole = cpu::run(&plan, &frame).color.unwrap();
+        let window = frame.data_window;
+        let (x0, y0) = (window.x0 + 31, window.y0 + 22);
+        let crop = frame.crop(Window::at(x0, y0, 140, 101));
+        let part = runner.run(&plan, &crop).unwrap().color.unwrap();
+        let reach = plan.reach();
+        for y in reach..101 - reach {
+            for x in reach..140 - reach {
+                let (found, expected) = (part.g.at(x, y), whole.g.at(x + 31, y + 22));
+                assert!((found - expected).abs() <= 1e-5 * expected, "({x}, {y})");
+            }
+        }
+    });
+}
+
+#[test]
+fn a_device_that_takes_small_planes_makes_strips() {
+    let Ok(device) = Device::open(Choice::Any) else {
+        return;
+    };
+    let frame = waves(90, 400);
+    // 90 columns of vectors of two are 720 bytes a row: 100 rows at a time, of layers 50.
+    let runner = Runner::new(device.limited_to(72_000));
+    for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
+        let shape = ShapeParams {
+            scale: Scale::Iterations(4),
+            direction_step: Adaptive::Fixed(2.0),
+            ..ShapeParams::default()
+        };
+        let plan = plan(goal, &frame, shape, ScalingParams::default());
+        if plan.has(Stage::NormalRays) {
+            // Directions come from farther away than 50 rows.
+            assert!(runner.run(&plan, &frame).is_err());
+        } else {
+            assert_same(&format!("strips, {goal:?}"), &runner, &plan, &frame);
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Every product on every backend: the same scenes on the CPU and on the GPU, within one table of tolerances.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod command;
+mod hostile;
+mod kernels;
+mod products;
+
+use common::scenes::{Scene, Surface};
+use relievo::backend::cpu::{self, Outcome};
+use relievo::backend::gpu::{self, Choice, Device};
+use relievo::backend::{Product, difference, products};
+use relievo::frame::{ColorPlanes, Frame, Plane};
+use relievo::params::{ScalingParams, ShapeParams};
+use relievo::plan::{Available, Goal, Plan};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// Runs a test on the device that all share, one at a time; says so, once, where there is none.
+fn on_gpu(test: impl FnOnce(&gpu::Runner)) {
+    static RUNNER: OnceLock<Option<Mutex<gpu::Runner>>> = OnceLock::new();
+    let runner = RUNNER.get_or_init(|| match Device::open(Choice::Any) {
+        Ok(device) => {
+            println!("on {}", device.name());
+            Some(Mutex::new(gpu::Runner::new(device)))
+        }
+        Err(error) => {
+            // A machine that has to have a device says so.
+            assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
+            println!("SKIPPED: {error}");
+            None
+        }
+    });
+    if let Some(runner) = runner {
+        test(&runner.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -> Plan {
+    Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
+}
+
+/// Asserts that both backends make the same of a frame, and tells how far they are apart.
+#[track_caller]
+fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
+    let expected = cpu::run(plan, frame);
+    let found = runner.run(plan, frame).unwrap();
+    for (name, found, expected) in [
+        ("gain", found.gain, expected.gain),
+        ("white level", found.white_level, expected.white_level),
+    ] {
+        let apart = match (found, expected) {
+            (Some(f), Some(e)) => (f / e - 1.0).abs(),
+            (f, e) if f == e => 0.0,
+            _ => f32::INFINITY,
+        };
+        assert!(apart < 1e-5, "{name} {found:?}, not {expected:?}");
+    }
+    let found: Vec<_> = products(&found).collect();
+    let mut worst: Vec<(Product, f64)> = Vec::new();
+    for (product, expected) in products_of(plan, &expected) {
+        let same = found.iter().filter(|(other, _)| *other == product);
+        let count = worst.iter().filter(|(other, _)| *other == product).count();
+        let (_, found) = same.skip(count).next().unwrap_or_else(|| {
+            panic!("{name}: {product:?} is missing");
+        });
+        worst.push((product, difference(found, expected)));
+    }
+    for (product, apart) in worst {
+        let allowed = product.tolerance();
+        println!("{name}: {product:?} {apart:.1e} of {allowed:.0e}");
+        assert!(apart <= allowed, "{name}: {product:?} is off by {apart:e}");
+    }
+}
+
+/// The products that a plan is for, of those that the CPU makes on the way.
+fn products_of<'a>(
+    plan: &Plan,
+    outcome: &'a Outcome,
+) -> impl Iterator<Item = (Product, &'a Plane)> {
+    let layers = plan.goal == Goal::Layers;
+    products(outcome).filter(move |(product, _)| layers != (*product == Product::Picture))
+}
+
+/// Waves seen from near, with a picture.
+fn waves(width: usize, height: usize) -> Frame {
+    let scene = Scene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
+    with_color(scene.in_perspective().frame(width, height))
+}
+
+fn with_color(mut frame: Frame) -> Frame {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let plane = |k: f32| {
+        Plane::from_fn(width, height, |x, y| {
+            let wave = (0.13 * x as f32 + 0.07 * k * y as f32).sin();
+            0.4 + 0.3 * wave + 0.1 * k
+        })
+    };
+    frame.color = Some(ColorPlanes {
+        r: plane(1.0),
+        g: plane(2.0),
+        b: plane(3.0),
+    });
+    frame
+}
