@@ -82,7 +82,7 @@ fn with_mask(mut frame: Frame, covers: impl Fn(usize, usize) -> bool) -> Frame {
 #[test]
 fn masks() {
     on_gpu(|runner| {
-        let speckled = |x: usize, y: usize| (x * 7 + y * 13) % 5 != 0;
+        let speckled = |x: usize, y: usize| !(x * 7 + y * 13).is_multiple_of(5);
         for (name, frame) in [
             ("nothing", with_mask(waves(40, 30), |_, _| false)),
             (
@@ -108,7 +108,7 @@ fn masks() {
 #[test]
 fn what_lies_outside_the_mask_changes_nothing() {
     on_gpu(|runner| {
-        let frame = with_mask(waves(80, 60), |x, y| (x / 20 + y / 20) % 2 == 0);
+        let frame = with_mask(waves(80, 60), |x, y| (x / 20 + y / 20).is_multiple_of(2));
         for poison in [f32::NAN, f32::INFINITY, -1.0] {
             let frame = poisoned(&frame, poison);
             let plan = plan(

@@ -60,9 +60,9 @@ fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let found: Vec<_> = products(&found).collect();
     let mut worst: Vec<(Product, f64)> = Vec::new();
     for (product, expected) in products_of(plan, &expected) {
-        let same = found.iter().filter(|(other, _)| *other == product);
+        let mut same = found.iter().filter(|(other, _)| *other == product);
         let count = worst.iter().filter(|(other, _)| *other == product).count();
-        let (_, found) = same.skip(count).next().unwrap_or_else(|| {
+        let (_, found) = same.nth(count).unwrap_or_else(|| {
             panic!("{name}: {product:?} is missing");
         });
         worst.push((product, difference(found, expected)));
