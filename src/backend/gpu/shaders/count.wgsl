@@ -13,9 +13,6 @@ override OF_TRACE: bool;
 
 var<workgroup> counts: array<atomic<u32>, SEARCH_BINS>;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 fn key_at(x: u32, y: u32) -> u32 {
     let i = index_of(x, y);
     if OF_TRACE {

@@ -9,9 +9,6 @@
 @group(0) @binding(6) var<storage, read_write> green: array<f32>;
 @group(0) @binding(7) var<storage, read_write> blue: array<f32>;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {

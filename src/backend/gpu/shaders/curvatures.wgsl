@@ -10,9 +10,6 @@
 @group(0) @binding(6) var<storage, read_write> curvature: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> direction: array<vec2<f32>>;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 // The length of a vector whose square may leave the range of f32.
 fn hypot(a: f32, b: f32) -> f32 {
     let large = max(abs(a), abs(b));

@@ -20,9 +20,6 @@ override BY_LEVEL: bool;
 
 var<workgroup> region: array<vec2<f32>, REGION_PIXELS>;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 fn conductance_at(x: i32, y: i32) -> f32 {
     if x < 0 || y < 0 || x >= i32(width()) || y >= i32(height()) {
         return 0.0;

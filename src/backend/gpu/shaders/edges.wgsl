@@ -17,9 +17,6 @@ override HAS_MAP: bool;
 override HAS_LENGTHS: bool;
 override WEIGHTS_WANTED: bool;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 // Beyond the border of the picture its border goes on.
 fn at_border(x: i32, y: i32) -> u32 {
     let column = clamp(x, 0, i32(width()) - 1);

@@ -4,11 +4,9 @@
 @group(0) @binding(1) var<storage, read> conductance: array<f32>;
 @group(0) @binding(2) var<storage, read_write> faces: array<vec2<f32>>;
 
-fn width() -> u32 { return params.width; }
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= params.width || id.y >= params.height {
+    if id.x >= width() || id.y >= height() {
         return;
     }
     let i = index_of(id.x, id.y);

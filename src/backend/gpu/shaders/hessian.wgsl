@@ -12,9 +12,6 @@
 // Whether the entries are wanted, or their trace alone.
 override ENTRIES_WANTED: bool;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 // Samples around a pixel, rows top to bottom.
 var<private> g: array<vec2<f32>, 9>;
 var<private> open: array<f32, 9>;

@@ -1,4 +1,12 @@
-// The pixels of a frame: rows running down, one after the other.
+// The pixels of a frame, whose size every kernel is told first: rows running down, one after the other.
+
+fn width() -> u32 {
+    return params.width;
+}
+
+fn height() -> u32 {
+    return params.height;
+}
 
 fn index_of(x: u32, y: u32) -> u32 {
     return y * width() + x;

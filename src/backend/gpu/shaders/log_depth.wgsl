@@ -5,9 +5,6 @@
 @group(0) @binding(2) var<storage, read> depth: array<f32>;
 @group(0) @binding(3) var<storage, read_write> log_depth: array<f32>;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {

@@ -8,9 +8,6 @@
 @group(0) @binding(5) var<storage, read_write> green: array<f32>;
 @group(0) @binding(6) var<storage, read_write> blue: array<f32>;
 
-fn width() -> u32 { return params.width; }
-fn height() -> u32 { return params.height; }
-
 fn scaled(c: f32, sigma: f32) -> f32 {
     return clamp(c * sigma, -F32_MAX, F32_MAX);
 }

@@ -17,11 +17,9 @@ override BY_LEVEL: bool;
 override ADDS_TWO: bool;
 override ADDS_OWN: bool;
 
-fn width() -> u32 { return params.width; }
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= params.width || id.y >= params.height {
+    if id.x >= width() || id.y >= height() {
         return;
     }
     let i = index_of(id.x, id.y);
