@@ -1,4 +1,5 @@
-//! zlib by libdeflate, which is in C and inflates twice as fast.
+//! zlib by libdeflate, which is in C. Of a render of 1920x1080 eight channels of halves are read in nine tenths of the
+//! time that zlib-rs takes, and a picture is written in three quarters, 1.5 % smaller.
 
 use libdeflater::{CompressionLvl, Compressor, Decompressor};
 use std::cell::RefCell;
