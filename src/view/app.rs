@@ -433,6 +433,11 @@ impl View {
             .map_or(BTreeMap::new(), |shown| shown.counts.clone())
     }
 
+    /// Where the divider between before and after is, as a share of the width.
+    pub fn split(&self) -> f32 {
+        self.canvas.split
+    }
+
     /// Lines of the values under the pointer.
     pub fn probed(&self) -> Vec<String> {
         match &self.probed {

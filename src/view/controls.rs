@@ -152,7 +152,7 @@ impl Controls {
             };
             made.labelled_by(label.id).on_hover_text(help_of(setting));
             if !look.values(&setting.name).is_empty() {
-                let reset = ui.small_button("\u{21ba}");
+                let reset = ui.small_button("reset");
                 let name = format!("reset {}", setting.name.replace('-', " "));
                 named_button(&reset, &name);
                 let told = match &setting.default {
@@ -187,7 +187,7 @@ impl Controls {
             .get(&setting.name)
             .cloned()
             .unwrap_or(current.clone());
-        let width = (ui.available_width() - 34.0).max(60.0);
+        let width = (ui.available_width() - 50.0).max(60.0);
         let edit = TextEdit::singleline(&mut text)
             .hint_text(form)
             .desired_width(width);
@@ -235,6 +235,10 @@ fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     };
     families.retain(|(name, _)| !name.is_empty() && name != "Run" && name != "Sequence");
     families.sort_by_key(|(name, _)| rank(name));
+    for (_, settings) in &mut families {
+        // What is typed stands behind what is chosen.
+        settings.sort_by_key(|setting| matches!(setting.kind, Kind::Text { .. }));
+    }
     families
 }
 
@@ -325,7 +329,8 @@ fn number(
     }
     let mut value = given.unwrap_or(middle);
     let shown = value;
-    ui.spacing_mut().slider_width = (ui.available_width() - 108.0).clamp(40.0, 150.0);
+    // Beside it stand its value and the button that resets it.
+    ui.spacing_mut().slider_width = (ui.available_width() - 112.0).clamp(40.0, 240.0);
     let slider = Slider::new(&mut value, range.from..=range.to)
         .logarithmic(range.is_logarithmic)
         .clamping(SliderClamping::Never)
@@ -372,7 +377,7 @@ fn lights(ui: &mut Ui, look: &mut Look) -> bool {
                 light.color = (color != [1.0; 3]).then_some(color);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let remove = ui.small_button("\u{2715}");
+                let remove = ui.small_button("\u{d7}");
                 named_button(&remove, &format!("remove light {number}"));
                 if remove.on_hover_text("Remove this light").clicked() {
                     removed = Some(index);

@@ -94,13 +94,13 @@ const SHORTCUTS: [Shortcut; 17] = [
         Key::P,
         "values under the pointer",
     ),
-    shortcut(Action::NextLayer, Modifiers::NONE, Key::L, "next layer"),
     shortcut(
         Action::PreviousLayer,
         Modifiers::SHIFT,
         Key::L,
         "layer before",
     ),
+    shortcut(Action::NextLayer, Modifiers::NONE, Key::L, "next layer"),
     shortcut(
         Action::NextFrame,
         Modifiers::NONE,
@@ -136,7 +136,16 @@ pub(super) fn asked(context: &Context) -> Vec<Action> {
 /// How the keys of `action` are written; empty for one without.
 pub(super) fn keys_of(context: &Context, action: Action) -> String {
     let shortcut = SHORTCUTS.iter().find(|shortcut| shortcut.action == action);
-    shortcut.map_or(String::new(), |s| context.format_shortcut(&s.keys))
+    shortcut.map_or(String::new(), |s| text_of(context, &s.keys))
+}
+
+fn text_of(context: &Context, keys: &KeyboardShortcut) -> String {
+    plainly(&context.format_shortcut(keys))
+}
+
+/// A question mark as it stands on the key.
+fn plainly(keys: &str) -> String {
+    keys.replace("Questionmark", "?")
 }
 
 /// The list, in a window of its own.
@@ -154,7 +163,7 @@ fn list(ui: &mut Ui) {
         .spacing([24.0, 4.0])
         .show(ui, |ui| {
             for shortcut in &SHORTCUTS {
-                ui.monospace(ui.ctx().format_shortcut(&shortcut.keys));
+                ui.monospace(text_of(ui.ctx(), &shortcut.keys));
                 ui.label(shortcut.does);
                 ui.end_row();
             }
@@ -170,4 +179,20 @@ fn list(ui: &mut Ui) {
                 ui.end_row();
             }
         });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::ModifierNames;
+
+    #[test]
+    fn the_readme_lists_all_keys() {
+        let readme = include_str!("../../README.md");
+        for Shortcut { keys, does, .. } in &SHORTCUTS {
+            let keys = plainly(&keys.format(&ModifierNames::NAMES, false));
+            let row = format!("| `{keys}` | {does} |");
+            assert!(readme.contains(&row), "the README has no row {row}");
+        }
+    }
 }

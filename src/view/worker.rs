@@ -26,7 +26,8 @@ pub(super) struct Order {
     pub(super) look: Look,
     pub(super) reading: Reading,
     pub(super) layer: Layer,
-    /// Whether what it is compared with is wanted too.
+    /// Whether what it is compared with is wanted too: the same new light with no shape brought out, or the picture as it
+    /// came.
     pub(super) before: bool,
     /// The setting that is being changed, by which it is known how long it will take.
     pub(super) changed: Option<String>,
@@ -212,10 +213,12 @@ impl Bench {
             layer,
             ..
         } = order;
-        let before = match order.before && *layer == Layer::Picture {
-            true => self.before(look, reading, step)?,
-            false => None,
-        };
+        let is_compared = order.before && *layer == Layer::Picture;
+        let mut before = None;
+        if let Some(plain) = look.unaltered().filter(|_| is_compared) {
+            self.studio.make(&plain, reading, What::Picture, step)?;
+            before = self.studio.picture();
+        }
         self.studio.make(look, reading, layer.made_of(), step)?;
         let frame = self.studio.frame().expect("a picture was made of it");
         let outcome = self.studio.outcome().expect("a picture was made");
@@ -229,6 +232,9 @@ impl Bench {
         };
         let step = self.studio.step();
         let (size, pixel_aspect) = self.studio.size().expect("a frame was read");
+        if is_compared && before.is_none() {
+            before = self.studio.as_it_came();
+        }
         let took = start.elapsed();
         if step == 1 {
             let seconds = took.as_secs_f64();
@@ -247,25 +253,6 @@ impl Bench {
             took,
             counts: self.studio.counts().cloned().unwrap_or_default(),
         })
-    }
-
-    /// What a picture is compared with: new light as it falls without its shape brought out; else the picture as it came.
-    fn before(
-        &mut self,
-        look: &Look,
-        reading: &Reading,
-        step: usize,
-    ) -> Result<Option<Pixels>, Said> {
-        match look.unaltered() {
-            Some(plain) => {
-                self.studio.make(&plain, reading, What::Picture, step)?;
-                Ok(self.studio.picture())
-            }
-            None => {
-                self.studio.make(look, reading, What::Picture, step)?;
-                Ok(self.studio.as_it_came())
-            }
-        }
     }
 
     /// The step between pixels at which a picture is soon there.

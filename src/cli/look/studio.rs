@@ -9,6 +9,7 @@ use super::super::line_args::HatchArgs;
 use super::super::message;
 use super::super::recipe::RecipeText;
 use super::super::relight_args::{LightFlags, RelightArgs};
+use super::super::strips::refuse_too_large;
 use super::super::told::Told;
 use super::super::{relight, shape};
 use super::{Look, Said};
@@ -308,6 +309,7 @@ impl Studio {
         if self.sitter.as_ref().is_some_and(|s| s.source == source) {
             return Ok(());
         }
+        refuse_too_large(&job)?;
         // The last frame goes before the next one comes.
         self.sitter = None;
         let mut loaded = io::load(&source.inputs, source.needs)?;

@@ -115,7 +115,7 @@ impl Run<'_> {
         } else {
             let made_map = (strokes.style != Style::Pictures).then(|| {
                 let kept = &self.runner.art_map;
-                self.timed("tonal-art-map", || kept.of(strokes, factor))
+                kept.of(strokes, factor, |make| self.timed("tonal-art-map", make))
             });
             let map = made_map.as_deref().or(inputs.art_map);
             let map = map.expect("strokes of pictures come with them");
