@@ -74,8 +74,12 @@ fn lights_are_added_and_removed() {
     assert_ne!(window.pixels(), before);
     window.click("remove light 2");
     assert_eq!(window.pixels(), before);
-    // Without any there is nothing to be seen by, and it is said.
+    // Without any there is even light.
     window.click("remove light 1");
+    assert_eq!(window.view().said(), None);
+    assert_ne!(window.pixels(), before);
+    // Without that too there is nothing to be seen by, and it is said.
+    window.slide("ambient", -1.0);
     let said = window.view().said().unwrap().to_string();
     assert!(said.contains("--light"), "{said}");
 }

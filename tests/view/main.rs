@@ -35,7 +35,8 @@ impl Window {
             view.show(ui);
         };
         let harness = Harness::builder()
-            .with_size(vec2(1200.0, 760.0))
+            // So high that all controls are in sight.
+            .with_size(vec2(1200.0, 1600.0))
             .with_max_steps(64)
             .build_ui_state(show, None);
         let mut window = Self { harness };
@@ -64,7 +65,11 @@ impl Window {
     }
 
     fn click(&mut self, label: &str) {
-        self.harness.get_by_label(label).click();
+        // Families are called as commands are; those stand first.
+        let first = self.harness.get_all_by_label(label).next();
+        first
+            .unwrap_or_else(|| panic!("nothing is called {label}"))
+            .click();
         self.settle();
     }
 
