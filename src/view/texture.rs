@@ -32,10 +32,7 @@ impl Texture {
     /// Uploads `pixels`, into the memory of `last` where that fits.
     pub(super) fn of(context: &Context, pixels: &Pixels, last: Option<Self>) -> Self {
         let size = [pixels.width, pixels.height];
-        let limit = context
-            .input(|input| input.max_texture_side)
-            .min(MOST)
-            .max(1);
+        let limit = context.input(|input| input.max_texture_side.clamp(1, MOST));
         let mut spare = last
             .filter(|last| last.size == size)
             .map(|last| last.tiles.into_iter());

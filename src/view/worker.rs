@@ -8,7 +8,7 @@ use crate::io::output::write_atomically;
 use std::collections::{BTreeMap, VecDeque};
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -269,7 +269,7 @@ impl Bench {
     }
 
     /// Writes the recipe that the command line writes with the same settings.
-    fn save_recipe(&mut self, look: &Look, reading: &Reading, path: &PathBuf) -> Result<(), Said> {
+    fn save_recipe(&mut self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
         self.studio.make(look, reading, What::Picture, 1)?;
         let text = self.studio.recipe(look, reading)?;
         let written = write_atomically(path, true, |w| {
@@ -281,7 +281,7 @@ impl Bench {
 }
 
 /// Writes the picture as the command line does, and by it.
-fn save_picture(look: &Look, reading: &Reading, path: &std::path::Path) -> Result<(), Said> {
+fn save_picture(look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
     let numbered = reading
         .frame
         .and_then(|frame| crate::io::sequence::path_of_frame(&reading.input, frame));

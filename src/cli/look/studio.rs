@@ -319,7 +319,7 @@ impl Studio {
                 Some(scene)
             }
             (Some((inputs, _)), _) => {
-                let mut scene = load_specular(inputs, &mut loaded, None)?;
+                let mut scene = load_specular(inputs, &loaded, None)?;
                 scene.fill_from_behind(&mut loaded.frame);
                 Some(scene)
             }
