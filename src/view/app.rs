@@ -152,7 +152,7 @@ impl View {
         Panel::top("toolbar").show(ui, |ui| self.toolbar(ui));
         Panel::bottom("status").show(ui, |ui| self.status(ui));
         Panel::right("controls")
-            .default_size(330.0)
+            .default_size(360.0)
             .size_range(280.0..=520.0)
             .show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
