@@ -67,6 +67,14 @@ pub enum Error {
         /// The flag that settles it.
         remedy: String,
     },
+    /// This build has no window, or none can be opened.
+    #[error("view: {found}; {remedy}")]
+    Window {
+        /// What is missing.
+        found: String,
+        /// How to come by it.
+        remedy: String,
+    },
     /// A recipe cannot be used as it stands.
     #[error("{}: {found}; {remedy}", path.display())]
     Recipe {

@@ -68,5 +68,7 @@ pub mod plan;
 pub mod report;
 pub mod shape;
 pub mod trace;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use error::{Error, Result};

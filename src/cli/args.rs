@@ -58,6 +58,9 @@ pub(super) enum Command {
     Run(RecipeArgs),
     /// Print the JSON schema of recipes.
     Schema,
+    /// Open a window in which a look is tuned and saved as a recipe.
+    #[command(after_help = VIEW_EXAMPLES)]
+    View(ViewArgs),
     /// Measure error against run time, on this frame and on exact scenes: table, JSON, plots.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(ReportArgs),
@@ -120,6 +123,13 @@ Examples:
   relievo report render.exr -o report --quick       a few seconds, fewer settings
   relievo report shot.####.exr --frames 1-12 -o report        drawings of a sequence too";
 
+const VIEW_EXAMPLES: &str = "\
+Examples:
+  relievo view render.exr                        turn the light; save a recipe
+  relievo view render.exr --recipe look.toml     go on from one
+  relievo view photo.jpg --normal normals.png --normal-flip y
+  relievo view shot.####.exr                     all frames that are there";
+
 #[derive(Debug, Args)]
 pub(super) struct InspectArgs {
     /// Files to look into.
@@ -150,6 +160,23 @@ pub(super) struct RecipeArgs {
         allow_hyphen_values = true
     )]
     pub(super) rest: Vec<OsString>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ViewArgs {
+    /// The render or photo; it can be opened in the window too.
+    #[arg(value_name = "IN")]
+    pub(super) input: Option<PathBuf>,
+    /// Recipe to begin with.
+    #[arg(long, value_name = "FILE.toml", help_heading = "Run")]
+    pub(super) recipe: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    #[command(flatten)]
+    pub(super) frames: FramesArg,
+    /// Threads; all cores where not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Run")]
+    pub(super) threads: Option<u16>,
 }
 
 /// What the commands that make a picture share.

@@ -3,7 +3,7 @@
 use super::job::Done;
 use super::role_args::{EncodingArg, SpaceArg};
 use super::still_camera::{self, StillCamera};
-use crate::backend::cpu::StripChoice;
+use crate::backend::cpu::{Outcome, StripChoice};
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
 use clap::ValueEnum;
@@ -65,7 +65,11 @@ pub(super) struct Chosen {
 
 impl Chosen {
     pub(super) fn of(done: &Done) -> Self {
-        let outcome = &done.outcome;
+        Self::made(&done.loaded, &done.outcome)
+    }
+
+    /// What was chosen for what was made of `loaded`.
+    pub(super) fn made(loaded: &Loaded, outcome: &Outcome) -> Self {
         let single = [
             ("curvature-gain", outcome.gain),
             ("white-level", outcome.white_level),
@@ -77,8 +81,8 @@ impl Chosen {
         ];
         Self {
             numbers: numbers(&single, &outcome.term_white_levels),
-            conventions: conventions_of(&done.loaded),
-            recovered: recovered(&done.loaded),
+            conventions: conventions_of(loaded),
+            recovered: recovered(loaded),
             still_camera: None,
         }
     }
@@ -132,6 +136,15 @@ impl Chosen {
             .map(|still| Flag::new("still-camera", still));
         let numbers = self.numbers.iter().map(flag);
         numbers.chain(conventions).chain(camera).collect()
+    }
+
+    /// The numbers that were chosen, by the names of their settings.
+    #[cfg(feature = "view")]
+    pub(super) fn numbers(&self) -> Vec<(String, String)> {
+        let numbers = self.numbers.iter().filter(|(_, term, _)| term.is_empty());
+        numbers
+            .map(|(name, _, number)| (name.to_string(), number.to_string()))
+            .collect()
     }
 
     /// The choices in words: `curvature gain 2.140, white level 0.8812`.

@@ -10,6 +10,7 @@ use crate::backend::cpu::{Outcome, Runner, StripChoice};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, LightLayers};
 use crate::io::exr::OutputChannel;
+use crate::io::inputs::Inputs;
 use crate::io::{Loaded, Needs};
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
@@ -35,14 +36,8 @@ impl FrameCommand for EnhanceArgs {
     }
 
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
-        let (shape, scaling) = (self.work.shape.params(), self.scaling());
-        let mut inputs = job.work.roles.inputs(&job.work.input);
-        inputs.light = Some(self.light.inputs(&self.scaling, job.frame));
-        let needs = Needs {
-            color: true,
-            projection: shape.foreshortening != 0.0,
-            ..Needs::default()
-        };
+        let scaling = self.scaling();
+        let (inputs, needs) = self.reading(job);
         let told = dark_rims(&scaling);
         told.iter().for_each(|warning| job.warn(warning));
         let work = Enhancement {
@@ -82,16 +77,7 @@ impl StripWork for Enhancement<'_> {
     }
 
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
-        let (available, shape) = (
-            Available::in_frame(&strip.frame),
-            self.args.work.shape.params(),
-        );
-        Plan::new(
-            Goal::Enhance,
-            available,
-            shape,
-            found.given(self.args.scaling()),
-        )
+        self.args.plan(&strip.frame, found)
     }
 
     fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
@@ -109,12 +95,30 @@ impl StripWork for Enhancement<'_> {
 }
 
 /// The picture that was made. A plan with nothing to do leaves it as it came.
-fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> &'a ColorPlanes {
+pub(super) fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> &'a ColorPlanes {
     let color = outcome.color.as_ref().or(frame.color.as_ref());
     color.expect("a picture was asked for")
 }
 
 impl EnhanceArgs {
+    /// What is read of a frame.
+    pub(super) fn reading(&self, job: &Job) -> (Inputs, Needs) {
+        let mut inputs = job.work.roles.inputs(&job.work.input);
+        inputs.light = Some(self.light.inputs(&self.scaling, job.frame));
+        let needs = Needs {
+            color: true,
+            projection: self.work.shape.params().foreshortening != 0.0,
+            ..Needs::default()
+        };
+        (inputs, needs)
+    }
+
+    /// The plan for a frame, with what was found in the whole of which it is a strip.
+    pub(super) fn plan(&self, frame: &Frame, found: &StripChoice) -> Result<Plan> {
+        let (available, shape) = (Available::in_frame(frame), self.work.shape.params());
+        Plan::new(Goal::Enhance, available, shape, found.given(self.scaling()))
+    }
+
     pub(super) fn scaling(&self) -> ScalingParams {
         ScalingParams {
             white_level: self.white_level,

@@ -1,6 +1,6 @@
 //! `relievo hatch`.
 
-use super::args::WorkArgs;
+use super::args::{OutputArgs, WorkArgs};
 use super::chosen::Chosen;
 use super::engine::refuse_gpu;
 use super::frames::FrameCommand;
@@ -13,11 +13,12 @@ use super::strips::refuse_too_large;
 use crate::backend::cpu::{Drawing, DrawingInputs, Runner, SequenceInputs, TextureCoordinates};
 use crate::compose::on_paper;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, SpecularScene, Surroundings};
+use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
+use crate::io::inputs::Inputs;
 use crate::io::picture::Picture;
 use crate::io::svg;
-use crate::io::{self, Loaded, load_specular};
+use crate::io::{self, Loaded, Needs, load_specular};
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
@@ -30,7 +31,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// The light of a drawing that has no other: from the upper left.
-const LAMP: [f32; 2] = [135.0, 40.0];
+pub(super) const LAMP: [f32; 2] = [135.0, 40.0];
 
 /// What all frames that are drawn have in common.
 pub(super) struct HatchKit {
@@ -51,11 +52,12 @@ struct Course {
     coordinates: Option<TextureCoordinates>,
 }
 
-struct Looks {
+/// What its flags say a drawing is to look like.
+pub(super) struct Looks {
     shape: ShapeParams,
     scaling: ScalingParams,
     light: RelightParams,
-    line: LineParams,
+    pub(super) line: LineParams,
 }
 
 impl FrameCommand for HatchArgs {
@@ -74,31 +76,11 @@ impl FrameCommand for HatchArgs {
     }
 
     fn prepare(&self) -> Result<HatchKit> {
-        let relight = &self.relight;
-        let work = &relight.work;
-        refuse_gpu(work.run.backend)?;
-        work.shape.refuse_more_scales()?;
-        let mut line = self.params();
-        if is_svg(work) {
-            in_lines(&mut line.strokes)?;
-        } else {
-            work.output.kind()?;
-        }
-        let looks = Looks {
-            shape: work.shape.params(),
-            scaling: relight.scaling.params(work.shape.curvature_gain),
-            light: relight.params(),
-            line,
-        };
-        looks.scaling.validate()?;
-        looks.light.validate()?;
-        looks.line.validate()?;
-        let art_map = self
-            .pictures()
-            .map(|path| own_map(path, &looks.line.strokes));
+        refuse_gpu(self.relight.work.run.backend)?;
+        let looks = self.looks()?;
         Ok(HatchKit {
-            art_map: art_map.transpose()?,
-            illumination: illumination(&relight.light)?,
+            art_map: self.art_map(&looks)?,
+            illumination: illumination(&self.relight.light)?,
             runner: Runner::default(),
             looks,
             surroundings: Mutex::default(),
@@ -110,7 +92,14 @@ impl FrameCommand for HatchArgs {
         let (mut loaded, read) = self.load(kit, job)?;
         let scene = self.specular_scene(kit, job, &mut loaded)?;
         let moves = job.is_in_sequence() && self.motion.moves();
-        let (plan, illumination) = self.plan(kit, &loaded.frame, moves, scene.is_some())?;
+        let illumination = kit.illumination.clone();
+        let (plan, illumination) = self.plan(
+            &kit.looks,
+            illumination,
+            &loaded.frame,
+            moves,
+            scene.is_some(),
+        )?;
         job.tell_plan(&plan)?;
         let inputs = DrawingInputs {
             specular: scene.as_ref(),
@@ -150,13 +139,52 @@ impl FrameCommand for HatchArgs {
 }
 
 impl HatchArgs {
-    fn load(&self, kit: &HatchKit, job: &Job) -> Result<(Loaded, Duration)> {
-        refuse_too_large(job)?;
-        let mut inputs = self.relight.inputs(job);
-        let Looks { shape, light, .. } = &kit.looks;
-        let mut needs = needs(light, shape.foreshortening, &kit.illumination);
+    /// What its flags say, if it can be drawn.
+    pub(super) fn looks(&self) -> Result<Looks> {
+        let relight = &self.relight;
+        let work = &relight.work;
+        work.shape.refuse_more_scales()?;
+        let mut line = self.params();
+        if is_svg(work) {
+            in_lines(&mut line.strokes)?;
+        } else {
+            work.output.kind()?;
+        }
+        let looks = Looks {
+            shape: work.shape.params(),
+            scaling: relight.scaling.params(work.shape.curvature_gain),
+            light: relight.params(),
+            line,
+        };
+        looks.scaling.validate()?;
+        looks.light.validate()?;
+        looks.line.validate()?;
+        Ok(looks)
+    }
+
+    /// The texture of strokes, where pictures tell it.
+    pub(super) fn art_map(&self, looks: &Looks) -> Result<Option<TonalArtMap>> {
+        let map = self.pictures();
+        map.map(|path| own_map(path, &looks.line.strokes))
+            .transpose()
+    }
+
+    /// What is read of a frame.
+    pub(super) fn reading(
+        &self,
+        looks: &Looks,
+        illumination: &Illumination,
+        job: &Job,
+    ) -> (Inputs, Needs) {
+        let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
         needs.projection = true;
         needs.color |= matches!(self.tone.tone, ToneArg::Enhance | ToneArg::Picture);
+        (self.relight.inputs(job), needs)
+    }
+
+    fn load(&self, kit: &HatchKit, job: &Job) -> Result<(Loaded, Duration)> {
+        refuse_too_large(job)?;
+        let (mut inputs, mut needs) = self.reading(&kit.looks, &kit.illumination, job);
         if let Some(frame) = job.frame.filter(|_| job.follows()) {
             needs.motion = true;
             inputs.motion = self.motion.of_frame(frame);
@@ -187,15 +215,14 @@ impl HatchArgs {
     }
 
     /// The plan, and the light, with a lamp where there is none and some is wanted.
-    fn plan(
+    pub(super) fn plan(
         &self,
-        kit: &HatchKit,
+        looks: &Looks,
+        mut illumination: Illumination,
         frame: &Frame,
         moving: bool,
         is_specular: bool,
     ) -> Result<(Plan, Illumination)> {
-        let looks = &kit.looks;
-        let mut illumination = kit.illumination.clone();
         let specular = self.relight.specular.params(&looks.light.material)?;
         let available = Available {
             moving,
@@ -295,6 +322,23 @@ fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
     }
 }
 
+/// The ink of a drawing on its paper.
+pub(super) fn inked(drawing: &Drawing) -> ColorPlanes {
+    let layers = std::iter::once(&drawing.hatching).chain(&drawing.contours);
+    on_paper(&layers.collect::<Vec<_>>())
+}
+
+/// An inked drawing as a picture.
+pub(super) fn on_a_page<'a>(color: &'a ColorPlanes, output: &OutputArgs) -> Picture<'a> {
+    Picture {
+        color,
+        alpha: None,
+        grey: true,
+        bits: 8,
+        transform: output.view_transform.into(),
+    }
+}
+
 fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
     let output = &job.work.output;
     let drawing = done
@@ -305,19 +349,9 @@ fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
     if is_svg(&job.work) {
         return job.write_svg(done, &page(&done.loaded.frame, drawing, dpi));
     }
-    let layers: Vec<_> = std::iter::once(&drawing.hatching)
-        .chain(&drawing.contours)
-        .collect();
-    let color = &on_paper(&layers);
+    let color = &inked(drawing);
     if let Kind::Picture(_) = output.kind()? {
-        let picture = Picture {
-            color,
-            alpha: None,
-            grey: true,
-            bits: 8,
-            transform: output.view_transform.into(),
-        };
-        return job.write_picture(done, &picture);
+        return job.write_picture(done, &on_a_page(color, output));
     }
     let sample_type = output.depth_of_output.map_or(OutputType::Half, Into::into);
     let layer = output.color_layer(&done.loaded);

@@ -1,6 +1,6 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
-use super::args::{TransformArg, WorkArgs};
+use super::args::WorkArgs;
 use super::chosen::Chosen;
 use super::message;
 use super::output::{Kind, ReadyOutput, color_channels};
@@ -9,7 +9,6 @@ use super::told::Told;
 use crate::backend::cpu::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
-use crate::io::colorspace::{converted, rec709_from};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
@@ -165,22 +164,14 @@ impl<'a> Job<'a> {
 
     /// Writes the picture that was made of the frame's own, and ends the frame.
     pub(super) fn write_color(&self, done: &Done, color: &ColorPlanes) -> Result<Chosen> {
-        let (loaded, alpha) = (&done.loaded, done.loaded.frame.alpha.as_ref());
-        let output = &self.work.output;
+        let (loaded, output) = (&done.loaded, &self.work.output);
         match output.kind()? {
             Kind::Exr => self.write_exr(done, &self.color_channels(loaded, color)),
             Kind::Picture(_) => {
-                // A display has Rec. 709 primaries.
-                let turn = loaded.chromaticities.and_then(rec709_from);
-                let turn = turn.filter(|_| output.view_transform == TransformArg::Srgb);
-                let turned = turn.map(|matrix| converted(color, matrix));
-                let picture = Picture {
-                    color: turned.as_ref().unwrap_or(color),
-                    alpha,
-                    grey: false,
-                    bits: if loaded.photo_bits == Some(16) { 16 } else { 8 },
-                    transform: output.view_transform.into(),
-                };
+                let turned = output.turned(loaded, color);
+                let color = turned.as_ref().unwrap_or(color);
+                let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
+                let picture = output.picture(color, loaded.frame.alpha.as_ref(), bits);
                 self.write_picture(done, &picture)
             }
         }

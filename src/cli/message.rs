@@ -32,18 +32,22 @@ pub(super) fn misuse(error: &clap::Error) -> i32 {
         // A reader that has gone away is no error.
         let _ = error.print();
     } else {
-        // Usage and the pointer to the help follow the message as paragraphs of their own.
-        let text = error.to_string();
-        let message: Vec<_> = text
-            .lines()
-            .map(str::trim)
-            .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
-            .filter(|line| !line.is_empty())
-            .collect();
-        let message = message.join(" ").replace(" tip:", "; tip:");
-        say(&format!("{message}; see --help"));
+        say(&format!("{}; see --help", misuse_line(error)));
     }
     error.exit_code()
+}
+
+/// What is wrong with a command line, as one line: `error: ...`.
+pub(super) fn misuse_line(error: &clap::Error) -> String {
+    // Usage and the pointer to the help follow the message as paragraphs of their own.
+    let text = error.to_string();
+    let message: Vec<_> = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
+        .filter(|line| !line.is_empty())
+        .collect();
+    message.join(" ").replace(" tip:", "; tip:")
 }
 
 /// Prints a warning, unless told to be quiet.

@@ -11,6 +11,8 @@ mod invocation;
 mod job;
 mod light_layers;
 mod line_args;
+#[cfg(feature = "view")]
+pub(crate) mod look;
 mod memory;
 mod message;
 mod motion;
@@ -60,9 +62,27 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::Enhance(_) => frames::run::<EnhanceArgs>(typed),
         Command::Relight(_) => frames::run::<RelightArgs>(typed),
         Command::Hatch(_) => frames::run::<HatchArgs>(typed),
+        Command::View(args) => view(args, typed),
         Command::Run(args) => {
             let recipe = Recipe::read(&args.recipe)?;
             run_typed(&typed.of_recipe(&recipe, &args.rest)?)
         }
     }
+}
+
+/// Opens the window.
+#[cfg(feature = "view")]
+fn view(args: &args::ViewArgs, typed: &Invocation) -> Result<i32> {
+    threads::use_threads(args.threads);
+    let opening = look::Opening::of(args, typed)?;
+    crate::view::open(opening).map(|()| 0)
+}
+
+/// Says how to come by a window.
+#[cfg(not(feature = "view"))]
+fn view(_: &args::ViewArgs, _: &Invocation) -> Result<i32> {
+    Err(crate::Error::Window {
+        found: "this build has no window".into(),
+        remedy: "build one with cargo build --release --features view".into(),
+    })
 }

@@ -1,12 +1,13 @@
 //! From planes to the output file.
 
-use super::args::{LayersArg, OutputArgs, SampleArg, WorkArgs};
+use super::args::{LayersArg, OutputArgs, SampleArg, TransformArg, WorkArgs};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
+use crate::io::colorspace::{converted, rec709_from};
 use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
 use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
-use crate::io::picture::PictureFormat;
+use crate::io::picture::{Picture, PictureFormat};
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
@@ -60,6 +61,29 @@ impl OutputArgs {
     pub(super) fn color_layer(&self, loaded: &Loaded) -> Option<&'static str> {
         let beside = loaded.exr().is_some() && self.layers != LayersArg::Results;
         beside.then_some(PART)
+    }
+
+    /// `color` as a display has it, in Rec. 709 primaries, where it has others.
+    pub(super) fn turned(&self, loaded: &Loaded, color: &ColorPlanes) -> Option<ColorPlanes> {
+        let turn = loaded.chromaticities.and_then(rec709_from);
+        let turn = turn.filter(|_| self.view_transform == TransformArg::Srgb);
+        turn.map(|matrix| converted(color, matrix))
+    }
+
+    /// The picture of a display's colours.
+    pub(super) fn picture<'p>(
+        &self,
+        color: &'p ColorPlanes,
+        alpha: Option<&'p Plane>,
+        bits: u8,
+    ) -> Picture<'p> {
+        Picture {
+            color,
+            alpha,
+            grey: false,
+            bits,
+            transform: self.view_transform.into(),
+        }
     }
 
     /// How samples of a picture are stored.

@@ -15,12 +15,15 @@ use crate::io::environment::{read_environment, read_lit_sphere};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
 use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
+use crate::light::environment::Environment;
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
+use crate::light::lit_sphere::LitSphere;
 use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
 use crate::plan::{Available, LightKinds, Plan, Stage};
 use glam::Vec3;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What all frames that are lit anew have in common.
 pub(super) struct RelightKit {
@@ -104,17 +107,11 @@ impl StripWork for Relight<'_> {
     }
 
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
-        let (args, params) = (self.args, self.args.params());
-        let flags = &args.work.shape;
-        let scaling = found.given(args.scaling.params(flags.curvature_gain));
-        let traced = self.scene.as_ref();
-        let traced = traced.map(|_| args.specular.params(&params.material));
-        let available = Available {
-            specular: traced.transpose()?,
-            ..Available::in_frame(&strip.frame)
-        };
-        let kinds = LightKinds::in_light(&self.kit.illumination);
-        Plan::relight(available, flags.params(), scaling, params, kinds)
+        let (kinds, is_traced) = (
+            LightKinds::in_light(&self.kit.illumination),
+            self.scene.is_some(),
+        );
+        self.args.plan(&strip.frame, kinds, is_traced, found)
     }
 
     fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
@@ -143,11 +140,29 @@ impl StripWork for Relight<'_> {
     }
 }
 
-fn lit(outcome: &Outcome) -> &ColorPlanes {
+pub(super) fn lit(outcome: &Outcome) -> &ColorPlanes {
     outcome.color.as_ref().expect("light makes a picture")
 }
 
 impl RelightArgs {
+    /// The plan for lighting a frame, with what was found in the whole of which it is a strip.
+    pub(super) fn plan(
+        &self,
+        frame: &Frame,
+        kinds: LightKinds,
+        is_traced: bool,
+        found: &StripChoice,
+    ) -> Result<Plan> {
+        let (params, flags) = (self.params(), &self.work.shape);
+        let scaling = found.given(self.scaling.params(flags.curvature_gain));
+        let traced = is_traced.then(|| self.specular.params(&params.material));
+        let available = Available {
+            specular: traced.transpose()?,
+            ..Available::in_frame(frame)
+        };
+        Plan::relight(available, flags.params(), scaling, params, kinds)
+    }
+
     /// What is read of a frame to be lit anew.
     pub(super) fn inputs(&self, job: &Job) -> Inputs {
         let mut inputs = job.work.roles.inputs(&job.work.input);
@@ -162,7 +177,7 @@ impl RelightArgs {
 }
 
 /// What mirrors and lenses show, for materials that are either.
-fn specular_scene(
+pub(super) fn specular_scene(
     inputs: &SpecularInputs,
     params: &RelightParams,
     loaded: &mut Loaded,
@@ -220,6 +235,28 @@ pub(super) fn needs(
 }
 
 pub(super) fn illumination(flags: &LightFlags) -> Result<Illumination> {
+    Ok(Illumination {
+        environment: environment(flags)?,
+        lit_spheres: lit_spheres(flags)?,
+        ..lights(flags)?
+    })
+}
+
+/// The environment, if any.
+pub(super) fn environment(flags: &LightFlags) -> Result<Option<Arc<Environment>>> {
+    let environment = flags.environment.as_deref().map(read_environment);
+    let turned = |e: Environment| e.rotated_deg(flags.environment_rotate).into();
+    Ok(environment.transpose()?.map(turned))
+}
+
+/// The lit spheres, if any.
+pub(super) fn lit_spheres(flags: &LightFlags) -> Result<Vec<LitSphere>> {
+    let spheres = flags.lit_sphere.iter();
+    spheres.map(|path| read_lit_sphere(path)).collect()
+}
+
+/// The lights that no file tells of.
+pub(super) fn lights(flags: &LightFlags) -> Result<Illumination> {
     let mut directional: Vec<DirectionalLight> = flags
         .light
         .iter()
@@ -250,14 +287,10 @@ pub(super) fn illumination(flags: &LightFlags) -> Result<Illumination> {
             remedy: format!("give at most {MAX_LIGHTS} in all"),
         });
     }
-    let environment = flags.environment.as_deref().map(read_environment);
-    let environment = environment.transpose()?;
-    let spheres = flags.lit_sphere.iter().map(|path| read_lit_sphere(path));
     Ok(Illumination {
         directional,
         points,
-        environment: environment.map(|e| e.rotated_deg(flags.environment_rotate).into()),
-        lit_spheres: spheres.collect::<Result<_>>()?,
+        ..Illumination::default()
     })
 }
 

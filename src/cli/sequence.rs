@@ -71,6 +71,12 @@ impl FromStr for Samples {
 }
 
 impl FramesArg {
+    /// The frames that were listed.
+    #[cfg(feature = "view")]
+    pub(super) fn numbers(&self) -> Option<Vec<i32>> {
+        Some(self.frames.as_ref()?.numbers().to_vec())
+    }
+
     /// The frames, for names that have a place for their numbers; `None` for a single picture.
     ///
     /// # Errors

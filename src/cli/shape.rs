@@ -11,6 +11,7 @@ use crate::backend::cpu::{Outcome, Runner, ScaleShape, StripChoice};
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
 use crate::io::exr::{OutputChannel, OutputType};
+use crate::io::inputs::Inputs;
 use crate::io::picture::{Picture, ViewTransform};
 use crate::io::{Loaded, Needs};
 use crate::params::ScalingParams;
@@ -41,11 +42,7 @@ impl FrameCommand for WorkArgs {
             goal: self.goal()?,
             runner: &engine.cpu,
         };
-        let needs = Needs {
-            projection: self.shape.params().foreshortening != 0.0 || work.goal == Goal::Layers,
-            ..Needs::default()
-        };
-        let inputs = job.work.roles.inputs(&job.work.input);
+        let (inputs, needs) = self.reading(work.goal, job);
         if strips::is_too_large(job)? {
             return strips::make(&work, job, inputs, needs);
         }
@@ -77,14 +74,7 @@ impl StripWork for Description<'_> {
     }
 
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
-        let flags = &self.args.shape;
-        let scaling = ScalingParams {
-            curvature_gain: flags.curvature_gain,
-            ..ScalingParams::default()
-        };
-        let (available, scaling) = (Available::in_frame(&strip.frame), found.given(scaling));
-        let scales = flags.more_scales();
-        Plan::at_scales(self.goal, available, flags.params(), scaling, scales)
+        self.args.plan(self.goal, &strip.frame, found)
     }
 
     fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
@@ -108,20 +98,45 @@ impl Description<'_> {
         if self.goal == Goal::Layers {
             return job.write_exr(done, &self.channels(job, &done.loaded, &done.outcome));
         }
-        let color = done.outcome.color.as_ref();
-        let picture = Picture {
-            color: color.expect("the plan made a display"),
-            alpha: None,
-            grey: false,
-            bits: 8,
-            // The display's colours are meant for the screen as they are.
-            transform: ViewTransform::None,
-        };
-        job.write_picture(done, &picture)
+        job.write_picture(done, &display(&done.outcome))
+    }
+}
+
+/// The curvature display.
+pub(super) fn display(outcome: &Outcome) -> Picture<'_> {
+    let color = outcome.color.as_ref();
+    Picture {
+        color: color.expect("the plan made a display"),
+        alpha: None,
+        grey: false,
+        bits: 8,
+        // The display's colours are meant for the screen as they are.
+        transform: ViewTransform::None,
     }
 }
 
 impl WorkArgs {
+    /// What is read of a frame whose shape is looked for.
+    pub(super) fn reading(&self, goal: Goal, job: &Job) -> (Inputs, Needs) {
+        let needs = Needs {
+            projection: self.shape.params().foreshortening != 0.0 || goal == Goal::Layers,
+            ..Needs::default()
+        };
+        (job.work.roles.inputs(&job.work.input), needs)
+    }
+
+    /// The plan for the shape in a frame, with what was found in the whole of which it is a strip.
+    pub(super) fn plan(&self, goal: Goal, frame: &Frame, found: &StripChoice) -> Result<Plan> {
+        let flags = &self.shape;
+        let scaling = ScalingParams {
+            curvature_gain: flags.curvature_gain,
+            ..ScalingParams::default()
+        };
+        let (available, scaling) = (Available::in_frame(frame), found.given(scaling));
+        let scales = flags.more_scales();
+        Plan::at_scales(goal, available, flags.params(), scaling, scales)
+    }
+
     fn goal(&self) -> Result<Goal> {
         Ok(match self.output.kind()? {
             Kind::Exr => Goal::Layers,

@@ -5,6 +5,7 @@ mod mask;
 mod motion;
 mod plane;
 mod ray;
+mod reduced;
 mod sight;
 mod space;
 mod specular;

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 ///
 /// A role that is `None` is found by its layer's name; one that is named is a layer of the picture
 /// or, where no layer is called so, another file.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Inputs {
     /// The picture: an EXR with its layers, or a photo.
     pub picture: PathBuf,
@@ -66,7 +66,7 @@ pub struct KnownCamera {
 }
 
 /// Which layers of light are wanted. A lobe that is not named is found by its layers' names.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct LightInputs {
     /// Whether lobes are wanted.
     pub lobes: LobeChoice,

@@ -8,6 +8,7 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Quality of written JPEG files, of 100.
 const JPEG_QUALITY: u8 = 95;
@@ -168,27 +169,44 @@ fn grey_codes(picture: &Picture, max: u32) -> Vec<u16> {
 
 /// The stored codes, interleaved: three for each pixel, four with alpha.
 fn codes(picture: &Picture, alpha: Option<&Plane>, max: u32) -> Vec<u16> {
+    match alpha {
+        Some(_) => interleaved::<4>(picture, alpha, max),
+        None => interleaved::<3>(picture, None, max),
+    }
+}
+
+/// The first `N` of red, green, blue and alpha of each pixel, as codes.
+fn interleaved<const N: usize>(picture: &Picture, alpha: Option<&Plane>, max: u32) -> Vec<u16> {
     let ColorPlanes { r, g, b } = picture.color;
-    let (width, height) = (r.width(), r.height());
-    let channels = if alpha.is_some() { 4 } else { 3 };
-    let mut codes = vec![0; width * height * channels];
-    let rows = codes.par_chunks_mut((width * channels).max(1));
+    let width = r.width();
+    let mut codes = vec![0; width * r.height() * N];
+    let rows = codes.par_chunks_mut((width * N).max(1));
     rows.enumerate().for_each(|(y, row)| {
         let color = r.row(y).iter().zip(g.row(y)).zip(b.row(y));
-        for (x, (pixel, ((&r, &g), &b))) in row.chunks_exact_mut(channels).zip(color).enumerate() {
+        let (pixels, _) = row.as_chunks_mut::<N>();
+        for (x, (pixel, ((&r, &g), &b))) in pixels.iter_mut().zip(color).enumerate() {
             let color = [r, g, b].map(f64::from);
             let alpha = alpha.map(|a| f64::from(a.at(x, y)));
             let (color, alpha) = straight(color, alpha, max);
-            let codes = color
-                .map(|v| code(v, picture.transform, max))
-                .into_iter()
-                .chain(alpha.map(|a| code(a, ViewTransform::None, max)));
-            for (to, code) in pixel.iter_mut().zip(codes) {
+            let [r, g, b] = color.map(|v| code(v, picture.transform, max));
+            let alpha = alpha.map_or(max as u16, |a| code(a, ViewTransform::None, max));
+            for (to, code) in pixel.iter_mut().zip([r, g, b, alpha]) {
                 *to = code;
             }
         }
     });
     codes
+}
+
+/// Red, green, blue and alpha of each pixel in 8 bits: what a PNG of them would hold, opaque where there is no alpha.
+///
+/// # Panics
+/// If planes differ in size.
+pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
+    let codes = interleaved::<4>(picture, picture.alpha, 255);
+    let (pixels, _) = codes.as_chunks::<4>();
+    let narrow = pixels.par_iter().with_min_len(1 << 14);
+    narrow.map(|pixel| pixel.map(|code| code as u8)).collect()
 }
 
 /// Colour divided by alpha, and the alpha to be stored.
@@ -211,6 +229,57 @@ fn clipped(v: f64) -> f64 {
 }
 
 fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
+    match (transform, max) {
+        (ViewTransform::Srgb, 255) => SRGB_8.code(v),
+        _ => computed_code(v, transform, max),
+    }
+}
+
+/// The codes of the sRGB curve in 8 bits, looked up: a power for each sample takes longer than all else.
+struct SrgbCodes {
+    /// The least value of each code above 0.
+    least: [f64; 255],
+    /// The code at the beginning of each of so many equal parts of 0..1, and at 1.
+    at: [u8; SRGB_PARTS + 1],
+}
+
+/// Many enough that a part holds no more than two codes.
+const SRGB_PARTS: usize = 4096;
+
+static SRGB_8: LazyLock<SrgbCodes> = LazyLock::new(SrgbCodes::new);
+
+impl SrgbCodes {
+    fn new() -> Self {
+        let computed = |v| computed_code(v, ViewTransform::Srgb, 255);
+        let least = std::array::from_fn(|below| {
+            // Numbers above 0 are in the order of their bits.
+            let (mut lower, mut upper) = (0, 1.0_f64.to_bits());
+            while lower < upper {
+                let middle = lower.midpoint(upper);
+                match usize::from(computed(f64::from_bits(middle))) > below {
+                    true => upper = middle,
+                    false => lower = middle + 1,
+                }
+            }
+            f64::from_bits(lower)
+        });
+        let at = std::array::from_fn(|part| computed(part as f64 / SRGB_PARTS as f64) as u8);
+        Self { least, at }
+    }
+
+    fn code(&self, v: f64) -> u16 {
+        let v = clipped(v);
+        let mut code = self.at[(v * SRGB_PARTS as f64) as usize];
+        while let Some(&least) = self.least.get(usize::from(code))
+            && v >= least
+        {
+            code += 1;
+        }
+        code.into()
+    }
+}
+
+fn computed_code(v: f64, transform: ViewTransform, max: u32) -> u16 {
     let encoded = match transform {
         ViewTransform::Srgb => srgb::encoded(clipped(v)),
         ViewTransform::None => clipped(v),
@@ -283,6 +352,24 @@ mod tests {
                 };
                 assert_eq!(size(&with_alpha(true)), size(&with_alpha(false)));
             }
+        }
+    }
+
+    #[test]
+    fn codes_that_are_looked_up_are_those_computed() {
+        let computed = |v| computed_code(v, ViewTransform::Srgb, 255);
+        for &least in &SRGB_8.least {
+            for v in [least.next_down(), least, least.next_up()] {
+                assert_eq!(SRGB_8.code(v), computed(v), "{v:e}");
+            }
+        }
+        // A step that hits no part and no code evenly.
+        for step in 0..200_000 {
+            let v = f64::from(step) * 5.17e-6;
+            assert_eq!(SRGB_8.code(v), computed(v), "{v}");
+        }
+        for odd in [f64::NAN, -1.0, -0.0, 1.0, 2.0, f64::INFINITY, 1e-310] {
+            assert_eq!(SRGB_8.code(odd), computed(odd), "{odd}");
         }
     }
 

@@ -21,7 +21,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Which files and layers tell what mirrors and lenses show.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct SpecularInputs {
     /// Which pixels are specular, above one half: a layer of the picture, or a file.
     pub mask: Option<String>,

@@ -17,31 +17,50 @@ const ROWS: usize = 32;
 /// Columns that are looked at together for creases: most hold none.
 const BLOCK: usize = 64;
 
-/// Edge weights, the two separate ones only where they are asked for, and the gradient.
-pub(super) struct Edges {
+/// Edge weights, and how freely slopes spread between them.
+pub(super) struct Weights {
+    /// Only where it is asked for; likewise creases.
     pub(super) silhouette: Option<Plane>,
     pub(super) crease: Option<Plane>,
     pub(super) conductance: Plane,
-    pub(super) gradient: Vector2Planes,
 }
 
-pub(super) fn edges_and_gradient(plan: &Plan, frame: &Frame, memory: &Memory) -> Edges {
+/// Whether the two weights are asked for, beside what is made of them.
+pub(super) fn weights_wanted(plan: &Plan) -> bool {
+    plan.has(Stage::Hessian) || plan.has(Stage::Contours)
+}
+
+/// Edges, with their weights where those are asked for, and the gradient.
+pub(super) fn edges_and_gradient(
+    plan: &Plan,
+    frame: &Frame,
+    memory: &Memory,
+) -> (Weights, Vector2Planes) {
+    edges_with_weights(plan, frame, weights_wanted(plan), memory)
+}
+
+/// The same with the two weights or without.
+pub(super) fn edges_with_weights(
+    plan: &Plan,
+    frame: &Frame,
+    with_weights: bool,
+    memory: &Memory,
+) -> (Weights, Vector2Planes) {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let blank = || memory.plane(&frame.mask);
-    let weights_wanted = plan.has(Stage::Hessian) || plan.has(Stage::Contours);
-    let mut edges = Edges {
-        silhouette: weights_wanted.then(blank),
-        crease: weights_wanted.then(blank),
+    let mut edges = Weights {
+        silhouette: with_weights.then(blank),
+        crease: with_weights.then(blank),
         conductance: blank(),
-        gradient: memory.vectors(&frame.mask),
     };
+    let mut gradient = memory.vectors(&frame.mask);
     let sources = Sources::new(plan, frame);
     let bands = bands(&mut edges.silhouette, height)
         .into_par_iter()
         .zip(bands(&mut edges.crease, height))
         .zip(edges.conductance.samples_mut().par_chunks_mut(ROWS * width))
-        .zip(edges.gradient.x.samples_mut().par_chunks_mut(ROWS * width))
-        .zip(edges.gradient.y.samples_mut().par_chunks_mut(ROWS * width));
+        .zip(gradient.x.samples_mut().par_chunks_mut(ROWS * width))
+        .zip(gradient.y.samples_mut().par_chunks_mut(ROWS * width));
     bands.enumerate().for_each_init(
         || Scratch::new(width),
         |scratch, (i, ((((silhouette, crease), conductance), x), y))| {
@@ -55,7 +74,7 @@ pub(super) fn edges_and_gradient(plan: &Plan, frame: &Frame, memory: &Memory) ->
             sources.fill(&mut band, scratch);
         },
     );
-    edges
+    (edges, gradient)
 }
 
 /// Bands of a plane that may not be wanted: as many `None` as there would be bands.

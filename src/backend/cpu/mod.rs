@@ -8,8 +8,10 @@ mod direction_field;
 mod direction_fill;
 mod drawing;
 mod edges;
+mod kept;
 mod light;
 mod light_layers;
+mod live;
 mod memory;
 mod normal_rays;
 mod outcome;
@@ -31,7 +33,10 @@ use crate::light::layers::TermScaling;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 pub use drawing::TextureCoordinates;
+use edges::Weights;
+use kept::Kept;
 use light_layers::Curvature;
+pub use live::LiveRunner;
 pub use outcome::{CurvaturePlanes, Drawing, Outcome, ScaleShape, Shape};
 use rayon::prelude::*;
 pub use runner::{DrawingInputs, Runner, SequenceInputs};
@@ -95,6 +100,8 @@ struct Run<'a> {
     plan: &'a Plan,
     frame: &'a Frame,
     runner: &'a Runner,
+    /// What earlier runs of this frame have left, where any is kept.
+    kept: Option<&'a mut Kept>,
     outcome: Outcome,
 }
 
@@ -104,6 +111,19 @@ impl Run<'_> {
         let result = pass();
         self.outcome.timings.push((name, start.elapsed()));
         result
+    }
+
+    /// What is kept, by `take`; else what `pass` makes.
+    fn kept_or<T>(
+        &mut self,
+        take: impl FnOnce(&mut Kept) -> Option<T>,
+        name: &'static str,
+        pass: impl FnOnce() -> T,
+    ) -> T {
+        match self.kept.as_deref_mut().and_then(take) {
+            Some(kept) => kept,
+            None => self.timed(name, pass),
+        }
     }
 
     /// Brings out the shape in the picture, as far as that is planned.
@@ -124,25 +144,9 @@ impl Run<'_> {
     }
 
     fn find_shape(&mut self) {
-        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let edges = self.timed("edges-and-gradient", || {
-            edges::edges_and_gradient(plan, frame, memory)
-        });
-        let mut gradients = if plan.has(Stage::Diffusion) {
-            self.timed("diffusion", || {
-                diffusion::diffusion(
-                    edges.gradient,
-                    &edges.conductance,
-                    frame,
-                    &plan.sweeps,
-                    &self.runner.options,
-                    memory,
-                )
-            })
-        } else {
-            let more = vec![edges.gradient.clone(); plan.more_px.len()];
-            std::iter::once(edges.gradient).chain(more).collect()
-        };
+        let plan = self.plan;
+        let (edges, undiffused) = self.find_edges();
+        let mut gradients = self.find_gradients(undiffused, &edges.conductance);
         let gradient = gradients.remove(0);
         if plan.has(Stage::Curvatures) {
             self.describe(&gradient, &edges.conductance);
@@ -164,10 +168,61 @@ impl Run<'_> {
         shape.gradient = Some(gradient);
     }
 
+    /// Edges, and the gradient before diffusion unless it is kept.
+    fn find_edges(&mut self) -> (Weights, Option<Vector2Planes>) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let wanted = edges::weights_wanted(plan);
+        let kept = self.kept.as_deref_mut();
+        if let Some(weights) = kept.and_then(|kept| kept.take_weights(wanted)) {
+            return (weights, None);
+        }
+        // What is kept may be asked for later.
+        let with_weights = wanted || self.kept.is_some();
+        let (mut weights, gradient) = self.timed("edges-and-gradient", || {
+            edges::edges_with_weights(plan, frame, with_weights, memory)
+        });
+        if let Some(kept) = &mut self.kept {
+            kept.keep_unwanted(&mut weights, wanted);
+            kept.undiffused.put(gradient.clone());
+        }
+        (weights, Some(gradient))
+    }
+
+    /// The gradient at the scales wanted.
+    fn find_gradients(
+        &mut self,
+        undiffused: Option<Vector2Planes>,
+        conductance: &Plane,
+    ) -> Vec<Vector2Planes> {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let kept = self.kept.as_deref_mut();
+        if let Some(gradient) = kept.and_then(|kept| kept.gradient.take()) {
+            return vec![gradient];
+        }
+        let kept = self.kept.as_deref();
+        let undiffused = undiffused.or_else(|| kept?.undiffused.get().cloned());
+        let undiffused = undiffused.expect("the gradient is kept with its edges");
+        if plan.has(Stage::Diffusion) {
+            return self.timed("diffusion", || {
+                diffusion::diffusion(
+                    undiffused,
+                    conductance,
+                    frame,
+                    &plan.sweeps,
+                    &self.runner.options,
+                    memory,
+                )
+            });
+        }
+        let more = vec![undiffused.clone(); plan.more_px.len()];
+        std::iter::once(undiffused).chain(more).collect()
+    }
+
     /// The sum of the curvatures, and its gain.
     fn find_trace(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let (plan, mask, memory) = (self.plan, &self.frame.mask, &self.runner.memory);
-        let trace = self.timed("trace", || {
+        let kept = |kept: &mut Kept| kept.trace.take();
+        let trace = self.kept_or(kept, "trace", || {
             let trace = passes::trace(gradient, conductance, mask, memory);
             per_reference_pixel(trace, plan.resolution_factor)
         });
@@ -178,7 +233,8 @@ impl Run<'_> {
     /// The Hessian where the direction of light counts, and its trace for the gain.
     fn find_hessian(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let (hessian, trace) = self.timed("hessian", || {
+        let kept = |kept: &mut Kept| kept.hessian.take().zip(kept.trace.take());
+        let (hessian, trace) = self.kept_or(kept, "hessian", || {
             let hessian = passes::hessian(gradient, conductance, &frame.mask, memory);
             let hessian = hessian_at(plan.resolution_factor, hessian);
             let trace = passes::trace_of(&hessian, &frame.mask, memory);
@@ -193,14 +249,21 @@ impl Run<'_> {
     fn describe(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let (mask, factor) = (&frame.mask, plan.resolution_factor);
-        let hessian = self.timed("hessian", || {
+        let kept = |kept: &mut Kept| kept.hessian.take();
+        let hessian = self.kept_or(kept, "hessian", || {
             hessian_at(factor, passes::hessian(gradient, conductance, mask, memory))
         });
-        let curvatures = self.timed("curvatures", || passes::curvatures(&hessian, mask, memory));
-        let direction_view =
-            self.timed("directions", || passes::directions(&hessian, mask, memory));
+        let kept = |kept: &mut Kept| kept.curvatures.take();
+        let curvatures = self.kept_or(kept, "curvatures", || {
+            passes::curvatures(&hessian, mask, memory)
+        });
+        let kept = |kept: &mut Kept| kept.direction_view.take();
+        let direction_view = self.kept_or(kept, "directions", || {
+            passes::directions(&hessian, mask, memory)
+        });
+        let kept = |kept: &mut Kept| kept.rays.take();
         let direction = plan.has(Stage::NormalRays).then(|| {
-            self.timed("normal-rays", || {
+            self.kept_or(kept, "normal-rays", || {
                 normal_rays::directions(plan, frame, conductance, memory)
             })
         });
@@ -243,9 +306,16 @@ impl Run<'_> {
         let factor = self.plan.resolution_factor as f32;
         let gain = match self.plan.scaling.curvature_gain {
             Adaptive::Fixed(gain) => gain,
-            Adaptive::Auto => self.timed("auto-gain", || {
-                statistics::curvature_gain(trace, conductance, factor)
-            }),
+            Adaptive::Auto => {
+                let kept = |kept: &mut Kept| kept.gain.get().copied();
+                let gain = self.kept_or(kept, "auto-gain", || {
+                    statistics::curvature_gain(trace, conductance, factor)
+                });
+                if let Some(kept) = &mut self.kept {
+                    kept.gain.put(gain);
+                }
+                gain
+            }
         };
         self.outcome.gain = Some(gain);
         gain
@@ -290,9 +360,16 @@ impl Run<'_> {
             Adaptive::Fixed(level) => level,
             // What arrives of ambient light is a share of 1.
             Adaptive::Auto if is_occlusion => 1.0,
-            Adaptive::Auto => self.timed("auto-white", || {
-                statistics::white_level(color, weights, &frame.mask)
-            }),
+            Adaptive::Auto => {
+                let kept = |kept: &mut Kept| kept.white;
+                let white = self.kept_or(kept, "auto-white", || {
+                    statistics::white_level(color, weights, &frame.mask)
+                });
+                if let Some(kept) = &mut self.kept {
+                    kept.white = Some(white);
+                }
+                white
+            }
         };
         let gain = self
             .outcome
@@ -323,9 +400,12 @@ impl Run<'_> {
         let terms = light_layers::terms(&frame.light.lobes, &plan.scaling);
         let levels = || light_layers::white_levels(&terms, frame, &plan.scaling, memory);
         let whites = match plan.has(Stage::AutoWhite) {
-            true => self.timed("auto-white", levels),
+            true => self.kept_or(|kept| kept.term_whites.get().cloned(), "auto-white", levels),
             false => levels(),
         };
+        if let Some(kept) = &mut self.kept {
+            kept.term_whites.put(whites.clone());
+        }
         self.with_curvature("light-lobes", |_, curvature| {
             light_layers::scale_lobes(&terms, &whites, frame, &plan.scaling, curvature, memory)
         });

@@ -1,6 +1,7 @@
 //! The CPU as a caller sees it: plans run one after another, in memory that is kept.
 
 use super::drawing::KeptArtMap;
+use super::kept::Kept;
 use super::memory::Memory;
 use super::relight::KeptEnvironment;
 use super::specular::{self, KeptDirections};
@@ -60,12 +61,17 @@ impl Runner {
     /// # Panics
     /// As [`run`](super::run) does.
     pub fn run(&self, plan: &Plan, frame: &Frame) -> Outcome {
+        self.run_kept(plan, frame, None)
+    }
+
+    /// [`Runner::run`] with what was kept of the frame.
+    pub(super) fn run_kept(&self, plan: &Plan, frame: &Frame, kept: Option<&mut Kept>) -> Outcome {
         assert!(
             plan.goal != Goal::Relight,
             "new light is run by Runner::relight"
         );
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, |run| run.enhance())
+        self.start(plan, frame, kept, |run| run.enhance())
     }
 
     /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
@@ -81,7 +87,7 @@ impl Runner {
         directions: StrokeDirections,
     ) -> Vec<Vector2Planes> {
         assert!(plan.has(Stage::Conductance), "strokes stop at edges");
-        let edges = edges::edges_and_gradient(plan, frame, &self.memory);
+        let (edges, _) = edges::edges_and_gradient(plan, frame, &self.memory);
         let memory = &self.memory;
         let conductance = &edges.conductance;
         direction_field::stroke_fields(plan, params, directions, frame, conductance, None, memory)
@@ -105,7 +111,7 @@ impl Runner {
             specular::seen_through(plan, frame, scene, &specular, params, kept, &self.memory);
         let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
         let given = seen.as_ref().map(|seen| &seen.directions[..]);
-        let edges = edges::edges_and_gradient(plan, drawn, &self.memory);
+        let (edges, _) = edges::edges_and_gradient(plan, drawn, &self.memory);
         direction_field::stroke_fields(
             plan,
             &params.field,
@@ -122,8 +128,7 @@ impl Runner {
     /// # Panics
     /// If the plan was made for another goal, other inputs or other kinds of light.
     pub fn relight(&self, plan: &Plan, frame: &Frame, illumination: &Illumination) -> Outcome {
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, |run| run.relight(illumination, None))
+        self.relight_kept(plan, frame, illumination, None, None)
     }
 
     /// [`Runner::relight`] of mirrors and lenses that show what is around them: the specular pixels of `scene`, or all.
@@ -137,8 +142,20 @@ impl Runner {
         illumination: &Illumination,
         scene: &SpecularScene,
     ) -> Outcome {
+        self.relight_kept(plan, frame, illumination, Some(scene), None)
+    }
+
+    /// Both, with what was kept of the frame.
+    pub(super) fn relight_kept(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: &Illumination,
+        scene: Option<&SpecularScene>,
+        kept: Option<&mut Kept>,
+    ) -> Outcome {
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, |run| run.relight(illumination, Some(scene)))
+        self.start(plan, frame, kept, |run| run.relight(illumination, scene))
     }
 
     /// Runs `plan`, made by [`Plan::hatch`], on `frame`.
@@ -146,8 +163,19 @@ impl Runner {
     /// # Panics
     /// If the plan was made for another goal or other inputs.
     pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Outcome {
+        self.draw_kept(plan, frame, inputs, None)
+    }
+
+    /// [`Runner::draw`] with what was kept of the frame.
+    pub(super) fn draw_kept(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: DrawingInputs,
+        kept: Option<&mut Kept>,
+    ) -> Outcome {
         let params = plan.drawing.as_ref().expect("a drawing is planned");
-        self.start(plan, frame, |run| {
+        self.start(plan, frame, kept, |run| {
             match plan.goal {
                 Goal::Relight => {
                     let illumination = inputs.illumination.expect("new light has lights");
@@ -161,14 +189,21 @@ impl Runner {
 
     /// The shape alone, whatever light `plan` is for.
     pub(super) fn find_shape(&self, plan: &Plan, frame: &Frame) -> Outcome {
-        self.start(plan, frame, |_| ())
+        self.start(plan, frame, None, |_| ())
     }
 
-    fn start(&self, plan: &Plan, frame: &Frame, light: impl FnOnce(&mut Run)) -> Outcome {
+    fn start(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        kept: Option<&mut Kept>,
+        light: impl FnOnce(&mut Run),
+    ) -> Outcome {
         let mut run = Run {
             plan,
             frame,
             runner: self,
+            kept,
             outcome: Outcome::default(),
         };
         if plan.has(Stage::Conductance) {

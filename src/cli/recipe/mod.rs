@@ -17,10 +17,10 @@ const VERSION: i64 = 1;
 pub(super) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe may stand for.
-const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
+pub(super) const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
 
 /// Whether an argument is a setting, to be kept: not a file of this run, nor how it is run.
-fn is_setting(arg: &Arg) -> bool {
+pub(super) fn is_setting(arg: &Arg) -> bool {
     let id = arg.get_id().as_str();
     let of_a_run = matches!(arg.get_help_heading(), Some("Run" | "Sequence"));
     let files = ["input", "output", "no_clobber", "help"];
@@ -29,11 +29,11 @@ fn is_setting(arg: &Arg) -> bool {
 }
 
 /// Whether it is on where it is given, and takes no value.
-fn is_switch(arg: &Arg) -> bool {
+pub(super) fn is_switch(arg: &Arg) -> bool {
     matches!(arg.get_action(), ArgAction::SetTrue)
 }
 
 /// Whether it may be given again, for another value.
-fn is_repeatable(arg: &Arg) -> bool {
+pub(super) fn is_repeatable(arg: &Arg) -> bool {
     matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none()
 }

@@ -18,8 +18,13 @@ struct Made {
 
 impl KeptArtMap {
     /// The texture for strokes in a picture of which `resolution_factor` pixels stand for one of the
-    /// reference.
-    pub(super) fn of(&self, params: &StrokeParams, resolution_factor: f32) -> Arc<TonalArtMap> {
+    /// reference; `timed` has it made where it is another one.
+    pub(super) fn of(
+        &self,
+        params: &StrokeParams,
+        resolution_factor: f32,
+        timed: impl FnOnce(&dyn Fn() -> TonalArtMap) -> TonalArtMap,
+    ) -> Arc<TonalArtMap> {
         let asked = Made {
             stroke: params.stroke(resolution_factor),
             style: params.style,
@@ -29,8 +34,8 @@ impl KeptArtMap {
         match &*kept {
             Some((made, map)) if *made == asked => map.clone(),
             _ => {
-                let map = TonalArtMap::of_strokes(&asked.stroke, asked.style, asked.seed);
-                let map = Arc::new(map);
+                let make = || TonalArtMap::of_strokes(&asked.stroke, asked.style, asked.seed);
+                let map = Arc::new(timed(&make));
                 *kept = Some((asked, map.clone()));
                 map
             }

@@ -14,6 +14,7 @@ pub(super) use tone::{Densities, density_row};
 
 use super::contours::{DrawnLine, Overlap};
 use super::direction_field::stroke_fields;
+use super::kept::Kept;
 use super::memory::Memory;
 use super::specular::seen_through;
 use super::{Drawing, DrawingInputs, Run, contours, edges, light, statistics};
@@ -52,7 +53,7 @@ impl Run<'_> {
         let own = std::mem::take(&mut self.outcome.shape);
         let through = seen.as_ref().map(|seen| {
             self.timed("specular-edges", || {
-                edges::edges_and_gradient(plan, &seen.frame, memory)
+                edges::edges_and_gradient(plan, &seen.frame, memory).0
             })
         });
         let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
@@ -69,7 +70,8 @@ impl Run<'_> {
             },
         };
         let conductance = edges.conductance.expect(WITH_EDGES);
-        let directions = self.timed("direction-field", || {
+        let kept = |kept: &mut Kept| kept.field.take();
+        let directions = self.kept_or(kept, "direction-field", || {
             let given = seen.as_ref().map(|seen| &seen.directions[..]);
             let (field, wanted) = (&params.field, params.directions);
             stroke_fields(plan, field, wanted, drawn, conductance, given, memory)
@@ -113,7 +115,7 @@ impl Run<'_> {
         } else {
             let made_map = (strokes.style != Style::Pictures).then(|| {
                 let kept = &self.runner.art_map;
-                self.timed("tonal-art-map", || kept.of(strokes, factor))
+                kept.of(strokes, factor, |make| self.timed("tonal-art-map", make))
             });
             let map = made_map.as_deref().or(inputs.art_map);
             let map = map.expect("strokes of pictures come with them");
@@ -140,6 +142,9 @@ impl Run<'_> {
             (covered, lines)
         });
         let (contours, contour_lines) = drawn.unzip();
+        if let Some(kept) = self.kept.as_deref_mut().filter(|_| seen.is_none()) {
+            kept.field.put(directions);
+        }
         self.outcome.color = made;
         self.outcome.shape = own;
         self.outcome.drawing = Some(Drawing {
@@ -174,6 +179,10 @@ impl Run<'_> {
         params: &ContourParams,
     ) -> (Plane, Vec<Contour>) {
         let (plan, memory) = (self.plan, &self.runner.memory);
+        let kept = self.kept.as_deref();
+        if let Some(drawn) = kept.and_then(|kept| kept.contours.get()) {
+            return drawn.clone();
+        }
         let start = Instant::now();
         let weights = contours::Weights {
             silhouette: edges.silhouette.expect(WITH_EDGES),
@@ -183,6 +192,10 @@ impl Run<'_> {
         let drawn: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
         let covered = contours::coverage(&drawn, Overlap::Joined, &frame.mask, memory);
         self.outcome.timings.push(("contours", start.elapsed()));
+        let kept = self.kept.as_deref_mut();
+        if let Some(kept) = kept.filter(|_| plan.specular.is_none()) {
+            kept.contours.put((covered.clone(), lines.clone()));
+        }
         (covered, lines)
     }
 }

@@ -12,6 +12,7 @@ pub(super) use around::{Around, KeptEnvironment};
 pub(super) use batch::Batch;
 pub(super) use shade::light_batch;
 
+use super::kept::Kept;
 use super::memory::Memory;
 use super::simd::Simd;
 use super::{Run, Shape, light, normal_rays};
@@ -90,7 +91,8 @@ impl Run<'_> {
         };
         self.outcome.environment_gain = around.gain();
         let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
-            self.timed("albedo-estimate", || {
+            let kept = |kept: &mut Kept| kept.albedo.take();
+            self.kept_or(kept, "albedo-estimate", || {
                 albedo::estimated(frame, weights, memory)
             })
         });
@@ -135,8 +137,10 @@ impl Run<'_> {
         };
         let color = self.timed("relight", || lit(&scene, memory));
         drop(scene);
-        if let Some(ColorPlanes { r, g, b }) = estimate {
-            memory.take_back([r, g, b]);
+        match (estimate, &mut self.kept) {
+            (Some(estimate), Some(kept)) => kept.albedo = Some(estimate),
+            (Some(ColorPlanes { r, g, b }), None) => memory.take_back([r, g, b]),
+            (None, _) => {}
         }
         self.outcome.shape = shape;
         self.outcome.color = Some(color);
@@ -192,7 +196,8 @@ impl Run<'_> {
         }
         let has_grain = plan.relighting.is_some_and(|relighting| relighting.grain);
         if has_grain && plan.has(Stage::NormalRays) {
-            let direction = self.timed("normal-rays", || {
+            let kept = |kept: &mut Kept| kept.rays.take();
+            let direction = self.kept_or(kept, "normal-rays", || {
                 normal_rays::directions(plan, frame, conductance, memory)
             });
             self.outcome.shape.direction = Some(direction);

@@ -43,7 +43,7 @@ pub(super) fn seen_through(
     let tracer = Tracer::new(frame, scene, specular)?;
     let wanted = params.directions.wanted();
     let behind = scene.behind.as_ref().map(|behind| {
-        let edges = edges::edges_and_gradient(plan, behind, memory);
+        let (edges, _) = edges::edges_and_gradient(plan, behind, memory);
         let conductance = &edges.conductance;
         let (field, directions) = (&params.field, params.directions);
         stroke_fields(plan, field, directions, behind, conductance, None, memory)

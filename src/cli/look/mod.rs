@@ -1,0 +1,258 @@
+//! A look: a command and its settings, as a recipe holds them and the viewer changes them. Its names, defaults and help
+//! are those of the flags.
+
+mod ranges;
+mod setting;
+mod studio;
+
+pub(crate) use ranges::Range;
+pub(crate) use setting::{Kind, Setting, settings_of};
+pub(crate) use studio::{Pixels, Reading, Studio, What};
+
+use super::args::ViewArgs;
+use super::chosen::{Chosen, Flag};
+use super::hatch::LAMP;
+use super::invocation::{Invocation, Parsed, command_named, long, typed_ids};
+use super::message;
+use super::recipe::{COMMANDS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
+use crate::error::Result;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// The output that stands in a command line which is only looked at: nothing is written there.
+const NOWHERE: &str = "view.png";
+
+/// The command that shows shape at once, on any surface: new light.
+const FIRST_COMMAND: &str = "relight";
+
+/// What is wrong, as one line.
+pub(crate) type Said = String;
+
+/// A command and its settings.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Look {
+    command: String,
+    /// What is not at its default, by the name of its flag. Settings that the command does not know wait for one that
+    /// does.
+    settings: BTreeMap<String, Vec<String>>,
+}
+
+impl Default for Look {
+    /// New light from the lamp that lights drawings.
+    fn default() -> Self {
+        let [azimuth, elevation] = LAMP;
+        Self {
+            command: FIRST_COMMAND.into(),
+            settings: [("light".into(), vec![format!("{azimuth},{elevation}")])].into(),
+        }
+    }
+}
+
+impl Look {
+    /// The look that a recipe holds.
+    ///
+    /// # Errors
+    /// As [`Recipe::read`].
+    pub(crate) fn of_recipe(path: &Path) -> Result<Self> {
+        let recipe = Recipe::read(path)?;
+        let mut look = Self {
+            settings: BTreeMap::new(),
+            command: recipe.command.clone(),
+        };
+        look.add(recipe.flags(&command_named(&recipe.command))?);
+        Ok(look)
+    }
+
+    /// The names of all commands.
+    pub(crate) fn commands() -> &'static [&'static str] {
+        &COMMANDS
+    }
+
+    pub(crate) fn command(&self) -> &str {
+        &self.command
+    }
+
+    pub(crate) fn set_command(&mut self, command: &str) {
+        self.command = command.into();
+    }
+
+    /// What a setting was given, of one that may be given again the first.
+    pub(crate) fn value(&self, name: &str) -> Option<&str> {
+        self.values(name).first().map(String::as_str)
+    }
+
+    pub(crate) fn values(&self, name: &str) -> &[String] {
+        self.settings.get(name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Gives a setting a value, or its default back; what cannot stand beside it goes.
+    pub(crate) fn set(&mut self, name: &str, value: Option<String>) {
+        self.set_all(name, value.into_iter().collect());
+    }
+
+    /// The same for one that may be given again.
+    pub(crate) fn set_all(&mut self, name: &str, values: Vec<String>) {
+        if values.is_empty() {
+            self.settings.remove(name);
+            return;
+        }
+        let mut command = command_named(&self.command);
+        command.build();
+        if let Some(arg) = long(&command, name) {
+            let rivals = command.get_arg_conflicts_with(arg);
+            for rival in rivals.into_iter().filter_map(|arg| arg.get_long()) {
+                self.settings.remove(rival);
+            }
+        }
+        self.settings.insert(name.into(), values);
+    }
+
+    /// The same look with one setting changed.
+    pub(crate) fn with(&self, name: &str, value: impl ToString) -> Self {
+        let mut look = self.clone();
+        look.set(name, Some(value.to_string()));
+        look
+    }
+
+    /// The same new light without any shape brought out, where it is new light at all.
+    pub(crate) fn unaltered(&self) -> Option<Self> {
+        (self.command == FIRST_COMMAND).then(|| self.with("method", "plain"))
+    }
+
+    fn add(&mut self, flags: Vec<Flag>) {
+        for flag in flags {
+            let values = self.settings.entry(flag.name().into()).or_default();
+            values.push(flag.value().unwrap_or("true").into());
+        }
+    }
+
+    /// The settings that the command knows.
+    fn flags(&self) -> Vec<Flag> {
+        let command = command_named(&self.command);
+        let known = self.settings.iter().filter_map(|(name, values)| {
+            let arg = long(&command, name).filter(|arg| is_setting(arg))?;
+            let flags = values.iter().map(|value| match is_switch(arg) {
+                true => Flag::switch(name),
+                false => Flag::new(name, value),
+            });
+            Some(flags.collect::<Vec<_>>())
+        });
+        known.flatten().collect()
+    }
+
+    fn invocation(&self, input: &Path, output: &Path) -> Invocation {
+        let start = ["relievo".into(), self.command.clone().into()];
+        let flags = self.flags();
+        let flags = flags.iter().map(Flag::word);
+        let end: [OsString; 4] = ["-o".into(), output.into(), "--".into(), input.into()];
+        Invocation::of(start.into_iter().chain(flags).chain(end))
+    }
+
+    fn parse(&self, input: &Path) -> std::result::Result<Parsed, Said> {
+        let invocation = self.invocation(input, Path::new(NOWHERE));
+        invocation
+            .parse()
+            .map_err(|error| message::misuse_line(&error).replacen("error: ", "", 1))
+    }
+
+    /// The recipe of the look, with what was chosen where it leaves that open.
+    fn recipe(&self, input: &Path, chosen: &Chosen) -> std::result::Result<String, Said> {
+        let parsed = self.parse(input)?;
+        Ok(RecipeText::of(&parsed.matches).with(chosen))
+    }
+
+    /// The command line that makes the same of `input`, quoted for a shell.
+    pub(crate) fn command_line(&self, input: &Path, frames: Option<&[i32]>) -> String {
+        let flags = self.flags();
+        let flags = flags.iter().map(Flag::word);
+        let flags = flags.map(|word| word.to_string_lossy().into_owned());
+        let input = input.display().to_string();
+        let mut words = vec!["relievo".into(), self.command.clone(), input];
+        let output = match frames {
+            Some(_) => "out.####.png",
+            None => "out.png",
+        };
+        words.extend(["-o".into(), output.into()]);
+        if let Some(frames) = frames {
+            let numbers: Vec<_> = frames.iter().map(i32::to_string).collect();
+            let list = match frames {
+                [first, .., last] if (last - first) as usize + 1 == frames.len() => {
+                    format!("{first}-{last}")
+                }
+                _ => numbers.join(","),
+            };
+            words.push(format!("--frames={list}"));
+        }
+        words.extend(flags);
+        let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
+        words.join(" ")
+    }
+
+    /// The words of the command line that writes `output`, to be run.
+    pub(crate) fn run(&self, input: &Path, output: &Path) -> std::result::Result<(), Said> {
+        let invocation = self
+            .invocation(input, output)
+            .with(&[Flag::switch("quiet")]);
+        match super::run_typed(&invocation) {
+            Ok(0) => Ok(()),
+            Ok(code) => Err(format!("{} was not written ({code})", output.display())),
+            Err(error) => Err(message::line_of(&error)),
+        }
+    }
+}
+
+/// A word as a shell takes it for one.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+%@".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.into(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
+/// What a window is opened on.
+pub(crate) struct Opening {
+    pub(crate) input: Option<PathBuf>,
+    pub(crate) frames: Option<Vec<i32>>,
+    pub(crate) look: Look,
+}
+
+impl Opening {
+    /// What `args` name: a recipe, and flags that have the last word.
+    ///
+    /// # Errors
+    /// As [`Recipe::read`].
+    pub(super) fn of(args: &ViewArgs, typed: &Invocation) -> Result<Self> {
+        let mut look = match &args.recipe {
+            Some(path) => Look::of_recipe(path)?,
+            None => Look::default(),
+        };
+        let parsed = typed.parse().unwrap_or_else(|error| error.exit());
+        let matches = parsed.matches.subcommand();
+        let (name, matches) = matches.expect("a command was parsed");
+        let command = command_named(name);
+        let typed: Vec<&str> = typed_ids(matches).collect();
+        let args_typed = command.get_arguments();
+        let settings =
+            args_typed.filter(|arg| is_setting(arg) && typed.contains(&arg.get_id().as_str()));
+        for arg in settings {
+            let values = matches.get_raw_occurrences(arg.get_id().as_str());
+            let words = values.into_iter().flatten().map(|values| {
+                let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
+                values.join(",")
+            });
+            let name = arg.get_long().expect("a setting has a name");
+            let mut words: Vec<String> = words.collect();
+            if !is_repeatable(arg) {
+                words.drain(..words.len().saturating_sub(1));
+            }
+            look.set_all(name, words);
+        }
+        Ok(Self {
+            input: args.input.clone(),
+            frames: args.frames.numbers(),
+            look,
+        })
+    }
+}

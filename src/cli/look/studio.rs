@@ -1,0 +1,480 @@
+//! The frame in hand, and pictures made of it by one look after another.
+
+use super::super::args::{Command, OutputArgs, WorkArgs};
+use super::super::chosen::Chosen;
+use super::super::enhance;
+use super::super::hatch;
+use super::super::job::Job;
+use super::super::line_args::HatchArgs;
+use super::super::message;
+use super::super::recipe::RecipeText;
+use super::super::relight_args::{LightFlags, RelightArgs};
+use super::super::strips::refuse_too_large;
+use super::super::told::Told;
+use super::super::{relight, shape};
+use super::{Look, Said};
+use crate::backend::cpu::{DrawingInputs, LiveRunner, Outcome, StripChoice};
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Frame, SpecularScene};
+use crate::io::inputs::Inputs;
+use crate::io::picture::{Picture, ViewTransform, pixels};
+use crate::io::{self, Loaded, Needs, SpecularInputs, load_specular};
+use crate::light::environment::Environment;
+use crate::light::lights::Illumination;
+use crate::light::lit_sphere::LitSphere;
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::Material;
+use crate::plan::{Goal, LightKinds};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Which file, and which frame of a sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Reading {
+    pub(crate) input: PathBuf,
+    pub(crate) frame: Option<i32>,
+}
+
+/// Red, green, blue and alpha in 8 bits, not premultiplied: what a PNG would hold.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Pixels {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) rgba: Vec<[u8; 4]>,
+}
+
+impl Pixels {
+    pub(crate) fn of(picture: &Picture) -> Self {
+        Self {
+            width: picture.color.r.width(),
+            height: picture.color.r.height(),
+            rgba: pixels(picture),
+        }
+    }
+}
+
+/// What is made of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum What {
+    /// The picture of the command.
+    Picture,
+    /// The coloured curvature display.
+    Curvature,
+    /// All layers of the descriptor.
+    Layers,
+}
+
+/// Everything that is read for a picture.
+#[derive(Debug, Clone, PartialEq)]
+struct Source {
+    inputs: Inputs,
+    needs: Needs,
+    specular: Option<(SpecularInputs, Material)>,
+}
+
+/// What holds a frame.
+enum Held {
+    /// With all that was read along with it.
+    Whole(Box<Loaded>),
+    /// Every so many pixels of it.
+    Reduced(Box<Frame>),
+}
+
+impl AsRef<Frame> for Held {
+    fn as_ref(&self) -> &Frame {
+        match self {
+            Self::Whole(loaded) => &loaded.frame,
+            Self::Reduced(frame) => frame,
+        }
+    }
+}
+
+/// The frame in hand.
+struct Sitter {
+    source: Source,
+    /// What mirrors and lenses show.
+    scene: Option<SpecularScene>,
+    /// By the step between the pixels that are left; 1 holds the whole.
+    runners: BTreeMap<usize, LiveRunner<Held>>,
+}
+
+impl Sitter {
+    fn runner(&mut self, step: usize) -> &mut LiveRunner<Held> {
+        if !self.runners.contains_key(&step) {
+            let reduced = self.loaded().frame.reduced(step);
+            let held = Held::Reduced(Box::new(reduced));
+            self.runners.insert(step, LiveRunner::new(held));
+        }
+        self.runners.get_mut(&step).expect("it is there by now")
+    }
+
+    fn loaded(&self) -> &Loaded {
+        match self.runners[&1].held() {
+            Held::Whole(loaded) => loaded,
+            Held::Reduced(_) => unreachable!("step 1 is the whole"),
+        }
+    }
+}
+
+/// Light that comes from files, and which.
+#[derive(Default)]
+struct Around {
+    files: (Option<PathBuf>, f32, Vec<PathBuf>),
+    environment: Option<Arc<Environment>>,
+    lit_spheres: Vec<LitSphere>,
+}
+
+/// What was made last.
+struct Made {
+    command: Command,
+    what: What,
+    step: usize,
+}
+
+/// Makes pictures of one frame, and keeps what the next ones can use.
+#[derive(Default)]
+pub(crate) struct Studio {
+    sitter: Option<Sitter>,
+    around: Around,
+    /// The texture of strokes that a folder holds.
+    art_map: Option<(PathBuf, crate::params::StrokeScale, TonalArtMap)>,
+    made: Option<Made>,
+}
+
+const A_COMMAND: &str = "a look is one of the commands of recipes";
+const IN_HAND: &str = "a frame has been read";
+
+impl Studio {
+    /// Makes `what` of a frame by `look`, of every `step`th pixel: [`Studio::outcome`] then holds it. Only what changed is
+    /// read or made anew.
+    ///
+    /// # Errors
+    /// What is wrong with the settings or the files, as one line.
+    pub(crate) fn make(
+        &mut self,
+        look: &Look,
+        reading: &Reading,
+        what: What,
+        step: usize,
+    ) -> std::result::Result<(), Said> {
+        self.made = None;
+        let parsed = look.parse(&reading.input)?;
+        let mut command = parsed.cli.command;
+        let recipe = RecipeText::of(&parsed.matches);
+        let said = |error| message::line_of(&error);
+        self.read(&command, &recipe, reading).map_err(said)?;
+        let sitter = self.sitter.as_ref().expect(IN_HAND);
+        // What mirrors show is not reduced with the frame.
+        let step = if sitter.scene.is_some() {
+            1
+        } else {
+            step.max(1)
+        };
+        if step > 1 && look.value("reference-height").is_none() {
+            // A quick look is meant for the size of the whole.
+            let height = sitter.loaded().frame.display_window.height().max(1);
+            let at_size = look.with("reference-height", height);
+            command = at_size.parse(&reading.input)?.cli.command;
+        }
+        self.run(&command, what, step).map_err(said)?;
+        self.made = Some(Made {
+            command,
+            what,
+            step,
+        });
+        Ok(())
+    }
+
+    /// The frame that was last made something of, perhaps reduced.
+    pub(crate) fn frame(&self) -> Option<&Frame> {
+        Some(self.runner()?.held().as_ref())
+    }
+
+    /// What was made last.
+    pub(crate) fn outcome(&self) -> Option<&Outcome> {
+        Some(self.runner()?.outcome())
+    }
+
+    /// Width and height of the whole frame in pixels, and how wide a pixel is for its height.
+    pub(crate) fn size(&self) -> Option<([usize; 2], f32)> {
+        let frame = &self.sitter.as_ref()?.loaded().frame;
+        Some((
+            [frame.mask.width(), frame.mask.height()],
+            frame.pixel_aspect,
+        ))
+    }
+
+    /// The step between the pixels that the last picture was made of.
+    pub(crate) fn step(&self) -> usize {
+        self.made.as_ref().map_or(1, |made| made.step)
+    }
+
+    /// How often each pass has run on the whole frame.
+    pub(crate) fn counts(&self) -> Option<&BTreeMap<&'static str, u32>> {
+        Some(self.sitter.as_ref()?.runners[&1].counts())
+    }
+
+    /// The numbers that were chosen automatically for it, by the names of their settings.
+    pub(crate) fn chosen_numbers(&self) -> Vec<(String, String)> {
+        self.chosen().numbers()
+    }
+
+    /// The recipe that the command line would save with it.
+    pub(crate) fn recipe(
+        &self,
+        look: &Look,
+        reading: &Reading,
+    ) -> std::result::Result<String, Said> {
+        look.recipe(&reading.input, &self.chosen())
+    }
+
+    fn chosen(&self) -> Chosen {
+        match (&self.sitter, self.outcome()) {
+            (Some(sitter), Some(outcome)) => Chosen::made(sitter.loaded(), outcome),
+            _ => Chosen::default(),
+        }
+    }
+
+    /// What the user should know of the frame.
+    pub(crate) fn warnings(&self) -> &[String] {
+        let sitter = self.sitter.as_ref();
+        sitter.map_or(&[], |sitter| &sitter.loaded().warnings)
+    }
+
+    fn runner(&self) -> Option<&LiveRunner<Held>> {
+        let made = self.made.as_ref()?;
+        self.sitter.as_ref()?.runners.get(&made.step)
+    }
+
+    /// The picture that was made last, as its file would show it.
+    pub(crate) fn picture(&self) -> Option<Pixels> {
+        let made = self.made.as_ref()?;
+        let (frame, outcome) = (self.frame()?, self.outcome()?);
+        let work = work_of(&made.command);
+        Some(match (&made.command, made.what) {
+            (_, What::Layers) => return None,
+            (_, What::Curvature) | (Command::Shape(_), _) => Pixels::of(&shape::display(outcome)),
+            (Command::Hatch(_), _) => {
+                let drawing = outcome.drawing.as_ref()?;
+                let color = hatch::inked(drawing);
+                Pixels::of(&hatch::on_a_page(&color, &work.output))
+            }
+            (Command::Enhance(_), _) => self.shown(enhance::made(frame, outcome), &work.output),
+            (_, _) => self.shown(relight::lit(outcome), &work.output),
+        })
+    }
+
+    /// The picture as it came; normals where there is none.
+    pub(crate) fn as_it_came(&self) -> Option<Pixels> {
+        let frame = self.frame()?;
+        let output = &work_of(&self.made.as_ref()?.command).output;
+        if let Some(color) = &frame.color {
+            return Some(self.shown(color, output));
+        }
+        let half = |plane: &crate::frame::Plane| plane.map(|n| 0.5 * n + 0.5);
+        let normals = ColorPlanes {
+            r: half(&frame.normal.x),
+            g: half(&frame.normal.y),
+            b: half(&frame.normal.z),
+        };
+        Some(Pixels::of(&Picture {
+            color: &normals,
+            alpha: None,
+            grey: false,
+            bits: 8,
+            transform: ViewTransform::None,
+        }))
+    }
+
+    fn shown(&self, color: &ColorPlanes, output: &OutputArgs) -> Pixels {
+        let sitter = self.sitter.as_ref().expect(IN_HAND);
+        let turned = output.turned(sitter.loaded(), color);
+        let color = turned.as_ref().unwrap_or(color);
+        let alpha = self.frame().and_then(|frame| frame.alpha.as_ref());
+        Pixels::of(&output.picture(color, alpha, 8))
+    }
+
+    /// Reads what the command takes, unless it is in hand.
+    fn read(&mut self, command: &Command, recipe: &RecipeText, reading: &Reading) -> Result<()> {
+        let told = Told::default();
+        let work = work_of(command);
+        work.shape.params().validate()?;
+        work.shape.refuse_more_scales()?;
+        let job = match reading.frame {
+            Some(frame) => Job::to_choose(work.of_frame(frame), frame, &told, recipe),
+            None => Job::new(work.clone(), &told, recipe),
+        };
+        let source = self.source(command, &job)?;
+        if self.sitter.as_ref().is_some_and(|s| s.source == source) {
+            return Ok(());
+        }
+        refuse_too_large(&job)?;
+        // The last frame goes before the next one comes.
+        self.sitter = None;
+        let mut loaded = io::load(&source.inputs, source.needs)?;
+        let scene = match (&source.specular, command) {
+            (Some((inputs, _)), Command::Relight(args)) => {
+                let scene = relight::specular_scene(inputs, &args.params(), &mut loaded)?;
+                Some(scene)
+            }
+            (Some((inputs, _)), _) => {
+                let mut scene = load_specular(inputs, &loaded, None)?;
+                scene.fill_from_behind(&mut loaded.frame);
+                Some(scene)
+            }
+            (None, _) => None,
+        };
+        let whole = LiveRunner::new(Held::Whole(Box::new(loaded)));
+        self.sitter = Some(Sitter {
+            source,
+            scene,
+            runners: [(1, whole)].into(),
+        });
+        Ok(())
+    }
+
+    fn source(&mut self, command: &Command, job: &Job) -> Result<Source> {
+        let specular = |args: &RelightArgs| {
+            let inputs = args.specular.of_frame(job.frame).inputs();
+            let material = args.params().material.material;
+            (!inputs.is_empty()).then_some((inputs, material))
+        };
+        let ((inputs, needs), specular) = match command {
+            Command::Shape(work) => (work.reading(Goal::Display, job), None),
+            Command::Enhance(args) => (args.reading(job), None),
+            Command::Relight(args) => {
+                let illumination = self.illumination(&args.light)?;
+                let foreshortening = args.work.shape.params().foreshortening;
+                let needs = relight::needs(&args.params(), foreshortening, &illumination);
+                ((args.inputs(job), needs), specular(args))
+            }
+            Command::Hatch(args) => {
+                let illumination = self.illumination(&args.relight.light)?;
+                let reading = args.reading(&args.looks()?, &illumination, job);
+                (reading, specular(&args.relight))
+            }
+            _ => unreachable!("{A_COMMAND}"),
+        };
+        Ok(Source {
+            inputs,
+            needs,
+            specular,
+        })
+    }
+
+    /// All the light that flags tell of; files are read once.
+    fn illumination(&mut self, flags: &LightFlags) -> Result<Illumination> {
+        let files = (
+            flags.environment.clone(),
+            flags.environment_rotate,
+            flags.lit_sphere.clone(),
+        );
+        if self.around.files != files {
+            self.around = Around {
+                environment: relight::environment(flags)?,
+                lit_spheres: relight::lit_spheres(flags)?,
+                files,
+            };
+        }
+        Ok(Illumination {
+            environment: self.around.environment.clone(),
+            lit_spheres: self.around.lit_spheres.clone(),
+            ..relight::lights(flags)?
+        })
+    }
+
+    fn run(&mut self, command: &Command, what: What, step: usize) -> Result<()> {
+        let work = work_of(command);
+        match (command, what) {
+            (_, What::Layers) => self.describe(work, Goal::Layers, step),
+            (_, What::Curvature) | (Command::Shape(_), _) => {
+                self.describe(work, Goal::Display, step)
+            }
+            (Command::Enhance(args), _) => {
+                args.scaling().validate()?;
+                let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
+                let plan = args.plan(live.held().as_ref(), &StripChoice::default())?;
+                live.run(&plan);
+                Ok(())
+            }
+            (Command::Relight(args), _) => self.light(args, step),
+            (Command::Hatch(args), _) => self.draw(args, step),
+            _ => unreachable!("{A_COMMAND}"),
+        }
+    }
+
+    fn describe(&mut self, work: &WorkArgs, goal: Goal, step: usize) -> Result<()> {
+        let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
+        let plan = work.plan(goal, live.held().as_ref(), &StripChoice::default())?;
+        live.run(&plan);
+        Ok(())
+    }
+
+    fn light(&mut self, args: &RelightArgs, step: usize) -> Result<()> {
+        let scaling = args.scaling.params(args.work.shape.curvature_gain);
+        scaling.validate()?;
+        args.params().validate()?;
+        let light = self.illumination(&args.light)?;
+        let kinds = LightKinds::in_light(&light);
+        let sitter = self.sitter.as_mut().expect(IN_HAND);
+        let scene = sitter.scene.take();
+        let live = sitter.runner(step);
+        let found = &StripChoice::default();
+        let plan = args.plan(live.held().as_ref(), kinds, scene.is_some(), found);
+        if let Ok(plan) = &plan {
+            live.relight(plan, &light, scene.as_ref());
+        }
+        sitter.scene = scene;
+        plan.map(|_| ())
+    }
+
+    fn draw(&mut self, args: &HatchArgs, step: usize) -> Result<()> {
+        let looks = args.looks()?;
+        self.read_art_map(args, &looks)?;
+        let light = self.illumination(&args.relight.light)?;
+        let sitter = self.sitter.as_mut().expect(IN_HAND);
+        let scene = sitter.scene.take();
+        let live = sitter.runner(step);
+        let frame = live.held().as_ref();
+        let planned = args.plan(&looks, light, frame, false, scene.is_some());
+        if let Ok((plan, light)) = &planned {
+            let map = args.pictures().and(self.art_map.as_ref());
+            let inputs = DrawingInputs {
+                specular: scene.as_ref(),
+                illumination: Some(light),
+                art_map: map.map(|(_, _, map)| map),
+                sequence: None,
+            };
+            live.draw(plan, inputs);
+        }
+        sitter.scene = scene;
+        planned.map(|_| ())
+    }
+
+    /// Reads the texture of strokes from the folder that is named, unless it is at hand.
+    fn read_art_map(&mut self, args: &HatchArgs, looks: &hatch::Looks) -> Result<()> {
+        let Some(folder) = args.pictures() else {
+            return Ok(());
+        };
+        let scale = looks.line.strokes.scale;
+        let is_known = self.art_map.as_ref();
+        if is_known.is_some_and(|(known, at, _)| known == folder && *at == scale) {
+            return Ok(());
+        }
+        let map = args.art_map(looks)?;
+        self.art_map = map.map(|map| (folder.to_path_buf(), scale, map));
+        Ok(())
+    }
+}
+
+/// What all commands share.
+fn work_of(command: &Command) -> &WorkArgs {
+    match command {
+        Command::Shape(work) => work,
+        Command::Enhance(args) => &args.work,
+        Command::Relight(args) => &args.work,
+        Command::Hatch(args) => &args.relight.work,
+        _ => unreachable!("{A_COMMAND}"),
+    }
+}

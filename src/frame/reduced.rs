@@ -1,0 +1,94 @@
+//! A frame of fewer pixels, for a quick look.
+
+use super::{Camera, ColorPlanes, Frame, Mask, Plane, Projection, Vector3Planes, Window};
+
+impl Frame {
+    /// The frame made of every `step`th pixel of every `step`th row, seen by the same camera. Nothing is filtered: what
+    /// is left keeps its values, and slopes stay slopes.
+    ///
+    /// # Panics
+    /// If `step` is 0.
+    pub fn reduced(&self, step: usize) -> Frame {
+        assert!(step > 0, "a step leads somewhere");
+        let (width, height) = (self.mask.width(), self.mask.height());
+        let size = [width, height].map(|length| length.div_ceil(step));
+        let plane = |plane: &Plane| of_every(plane, step);
+        let colors = |c: &ColorPlanes| ColorPlanes {
+            r: plane(&c.r),
+            g: plane(&c.g),
+            b: plane(&c.b),
+        };
+        let place = |window: Window, size: [usize; 2]| {
+            let first = |from: i32| from.div_euclid(step as i32);
+            Window::at(first(window.x0), first(window.y0), size[0], size[1])
+        };
+        let shown = self.display_window;
+        let shown_size = [shown.width(), shown.height()].map(|length| length.div_ceil(step));
+        Frame {
+            data_window: place(self.data_window, size),
+            display_window: place(shown, shown_size),
+            mask: Mask::new(of_every(self.mask.plane(), step)),
+            normal: Vector3Planes {
+                x: plane(&self.normal.x),
+                y: plane(&self.normal.y),
+                z: plane(&self.normal.z),
+            },
+            normal_length: self.normal_length.as_ref().map(plane),
+            depth: self.depth.as_ref().map(plane),
+            occlusion: self.occlusion.as_ref().map(plane),
+            importance: self.importance.as_ref().map(plane),
+            color: self.color.as_ref().map(colors),
+            albedo: self.albedo.as_ref().map(colors),
+            alpha: self.alpha.as_ref().map(plane),
+            light: self.light.map(plane),
+            camera: self.camera.map(|camera| Camera {
+                projection: reduced(camera.projection, step as f64),
+                ..camera
+            }),
+            source: self.source.clone(),
+            ..*self
+        }
+    }
+}
+
+fn of_every<T: Copy>(plane: &Plane<T>, step: usize) -> Plane<T> {
+    let (width, height) = (plane.width().div_ceil(step), plane.height().div_ceil(step));
+    Plane::from_fn(width, height, |x, y| plane.at(x * step, y * step))
+}
+
+/// The projection onto pixels `step` times as large.
+fn reduced(projection: Projection, step: f64) -> Projection {
+    match projection {
+        Projection::Perspective { fx, fy, cx, cy } => Projection::Perspective {
+            fx: fx / step,
+            fy: fy / step,
+            cx: cx / step,
+            cy: cy / step,
+        },
+        Projection::Orthographic { sx, sy, cx, cy } => Projection::Orthographic {
+            sx: sx / step,
+            sy: sy / step,
+            cx: cx / step,
+            cy: cy / step,
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_third_pixel_is_left() {
+        let normal = Vector3Planes::from_fn(7, 4, |x, y| glam::DVec3::new(x as f64, y as f64, 1.0));
+        let mask = Mask::new(Plane::from_fn(7, 4, |x, _| x != 3));
+        let mut frame = Frame::of_normals(normal, mask);
+        frame.data_window = Window::at(-3, 6, 7, 4);
+        let reduced = frame.reduced(3);
+        assert_eq!(reduced.data_window, Window::at(-1, 2, 3, 2));
+        assert_eq!(reduced.normal.x.samples(), [0.0, 3.0, 6.0, 0.0, 3.0, 6.0]);
+        assert_eq!(reduced.normal.y.row(1), [3.0; 3]);
+        assert_eq!(reduced.mask.row(0), [true, false, true]);
+        assert_eq!(frame.reduced(1).normal, frame.normal);
+    }
+}

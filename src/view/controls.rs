@@ -1,0 +1,431 @@
+//! Controls of all settings of a command, made from the tables of its flags.
+
+use super::ball::ball;
+use super::lights::Light;
+use crate::cli::look::{Kind, Look, Range, Setting};
+use crate::params::MAX_LIGHTS;
+use eframe::egui::{
+    self, Align, CollapsingHeader, ComboBox, Layout, Response, RichText, Slider, SliderClamping,
+    TextEdit, Ui,
+};
+use std::collections::BTreeMap;
+
+/// The setting that has a ball of its own.
+const LIGHT: &str = "light";
+
+/// Families that are of no use at first: they stand at the end.
+const LAST: [&str; 3] = ["Mirrors and lenses", "Inputs", "Output"];
+
+/// Families that are open at first.
+const OPEN: [&str; 4] = ["Light", "Light warping", "Radiance scaling", "Shape"];
+
+/// The controls of one command.
+pub(super) struct Controls {
+    command: String,
+    families: Vec<(String, Vec<Setting>)>,
+    /// Texts that are being typed.
+    typed: BTreeMap<String, String>,
+    sought: String,
+}
+
+/// What became of the look.
+#[derive(Debug, Default)]
+pub(super) struct Changes {
+    /// The setting that was changed.
+    pub(super) changed: Option<String>,
+}
+
+impl Controls {
+    pub(super) fn new() -> Self {
+        Self {
+            command: String::new(),
+            families: Vec::new(),
+            typed: BTreeMap::new(),
+            sought: String::new(),
+        }
+    }
+
+    /// Shows the controls of `look`. `chosen` are numbers that were chosen automatically.
+    pub(super) fn show(
+        &mut self,
+        ui: &mut Ui,
+        look: &mut Look,
+        chosen: &[(String, String)],
+    ) -> Changes {
+        if self.command != look.command() {
+            self.command = look.command().into();
+            self.families = families(&self.command);
+            self.typed.clear();
+        }
+        let mut changes = Changes::default();
+        let families = std::mem::take(&mut self.families);
+        let has_lights = families
+            .iter()
+            .flat_map(|(_, all)| all)
+            .any(|s| s.name == LIGHT);
+        if has_lights && lights(ui, look) {
+            changes.changed = Some(LIGHT.into());
+        }
+        ui.horizontal(|ui| {
+            let hint = "Find a setting";
+            let edit = TextEdit::singleline(&mut self.sought).hint_text(hint);
+            ui.add(edit.desired_width(ui.available_width() - 8.0))
+                .on_hover_text(hint);
+        });
+        for (family, settings) in &families {
+            let matches = |s: &&Setting| is_sought(s, &self.sought);
+            let shown = settings.iter().filter(|s| s.name != LIGHT).filter(matches);
+            let shown: Vec<&Setting> = shown.collect();
+            if shown.is_empty() {
+                continue;
+            }
+            let is_open = (!self.sought.is_empty()).then_some(true);
+            CollapsingHeader::new(RichText::new(family).strong())
+                .default_open(OPEN.contains(&family.as_str()))
+                .open(is_open)
+                .show(ui, |ui| {
+                    for setting in shown {
+                        let chosen = chosen.iter().find(|(name, _)| *name == setting.name);
+                        let chosen = chosen.map(|(_, value)| value.as_str());
+                        if self.control(ui, look, setting, chosen) {
+                            changes.changed = Some(setting.name.clone());
+                        }
+                    }
+                });
+        }
+        self.families = families;
+        changes
+    }
+
+    /// One control; whether it was changed.
+    fn control(
+        &mut self,
+        ui: &mut Ui,
+        look: &mut Look,
+        setting: &Setting,
+        chosen: Option<&str>,
+    ) -> bool {
+        let before = look.values(&setting.name).to_vec();
+        let value = look.value(&setting.name).map(String::from);
+        let current = value.clone().or_else(|| setting.default.clone());
+        ui.horizontal(|ui| {
+            let label = RichText::new(setting.name.replace('-', " "));
+            let label = match before.is_empty() {
+                true => label,
+                false => label.color(ui.visuals().strong_text_color()),
+            };
+            let width = 118.0;
+            let at = ui.cursor().min;
+            let size = egui::vec2(width, ui.spacing().interact_size.y);
+            let place = egui::Rect::from_min_size(at, size);
+            let label = ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
+                ui.add(egui::Label::new(label).truncate())
+            });
+            ui.advance_cursor_after_rect(place);
+            let label = label.inner.on_hover_text(help_of(setting));
+            let made = match &setting.kind {
+                Kind::Switch => {
+                    let mut is_on = value.is_some();
+                    let switch = ui.checkbox(&mut is_on, "");
+                    if switch.changed() {
+                        look.set(&setting.name, is_on.then(|| "true".into()));
+                    }
+                    switch
+                }
+                Kind::Choice(words) => choice(ui, look, setting, words, current.as_deref()),
+                Kind::Number {
+                    range,
+                    is_whole,
+                    word,
+                } => number(
+                    ui,
+                    look,
+                    setting,
+                    (range, *is_whole, word.as_deref()),
+                    current.as_deref(),
+                    chosen,
+                ),
+                Kind::Text {
+                    form,
+                    is_repeatable,
+                } => self.text(ui, look, setting, form, *is_repeatable),
+            };
+            made.labelled_by(label.id).on_hover_text(help_of(setting));
+            if !look.values(&setting.name).is_empty() {
+                let reset = ui.small_button("reset");
+                let name = format!("reset {}", setting.name.replace('-', " "));
+                named_button(&reset, &name);
+                let told = match &setting.default {
+                    Some(default) => format!("back to {default}"),
+                    None => "back to none".into(),
+                };
+                if reset.on_hover_text(told).clicked() {
+                    look.set(&setting.name, None);
+                    self.typed.remove(&setting.name);
+                }
+            }
+        });
+        look.values(&setting.name) != before
+    }
+
+    /// A text that is taken when it has been typed.
+    fn text(
+        &mut self,
+        ui: &mut Ui,
+        look: &mut Look,
+        setting: &Setting,
+        form: &str,
+        is_repeatable: bool,
+    ) -> Response {
+        let values = look.values(&setting.name);
+        let current = match values {
+            [] => setting.default.clone().unwrap_or_default(),
+            values => values.join("; "),
+        };
+        let mut text = self
+            .typed
+            .get(&setting.name)
+            .cloned()
+            .unwrap_or(current.clone());
+        let width = (ui.available_width() - 50.0).max(60.0);
+        let edit = TextEdit::singleline(&mut text)
+            .hint_text(form)
+            .desired_width(width);
+        let edit = ui.add(edit);
+        if edit.changed() {
+            self.typed.insert(setting.name.clone(), text.clone());
+        }
+        if edit.lost_focus() {
+            self.typed.remove(&setting.name);
+            let text = text.trim();
+            if text != current {
+                let values: Vec<String> = match is_repeatable {
+                    true => text.split(';').map(|v| v.trim().to_string()).collect(),
+                    false => vec![text.into()],
+                };
+                let is_default = setting.default.as_deref() == Some(text);
+                let values = values.into_iter().filter(|v| !v.is_empty() && !is_default);
+                look.set_all(&setting.name, values.collect());
+            }
+        }
+        edit
+    }
+}
+
+/// The settings of a command by their families, those that are wanted first at the beginning.
+fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
+    let mut families: Vec<(String, Vec<Setting>)> = Vec::new();
+    for setting in crate::cli::look::settings_of(command) {
+        match families
+            .iter_mut()
+            .find(|(name, _)| *name == setting.family)
+        {
+            Some((_, settings)) => settings.push(setting),
+            None => families.push((setting.family.clone(), vec![setting])),
+        }
+    }
+    let rank = |name: &str| {
+        let last = LAST.iter().position(|last| *last == name);
+        let first = OPEN.iter().position(|open| *open == name);
+        match (first, last) {
+            (Some(first), _) => first,
+            (_, Some(last)) => 200 + last,
+            _ => 100,
+        }
+    };
+    families.retain(|(name, _)| !name.is_empty() && name != "Run" && name != "Sequence");
+    families.sort_by_key(|(name, _)| rank(name));
+    for (_, settings) in &mut families {
+        // What is typed stands behind what is chosen.
+        settings.sort_by_key(|setting| matches!(setting.kind, Kind::Text { .. }));
+    }
+    families
+}
+
+fn is_sought(setting: &Setting, sought: &str) -> bool {
+    let sought = sought.trim().to_lowercase();
+    let words = || sought.split_whitespace();
+    let text = format!("{} {}", setting.name.replace('-', " "), setting.help).to_lowercase();
+    words().all(|word| text.contains(word))
+}
+
+fn help_of(setting: &Setting) -> String {
+    let default = match &setting.default {
+        Some(default) => format!("\nDefault: {default}"),
+        None => String::new(),
+    };
+    format!("{}\n--{}{default}", setting.help, setting.name)
+}
+
+fn choice(
+    ui: &mut Ui,
+    look: &mut Look,
+    setting: &Setting,
+    words: &[String],
+    current: Option<&str>,
+) -> Response {
+    let shown = current.unwrap_or("-");
+    let combo = ComboBox::from_id_salt(&setting.name)
+        .selected_text(shown)
+        .show_ui(ui, |ui| {
+            for word in words {
+                let is_current = current == Some(word.as_str());
+                if ui.selectable_label(is_current, word).clicked() {
+                    let is_default = setting.default.as_ref() == Some(word);
+                    look.set(&setting.name, (!is_default).then(|| word.clone()));
+                }
+            }
+        });
+    combo.response
+}
+
+/// A slider; before it a check box where a word, or nothing, may stand in place of a number.
+fn number(
+    ui: &mut Ui,
+    look: &mut Look,
+    setting: &Setting,
+    (range, is_whole, word): (&Range, bool, Option<&str>),
+    current: Option<&str>,
+    chosen: Option<&str>,
+) -> Response {
+    let given: Option<f64> = current.and_then(|text| text.split(',').next()?.parse().ok());
+    let middle = match range.is_logarithmic {
+        true => (range.from * range.to).sqrt(),
+        false => 0.5 * (range.from + range.to),
+    };
+    let stand_in = || chosen.and_then(|text| text.parse().ok()).unwrap_or(middle);
+    let may_be_absent = word.is_some() || setting.default.is_none();
+    let text_of = |value: f64| match is_whole {
+        true => (value.round() as i64).to_string(),
+        // As many digits as the slider shows, and none that only a double has.
+        false => (value as f32).to_string(),
+    };
+    let set = |look: &mut Look, text: String| {
+        let is_default = setting.default.as_ref() == Some(&text);
+        look.set(&setting.name, (!is_default).then_some(text));
+    };
+    if may_be_absent {
+        let mut is_absent = given.is_none();
+        let name = word.unwrap_or("none");
+        let check = ui.checkbox(&mut is_absent, name);
+        let about = format!("{} {name}", setting.name.replace('-', " "));
+        check.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_absent, &about)
+        });
+        if check.changed() {
+            match (is_absent, word) {
+                (true, Some(word)) => set(look, word.into()),
+                (true, None) => look.set(&setting.name, None),
+                (false, _) => set(look, text_of(stand_in())),
+            }
+        }
+        if given.is_none() {
+            let text = chosen.map(|text| match text.parse::<f32>() {
+                Ok(number) => format!("{number:.3}"),
+                Err(_) => text.into(),
+            });
+            return ui.weak(text.unwrap_or_default());
+        }
+    }
+    let mut value = given.unwrap_or(middle);
+    let shown = value;
+    // Beside it stand its value and the button that resets it.
+    ui.spacing_mut().slider_width = (ui.available_width() - 112.0).clamp(40.0, 240.0);
+    let slider = Slider::new(&mut value, range.from..=range.to)
+        .logarithmic(range.is_logarithmic)
+        .clamping(SliderClamping::Never)
+        .suffix(setting.unit)
+        .max_decimals(if is_whole { 0 } else { 4 });
+    let slider = match is_whole {
+        true => slider.step_by(1.0),
+        false => slider,
+    };
+    let slider = ui.add(slider);
+    if slider.changed() && value != shown {
+        set(look, text_of(value));
+    }
+    slider
+}
+
+/// The ball, and each light in numbers; whether any was changed.
+fn lights(ui: &mut Ui, look: &mut Look) -> bool {
+    let before = look.values(LIGHT).to_vec();
+    let mut lights: Vec<Light> = before
+        .iter()
+        .filter_map(|text| Light::parse(text))
+        .collect();
+    let is_whole = lights.len() == before.len();
+    let mut removed = None;
+    ui.vertical_centered(|ui| ball(ui, &mut lights));
+    for (index, light) in lights.iter_mut().enumerate() {
+        ui.horizontal(|ui| {
+            let number = index + 1;
+            let azimuth = ui.add(degrees(&mut light.azimuth).range(-180.0..=360.0));
+            named_number(&azimuth, &format!("light {number} azimuth"), light.azimuth);
+            azimuth.on_hover_text("Azimuth: counterclockwise from the right");
+            let elevation = ui.add(degrees(&mut light.elevation).range(-90.0..=90.0));
+            named_number(
+                &elevation,
+                &format!("light {number} elevation"),
+                light.elevation,
+            );
+            elevation.on_hover_text("Elevation: from the picture toward the viewer");
+            let mut color = light.color.unwrap_or([1.0; 3]);
+            let edit = ui.color_edit_button_rgb(&mut color);
+            named_button(&edit, &format!("light {number} colour"));
+            if edit.changed() {
+                light.color = (color != [1.0; 3]).then_some(color);
+            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let remove = ui.small_button("\u{d7}");
+                named_button(&remove, &format!("remove light {number}"));
+                if remove.on_hover_text("Remove this light").clicked() {
+                    removed = Some(index);
+                }
+            });
+        });
+    }
+    if let Some(index) = removed {
+        lights.remove(index);
+    }
+    if lights.len() < MAX_LIGHTS as usize && ui.small_button("Add a light").clicked() {
+        let last = lights.last().copied().or_else(|| {
+            let lamp = Look::default();
+            Light::parse(lamp.value(LIGHT)?)
+        });
+        lights.extend(last.map(|light| Light {
+            azimuth: if lights.is_empty() {
+                light.azimuth
+            } else {
+                light.azimuth - 90.0
+            },
+            ..light
+        }));
+    }
+    ui.separator();
+    let after: Vec<String> = lights.iter().map(Light::to_string).collect();
+    let is_changed = is_whole && after != before;
+    if is_changed {
+        look.set_all(LIGHT, after);
+    }
+    is_changed
+}
+
+fn degrees(value: &mut f32) -> egui::DragValue<'_> {
+    egui::DragValue::new(value).suffix("\u{b0}").max_decimals(1)
+}
+
+/// Gives a button the name it is read out by.
+fn named_button(response: &Response, name: &str) {
+    let info = || egui::WidgetInfo::labeled(egui::Role::Button, true, name);
+    response.widget_info(info);
+}
+
+fn named_number(response: &Response, name: &str, value: f32) {
+    let info = || {
+        let mut info = egui::WidgetInfo::drag_value(true, f64::from(value));
+        info.label = Some(name.into());
+        info
+    };
+    response.widget_info(info);
+}

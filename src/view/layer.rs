@@ -1,0 +1,131 @@
+//! What is shown of a frame.
+
+use super::flow;
+use crate::backend::cpu::Outcome;
+use crate::cli::look::{Pixels, Said, What};
+use crate::frame::{ColorPlanes, Frame, Plane, REC709_LUMINANCE};
+use crate::io::picture::{Picture, ViewTransform};
+
+/// A layer to be looked at.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) enum Layer {
+    /// What the command makes.
+    #[default]
+    Picture,
+    /// The coloured curvature display.
+    Curvature,
+    /// Silhouette weights.
+    Silhouette,
+    /// Crease weights.
+    Crease,
+    /// Conductance.
+    Conductance,
+    /// Directions of curvature, as a texture smeared along them.
+    Flow,
+    /// The same as strokes, over the curvature.
+    Arrows,
+    /// Luminance of what the command makes, or draws.
+    Tone,
+}
+
+impl Layer {
+    pub(super) const ALL: [Self; 8] = [
+        Self::Picture,
+        Self::Curvature,
+        Self::Silhouette,
+        Self::Crease,
+        Self::Conductance,
+        Self::Flow,
+        Self::Arrows,
+        Self::Tone,
+    ];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "Picture",
+            Self::Curvature => "Curvature",
+            Self::Silhouette => "Silhouette",
+            Self::Crease => "Crease",
+            Self::Conductance => "Conductance",
+            Self::Flow => "Directions, flow",
+            Self::Arrows => "Directions, strokes",
+            Self::Tone => "Tone",
+        }
+    }
+
+    pub(super) fn help(self) -> &'static str {
+        match self {
+            Self::Picture => "what the command makes",
+            Self::Curvature => "convex blue, concave red, edges black",
+            Self::Silhouette => "weights where depth jumps: 1 is white",
+            Self::Crease => "weights where the surface bends sharply: 1 is white",
+            Self::Conductance => "what both leave for slopes to spread: 0, an edge, is black",
+            Self::Flow => "a texture smeared along the larger curvature",
+            Self::Arrows => "strokes along the larger curvature",
+            Self::Tone => "luminance of the picture, and of what is drawn",
+        }
+    }
+
+    /// What has to be made for it.
+    pub(super) fn made_of(self) -> What {
+        match self {
+            Self::Picture | Self::Tone => What::Picture,
+            Self::Curvature => What::Curvature,
+            _ => What::Layers,
+        }
+    }
+}
+
+/// A layer other than a picture, as grey pixels.
+///
+/// # Errors
+/// What is missing.
+pub(super) fn pixels(layer: Layer, frame: &Frame, outcome: &Outcome) -> Result<Pixels, Said> {
+    let shape = &outcome.shape;
+    let weight = |plane: &Option<Plane>| plane.as_ref().map(|plane| grey(plane, false));
+    let made = match layer {
+        Layer::Silhouette => weight(&shape.silhouette),
+        Layer::Crease => weight(&shape.crease),
+        Layer::Conductance => weight(&shape.conductance),
+        Layer::Flow => shape
+            .direction
+            .as_ref()
+            .map(|direction| grey(&flow::along(direction, &frame.mask), false)),
+        Layer::Arrows => shape.conductance.as_ref().map(|plane| {
+            // Pale, so that strokes stand out.
+            grey(&plane.map(|c| 0.7 + 0.25 * c), false)
+        }),
+        Layer::Tone => {
+            let color = outcome.color.as_ref().or(frame.color.as_ref());
+            color.map(|color| grey(&luminance(color, frame), true))
+        }
+        Layer::Picture | Layer::Curvature => None,
+    };
+    made.ok_or_else(|| format!("{} is not there to be shown", layer.name()))
+}
+
+fn luminance(color: &ColorPlanes, frame: &Frame) -> Plane {
+    let [r, g, b] = frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE);
+    let samples = color.r.samples().iter().zip(color.g.samples());
+    let samples = samples.zip(color.b.samples());
+    let luminance = samples.map(|((&red, &green), &blue)| r * red + g * green + b * blue);
+    Plane::from_samples(color.r.width(), color.r.height(), luminance.collect())
+}
+
+fn grey(plane: &Plane, is_linear: bool) -> Pixels {
+    let color = ColorPlanes {
+        r: plane.clone(),
+        g: plane.clone(),
+        b: plane.clone(),
+    };
+    Pixels::of(&Picture {
+        color: &color,
+        alpha: None,
+        grey: true,
+        bits: 8,
+        transform: match is_linear {
+            true => ViewTransform::Srgb,
+            false => ViewTransform::None,
+        },
+    })
+}

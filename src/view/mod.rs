@@ -1,0 +1,59 @@
+//! The window of `relievo view`: a look is tuned on a picture and saved as a recipe.
+//!
+//! What is shown is made by the functions of the command line from the arguments that it would parse; controls come
+//! from the tables of its flags. All work is done by a thread of its own, which keeps what the next picture can use
+//! ([`LiveRunner`](crate::backend::cpu::LiveRunner)); the window only asks and shows.
+
+mod app;
+mod arrows;
+mod ball;
+mod canvas;
+mod controls;
+mod files;
+mod flow;
+mod history;
+mod layer;
+mod lights;
+mod overlay;
+mod probe;
+mod sequence;
+mod shortcuts;
+mod texture;
+mod toolbar;
+mod worker;
+
+pub use app::View;
+
+use crate::cli::look::Opening;
+use crate::error::{Error, Result};
+
+/// Opens a window, and returns when it is closed.
+///
+/// # Errors
+/// [`Error::Window`] where none can be opened.
+pub(crate) fn open(opening: Opening) -> Result<()> {
+    let viewport = eframe::egui::ViewportBuilder::default()
+        .with_title("relievo")
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([640.0, 400.0])
+        .with_drag_and_drop(true);
+    let options = eframe::NativeOptions {
+        viewport,
+        ..eframe::NativeOptions::default()
+    };
+    let create: eframe::AppCreator = Box::new(|context| {
+        let view = View::of(opening, &context.egui_ctx);
+        Ok(Box::new(view))
+    });
+    eframe::run_native("relievo", options, create).map_err(|error| Error::Window {
+        found: format!("no window can be opened ({error})").replace('\n', " "),
+        remedy: "it takes a display and Vulkan, Metal, DX12 or GLES (Debian: libvulkan1 mesa-vulkan-drivers)"
+            .into(),
+    })
+}
+
+impl eframe::App for View {
+    fn ui(&mut self, ui: &mut eframe::egui::Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+}

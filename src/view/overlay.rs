@@ -1,0 +1,54 @@
+//! What lies over the picture: values under the pointer, a word to those who have no picture yet.
+
+use super::probe::Value;
+use eframe::egui::{Align2, Color32, CornerRadius, FontId, Rect, RichText, Ui, Vec2, pos2, vec2};
+
+/// The values at a pixel, in the lower left corner of `area`.
+pub(super) fn values(ui: &Ui, area: Rect, pixel: [usize; 2], values: &[Value]) {
+    let lines = lines_of(pixel, values);
+    let font = FontId::monospace(12.0);
+    let painter = ui.painter_at(area);
+    let color = Color32::from_gray(235);
+    let text = painter.layout_no_wrap(lines.join("\n"), font, color);
+    let margin = Vec2::splat(8.0);
+    let size = text.size() + 2.0 * margin;
+    let corner = pos2(area.left() + 10.0, area.bottom() - 10.0 - size.y);
+    let rect = Rect::from_min_size(corner, size);
+    painter.rect_filled(rect, CornerRadius::same(4), Color32::from_black_alpha(190));
+    painter.galley(corner + margin, text, color);
+}
+
+/// The same as lines of text.
+pub(super) fn lines_of([x, y]: [usize; 2], values: &[Value]) -> Vec<String> {
+    let position = format!("{:<20} {x}, {y}", "pixel");
+    let lines = values.iter().map(|Value { name, numbers }| {
+        let numbers: Vec<_> = numbers.iter().map(|n| format!("{n:9.4}")).collect();
+        format!("{name:<20}{}", numbers.join(" "))
+    });
+    std::iter::once(position).chain(lines).collect()
+}
+
+/// What to do first.
+pub(super) fn welcome(ui: &mut Ui) {
+    ui.centered_and_justified(|ui| {
+        ui.label(
+            RichText::new("Drop a render with normals (EXR) here, or open one with Ctrl+O.\n\nA photo goes with its normals: relievo view photo.jpg --normal normals.png")
+                .size(16.0)
+                .weak(),
+        );
+    });
+}
+
+/// A sign that something is being made.
+pub(super) fn busy(ui: &Ui, area: Rect) {
+    let painter = ui.painter_at(area);
+    let at = area.right_top() + vec2(-12.0, 10.0);
+    let font = FontId::proportional(13.0);
+    painter.text(
+        at,
+        Align2::RIGHT_TOP,
+        "\u{2026}",
+        font,
+        Color32::from_gray(200),
+    );
+}

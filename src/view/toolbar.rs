@@ -1,0 +1,157 @@
+//! The bars above and below the picture.
+
+use super::app::View;
+use super::layer::Layer;
+use super::shortcuts::{Action, keys_of};
+use crate::cli::look::Look;
+use eframe::egui::{self, Align, Button, ComboBox, Layout, Response, RichText, Slider, Ui};
+
+impl View {
+    /// Files, what is made, what is shown.
+    pub(super) fn toolbar(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            let has_picture = self.input().is_some();
+            let mut asked = None;
+            let mut button =
+                |ui: &mut Ui, enabled: bool, text: &str, hint: &str, action: Action| {
+                    let keys = keys_of(ui.ctx(), action);
+                    let made = ui.add_enabled(enabled, Button::new(text));
+                    if made.on_hover_text(format!("{hint}  {keys}")).clicked() {
+                        asked = Some(action);
+                    }
+                };
+            button(ui, true, "Open", "A picture or a recipe", Action::Open);
+            let recipe = "The settings, for relievo run";
+            button(ui, has_picture, "Save recipe", recipe, Action::SaveRecipe);
+            let picture = "The picture, as the command line writes it";
+            button(
+                ui,
+                has_picture,
+                "Save picture",
+                picture,
+                Action::SavePicture,
+            );
+            let copy = "The command line that makes the same";
+            button(ui, has_picture, "Copy command", copy, Action::CopyCommand);
+            ui.separator();
+            button(
+                ui,
+                self.history.can_undo(),
+                "Undo",
+                "The last change",
+                Action::Undo,
+            );
+            button(
+                ui,
+                self.history.can_redo(),
+                "Redo",
+                "What was undone",
+                Action::Redo,
+            );
+            ui.separator();
+            for &command in Look::commands() {
+                let is_current = self.look.command() == command;
+                let text = capitalised(command);
+                if ui.selectable_label(is_current, text).clicked() && !is_current {
+                    self.look.set_command(command);
+                }
+            }
+            ui.separator();
+            self.layer_picker(ui);
+            let compare = ui.selectable_label(self.is_split, "Compare");
+            if hinted(
+                compare,
+                ui,
+                "Left of the divider: without its shape brought out",
+                Action::Split,
+            ) {
+                asked = Some(Action::Split);
+            }
+            let probe = ui.selectable_label(self.is_probing, "Probe");
+            if hinted(probe, ui, "Values under the pointer", Action::Probe) {
+                asked = Some(Action::Probe);
+            }
+            let help = ui.selectable_label(self.is_helping, "Keys");
+            if hinted(help, ui, "Keys and mouse", Action::Help) {
+                asked = Some(Action::Help);
+            }
+            if let Some(action) = asked {
+                self.act(ui.ctx(), action);
+            }
+        });
+    }
+
+    fn layer_picker(&mut self, ui: &mut Ui) {
+        let picker = ComboBox::from_id_salt("layer")
+            .width(132.0)
+            .selected_text(self.layer.name())
+            .show_ui(ui, |ui| {
+                for layer in Layer::ALL {
+                    let label = ui.selectable_label(self.layer == layer, layer.name());
+                    if label.on_hover_text(layer.help()).clicked() {
+                        self.layer = layer;
+                    }
+                }
+            });
+        picker.response.on_hover_text("Layer");
+    }
+
+    /// What went wrong, or what is shown; and the frames of a sequence.
+    pub(super) fn status(&mut self, ui: &mut Ui) {
+        if let Some(frames) = self.frames.clone().filter(|frames| frames.len() > 1) {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().slider_width = (ui.available_width() - 120.0).max(60.0);
+                let label = ui.label("Frame");
+                let last = frames.len() - 1;
+                let slider = Slider::new(&mut self.frame_index, 0..=last).show_value(false);
+                ui.add(slider).labelled_by(label.id);
+                ui.monospace(frames[self.frame_index.min(last)].to_string());
+            });
+        }
+        ui.horizontal(|ui| {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if let Some(shown) = &self.shown {
+                    let [width, height] = shown.size;
+                    let zoom = 100.0 * self.zoom * ui.ctx().pixels_per_point();
+                    let quick = match shown.step {
+                        1 => String::new(),
+                        step => format!(", every {step}th pixel"),
+                    };
+                    let took = 1e3 * shown.took.as_secs_f64();
+                    ui.weak(format!(
+                        "{width} x {height}   {zoom:.0} %   {took:.0} ms{quick}"
+                    ));
+                    if !shown.warnings.is_empty() {
+                        let count = shown.warnings.len();
+                        let text = RichText::new(format!("{count} to know"));
+                        let text = text.color(ui.visuals().warn_fg_color);
+                        ui.label(text).on_hover_text(shown.warnings.join("\n"));
+                    }
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    let (text, is_error) = match &self.said {
+                        Some(said) => (said.text.clone(), said.is_error),
+                        None => (self.about(), false),
+                    };
+                    let text = RichText::new(text);
+                    let text = match is_error {
+                        true => text.color(ui.visuals().error_fg_color),
+                        false => text,
+                    };
+                    ui.add(egui::Label::new(text).truncate());
+                });
+            });
+        });
+    }
+}
+
+fn hinted(response: Response, ui: &Ui, hint: &str, action: Action) -> bool {
+    let keys = keys_of(ui.ctx(), action);
+    response.on_hover_text(format!("{hint}  {keys}")).clicked()
+}
+
+fn capitalised(word: &str) -> String {
+    let mut letters = word.chars();
+    let first = letters.next().map(|c| c.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
+}

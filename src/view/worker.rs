@@ -1,0 +1,312 @@
+//! The thread that reads, computes and writes: the window only asks it, and looks at what it has made.
+
+use super::arrows::{Arrow, arrows};
+use super::layer::{self, Layer};
+use super::probe::{self, Value};
+use crate::cli::look::{Look, Pixels, Reading, Said, Studio, What};
+use crate::io::output::write_atomically;
+use std::collections::{BTreeMap, VecDeque};
+use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long a change may take to be seen, in seconds; a quick look is taken at pixels so far apart that it does not.
+const SOON: f64 = 0.04;
+
+/// The steps between pixels of quick looks.
+const STEPS: [usize; 3] = [1, 2, 4];
+
+/// A picture that is wanted.
+#[derive(Debug, Clone)]
+pub(super) struct Order {
+    pub(super) number: u64,
+    pub(super) look: Look,
+    pub(super) reading: Reading,
+    pub(super) layer: Layer,
+    /// Whether what it is compared with is wanted too: the same new light with no shape brought out, or the picture as it
+    /// came.
+    pub(super) before: bool,
+    /// The setting that is being changed, by which it is known how long it will take.
+    pub(super) changed: Option<String>,
+    /// Whether it is still being changed: a quick look will do.
+    pub(super) is_quick: bool,
+}
+
+/// A file that is wanted.
+#[derive(Debug, Clone)]
+pub(super) enum Save {
+    Recipe,
+    Picture,
+}
+
+/// What was made of an order.
+#[derive(Debug)]
+pub(super) struct Shown {
+    pub(super) number: u64,
+    /// Pixels between those that were looked at; 1 for all of them.
+    pub(super) step: usize,
+    /// Width and height of the whole picture, and how wide a pixel is for its height.
+    pub(super) size: [usize; 2],
+    pub(super) pixel_aspect: f32,
+    pub(super) pixels: Arc<Pixels>,
+    pub(super) before: Option<Arc<Pixels>>,
+    pub(super) arrows: Vec<Arrow>,
+    /// What was chosen automatically, by the names of the settings.
+    pub(super) chosen: Vec<(String, String)>,
+    pub(super) warnings: Vec<String>,
+    pub(super) took: Duration,
+    pub(super) counts: BTreeMap<&'static str, u32>,
+}
+
+/// What the thread has to say.
+#[derive(Debug)]
+pub(super) enum Reply {
+    Shown(Box<Shown>),
+    /// The order could not be met.
+    Failed(u64, Said),
+    /// The values at a pixel.
+    Probed([usize; 2], Vec<Value>),
+    /// What became of a file.
+    Saved(Result<PathBuf, Said>),
+}
+
+#[derive(Default)]
+struct Inbox {
+    /// Only the last picture that was asked for is made, and only the last pixel looked at.
+    order: Option<Order>,
+    probe: Option<[usize; 2]>,
+    saves: VecDeque<(Save, Look, Reading, PathBuf)>,
+    has_ended: bool,
+}
+
+#[derive(Default)]
+struct Shared {
+    inbox: Mutex<Inbox>,
+    changed: Condvar,
+}
+
+impl Shared {
+    fn inbox(&self) -> MutexGuard<'_, Inbox> {
+        self.inbox.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The thread, from the side of the window.
+pub(super) struct Worker {
+    shared: Arc<Shared>,
+    replies: Receiver<Reply>,
+}
+
+impl Worker {
+    /// Starts the thread; it calls `wake` after each reply.
+    pub(super) fn start(wake: impl Fn() + Send + 'static) -> Self {
+        let shared = Arc::new(Shared::default());
+        let (sender, replies) = channel();
+        let theirs = shared.clone();
+        std::thread::spawn(move || {
+            let bench = Bench {
+                studio: Studio::default(),
+                times: BTreeMap::new(),
+                replies: sender,
+            };
+            bench.work(&theirs, wake);
+        });
+        Self { shared, replies }
+    }
+
+    pub(super) fn order(&self, order: Order) {
+        self.shared.inbox().order = Some(order);
+        self.shared.changed.notify_one();
+    }
+
+    pub(super) fn probe(&self, pixel: [usize; 2]) {
+        self.shared.inbox().probe = Some(pixel);
+        self.shared.changed.notify_one();
+    }
+
+    pub(super) fn save(&self, save: Save, look: Look, reading: Reading, path: PathBuf) {
+        let saves = &mut self.shared.inbox().saves;
+        saves.push_back((save, look, reading, path));
+        self.shared.changed.notify_one();
+    }
+
+    pub(super) fn replies(&self) -> impl Iterator<Item = Reply> + '_ {
+        self.replies.try_iter()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.shared.inbox().has_ended = true;
+        self.shared.changed.notify_one();
+    }
+}
+
+/// The thread, from its own side.
+struct Bench {
+    studio: Studio,
+    /// How long whole pictures took, in seconds, by the setting that was changed.
+    times: BTreeMap<Option<String>, f64>,
+    replies: Sender<Reply>,
+}
+
+enum Task {
+    Show(Order),
+    Probe([usize; 2]),
+    Save(Save, Look, Reading, PathBuf),
+}
+
+impl Bench {
+    fn work(mut self, shared: &Shared, wake: impl Fn()) {
+        while let Some(task) = next(shared) {
+            let tried = catch_unwind(AssertUnwindSafe(|| self.reply(&task)));
+            let reply = tried.unwrap_or_else(|_| {
+                // Whatever it had in hand may be half made.
+                self.studio = Studio::default();
+                let said = "this is a mistake of relievo's own, told on stderr; please report it";
+                match &task {
+                    Task::Show(order) => Some(Reply::Failed(order.number, said.into())),
+                    Task::Save(..) => Some(Reply::Saved(Err(said.into()))),
+                    Task::Probe(_) => None,
+                }
+            });
+            if let Some(reply) = reply {
+                if self.replies.send(reply).is_err() {
+                    return;
+                }
+                wake();
+            }
+        }
+    }
+
+    fn reply(&mut self, task: &Task) -> Option<Reply> {
+        match task {
+            Task::Show(order) => Some(match self.show(order) {
+                Ok(shown) => Reply::Shown(Box::new(shown)),
+                Err(said) => Reply::Failed(order.number, said),
+            }),
+            Task::Probe(pixel) => {
+                let (frame, outcome) = (self.studio.frame()?, self.studio.outcome()?);
+                let seen = pixel.map(|place| place / self.studio.step());
+                let values = probe::values(frame, outcome, seen);
+                Some(Reply::Probed(*pixel, values))
+            }
+            Task::Save(save, look, reading, path) => {
+                let saved = match save {
+                    Save::Recipe => self.save_recipe(look, reading, path),
+                    Save::Picture => save_picture(look, reading, path),
+                };
+                Some(Reply::Saved(saved.map(|()| path.clone())))
+            }
+        }
+    }
+
+    fn show(&mut self, order: &Order) -> Result<Shown, Said> {
+        let start = Instant::now();
+        let step = self.step(order);
+        let Order {
+            look,
+            reading,
+            layer,
+            ..
+        } = order;
+        let is_compared = order.before && *layer == Layer::Picture;
+        let mut before = None;
+        if let Some(plain) = look.unaltered().filter(|_| is_compared) {
+            self.studio.make(&plain, reading, What::Picture, step)?;
+            before = self.studio.picture();
+        }
+        self.studio.make(look, reading, layer.made_of(), step)?;
+        let frame = self.studio.frame().expect("a picture was made of it");
+        let outcome = self.studio.outcome().expect("a picture was made");
+        let pixels = match layer {
+            Layer::Picture | Layer::Curvature => self.studio.picture().expect("it was made"),
+            _ => layer::pixels(*layer, frame, outcome)?,
+        };
+        let arrows = match layer {
+            Layer::Arrows => arrows(outcome, step),
+            _ => Vec::new(),
+        };
+        let step = self.studio.step();
+        let (size, pixel_aspect) = self.studio.size().expect("a frame was read");
+        if is_compared && before.is_none() {
+            before = self.studio.as_it_came();
+        }
+        let took = start.elapsed();
+        if step == 1 {
+            let seconds = took.as_secs_f64();
+            self.times.insert(order.changed.clone(), seconds);
+        }
+        Ok(Shown {
+            number: order.number,
+            step,
+            size,
+            pixel_aspect,
+            pixels: Arc::new(pixels),
+            before: before.map(Arc::new),
+            arrows,
+            chosen: self.studio.chosen_numbers(),
+            warnings: self.studio.warnings().to_vec(),
+            took,
+            counts: self.studio.counts().cloned().unwrap_or_default(),
+        })
+    }
+
+    /// The step between pixels at which a picture is soon there.
+    fn step(&self, order: &Order) -> usize {
+        if !order.is_quick {
+            return 1;
+        }
+        let known = self.times.get(&order.changed);
+        let longest = || self.times.values().copied().reduce(f64::max);
+        let seconds = known.copied().or_else(longest).unwrap_or(0.0);
+        let soon = |&step: &usize| seconds / (step * step) as f64 <= SOON;
+        let last = STEPS[STEPS.len() - 1];
+        STEPS.into_iter().find(soon).unwrap_or(last)
+    }
+
+    /// Writes the recipe that the command line writes with the same settings.
+    fn save_recipe(&mut self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
+        self.studio.make(look, reading, What::Picture, 1)?;
+        let text = self.studio.recipe(look, reading)?;
+        let written = write_atomically(path, true, |w| {
+            let failed = crate::Error::io(path, "write");
+            w.write_all(text.as_bytes()).map_err(failed)
+        });
+        written.map_err(|error| error.to_string())
+    }
+}
+
+/// Writes the picture as the command line does, and by it.
+fn save_picture(look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
+    let numbered = reading
+        .frame
+        .and_then(|frame| crate::io::sequence::path_of_frame(&reading.input, frame));
+    look.run(numbered.as_ref().unwrap_or(&reading.input), path)
+}
+
+/// Waits for something to do: files first, then the last picture asked for, then the last pixel.
+fn next(shared: &Shared) -> Option<Task> {
+    let mut inbox = shared.inbox();
+    loop {
+        if inbox.has_ended {
+            return None;
+        }
+        if let Some((save, look, reading, path)) = inbox.saves.pop_front() {
+            return Some(Task::Save(save, look, reading, path));
+        }
+        if let Some(order) = inbox.order.take() {
+            return Some(Task::Show(order));
+        }
+        if let Some(pixel) = inbox.probe.take() {
+            return Some(Task::Probe(pixel));
+        }
+        inbox = shared
+            .changed
+            .wait(inbox)
+            .unwrap_or_else(PoisonError::into_inner);
+    }
+}

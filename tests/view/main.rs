@@ -1,0 +1,123 @@
+//! The viewer, clicked and dragged without a window.
+
+mod controls;
+mod files;
+mod pictures;
+
+use eframe::egui;
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use relievo::view::View;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// How long anything here may take.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fixtures")
+        .join(name)
+}
+
+/// A viewer that is open on `input`, when it shows it.
+struct Window {
+    harness: Harness<'static, Option<View>>,
+}
+
+impl Window {
+    fn on(input: Option<&Path>) -> Self {
+        let input = input.map(Path::to_path_buf);
+        let show = move |ui: &mut egui::Ui, view: &mut Option<View>| {
+            let context = ui.ctx().clone();
+            let view = view.get_or_insert_with(|| View::new(&context, input.as_deref()));
+            view.show(ui);
+        };
+        let harness = Harness::builder()
+            // So high that all controls are in sight.
+            .with_size(vec2(1200.0, 1600.0))
+            .with_max_steps(64)
+            .build_ui_state(show, None);
+        let mut window = Self { harness };
+        window.settle();
+        window
+    }
+
+    fn view(&mut self) -> &mut View {
+        self.harness.state_mut().as_mut().unwrap()
+    }
+
+    /// Goes on until all that was asked for is there.
+    fn settle(&mut self) {
+        let start = Instant::now();
+        loop {
+            self.harness.run_steps(3);
+            if !self.view().is_busy() {
+                self.harness.run_steps(2);
+                if !self.view().is_busy() {
+                    return;
+                }
+            }
+            assert!(start.elapsed() < PATIENCE, "nothing comes of it");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    fn click(&mut self, label: &str) {
+        // Families are called as commands are; those stand first.
+        let first = self.harness.get_all_by_label(label).next();
+        first
+            .unwrap_or_else(|| panic!("nothing is called {label}"))
+            .click();
+        self.settle();
+    }
+
+    fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.settle();
+    }
+
+    fn point_at(&mut self, at: Pos2) {
+        self.harness.hover_at(at);
+        self.settle();
+    }
+
+    /// Drags from one place to another, by way of the middle between them.
+    fn drag(&mut self, from: Pos2, to: Pos2) {
+        self.harness.hover_at(from);
+        self.harness.step();
+        self.button(from, true);
+        for at in [from + 0.5 * (to - from), to] {
+            self.harness.event(Event::PointerMoved(at));
+            self.harness.step();
+        }
+        self.button(to, false);
+        self.harness.event(Event::PointerGone);
+        self.settle();
+    }
+
+    fn button(&mut self, pos: Pos2, pressed: bool) {
+        self.harness.event(Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        self.harness.step();
+    }
+
+    /// The middle of what is called so, and half its size.
+    fn place_of(&self, label: &str) -> (Pos2, Vec2) {
+        let rect = self.harness.get_by_label(label).rect();
+        (rect.center(), 0.5 * rect.size())
+    }
+
+    fn value(&mut self, name: &str) -> Option<String> {
+        self.view().value(name).map(String::from)
+    }
+
+    fn pixels(&mut self) -> Vec<[u8; 4]> {
+        self.view().pixels().unwrap().2.to_vec()
+    }
+}
