@@ -203,10 +203,29 @@ fn interleaved<const N: usize>(picture: &Picture, alpha: Option<&Plane>, max: u3
 /// # Panics
 /// If planes differ in size.
 pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
+    if picture.alpha.is_none() && picture.transform == ViewTransform::Srgb {
+        return opaque_pixels(picture.color);
+    }
     let codes = interleaved::<4>(picture, picture.alpha, 255);
     let (pixels, _) = codes.as_chunks::<4>();
     let narrow = pixels.par_iter().with_min_len(1 << 14);
     narrow.map(|pixel| pixel.map(|code| code as u8)).collect()
+}
+
+/// The most frequent case, which a window asks for many times a second.
+fn opaque_pixels(color: &ColorPlanes) -> Vec<[u8; 4]> {
+    let width = color.r.width();
+    let mut pixels = vec![[0; 4]; color.r.samples().len()];
+    let rows = pixels.par_chunks_mut(width.max(1)).with_min_len(8);
+    let codes = &*SRGB_8;
+    rows.enumerate().for_each(|(y, row)| {
+        let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| &plane.row(y)[..row.len()]);
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let [r, g, b] = [r[x], g[x], b[x]].map(|v| codes.code_of_single(v));
+            *pixel = [r, g, b, 255];
+        }
+    });
+    pixels
 }
 
 /// Colour divided by alpha, and the alpha to be stored.
@@ -239,8 +258,10 @@ fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
 struct SrgbCodes {
     /// The least value of each code above 0.
     least: [f64; 255],
-    /// The code at the beginning of each of so many equal parts of 0..1, and at 1.
-    at: [u8; SRGB_PARTS + 1],
+    /// The least single number of each code above 0, and what none reaches.
+    least_single: [f32; 256],
+    /// The code at the beginning of each of so many equal parts of 0..1, and of those beyond.
+    at: [u8; 2 * SRGB_PARTS],
 }
 
 /// Many enough that a part holds no more than two codes.
@@ -264,7 +285,28 @@ impl SrgbCodes {
             f64::from_bits(lower)
         });
         let at = std::array::from_fn(|part| computed(part as f64 / SRGB_PARTS as f64) as u8);
-        Self { least, at }
+        let least_single = std::array::from_fn(|below| match least.get(below) {
+            Some(&least) => {
+                let single = least as f32;
+                let is_below = f64::from(single) < least;
+                if is_below { single.next_up() } else { single }
+            }
+            None => f32::INFINITY,
+        });
+        Self {
+            least,
+            least_single,
+            at,
+        }
+    }
+
+    /// The code of a single number. Codes are farther apart than parts: one step is enough.
+    #[inline]
+    fn code_of_single(&self, v: f32) -> u8 {
+        // As an index NaN is 0, and it reaches no code; the mask only spares a check.
+        let v = v.clamp(0.0, 1.0);
+        let code = self.at[(v * SRGB_PARTS as f32) as usize & (2 * SRGB_PARTS - 1)];
+        code + u8::from(v >= self.least_single[usize::from(code)])
     }
 
     fn code(&self, v: f64) -> u16 {
@@ -363,13 +405,28 @@ mod tests {
                 assert_eq!(SRGB_8.code(v), computed(v), "{v:e}");
             }
         }
+        for &least in &SRGB_8.least_single[..255] {
+            for v in [least.next_down(), least, least.next_up()] {
+                let expected = computed(f64::from(v));
+                assert_eq!(u16::from(SRGB_8.code_of_single(v)), expected, "{v:e}");
+            }
+        }
         // A step that hits no part and no code evenly.
         for step in 0..200_000 {
             let v = f64::from(step) * 5.17e-6;
             assert_eq!(SRGB_8.code(v), computed(v), "{v}");
+            let single = v as f32;
+            let expected = computed(f64::from(single));
+            assert_eq!(
+                u16::from(SRGB_8.code_of_single(single)),
+                expected,
+                "{single}"
+            );
         }
         for odd in [f64::NAN, -1.0, -0.0, 1.0, 2.0, f64::INFINITY, 1e-310] {
             assert_eq!(SRGB_8.code(odd), computed(odd), "{odd}");
+            let single = SRGB_8.code_of_single(odd as f32);
+            assert_eq!(u16::from(single), computed(f64::from(odd as f32)), "{odd}");
         }
     }
 
