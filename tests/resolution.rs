@@ -244,9 +244,10 @@ fn a_crop_counts_the_lines_of_the_whole_picture() {
     let whole = waves(270);
     let part = Window::at(0, 40, 135, 160);
     let cropped = whole.crop(part);
+    // The display takes what kappa takes; layers take directions too, from farther away.
     let plan = |frame| {
         let available = Available::in_frame(frame);
-        Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap()
+        Plan::new(Goal::Display, available, shape, ScalingParams::default()).unwrap()
     };
     assert_eq!(plan(&cropped).resolution_factor, 0.5);
     let reach = plan(&cropped).reach();
