@@ -114,15 +114,22 @@ impl Frame {
     /// If `part` reaches outside the data window.
     pub fn crop(&self, part: Window) -> Frame {
         let whole = self.data_window;
-        let plane = |p: &Plane| p.crop(whole, part);
+        let mask = self.mask.crop(whole, part);
+        Frame {
+            data_window: part,
+            ..self.with_planes(mask, |plane| plane.crop(whole, part))
+        }
+    }
+
+    /// The frame with this mask, and every plane made anew by `plane`.
+    fn with_planes(&self, mask: Mask, plane: impl Fn(&Plane) -> Plane + Copy) -> Frame {
         let colors = |c: &ColorPlanes| ColorPlanes {
             r: plane(&c.r),
             g: plane(&c.g),
             b: plane(&c.b),
         };
         Frame {
-            data_window: part,
-            mask: self.mask.crop(whole, part),
+            mask,
             normal: Vector3Planes {
                 x: plane(&self.normal.x),
                 y: plane(&self.normal.y),

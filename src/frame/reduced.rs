@@ -1,6 +1,6 @@
 //! A frame of fewer pixels, for a quick look.
 
-use super::{Camera, ColorPlanes, Frame, Mask, Plane, Projection, Vector3Planes, Window};
+use super::{Camera, Frame, Mask, Plane, Projection, Window};
 
 impl Frame {
     /// The frame made of every `step`th pixel of every `step`th row, seen by the same camera. Nothing is filtered: what
@@ -12,41 +12,21 @@ impl Frame {
         assert!(step > 0, "a step leads somewhere");
         let (width, height) = (self.mask.width(), self.mask.height());
         let size = [width, height].map(|length| length.div_ceil(step));
-        let plane = |plane: &Plane| of_every(plane, step);
-        let colors = |c: &ColorPlanes| ColorPlanes {
-            r: plane(&c.r),
-            g: plane(&c.g),
-            b: plane(&c.b),
-        };
         let place = |window: Window, size: [usize; 2]| {
             let first = |from: i32| from.div_euclid(step as i32);
             Window::at(first(window.x0), first(window.y0), size[0], size[1])
         };
         let shown = self.display_window;
         let shown_size = [shown.width(), shown.height()].map(|length| length.div_ceil(step));
+        let mask = Mask::new(of_every(self.mask.plane(), step));
         Frame {
             data_window: place(self.data_window, size),
             display_window: place(shown, shown_size),
-            mask: Mask::new(of_every(self.mask.plane(), step)),
-            normal: Vector3Planes {
-                x: plane(&self.normal.x),
-                y: plane(&self.normal.y),
-                z: plane(&self.normal.z),
-            },
-            normal_length: self.normal_length.as_ref().map(plane),
-            depth: self.depth.as_ref().map(plane),
-            occlusion: self.occlusion.as_ref().map(plane),
-            importance: self.importance.as_ref().map(plane),
-            color: self.color.as_ref().map(colors),
-            albedo: self.albedo.as_ref().map(colors),
-            alpha: self.alpha.as_ref().map(plane),
-            light: self.light.map(plane),
             camera: self.camera.map(|camera| Camera {
                 projection: reduced(camera.projection, step as f64),
                 ..camera
             }),
-            source: self.source.clone(),
-            ..*self
+            ..self.with_planes(mask, |plane| of_every(plane, step))
         }
     }
 }
@@ -77,6 +57,7 @@ fn reduced(projection: Projection, step: f64) -> Projection {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Vector3Planes;
 
     #[test]
     fn every_third_pixel_is_left() {

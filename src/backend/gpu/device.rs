@@ -39,9 +39,13 @@ impl Device {
     }
 
     async fn opened(choice: Choice) -> Result<Self> {
-        let instance =
-            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+        // Vulkan, Metal and DirectX 12; OpenGL has no use here.
+        let backends = wgpu::Backends::PRIMARY;
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let mut adapters = instance.enumerate_adapters(backends).await;
         adapters.retain(|adapter| {
             choice == Choice::Any || adapter.get_info().device_type != wgpu::DeviceType::Cpu
         });
@@ -127,16 +131,15 @@ impl Device {
     }
 }
 
-/// The order in which adapters are tried. The interface to a graphics context comes last: it has no use here.
-fn rank(info: &wgpu::AdapterInfo) -> (u32, bool) {
-    let kind = match info.device_type {
+/// The order in which adapters are tried.
+fn rank(info: &wgpu::AdapterInfo) -> u32 {
+    match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
-    };
-    (kind, info.backend == wgpu::Backend::Gl)
+    }
 }
 
 fn none(choice: Choice) -> Error {
