@@ -48,20 +48,29 @@ impl Engine {
         })
     }
 
-    /// Runs `plan` on `frame`.
+    /// Runs `plan` on `frame`. Of a device that was lost it is said once: from then on the CPU does it.
     ///
     /// # Errors
     /// Where the device fails, or lacks kernels, and nothing else may do it.
     #[cfg(feature = "gpu")]
     pub(super) fn run(&self, job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        self.run_or_warn(&|text| job.warn(text), plan, frame)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn run_or_warn(&self, warn: &dyn Fn(&str), plan: &Plan, frame: &Frame) -> Result<Outcome> {
         match &self.device {
             OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return gpu.run(plan, frame),
             OnDevice::Only(_) => return Err(no_kernels()),
+            OnDevice::Maybe(gpu) if gpu.device().is_lost() => {}
             OnDevice::Maybe(gpu) if gpu::Runner::can_run(plan) => match gpu.run(plan, frame) {
                 Ok(outcome) => return Ok(outcome),
-                Err(error) => job.warn(&format!("{error}: the CPU did it")),
+                Err(error) if gpu.device().is_lost() => {
+                    warn(&format!("{error}: the CPU does it from here on"));
+                }
+                Err(error) => warn(&format!("{error}: the CPU did it")),
             },
-            OnDevice::No(Some(why)) => job.warn(&format!("{why}; the CPU does it")),
+            OnDevice::No(Some(why)) => warn(&format!("{why}; the CPU does it")),
             OnDevice::Maybe(_) | OnDevice::No(None) => {}
         }
         Ok(self.cpu.run(plan, frame))
@@ -103,5 +112,81 @@ fn no_kernels() -> Error {
         found: "is gpu, which has no kernels for this".into(),
         remedy: "leave it out: auto takes the GPU for what it can do, and the CPU for the rest"
             .into(),
+    }
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::*;
+    use crate::backend::gpu::{Choice, Device};
+    use crate::backend::{difference, products};
+    use crate::params::{ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal};
+    use crate::report::scenes::Scene;
+    use std::cell::RefCell;
+
+    /// A device that has been lost; `None` where there is none to lose.
+    fn lost() -> Option<gpu::Runner> {
+        match Device::open(Choice::Any) {
+            Ok(device) => {
+                device.lose();
+                Some(gpu::Runner::new(device))
+            }
+            Err(error) => {
+                // A machine that has to have a device says so.
+                assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
+                println!("SKIPPED: {error}");
+                None
+            }
+        }
+    }
+
+    fn engine(device: OnDevice) -> Engine {
+        Engine {
+            cpu: cpu::Runner::default(),
+            device,
+        }
+    }
+
+    fn waves() -> (Plan, Frame) {
+        let frame = Scene::waves(60, 50).frame;
+        let available = Available::in_frame(&frame);
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
+        (plan, frame)
+    }
+
+    #[test]
+    fn where_a_device_was_chosen_its_loss_is_said_once_and_the_picture_is_the_same() {
+        let Some(gpu) = lost() else { return };
+        let name = gpu.device().name();
+        let engine = engine(OnDevice::Maybe(gpu));
+        let (plan, frame) = waves();
+        let expected = cpu::run(&plan, &frame);
+        let said = RefCell::new(Vec::new());
+        for _ in 0..3 {
+            let warn = |text: &str| said.borrow_mut().push(text.to_string());
+            let found = engine.run_or_warn(&warn, &plan, &frame).unwrap();
+            for ((_, found), (_, expected)) in products(&found).zip(products(&expected)) {
+                assert_eq!(difference(found, expected), 0.0);
+            }
+        }
+        let said = said.into_inner();
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with(&name) && said[0].contains("was lost"));
+        assert!(said[0].contains("the CPU does it") && said[0].lines().count() == 1);
+    }
+
+    #[test]
+    fn where_a_device_was_asked_for_its_loss_is_an_error_that_fails_the_run() {
+        let Some(gpu) = lost() else { return };
+        let engine = engine(OnDevice::Only(gpu));
+        let (plan, frame) = waves();
+        for _ in 0..2 {
+            let warn = |text: &str| panic!("{text}");
+            let error = engine.run_or_warn(&warn, &plan, &frame).unwrap_err();
+            assert!(matches!(error, Error::Gpu { .. }), "{error}");
+            assert_eq!(crate::cli::message::exit_code(&error), 1);
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::backend::choice::{CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, t
 use std::ops::Range;
 
 /// Workgroups that count, at the most; each takes every so-manieth row.
-const MOST_GROUPS: u32 = 1024;
+pub(super) const MOST_GROUPS: u32 = 1024;
 
 /// What is searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]

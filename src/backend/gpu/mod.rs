@@ -8,7 +8,11 @@ mod choose;
 mod device;
 mod diffusion;
 mod enhance;
+#[cfg(test)]
+mod failures;
+mod fault;
 mod kernels;
+mod limits;
 mod recorder;
 mod run;
 mod runner;
@@ -16,6 +20,7 @@ mod shape;
 mod strips;
 mod surface;
 mod uniforms;
+mod wait;
 
 pub use device::{Choice, Device};
 pub use kernels::kernel_sources;
