@@ -2,9 +2,11 @@
 
 use super::cpu::Outcome;
 use crate::frame::Plane;
+use serde::Serialize;
 
 /// What a run gives, as far as backends are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Product {
     /// Silhouette, crease and conductance.
     Weights,

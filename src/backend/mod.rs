@@ -3,6 +3,7 @@
 mod agreement;
 mod choice;
 pub mod cpu;
+pub mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod importance;

@@ -36,10 +36,7 @@ impl Engine {
     pub(super) fn new(backend: BackendArg) -> Result<Self> {
         #[cfg(not(feature = "gpu"))]
         if backend == BackendArg::Gpu {
-            return Err(Error::NoGpu {
-                found: "this program was built without it".into(),
-                remedy: "build it with --features gpu, or use --backend cpu",
-            });
+            return Err(built_without_gpu());
         }
         Ok(Self {
             cpu: cpu::Runner::default(),
@@ -95,6 +92,15 @@ impl OnDevice {
                 Err(why) => Self::No(Some(why)),
             },
         })
+    }
+}
+
+/// Says how to come by a build with kernels.
+#[cfg(not(feature = "gpu"))]
+pub(super) fn built_without_gpu() -> Error {
+    Error::NoGpu {
+        found: "this program was built without it".into(),
+        remedy: "build it with --features gpu, or use --backend cpu",
     }
 }
 

@@ -6,7 +6,9 @@ mod common;
 mod command;
 mod hostile;
 mod kernels;
+mod numbers;
 mod products;
+mod report;
 
 use common::scenes::{Scene, Surface};
 use relievo::backend::cpu::{self, Outcome};

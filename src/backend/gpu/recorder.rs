@@ -4,6 +4,7 @@ use super::device::Device;
 use super::kernels::{GROUP, Kernel};
 use super::uniforms::Uniforms;
 use super::wait::wait_for;
+use crate::backend::device_times::{KERNELS, READ_BACK, RECORD};
 use crate::error::{Error, Result};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
@@ -63,12 +64,6 @@ impl Programs {
 
 /// How long each stage took, in order.
 pub(super) type Timings = Vec<(&'static str, Duration)>;
-
-/// What the time of copies from the device is called.
-pub(super) const READ_BACK: &str = "read-back";
-
-/// What the time of all kernels is called where the device has no clock for each.
-const KERNELS: &str = "kernels";
 
 /// Kernels that a run can time, at the most: half as many as a set of queries may have.
 const MAX_TIMED: u32 = wgpu::QUERY_SET_MAX_QUERIES / 2;
@@ -220,7 +215,7 @@ impl<'d> Recorder<'d> {
         }
         let (read, stages) = self.read(wanted)?;
         let waited = start.elapsed();
-        let mut timings = vec![("record", recorded)];
+        let mut timings = vec![(RECORD, recorded)];
         let (stages, read_back) = match (stages, kernels) {
             (Some(stages), Some(_)) => (stages, waited),
             (None, Some(kernels)) => (vec![(KERNELS, kernels)], waited),

@@ -6,13 +6,14 @@ use super::device::Device;
 use super::enhance::known_white_level;
 use super::fault::{Fault, in_memory, watched};
 use super::kernels::{GAIN, WHITE};
-use super::recorder::{Programs, READ_BACK, add_timings};
+use super::recorder::{Programs, add_timings};
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
 use super::surface::Upload;
 use super::wait::wait_for;
 use crate::backend::cpu::{CurvaturePlanes, Outcome, ScaleShape, surface_directions};
+use crate::backend::device_times::{READ_BACK, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::params::Adaptive;
@@ -185,7 +186,7 @@ impl Runner {
         let mut read = read.into_iter();
         let chosen = read.next().expect("what was chosen is read first");
         let mut outcome = Outcome::default();
-        outcome.timings.push(("upload", uploaded));
+        outcome.timings.push((UPLOAD, uploaded));
         outcome.timings.extend(timings);
         let start = Instant::now();
         if plan.goal != Goal::Layers && picture.is_some() {
