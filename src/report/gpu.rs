@@ -14,8 +14,8 @@ use serde::Serialize;
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
-/// Pixels times sweeps past which a setting that was not asked for is left out in software: about a second.
-const MOST_UPDATES_IN_SOFTWARE: usize = 10_000_000;
+/// Pixels times sweeps past which a setting that was not asked for is left out in software: a third of a second.
+const MOST_UPDATES_IN_SOFTWARE: usize = 4_000_000;
 
 /// Goals whose products are compared.
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
