@@ -20,8 +20,11 @@ pub(super) const GROUP: [u32; 2] = [64, 4];
 /// Columns and rows that a workgroup of `diffusion.wgsl` holds, its rim included.
 pub(super) const REGION: [u32; 2] = [64, 32];
 
-/// Rows that one invocation makes where neighbours are looked at: each serves the next one.
-pub(super) const ROWS_PER_INVOCATION: u32 = 8;
+/// Rows of that region which one invocation makes.
+const ROWS_PER_INVOCATION: u32 = 8;
+
+/// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
+pub(super) const STRIP_ROWS: u32 = 16;
 
 /// Invocations of a workgroup that searches for a percentile.
 const SEARCH_INVOCATIONS: u32 = 256;
@@ -50,6 +53,7 @@ pub(super) enum Kernel {
     Count,
     Narrow,
     ScalePicture,
+    ScaleByGradient,
     CurvatureDisplay,
 }
 
@@ -61,7 +65,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -72,6 +76,7 @@ impl Kernel {
         Self::Count,
         Self::Narrow,
         Self::ScalePicture,
+        Self::ScaleByGradient,
         Self::CurvatureDisplay,
     ];
 
@@ -81,6 +86,7 @@ impl Kernel {
         let around = wgsl!("around");
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
+        let plane_fit = wgsl!("plane_fit");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
@@ -104,7 +110,7 @@ impl Kernel {
             Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
             Self::Hessian => (
                 HessianParams::WGSL,
-                &[index, around, covered, wgsl!("hessian")],
+                &[index, around, covered, plane_fit, wgsl!("hessian")],
             ),
             Self::Curvatures => (
                 SizeParams::WGSL,
@@ -122,7 +128,21 @@ impl Kernel {
                     covered,
                     mapped,
                     wgsl!("radiance_scaling"),
+                    wgsl!("scaled_pixel"),
                     wgsl!("scale_picture"),
+                ],
+            ),
+            Self::ScaleByGradient => (
+                ScaleParams::WGSL,
+                &[
+                    index,
+                    around,
+                    covered,
+                    plane_fit,
+                    mapped,
+                    wgsl!("radiance_scaling"),
+                    wgsl!("scaled_pixel"),
+                    wgsl!("scale_by_gradient"),
                 ],
             ),
             Self::CurvatureDisplay => (
@@ -157,6 +177,7 @@ fn constants() -> String {
         ("REGION_PIXELS", REGION[0] * REGION[1]),
         ("REGION_GROUP_ROWS", REGION[1] / ROWS_PER_INVOCATION),
         ("ROWS_PER_INVOCATION", ROWS_PER_INVOCATION),
+        ("STRIP_ROWS", STRIP_ROWS),
         ("SEARCH_INVOCATIONS", SEARCH_INVOCATIONS),
         ("SEARCH_BINS", SEARCH_BINS),
         ("GAIN", GAIN),
