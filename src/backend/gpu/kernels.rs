@@ -26,6 +26,9 @@ const ROWS_PER_INVOCATION: u32 = 8;
 /// Rows of invocations of such a workgroup.
 pub(super) const REGION_GROUP_ROWS: u32 = REGION[1] / ROWS_PER_INVOCATION;
 
+/// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
+pub(super) const STRIP_ROWS: u32 = 16;
+
 /// Invocations of a workgroup that searches for a percentile.
 pub(super) const SEARCH_INVOCATIONS: u32 = 256;
 
@@ -53,6 +56,7 @@ pub(super) enum Kernel {
     Count,
     Narrow,
     ScalePicture,
+    ScaleByGradient,
     CurvatureDisplay,
 }
 
@@ -64,7 +68,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -75,19 +79,28 @@ impl Kernel {
         Self::Count,
         Self::Narrow,
         Self::ScalePicture,
+        Self::ScaleByGradient,
         Self::CurvatureDisplay,
     ];
 
     /// The whole module.
     pub(super) fn source(self) -> String {
         let index = wgsl!("index");
+        let around = wgsl!("around");
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
+        let plane_fit = wgsl!("plane_fit");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
                 EdgeParams::WGSL,
-                &[index, covered, wgsl!("soft_threshold"), wgsl!("edges")],
+                &[
+                    index,
+                    around,
+                    covered,
+                    wgsl!("soft_threshold"),
+                    wgsl!("edges"),
+                ],
             ),
             Self::Diffusion => (
                 DiffusionParams::WGSL,
@@ -98,7 +111,10 @@ impl Kernel {
                 &[index, wgsl!("face_conductance"), wgsl!("faces")],
             ),
             Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
-            Self::Hessian => (HessianParams::WGSL, &[index, covered, wgsl!("hessian")]),
+            Self::Hessian => (
+                HessianParams::WGSL,
+                &[index, around, covered, plane_fit, wgsl!("hessian")],
+            ),
             Self::Curvatures => (
                 SizeParams::WGSL,
                 &[index, covered, mapped, wgsl!("curvatures")],
@@ -115,7 +131,21 @@ impl Kernel {
                     covered,
                     mapped,
                     wgsl!("radiance_scaling"),
+                    wgsl!("scaled_pixel"),
                     wgsl!("scale_picture"),
+                ],
+            ),
+            Self::ScaleByGradient => (
+                ScaleParams::WGSL,
+                &[
+                    index,
+                    around,
+                    covered,
+                    plane_fit,
+                    mapped,
+                    wgsl!("radiance_scaling"),
+                    wgsl!("scaled_pixel"),
+                    wgsl!("scale_by_gradient"),
                 ],
             ),
             Self::CurvatureDisplay => (
@@ -150,6 +180,7 @@ fn constants() -> String {
         ("REGION_PIXELS", REGION[0] * REGION[1]),
         ("REGION_GROUP_ROWS", REGION_GROUP_ROWS),
         ("ROWS_PER_INVOCATION", ROWS_PER_INVOCATION),
+        ("STRIP_ROWS", STRIP_ROWS),
         ("SEARCH_INVOCATIONS", SEARCH_INVOCATIONS),
         ("SEARCH_BINS", SEARCH_BINS),
         ("GAIN", GAIN),

@@ -1,7 +1,7 @@
 //! Kernels in the order in which they run, and what they take.
 
 use super::device::Device;
-use super::kernels::{GROUP, Kernel};
+use super::kernels::{GROUP, Kernel, STRIP_ROWS};
 use super::uniforms::Uniforms;
 use super::wait::wait_for;
 use crate::backend::device_times::{KERNELS, READ_BACK, RECORD};
@@ -177,6 +177,19 @@ impl<'d> Recorder<'d> {
     ) {
         let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
         self.dispatch(stage, kernel, uniforms, buffers, groups);
+    }
+
+    /// Runs a kernel that makes some rows per invocation of a picture of this size.
+    pub(super) fn over_rows<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        kernel: (Kernel, &[(&'static str, bool)]),
+        uniforms: &U,
+        buffers: &[&wgpu::Buffer],
+        [width, height]: [u32; 2],
+    ) {
+        let size = [width, height.div_ceil(STRIP_ROWS)];
+        self.over_pixels(stage, kernel, uniforms, buffers, size);
     }
 
     /// Copies a buffer.

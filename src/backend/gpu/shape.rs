@@ -5,7 +5,7 @@ use super::run::{NOWHERE, Run};
 use super::uniforms::{EdgeParams, HessianParams, SizeParams};
 use crate::frame::Frame;
 use crate::params::ShapeParams;
-use crate::plan::{Plan, Stage};
+use crate::plan::{Goal, Plan, Stage};
 use crate::shape::crease::CreaseDetector;
 use glam::DVec2;
 
@@ -17,7 +17,7 @@ pub(super) struct Shape {
     pub(super) gradient: wgpu::Buffer,
     /// The gradient at further scales.
     pub(super) more_gradients: Vec<wgpu::Buffer>,
-    /// The Hessian at the first scale.
+    /// The Hessian at the first scale, unless it is used only once, where it is made.
     pub(super) hessian: Option<Hessian>,
 }
 
@@ -74,7 +74,8 @@ impl Run<'_> {
         };
         let more_gradients = gradients.split_off(1);
         let gradient = gradients.remove(0);
-        let wants = plan.has(Stage::Hessian) || plan.has(Stage::Trace);
+        let wants =
+            (plan.has(Stage::Hessian) || plan.has(Stage::Trace)) && !scales_by_gradient(plan);
         let hessian = wants.then(|| {
             let entries = plan.has(Stage::Hessian);
             self.hessian(plan, &gradient, &conductance, entries)
@@ -132,7 +133,7 @@ impl Run<'_> {
             &gradient,
             &weights,
         ];
-        self.recorder.over_pixels(
+        self.recorder.over_rows(
             "edges-and-gradient",
             (Kernel::Edges, &switches),
             &edge_params(plan, frame),
@@ -168,7 +169,7 @@ impl Run<'_> {
         let trace = self.take(plane);
         let entries = [(); 3].map(|()| self.take(if entries_wanted { plane } else { NOWHERE }));
         let [xx, xy, yy] = &entries;
-        self.recorder.over_pixels(
+        self.recorder.over_rows(
             if entries_wanted { "hessian" } else { "trace" },
             (Kernel::Hessian, &[("ENTRIES_WANTED", entries_wanted)]),
             &params,
@@ -221,6 +222,11 @@ impl Run<'_> {
     }
 }
 
+/// Whether the trace of the Hessian is used once, and where it is made.
+fn scales_by_gradient(plan: &Plan) -> bool {
+    plan.goal == Goal::Enhance && plan.has(Stage::RadianceScaling) && !plan.has(Stage::AutoGain)
+}
+
 fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
     let params: &ShapeParams = &plan.shape;
     let silhouette = match plan.has(Stage::DepthSilhouettes) {
@@ -244,7 +250,6 @@ fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
         silhouette_hi: silhouette.hi,
         crease_lo: creases.threshold_rad.lo,
         crease_hi: creases.threshold_rad.hi,
-        flat_cosine: creases.flat_cosine,
         flat_length: creases.flat_length,
         foreshortening: params.foreshortening,
         min_nz: params.min_nz,
