@@ -42,7 +42,7 @@ pub fn error_against_time(sweep: &SceneSweep) -> String {
         ("Pareto front", FRONT),
     ];
     if sweep.scales.iter().any(|scale| !scale.on_gpu.is_empty()) {
-        legend.push(("GPU, both", SERIES[2]));
+        legend.push(("on the GPU", SERIES[2]));
     }
     let panels: Vec<_> = sweep
         .scales

@@ -87,7 +87,7 @@ fn a_device_has_rows_beside_the_cpu_and_its_products_are_within_the_table() {
         assert!(page.contains("## On a GPU") && page.contains("| Chebyshev, GPU |"));
         assert!(page.contains(&runner.device().name()) && page.contains("| mapped curvature |"));
         let plot = fs::read_to_string(desk.path().join("report/frame.svg")).unwrap();
-        assert!(plot.contains("GPU, both") && plot.contains("<polygon"));
+        assert!(plot.contains("on the GPU") && plot.contains("<polygon"));
     });
 }
 

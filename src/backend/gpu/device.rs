@@ -38,22 +38,15 @@ impl Device {
     /// # Errors
     /// [`Error::NoGpu`] where there is none of that choice, or it lacks what the kernels take.
     pub fn open(choice: Choice) -> Result<Self> {
-        // What the driver has to say about memory it says when there is none.
-        let no_thresholds = wgpu::MemoryBudgetThresholds::default();
-        pollster::block_on(Self::opened(choice, no_thresholds, |_| ()))
+        pollster::block_on(Self::opened(choice, |_| ()))
     }
 
-    /// Opens the same with thresholds of memory, and changed limits.
-    pub(super) async fn opened(
-        choice: Choice,
-        memory_budget_thresholds: wgpu::MemoryBudgetThresholds,
-        change: fn(&mut wgpu::Limits),
-    ) -> Result<Self> {
+    /// Opens the same, as if its limits were changed.
+    pub(super) async fn opened(choice: Choice, change: fn(&mut wgpu::Limits)) -> Result<Self> {
         // Vulkan, Metal and DirectX 12; OpenGL has no use here.
         let backends = wgpu::Backends::PRIMARY;
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends,
-            memory_budget_thresholds,
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         });
         let mut adapters = instance.enumerate_adapters(backends).await;

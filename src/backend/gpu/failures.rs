@@ -1,12 +1,12 @@
 //! Tests: devices that are lost, have too little memory, or absurd limits.
 
 use super::device::{Choice, Device};
-use super::fault::{Fault, in_memory};
+use super::fault::{Fault, in_memory, watched};
 use super::limits;
 use super::runner::Runner;
 use crate::backend::cpu::{self, Outcome};
 use crate::backend::{difference, products};
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::frame::Frame;
 use crate::params::{Scale, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
@@ -16,16 +16,7 @@ use std::time::{Duration, Instant};
 
 /// The device of this machine, if any, as if it had no more than some limits.
 fn device(change: fn(&mut wgpu::Limits)) -> Option<Device> {
-    let opened = pollster::block_on(Device::opened(
-        Choice::Any,
-        wgpu::MemoryBudgetThresholds::default(),
-        change,
-    ));
-    found(opened)
-}
-
-fn found(opened: Result<Device>) -> Option<Device> {
-    match opened {
+    match pollster::block_on(Device::opened(Choice::Any, change)) {
         Ok(device) => Some(device),
         Err(error) => {
             // A machine that has to have a device says so.
@@ -145,24 +136,30 @@ fn after_a_buffer_that_was_refused_smaller_runs_work() {
 }
 
 #[test]
-fn a_device_without_memory_says_so() {
-    // Nothing may be made of the memory that there is.
-    let none = wgpu::MemoryBudgetThresholds {
-        for_resource_creation: Some(0),
-        for_device_loss: None,
-    };
-    let opened = pollster::block_on(Device::opened(Choice::Any, none, |_| ()));
-    let Some(device) = found(opened) else { return };
+fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
+    let Some(device) = device(|_| ()) else { return };
     let runner = Runner::new(device);
-    let (plan, frame) = waves(64, 400);
-    for _ in 0..2 {
-        match runner.run(&plan, &frame) {
-            Err(error) => assert_tells(&error, &runner, "has too little memory"),
-            // Not every driver tells how much there is.
-            Ok(outcome) => assert_is_of_the_cpu(&outcome, &plan, &frame),
-        }
+    let (plan, frame) = waves(64, 50);
+    let device = runner.device();
+    let size = device.device.limits().max_buffer_size;
+    let asked = watched(device, || {
+        let _unused = device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: size - size % 4,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        Ok(())
+    });
+    println!("{size} bytes: {asked:?}");
+    match asked {
+        Err(Fault::Memory(error)) => assert_tells(&error, &runner, "has too little memory"),
+        Err(other) => panic!("{other:?}"),
+        // There is as much.
+        Ok(()) => {}
     }
     assert!(!runner.device().is_lost());
+    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
 }
 
 #[test]
@@ -210,7 +207,7 @@ fn planes_of_a_few_bytes_are_an_error() {
 fn a_device_that_lacks_what_kernels_take_is_not_opened() {
     let weak = |limits: &mut wgpu::Limits| limits.max_compute_workgroup_storage_size = 1024;
     // Where there is none it is not opened either.
-    let opened = Device::opened(Choice::Any, wgpu::MemoryBudgetThresholds::default(), weak);
+    let opened = Device::opened(Choice::Any, weak);
     let error = pollster::block_on(opened).unwrap_err();
     let line = error.to_string();
     let is_none = line.contains("no adapter");
