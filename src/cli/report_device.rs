@@ -32,7 +32,7 @@ pub(super) enum ReportDevice {
     None(String),
     /// What it takes.
     Runner {
-        runner: crate::backend::gpu::Runner,
+        runner: Box<crate::backend::gpu::Runner>,
         is_required: bool,
     },
 }
@@ -52,7 +52,7 @@ impl ReportDevice {
             },
         };
         Ok(Self::Runner {
-            runner: Runner::new(opened.timed_apart()),
+            runner: Box::new(Runner::new(opened.timed_apart())),
             is_required: backend == BackendArg::Gpu,
         })
     }

@@ -45,6 +45,17 @@ impl Buffers {
         self.copied.keep(|_| false);
     }
 
+    /// Whether there is none to be used again.
+    #[cfg(test)]
+    pub(super) fn is_empty(&self) -> bool {
+        [&self.work, &self.copied].into_iter().all(|pool| {
+            pool.0
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .is_empty()
+        })
+    }
+
     /// Forgets buffers that a picture of this many pixels has no use for.
     pub(super) fn keep_for(&self, pixels: u64) {
         let is_of_use = |size: u64| {

@@ -45,15 +45,19 @@ pub(super) fn watched<T>(
     let validation = pollster::block_on(validation.pop());
     let internal = pollster::block_on(internal.pop());
     let memory = pollster::block_on(memory.pop());
-    // Where memory is wanting all that follows is invalid too.
-    if let Some(error) = memory {
-        let found = format!("has too little memory ({error})");
-        return Err(Fault::Memory(device.error(found)));
-    }
-    match internal.or(validation) {
-        Some(error) => Err(Fault::Other(device.error(error))),
+    match first([memory, internal, validation]) {
         None => done,
+        Some(error @ wgpu::Error::OutOfMemory { .. }) => {
+            let found = format!("has too little memory ({error})");
+            Err(Fault::Memory(device.error(found)))
+        }
+        Some(error) => Err(Fault::Other(device.error(error))),
     }
+}
+
+/// Of the errors of a run the one that the others follow from: where memory is wanting all else is invalid too.
+fn first(errors: [Option<wgpu::Error>; 3]) -> Option<wgpu::Error> {
+    errors.into_iter().flatten().next()
 }
 
 /// Attempts work with planes of at most so many bytes, and as long as memory is wanting with half as many.
@@ -99,6 +103,22 @@ mod tests {
             }
         });
         assert_eq!((done.unwrap(), asked), (250, vec![1000, 500, 250]));
+    }
+
+    #[test]
+    fn what_follows_from_a_want_of_memory_is_not_told_instead() {
+        let source = || "test".into();
+        let memory = || wgpu::Error::OutOfMemory { source: source() };
+        let invalid = || wgpu::Error::Validation {
+            source: source(),
+            description: "buffer is invalid".into(),
+        };
+        let told = |errors| first(errors).map(|error| error.to_string());
+        let both = told([Some(memory()), None, Some(invalid())]);
+        assert_eq!(both, Some(memory().to_string()));
+        let invalid_alone = told([None, None, Some(invalid())]);
+        assert_eq!(invalid_alone, Some(invalid().to_string()));
+        assert_eq!(told([None, None, None]), None);
     }
 
     #[test]
