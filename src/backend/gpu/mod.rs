@@ -9,6 +9,7 @@ mod device;
 mod diffusion;
 mod enhance;
 mod kernels;
+mod light_layers;
 mod recorder;
 mod run;
 mod runner;
