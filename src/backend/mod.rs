@@ -7,6 +7,7 @@ pub mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod importance;
+mod light_terms;
 mod palette;
 
 pub use agreement::{Product, difference, products};

@@ -59,7 +59,9 @@ impl Buffers {
     /// Forgets buffers that a picture of this many pixels has no use for.
     pub(super) fn keep_for(&self, pixels: u64) {
         let is_of_use = |size: u64| {
-            let is_plane = [1, 2, 4].iter().any(|samples| size == 4 * samples * pixels);
+            let is_plane = [1, 2, 3, 4]
+                .iter()
+                .any(|samples| size == 4 * samples * pixels);
             size < pixels || is_plane
         };
         self.work.keep(is_of_use);

@@ -33,7 +33,8 @@ impl Run<'_> {
         let [red, green, blue] = picture;
         if known_white_level(plan, frame).is_none() {
             let search = Searching::new(self, Search::White(weights));
-            search.choose(self, [red, green, blue]);
+            let chosen = self.chosen.clone();
+            search.choose(self, [red, green, blue], &chosen);
         }
         let mut scaling = plan.scaling;
         if frame.light.picture_is_occlusion {

@@ -12,6 +12,7 @@ mod enhance;
 mod failures;
 mod fault;
 mod kernels;
+mod light_layers;
 mod limits;
 mod recorder;
 mod run;

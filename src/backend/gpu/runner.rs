@@ -6,6 +6,7 @@ use super::device::Device;
 use super::enhance::known_white_level;
 use super::fault::{Fault, in_memory, watched};
 use super::kernels::{GAIN, WHITE};
+use super::light_layers::{TermWhites, WIDEST};
 use super::recorder::{Programs, add_timings};
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
@@ -21,8 +22,9 @@ use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Stages that have no kernels yet.
-const ON_THE_CPU: [Stage; 3] = [
+/// Stages that change the picture.
+const SCALES: [Stage; 4] = [
+    Stage::RadianceScaling,
     Stage::LightLobes,
     Stage::LightGroups,
     Stage::AmbientOcclusion,
@@ -54,7 +56,7 @@ impl Runner {
     /// Whether all stages of `plan` have kernels.
     pub fn can_run(plan: &Plan) -> bool {
         let is_known = matches!(plan.goal, Goal::Layers | Goal::Display | Goal::Enhance);
-        is_known && plan.drawing.is_none() && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
+        is_known && plan.drawing.is_none()
     }
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
@@ -163,17 +165,20 @@ impl Runner {
                 let factor = plan.resolution_factor as f32;
                 let size = [width, height];
                 let search = Searching::new(&mut run, Search::Gain { size, factor });
-                search.choose(&mut run, shape.of_gain());
+                let chosen = run.chosen.clone();
+                search.choose(&mut run, shape.of_gain(), &chosen);
             }
             shape
         });
         let mut layers = Vec::new();
+        let mut term_whites = TermWhites::new();
         match (plan.goal, &shape) {
             (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, shape),
             (Goal::Display, Some(shape)) => picture = Some(run.display(shape)),
             (Goal::Enhance, Some(shape)) => {
                 let picture = picture.as_ref().expect("enhancing takes a picture");
                 run.scale(plan, frame, shape, picture);
+                term_whites = run.scale_layers(plan, frame, shape, picture);
             }
             _ => {}
         }
@@ -181,6 +186,7 @@ impl Runner {
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten());
         wanted.extend(&layers);
+        wanted.extend(term_whites.iter().map(|(_, white)| white));
         let (read, timings) = run.finish(&wanted)?;
 
         let mut read = read.into_iter();
@@ -195,8 +201,13 @@ impl Runner {
                 Plane::from_samples(width, height, samples)
             };
             let [r, g, b] = [plane(), plane(), plane()];
-            let is_made = plan.goal == Goal::Display || plan.has(Stage::RadianceScaling);
+            let is_made = plan.goal == Goal::Display || SCALES.iter().any(|&stage| plan.has(stage));
             outcome.color = is_made.then_some(ColorPlanes { r, g, b });
+            outcome.term_white_levels = term_whites
+                .iter()
+                .zip(read.by_ref())
+                .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
+                .collect();
         }
         if plan.goal == Goal::Layers {
             describe(&mut outcome, plan, frame, read);
@@ -267,10 +278,14 @@ fn describe(
     shape.conductance = Some(conductance);
 }
 
-/// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, of layers of four.
+/// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, but for layers.
 fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
-    let sample_bytes = if plan.goal == Goal::Layers { 16 } else { 8 };
-    sample_bytes * frame.mask.width() as u64
+    let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
+    let widest = match plan.goal == Goal::Layers || has_layers {
+        true => WIDEST,
+        false => 2,
+    };
+    4 * widest * frame.mask.width() as u64
 }
 
 /// The buffers of all layers, in order; those that `shape` keeps are shared with it.
