@@ -45,38 +45,65 @@ impl Engine {
         })
     }
 
-    /// Runs `plan` on `frame`. Of a device that was lost it is said once: from then on the CPU does it.
+    /// Runs `plan` on `frame`.
     ///
     /// # Errors
-    /// Where the device fails, or lacks kernels, and nothing else may do it.
-    #[cfg(feature = "gpu")]
+    /// Where a device that has to do it fails, or lacks kernels.
+    #[cfg_attr(
+        not(feature = "gpu"),
+        expect(unused_variables, reason = "only a device gives warnings")
+    )]
     pub(super) fn run(&self, job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        self.run_or_warn(&|text| job.warn(text), plan, frame)
-    }
-
-    #[cfg(feature = "gpu")]
-    fn run_or_warn(&self, warn: &dyn Fn(&str), plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        match &self.device {
-            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return gpu.run(plan, frame),
-            OnDevice::Only(_) => return Err(no_kernels()),
-            OnDevice::Maybe(gpu) if gpu.device().is_lost() => {}
-            OnDevice::Maybe(gpu) if gpu::Runner::can_run(plan) => match gpu.run(plan, frame) {
-                Ok(outcome) => return Ok(outcome),
-                Err(error) if gpu.device().is_lost() => {
-                    warn(&format!("{error}: the CPU does it from here on"));
-                }
-                Err(error) => warn(&format!("{error}: the CPU did it")),
-            },
-            OnDevice::No(Some(why)) => warn(&format!("{why}; the CPU does it")),
-            OnDevice::Maybe(_) | OnDevice::No(None) => {}
+        #[cfg(feature = "gpu")]
+        if let Some(outcome) = self.on_device(job, plan, |gpu| gpu.run(plan, frame))? {
+            return Ok(outcome);
         }
         Ok(self.cpu.run(plan, frame))
     }
 
-    /// Runs `plan` on `frame`.
-    #[cfg(not(feature = "gpu"))]
-    pub(super) fn run(&self, _job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        Ok(self.cpu.run(plan, frame))
+    #[cfg(feature = "gpu")]
+    fn on_device(
+        &self,
+        job: &Job,
+        plan: &Plan,
+        run: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
+    ) -> Result<Option<Outcome>> {
+        self.on_device_or_warn(&|text| job.warn(text), plan, run)
+    }
+
+    /// Has the device run `plan`; `None` where the CPU is to do it, which `warn` may be told of. Of a device that was lost
+    /// it is said once.
+    ///
+    /// # Errors
+    /// Where the device fails, or lacks kernels, and nothing else may do it.
+    #[cfg(feature = "gpu")]
+    pub(super) fn on_device_or_warn(
+        &self,
+        warn: &dyn Fn(&str),
+        plan: &Plan,
+        run: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
+    ) -> Result<Option<Outcome>> {
+        let gpu = match &self.device {
+            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return run(gpu).map(Some),
+            OnDevice::Only(_) => return Err(no_kernels()),
+            OnDevice::Maybe(gpu) => gpu,
+            OnDevice::No(Some(why)) => {
+                warn(&format!("{why}; the CPU does it"));
+                return Ok(None);
+            }
+            OnDevice::No(None) => return Ok(None),
+        };
+        if gpu.device().is_lost() || !gpu::Runner::can_run(plan) {
+            return Ok(None);
+        }
+        run(gpu).map(Some).or_else(|error| {
+            let how_long = match gpu.device().is_lost() {
+                true => "the CPU does it from here on",
+                false => "the CPU did it",
+            };
+            warn(&format!("{error}: {how_long}"));
+            Ok(None)
+        })
     }
 }
 
@@ -172,7 +199,9 @@ mod tests {
         let said = RefCell::new(Vec::new());
         for _ in 0..3 {
             let warn = |text: &str| said.borrow_mut().push(text.to_string());
-            let found = engine.run_or_warn(&warn, &plan, &frame).unwrap();
+            let run = |gpu: &gpu::Runner| gpu.run(&plan, &frame);
+            let found = engine.on_device_or_warn(&warn, &plan, run).unwrap();
+            let found = found.unwrap_or_else(|| engine.cpu.run(&plan, &frame));
             for ((_, found), (_, expected)) in products(&found).zip(products(&expected)) {
                 assert_eq!(difference(found, expected), 0.0);
             }
@@ -190,7 +219,8 @@ mod tests {
         let (plan, frame) = waves();
         for _ in 0..2 {
             let warn = |text: &str| panic!("{text}");
-            let error = engine.run_or_warn(&warn, &plan, &frame).unwrap_err();
+            let run = |gpu: &gpu::Runner| gpu.run(&plan, &frame);
+            let error = engine.on_device_or_warn(&warn, &plan, run).unwrap_err();
             assert!(matches!(error, Error::Gpu { .. }), "{error}");
             assert_eq!(crate::cli::message::exit_code(&error), 1);
         }
