@@ -8,4 +8,4 @@ pub mod gpu;
 mod importance;
 mod palette;
 
-pub use agreement::{Product, difference, products};
+pub use agreement::{Product, difference, ink_difference, products};

@@ -5,9 +5,12 @@
 
 mod buffers;
 mod choose;
+mod contours;
 mod device;
 mod diffusion;
+mod draw;
 mod enhance;
+mod hatching;
 mod kernels;
 mod recorder;
 mod run;

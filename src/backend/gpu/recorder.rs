@@ -176,6 +176,11 @@ impl<'d> Recorder<'d> {
     /// # Errors
     /// [`crate::Error::Gpu`] where the device fails.
     pub(super) fn run(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+        self.submit(wanted).read()
+    }
+
+    /// Has the device begin with what was recorded, and records on from there; what `wanted` then hold can be read.
+    pub(super) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
         let device = &self.device.device;
         let readable = |size: u64| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -191,8 +196,8 @@ impl<'d> Recorder<'d> {
             self.copy(buffer, &target);
             to_read.push(target);
         }
-        let mut ticks = None;
-        if let Some((set, stages)) = &self.clock {
+        let mut timed = None;
+        if let Some((set, stages)) = self.clock.take() {
             let readings = 2 * stages.len() as u32;
             let size = u64::from(readings.max(1)) * 8;
             let resolved = device.create_buffer(&wgpu::BufferDescriptor {
@@ -202,29 +207,62 @@ impl<'d> Recorder<'d> {
                 mapped_at_creation: false,
             });
             self.encoder
-                .resolve_query_set(set, 0..readings, &resolved, 0);
+                .resolve_query_set(&set, 0..readings, &resolved, 0);
             let target = readable(size);
             self.encoder
                 .copy_buffer_to_buffer(&resolved, 0, &target, 0, size);
             to_read.push(target);
-            ticks = Some(stages.clone());
+            timed = Some(stages);
         }
-        self.device.queue.submit([self.encoder.finish()]);
-        wait(self.device, &to_read)?;
-        let times = match ticks.zip(self.device.tick_ns) {
+        let next = Self::new(self.device, self.programs);
+        let recorded = std::mem::replace(self, next);
+        let submission = self.device.queue.submit([recorded.encoder.finish()]);
+        Submitted {
+            device: self.device,
+            submission,
+            to_read,
+            timed,
+        }
+    }
+}
+
+/// What a device works on.
+pub(super) struct Submitted<'d> {
+    device: &'d Device,
+    submission: wgpu::SubmissionIndex,
+    /// Copies of what is wanted, and the readings of the clock last.
+    to_read: Vec<wgpu::Buffer>,
+    /// The stages that were timed, where the device has a clock.
+    timed: Option<Vec<&'static str>>,
+}
+
+impl Submitted<'_> {
+    /// Waits until the device is done with it, but not with what it was given since; hands out what was wanted, and the
+    /// time of each stage.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub(super) fn read(mut self) -> Result<(Vec<Vec<f32>>, Timings)> {
+        wait(self.device, &self.to_read, self.submission)?;
+        let times = match self.timed.zip(self.device.tick_ns) {
             Some((stages, tick_ns)) => {
-                let clock = to_read.pop().expect("the clock is read last");
+                let clock = self.to_read.pop().expect("the clock is read last");
                 times(&stages, &contents(self.device, &clock)?, tick_ns)
             }
             None => Vec::new(),
         };
-        let numbers = to_read.iter().map(|buffer| contents(self.device, buffer));
+        let numbers = self.to_read.iter();
+        let numbers = numbers.map(|buffer| contents(self.device, buffer));
         Ok((numbers.collect::<Result<_>>()?, times))
     }
 }
 
-/// Waits until buffers can be read.
-fn wait(device: &Device, buffers: &[wgpu::Buffer]) -> Result<()> {
+/// Waits until buffers can be read that a submission fills.
+fn wait(
+    device: &Device,
+    buffers: &[wgpu::Buffer],
+    submission: wgpu::SubmissionIndex,
+) -> Result<()> {
     let (sender, receiver) = mpsc::channel();
     for buffer in buffers {
         let sender = sender.clone();
@@ -237,7 +275,10 @@ fn wait(device: &Device, buffers: &[wgpu::Buffer]) -> Result<()> {
     }
     device
         .device
-        .poll(wgpu::PollType::wait_indefinitely())
+        .poll(wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: None,
+        })
         .map_err(|error| device.error(error))?;
     for _ in buffers {
         let mapped = receiver.recv().map_err(|error| device.error(error))?;
@@ -265,4 +306,14 @@ fn times(stages: &[&'static str], readings: &[u64], tick_ns: f32) -> Timings {
         }
     }
     times
+}
+
+/// Adds the times of more passes to those of their stages.
+pub(super) fn add_timings(sum: &mut Timings, more: Timings) {
+    for (stage, time) in more {
+        match sum.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += time,
+            None => sum.push((stage, time)),
+        }
+    }
 }

@@ -1,16 +1,16 @@
 //! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
 
 use super::buffers::Buffers;
-use super::choose::{Search, Searching};
 use super::device::Device;
 use super::enhance::known_white_level;
+use super::hatching::KeptTexture;
 use super::kernels::{GAIN, WHITE};
 use super::recorder::Programs;
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
 use super::surface::Upload;
-use crate::backend::cpu::{CurvaturePlanes, Outcome, ScaleShape, surface_directions};
+use crate::backend::cpu::{self, CurvaturePlanes, Outcome, ScaleShape, surface_directions};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::params::Adaptive;
@@ -19,10 +19,13 @@ use rayon::prelude::*;
 use std::time::Instant;
 
 /// Stages that have no kernels yet.
-const ON_THE_CPU: [Stage; 3] = [
+const ON_THE_CPU: [Stage; 6] = [
     Stage::LightLobes,
     Stage::LightGroups,
     Stage::AmbientOcclusion,
+    Stage::SpecularTrace,
+    Stage::TextureCoordinates,
+    Stage::Streamlines,
 ];
 
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
@@ -31,6 +34,10 @@ pub struct Runner {
     device: Device,
     programs: Programs,
     pub(super) buffers: Buffers,
+    /// The texture of strokes.
+    pub(super) texture: KeptTexture,
+    /// What makes the parts of drawings that have no kernels.
+    pub(super) host: cpu::Runner,
 }
 
 impl Runner {
@@ -40,6 +47,8 @@ impl Runner {
             device,
             programs: Programs::default(),
             buffers: Buffers::default(),
+            texture: KeptTexture::default(),
+            host: cpu::Runner::default(),
         }
     }
 
@@ -50,8 +59,13 @@ impl Runner {
 
     /// Whether all stages of `plan` have kernels.
     pub fn can_run(plan: &Plan) -> bool {
-        let is_known = matches!(plan.goal, Goal::Layers | Goal::Display | Goal::Enhance);
-        is_known && plan.drawing.is_none() && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
+        let is_known = match plan.goal {
+            Goal::Layers | Goal::Display => plan.drawing.is_none(),
+            Goal::Enhance => true,
+            Goal::Picture => plan.drawing.is_some(),
+            Goal::Relight => false,
+        };
+        is_known && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
     }
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
@@ -65,6 +79,12 @@ impl Runner {
     /// If the plan was made for other inputs than the frame holds, or [`Runner::can_run`] is false.
     pub fn run(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
         assert!(Self::can_run(plan), "every stage has a kernel");
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
+        self.watched(|| self.run_parts(plan, frame))
+    }
+
+    /// Turns what the device finds wrong with `work` into an error.
+    pub(super) fn watched<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let device = &self.device.device;
         let scopes = [
             wgpu::ErrorFilter::Internal,
@@ -72,14 +92,14 @@ impl Runner {
             wgpu::ErrorFilter::Validation,
         ]
         .map(|filter| device.push_error_scope(filter));
-        let outcome = self.run_parts(plan, frame);
+        let done = work();
         // The innermost scope ends first.
         for scope in scopes.into_iter().rev() {
             if let Some(error) = pollster::block_on(scope.pop()) {
                 return Err(self.device.error(error));
             }
         }
-        outcome
+        done
     }
 
     fn run_parts(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
@@ -132,12 +152,7 @@ impl Runner {
 
         let shape = plan.has(Stage::Conductance).then(|| {
             let shape = run.find_shape(plan, frame);
-            if plan.has(Stage::AutoGain) && plan.scaling.curvature_gain == Adaptive::Auto {
-                let factor = plan.resolution_factor as f32;
-                let size = [width, height];
-                let search = Searching::new(&mut run, Search::Gain { size, factor });
-                search.choose(&mut run, shape.of_gain());
-            }
+            run.choose_gain(plan, &shape);
             shape
         });
         let mut layers = Vec::new();
@@ -266,7 +281,7 @@ fn layers_of(run: &mut Run, plan: &Plan, shape: &Shape) -> Vec<wgpu::Buffer> {
 }
 
 /// The components of vectors that stand one after the other.
-fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
+pub(super) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
     let (vectors, _) = samples.as_chunks::<N>();
     std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

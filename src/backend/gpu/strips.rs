@@ -3,6 +3,7 @@
 use super::choose::{Search, Searching};
 use super::enhance::{known_white_level, luminance_weights};
 use super::kernels::{GAIN, SEARCH_PASSES, WHITE};
+use super::recorder::add_timings;
 use super::runner::Runner;
 use crate::backend::cpu::{Outcome, Shape};
 use crate::error::Result;
@@ -84,7 +85,7 @@ impl Runner {
                 Some(whole) => {
                     let pairs = planes_mut(&mut part).into_iter().zip(planes_mut(whole));
                     pairs.for_each(|(strip, whole)| paste(strip, &gives, whole, start));
-                    add_timings(&mut whole.timings, &part.timings);
+                    add_timings(&mut whole.timings, part.timings);
                 }
             }
         }
@@ -186,13 +187,4 @@ fn planes_mut(outcome: &mut Outcome) -> Vec<&mut Plane> {
         planes.extend([r, g, b]);
     }
     planes
-}
-
-fn add_timings(sum: &mut super::recorder::Timings, more: &super::recorder::Timings) {
-    for &(stage, time) in more {
-        match sum.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += time,
-            None => sum.push((stage, time)),
-        }
-    }
 }

@@ -22,15 +22,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let rgb = vec3<f32>(red[i], green[i], blue[i]);
-    if is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z) {
-        // What is no number makes none, in all three.
+    let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
+    if is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z) || is_nan(weighted) {
+        // What is no number makes none, in all three; so do infinities of both signs.
         let nan = bitcast<f32>(params.nan_bits);
         red[i] = nan;
         green[i] = nan;
         blue[i] = nan;
         return;
     }
-    let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
     let exponent = params.scaling * mapped_curvature(trace[i], chosen[GAIN]);
     let sigma = scaling(weighted / chosen[WHITE], exponent, params.invariant_point);
     red[i] = scaled(rgb.x, sigma);
