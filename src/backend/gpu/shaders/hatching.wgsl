@@ -54,7 +54,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = index_of(id.x, id.y);
-    if !is_covered(i32(id.x), i32(id.y)) {
+    if !is_covered(id.x, id.y) {
         paper[i] = 0.0;
         return;
     }
