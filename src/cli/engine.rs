@@ -3,7 +3,7 @@
 use super::args::BackendArg;
 use super::job::Job;
 use crate::backend::cpu;
-use crate::backend::cpu::Outcome;
+use crate::backend::cpu::{DrawingInputs, Outcome};
 #[cfg(feature = "gpu")]
 use crate::backend::gpu;
 use crate::error::{Error, Result};
@@ -54,23 +54,64 @@ impl Engine {
     /// Where the device fails, or lacks kernels, and nothing else may do it.
     #[cfg(feature = "gpu")]
     pub(super) fn run(&self, job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        let on_device = |gpu: &gpu::Runner| gpu.run(plan, frame);
+        self.by_either(job, plan, on_device, || self.cpu.run(plan, frame))
+    }
+
+    /// Runs `plan`, which draws `frame`.
+    ///
+    /// # Errors
+    /// As [`Engine::run`].
+    #[cfg(feature = "gpu")]
+    pub(super) fn draw(
+        &self,
+        job: &Job,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: DrawingInputs,
+    ) -> Result<Outcome> {
+        let on_device = |gpu: &gpu::Runner| gpu.draw(plan, frame, inputs);
+        self.by_either(job, plan, on_device, || self.cpu.draw(plan, frame, inputs))
+    }
+
+    /// Has `plan` run by the device, where there is one that has kernels for it, else by the CPU.
+    #[cfg(feature = "gpu")]
+    fn by_either(
+        &self,
+        job: &Job,
+        plan: &Plan,
+        on_device: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
+        on_cpu: impl FnOnce() -> Outcome,
+    ) -> Result<Outcome> {
         match &self.device {
-            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return gpu.run(plan, frame),
+            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return on_device(gpu),
             OnDevice::Only(_) => return Err(no_kernels()),
-            OnDevice::Maybe(gpu) if gpu::Runner::can_run(plan) => match gpu.run(plan, frame) {
+            OnDevice::Maybe(gpu) if gpu::Runner::can_run(plan) => match on_device(gpu) {
                 Ok(outcome) => return Ok(outcome),
                 Err(error) => job.warn(&format!("{error}: the CPU did it")),
             },
             OnDevice::No(Some(why)) => job.warn(&format!("{why}; the CPU does it")),
             OnDevice::Maybe(_) | OnDevice::No(None) => {}
         }
-        Ok(self.cpu.run(plan, frame))
+        Ok(on_cpu())
     }
 
     /// Runs `plan` on `frame`.
     #[cfg(not(feature = "gpu"))]
     pub(super) fn run(&self, _job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
         Ok(self.cpu.run(plan, frame))
+    }
+
+    /// Runs `plan`, which draws `frame`.
+    #[cfg(not(feature = "gpu"))]
+    pub(super) fn draw(
+        &self,
+        _job: &Job,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: DrawingInputs,
+    ) -> Result<Outcome> {
+        Ok(self.cpu.draw(plan, frame, inputs))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::common::poisoned;
 use super::common::scenes::{Scene, Surface};
-use super::{assert_agree, on_gpu, waves, with_color};
+use super::{assert_alike, on_gpu, waves, with_color};
 use glam::DVec3;
 use relievo::backend::Product;
 use relievo::backend::cpu::{self, DrawingInputs};
@@ -33,7 +33,7 @@ fn assert_drawn(
     };
     let expected = cpu::Runner::default().draw(&plan, frame, inputs);
     let found = runner.draw(&plan, frame, inputs).unwrap();
-    assert_agree(name, &found, &expected, |product| {
+    assert_alike(name, &found, &expected, |product| {
         use Product::{Contours, Picture, Strokes, Weights};
         matches!(product, Weights | Picture | Strokes | Contours)
     });

@@ -48,14 +48,14 @@ fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame);
     let found = runner.run(plan, frame).unwrap();
     let layers = plan.goal == Goal::Layers;
-    assert_agree(name, &found, &expected, |product| {
+    assert_alike(name, &found, &expected, |product| {
         layers != (product == Product::Picture)
     });
 }
 
 /// Asserts that outcomes agree in the products that are `wanted`.
 #[track_caller]
-fn assert_agree(name: &str, found: &Outcome, expected: &Outcome, wanted: impl Fn(Product) -> bool) {
+fn assert_alike(name: &str, found: &Outcome, expected: &Outcome, wanted: impl Fn(Product) -> bool) {
     for (name, found, expected) in [
         ("gain", found.gain, expected.gain),
         ("white level", found.white_level, expected.white_level),
