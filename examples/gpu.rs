@@ -8,7 +8,7 @@ use relievo::backend::{cpu, difference, products};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
-use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
+use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
 use std::time::{Duration, Instant};
 
@@ -36,6 +36,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let runner = Runner::new(Device::open(Choice::Any)?);
     let (width, height) = (frame.mask.width(), frame.mask.height());
     println!("{}, {width}x{height}", runner.device().name());
+    let shape = ShapeParams {
+        scale: Scale::Iterations(0),
+        ..ShapeParams::default()
+    };
+    let given = ScalingParams {
+        curvature_gain: Adaptive::Fixed(8.0),
+        white_level: Adaptive::Fixed(1.0),
+        ..ScalingParams::default()
+    };
+    let available = Available::in_frame(&frame);
+    let plan = Plan::new(Goal::Enhance, available, shape, given)?;
+    let name = "no diffusion, gain and white level given";
+    measure(name, &runner, &plan, &frame)?;
     for (name, scale, solver) in [
         ("no diffusion", Scale::Iterations(0), Solver::Chebyshev),
         ("10 steps", Scale::Iterations(10), Solver::Chebyshev),
@@ -55,7 +68,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             solver,
             ..ShapeParams::default()
         };
-        let available = Available::in_frame(&frame);
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
         measure(name, &runner, &plan, &frame)?;
     }

@@ -24,8 +24,11 @@ pub(super) const GROUP: [u32; 2] = [64, 4];
 /// Columns and rows that a workgroup of `diffusion.wgsl` holds, its rim included.
 pub(super) const REGION: [u32; 2] = [64, 32];
 
-/// Rows that one invocation makes where neighbours are looked at: each serves the next one.
-pub(super) const ROWS_PER_INVOCATION: u32 = 8;
+/// Rows of that region which one invocation makes.
+const ROWS_PER_INVOCATION: u32 = 8;
+
+/// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
+pub(super) const STRIP_ROWS: u32 = 16;
 
 /// Invocations of a workgroup that searches for a percentile.
 const SEARCH_INVOCATIONS: u32 = 256;
@@ -57,6 +60,7 @@ pub(super) enum Kernel {
     Count,
     Narrow,
     ScalePicture,
+    ScaleByGradient,
     CurvatureDisplay,
     Density,
     Strokes,
@@ -72,7 +76,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 15] = [
+    const ALL: [Self; 16] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -83,6 +87,7 @@ impl Kernel {
         Self::Count,
         Self::Narrow,
         Self::ScalePicture,
+        Self::ScaleByGradient,
         Self::CurvatureDisplay,
         Self::Density,
         Self::Strokes,
@@ -96,6 +101,7 @@ impl Kernel {
         let around = wgsl!("around");
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
+        let plane_fit = wgsl!("plane_fit");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
@@ -119,7 +125,7 @@ impl Kernel {
             Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
             Self::Hessian => (
                 HessianParams::WGSL,
-                &[index, around, covered, wgsl!("hessian")],
+                &[index, around, covered, plane_fit, wgsl!("hessian")],
             ),
             Self::Curvatures => (
                 SizeParams::WGSL,
@@ -137,7 +143,21 @@ impl Kernel {
                     covered,
                     mapped,
                     wgsl!("radiance_scaling"),
+                    wgsl!("scaled_pixel"),
                     wgsl!("scale_picture"),
+                ],
+            ),
+            Self::ScaleByGradient => (
+                ScaleParams::WGSL,
+                &[
+                    index,
+                    around,
+                    covered,
+                    plane_fit,
+                    mapped,
+                    wgsl!("radiance_scaling"),
+                    wgsl!("scaled_pixel"),
+                    wgsl!("scale_by_gradient"),
                 ],
             ),
             Self::CurvatureDisplay => (
@@ -190,6 +210,7 @@ fn constants() -> String {
         ("REGION_PIXELS", REGION[0] * REGION[1]),
         ("REGION_GROUP_ROWS", REGION[1] / ROWS_PER_INVOCATION),
         ("ROWS_PER_INVOCATION", ROWS_PER_INVOCATION),
+        ("STRIP_ROWS", STRIP_ROWS),
         ("SEARCH_INVOCATIONS", SEARCH_INVOCATIONS),
         ("SEARCH_BINS", SEARCH_BINS),
         ("GAIN", GAIN),

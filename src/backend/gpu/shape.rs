@@ -5,7 +5,7 @@ use super::run::{NOWHERE, Run};
 use super::uniforms::{EdgeParams, HessianParams, SizeParams};
 use crate::frame::Frame;
 use crate::params::ShapeParams;
-use crate::plan::{Plan, Stage};
+use crate::plan::{Goal, Plan, Stage};
 use crate::shape::crease::CreaseDetector;
 use glam::DVec2;
 
@@ -25,7 +25,7 @@ pub(super) struct Shape {
     pub(super) gradient: wgpu::Buffer,
     /// The gradient at further scales.
     pub(super) more_gradients: Vec<wgpu::Buffer>,
-    /// The Hessian at the first scale.
+    /// The Hessian at the first scale, unless it is used only once, where it is made.
     pub(super) hessian: Option<Hessian>,
 }
 
@@ -92,7 +92,8 @@ impl Run<'_> {
         };
         let more_gradients = gradients.split_off(1);
         let gradient = gradients.remove(0);
-        let wants = plan.has(Stage::Hessian) || plan.has(Stage::Trace);
+        let wants =
+            (plan.has(Stage::Hessian) || plan.has(Stage::Trace)) && !scales_by_gradient(plan);
         let hessian = wants.then(|| {
             let entries = plan.has(Stage::Hessian);
             self.hessian(plan, &gradient, &conductance, entries)
@@ -240,6 +241,11 @@ impl Run<'_> {
     }
 }
 
+/// Whether the trace of the Hessian is used once, and where it is made.
+fn scales_by_gradient(plan: &Plan) -> bool {
+    plan.goal == Goal::Enhance && plan.has(Stage::RadianceScaling) && !plan.has(Stage::AutoGain)
+}
+
 fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
     let params: &ShapeParams = &plan.shape;
     let silhouette = match plan.has(Stage::DepthSilhouettes) {
@@ -263,7 +269,6 @@ fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
         silhouette_hi: silhouette.hi,
         crease_lo: creases.threshold_rad.lo,
         crease_hi: creases.threshold_rad.hi,
-        flat_cosine: creases.flat_cosine,
         flat_length: creases.flat_length,
         foreshortening: params.foreshortening,
         min_nz: params.min_nz,

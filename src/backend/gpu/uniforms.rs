@@ -52,8 +52,6 @@ uniforms! {
         /// Angles in radians.
         crease_lo: f32,
         crease_hi: f32,
-        /// Above this cosine an angle is surely below the threshold.
-        flat_cosine: f32,
         /// Above this length a filtered normal surely hides no crease.
         flat_length: f32,
         foreshortening: f32,
@@ -117,10 +115,12 @@ uniforms! {
         target_times: f32,
     }
 
-    /// Of `scale_picture.wgsl`.
+    /// Of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
     ScaleParams {
         width: u32,
         height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
         scaling: f32,
         invariant_point: f32,
         weight_r: f32,
