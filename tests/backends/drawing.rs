@@ -6,7 +6,7 @@ use super::{assert_alike, on_gpu, waves, with_color};
 use glam::DVec3;
 use relievo::backend::Product;
 use relievo::backend::cpu::{self, DrawingInputs};
-use relievo::backend::gpu::Runner;
+use relievo::backend::gpu::{Choice, Device, Runner};
 use relievo::frame::{Frame, Mask, Plane, Window};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{
@@ -216,6 +216,22 @@ fn a_texture_that_was_copied_is_not_taken_for_another() {
             assert_drawn(name, runner, &frame, line, ToneFrom::Picture);
         }
     });
+}
+
+#[test]
+fn a_picture_too_large_for_the_device_is_an_error_that_says_so() {
+    let Ok(device) = Device::open(Choice::Any) else {
+        return;
+    };
+    let frame = waves(90, 400);
+    let runner = Runner::new(device.limited_to(72_000));
+    let available = Available::in_frame(&frame);
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let line = LineParams::default();
+    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
+    let error = runner.draw(&plan, &frame, DrawingInputs::default());
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("100 rows"), "{error}");
 }
 
 #[test]

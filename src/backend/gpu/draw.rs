@@ -42,6 +42,14 @@ impl Runner {
         params: &LineParams,
         inputs: DrawingInputs,
     ) -> Result<Outcome> {
+        let (width, height) = (frame.mask.width() as u64, frame.mask.height() as u64);
+        // The widest planes hold both weights of a pixel.
+        let most_rows = self.device().plane_bytes / (8 * width.max(1));
+        if most_rows < height {
+            return Err(self.device().error(format_args!(
+                "takes {most_rows} rows of this picture at a time, and a drawing takes all of it"
+            )));
+        }
         let mut outcome = Outcome::default();
         // Edges first: all that is left to the CPU asks for them.
         let start = Instant::now();
