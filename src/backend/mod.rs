@@ -6,6 +6,7 @@ pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod importance;
+mod light_terms;
 mod palette;
 
 pub use agreement::{Product, difference, ink_difference, products};

@@ -2,6 +2,7 @@
 
 use super::common::poisoned;
 use super::common::scenes::{Scene, Surface};
+use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
 use glam::DVec3;
 use relievo::backend::Product;
@@ -172,6 +173,15 @@ fn sizes_and_masks() {
         for (name, frame) in frames {
             assert_drawn(&name, runner, &frame, line, ToneFrom::Enhanced);
         }
+    });
+}
+
+#[test]
+fn tone_of_light_layers() {
+    on_gpu(|runner| {
+        let frame = with_lobes(waves(90, 70));
+        let line = LineParams::default();
+        assert_drawn("lobes", runner, &frame, line, ToneFrom::Enhanced);
     });
 }
 

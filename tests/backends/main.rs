@@ -7,6 +7,7 @@ mod command;
 mod drawing;
 mod hostile;
 mod kernels;
+mod light_layers;
 mod products;
 
 use common::scenes::{Scene, Surface};

@@ -4,8 +4,10 @@
 
 use super::hatching::Texture;
 use super::kernels::{GAIN, WHITE};
+use super::light_layers::TermWhites;
 use super::recorder::add_timings as add;
-use super::runner::{Runner, apart};
+use super::run::Run;
+use super::runner::{Runner, SCALES, apart, row_bytes};
 use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, Shape, contour_lines, contour_pieces};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
@@ -42,10 +44,8 @@ impl Runner {
         params: &LineParams,
         inputs: DrawingInputs,
     ) -> Result<Outcome> {
-        let (width, height) = (frame.mask.width() as u64, frame.mask.height() as u64);
-        // The widest planes hold both weights of a pixel.
-        let most_rows = self.device().plane_bytes / (8 * width.max(1));
-        if most_rows < height {
+        let most_rows = self.device().plane_bytes / row_bytes(plan, frame).max(1);
+        if most_rows < frame.mask.height() as u64 {
             return Err(self.device().error(format_args!(
                 "takes {most_rows} rows of this picture at a time, and a drawing takes all of it"
             )));
@@ -63,9 +63,11 @@ impl Runner {
 
         // Tone, while the CPU finds directions.
         let shape = run.shape_along(plan, edges);
+        let mut term_whites = TermWhites::new();
         if plan.goal == Goal::Enhance {
             run.choose_gain(plan, &shape);
             run.scale(plan, frame, &shape, &picture);
+            term_whites = run.scale_layers(plan, frame, &shape, &picture);
         }
         let paper = run.choose_paper_white(&params.tone, frame, &picture);
         let densities = run.densities(&params.tone, frame, &picture, &paper);
@@ -76,28 +78,18 @@ impl Runner {
         let directions = self.directions(plan, frame, params, &mut outcome);
 
         // Strokes, while the CPU follows lines.
-        let start = Instant::now();
-        let (kept, own);
-        let map = match params.strokes.style {
-            Style::Pictures => {
-                let map = inputs.art_map.expect("strokes of pictures come with them");
-                own = Texture::new(map, self.upload());
-                (map, &own)
-            }
-            _ => {
-                let (map, made) = self.host.drawn_art_map(plan, &params.strokes);
-                let made = made.map(|time| ("tonal-art-map", time));
-                outcome.timings.extend(made);
-                own = self.texture.of(&map, self.upload());
-                kept = map;
-                (&*kept, &own)
-            }
-        };
-        let ink = run.hatched(&params.strokes, frame, &densities, &directions, map);
+        let ink = self.strokes(
+            &mut run,
+            (plan, params),
+            frame,
+            inputs,
+            (&densities, &directions),
+            &mut outcome,
+        );
         let of_strokes = run.recorder.submit(&[]);
-        outcome.timings.push(("upload", start.elapsed()));
+        let directions = directions.into_iter();
         self.host
-            .take_back_planes(directions.into_iter().flat_map(|d| [d.x, d.y]));
+            .take_back_planes(directions.flat_map(|Vector2Planes { x, y }| [x, y]));
         let lines = self.contour_lines(plan, frame, params, &mut outcome);
         let contours = lines.as_ref().map(|lines| {
             let graphite = (params.strokes.style == Style::Pencil).then_some(params.strokes.seed);
@@ -105,44 +97,67 @@ impl Runner {
         });
 
         let start = Instant::now();
-        let scaled = plan.has(Stage::RadianceScaling);
+        let is_made = SCALES.iter().any(|&stage| plan.has(stage));
         let chosen = run.chosen.clone();
         let mut wanted = vec![&chosen, &paper, &ink];
         wanted.extend(&contours);
-        wanted.extend(picture.iter().filter(|_| scaled));
+        wanted.extend(picture.iter().filter(|_| is_made));
+        wanted.extend(term_whites.iter().map(|(_, white)| white));
         let (read, times) = run.finish(&wanted)?;
         for times in [of_tone.read()?.1, of_strokes.read()?.1, times] {
             add(&mut outcome.timings, times);
         }
         let mut read = read.into_iter();
-        let mut next = || read.next().expect("all that is wanted is read");
-        let (chosen, of_paper) = (next(), next());
-        let (width, height) = (frame.mask.width(), frame.mask.height());
-        let plane = |samples| Plane::from_samples(width, height, samples);
-        outcome.drawing = Some(Drawing {
-            hatching: plane(next()),
-            lines: Vec::new(),
-            contours: contours.as_ref().map(|_| plane(next())),
-            contour_lines: lines.unwrap_or_default(),
-            white_point: of_paper[WHITE as usize],
-            coordinates: None,
-        });
-        if scaled {
-            let [r, g, b] = [plane(next()), plane(next()), plane(next())];
-            outcome.color = Some(ColorPlanes { r, g, b });
-            outcome.white_level = Some(chosen[WHITE as usize]);
+        put_drawing(&mut outcome, plan, frame, &mut read, lines);
+        if is_made {
+            outcome.color = Some(ColorPlanes {
+                r: plane_of(frame, read.next()),
+                g: plane_of(frame, read.next()),
+                b: plane_of(frame, read.next()),
+            });
         }
-        if plan.has(Stage::Trace) {
-            outcome.gain = Some(chosen[GAIN as usize]);
-        }
-        outcome
-            .timings
-            .push(("wait-and-read-back", start.elapsed()));
+        let term_whites = term_whites.iter().zip(read);
+        let term_whites = term_whites.map(|((name, _), chosen)| (*name, chosen[WHITE as usize]));
+        outcome.term_white_levels = term_whites.collect();
+        add(
+            &mut outcome.timings,
+            vec![("wait-and-read-back", start.elapsed())],
+        );
         self.buffers
             .take_back(contours.into_iter().chain([densities, ink]));
         self.buffers.take_back(shape.into_buffers());
         self.buffers.take_back_copied(picture);
         Ok(outcome)
+    }
+
+    /// How much of the paper strokes cover, by the texture that the style asks for.
+    fn strokes(
+        &self,
+        run: &mut Run,
+        (plan, params): (&Plan, &LineParams),
+        frame: &Frame,
+        inputs: DrawingInputs,
+        (densities, directions): (&wgpu::Buffer, &[Vector2Planes]),
+        outcome: &mut Outcome,
+    ) -> wgpu::Buffer {
+        let strokes = &params.strokes;
+        let made = (strokes.style != Style::Pictures).then(|| {
+            let (map, time) = self.host.drawn_art_map(plan, strokes);
+            let time = time.map(|time| ("tonal-art-map", time));
+            outcome.timings.extend(time);
+            map
+        });
+        let start = Instant::now();
+        let (map, texture) = match &made {
+            Some(map) => (&**map, self.texture.of(map, self.upload())),
+            None => {
+                let map = inputs.art_map.expect("strokes of pictures come with them");
+                (map, Texture::new(map, self.upload()))
+            }
+        };
+        let ink = run.hatched(strokes, frame, densities, directions, (map, &texture));
+        add(&mut outcome.timings, vec![("upload", start.elapsed())]);
+        ink
     }
 
     /// The directions of strokes, along the edges that were read.
@@ -183,14 +198,46 @@ impl Runner {
     }
 }
 
+/// A plane of what was read, which is there.
+fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
+    let samples = read.expect("all that is wanted is read");
+    Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
+}
+
 /// Puts what was read of edges into the shape: conductance, and the weights where contours ask for them.
 fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    let plane = |samples| Plane::from_samples(width, height, samples);
     let mut read = read.into_iter();
-    shape.conductance = read.next().map(plane);
+    shape.conductance = Some(plane_of(frame, read.next()));
     if let Some(weights) = read.next() {
-        let [silhouette, crease] = apart::<2>(&weights).map(plane);
+        let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
+        let [silhouette, crease] = weights;
         (shape.silhouette, shape.crease) = (Some(silhouette), Some(crease));
+    }
+}
+
+/// Puts into the outcome what was read of a drawing: the numbers chosen for its tone and for its paper, strokes, and
+/// contours where there are `lines`.
+fn put_drawing(
+    outcome: &mut Outcome,
+    plan: &Plan,
+    frame: &Frame,
+    read: &mut impl Iterator<Item = Vec<f32>>,
+    lines: Option<Vec<Contour>>,
+) {
+    let mut numbers = || read.next().expect("all that is wanted is read");
+    let (chosen, of_paper) = (numbers(), numbers());
+    outcome.drawing = Some(Drawing {
+        hatching: plane_of(frame, read.next()),
+        lines: Vec::new(),
+        contours: lines.is_some().then(|| plane_of(frame, read.next())),
+        contour_lines: lines.unwrap_or_default(),
+        white_point: of_paper[WHITE as usize],
+        coordinates: None,
+    });
+    if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
+        outcome.gain = Some(chosen[GAIN as usize]);
+    }
+    if plan.has(Stage::RadianceScaling) {
+        outcome.white_level = Some(chosen[WHITE as usize]);
     }
 }

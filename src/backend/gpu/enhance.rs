@@ -30,7 +30,8 @@ impl Run<'_> {
             let size = self.surface.size.map(|side| side as usize);
             let factor = plan.resolution_factor as f32;
             let search = Searching::new(self, Search::Gain { size, factor });
-            search.choose(self, shape.of_gain());
+            let chosen = self.chosen.clone();
+            search.choose(self, shape.of_gain(), &chosen);
         }
     }
 
@@ -43,7 +44,8 @@ impl Run<'_> {
         let [red, green, blue] = picture;
         if known_white_level(plan, frame).is_none() {
             let search = Searching::new(self, Search::White(weights));
-            search.choose(self, [red, green, blue]);
+            let chosen = self.chosen.clone();
+            search.choose(self, [red, green, blue], &chosen);
         }
         let mut scaling = plan.scaling;
         if frame.light.picture_is_occlusion {

@@ -64,8 +64,7 @@ impl KeptTexture {
 }
 
 impl Run<'_> {
-    /// Chooses the luminance of paper white, after what was scaled by another white level, and gives the numbers
-    /// chosen with it.
+    /// The numbers chosen, with the luminance of paper white for the white level by which the tone was made.
     pub(super) fn choose_paper_white(
         &mut self,
         params: &ToneParams,
@@ -77,13 +76,9 @@ impl Run<'_> {
             chosen[WHITE as usize] = white;
             return self.hold(&chosen);
         }
-        let before = self.copy_of(&self.chosen.clone());
-        let search = Searching::new(self, Search::White(luminance_weights(frame)));
-        search.choose(self, [red, green, blue]);
         let paper = self.copy_of(&self.chosen.clone());
-        let chosen = self.chosen.clone();
-        self.recorder.copy(&before, &chosen);
-        self.buffers.take_back([before]);
+        let search = Searching::new(self, Search::White(luminance_weights(frame)));
+        search.choose(self, [red, green, blue], &paper);
         paper
     }
 

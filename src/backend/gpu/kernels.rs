@@ -2,12 +2,13 @@
 
 use super::uniforms::{
     ContourParams, CountParams, DensityParams, DiffusionParams, EdgeParams, HessianParams,
-    NarrowParams, ScaleParams, SizeParams, StrokeParams, Uniforms,
+    NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
 use crate::backend::palette;
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
+use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
 use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::CROSSED_FROM;
@@ -61,6 +62,12 @@ pub(super) enum Kernel {
     Narrow,
     ScalePicture,
     ScaleByGradient,
+    LobeLuminance,
+    LobeSigma,
+    GroupSigma,
+    AddChange,
+    ChangePicture,
+    Occlude,
     CurvatureDisplay,
     Density,
     Strokes,
@@ -76,7 +83,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 16] = [
+    const ALL: [Self; 22] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -88,6 +95,12 @@ impl Kernel {
         Self::Narrow,
         Self::ScalePicture,
         Self::ScaleByGradient,
+        Self::LobeLuminance,
+        Self::LobeSigma,
+        Self::GroupSigma,
+        Self::AddChange,
+        Self::ChangePicture,
+        Self::Occlude,
         Self::CurvatureDisplay,
         Self::Density,
         Self::Strokes,
@@ -102,6 +115,8 @@ impl Kernel {
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
         let plane_fit = wgsl!("plane_fit");
+        let scaling = wgsl!("radiance_scaling");
+        let term_scaling = wgsl!("term_scaling");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
@@ -142,7 +157,7 @@ impl Kernel {
                     index,
                     covered,
                     mapped,
-                    wgsl!("radiance_scaling"),
+                    scaling,
                     wgsl!("scaled_pixel"),
                     wgsl!("scale_picture"),
                 ],
@@ -155,9 +170,53 @@ impl Kernel {
                     covered,
                     plane_fit,
                     mapped,
-                    wgsl!("radiance_scaling"),
+                    scaling,
                     wgsl!("scaled_pixel"),
                     wgsl!("scale_by_gradient"),
+                ],
+            ),
+            Self::LobeLuminance => (
+                TermParams::WGSL,
+                &[index, covered, wgsl!("lobe_light"), wgsl!("lobe_luminance")],
+            ),
+            Self::LobeSigma => (
+                TermParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    scaling,
+                    term_scaling,
+                    wgsl!("lobe_light"),
+                    wgsl!("lobe_sigma"),
+                ],
+            ),
+            Self::GroupSigma => (
+                TermParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    wgsl!("mapped_curvature_toward"),
+                    scaling,
+                    term_scaling,
+                    wgsl!("group_sigma"),
+                ],
+            ),
+            Self::AddChange => (
+                TermParams::WGSL,
+                &[index, scaling, term_scaling, wgsl!("add_change")],
+            ),
+            Self::ChangePicture => (SizeParams::WGSL, &[index, covered, wgsl!("change_picture")]),
+            Self::Occlude => (
+                TermParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    scaling,
+                    term_scaling,
+                    wgsl!("occlude"),
                 ],
             ),
             Self::CurvatureDisplay => (
@@ -232,6 +291,7 @@ fn constants() -> String {
         ("FRAC_PI_2", consts::FRAC_PI_2),
         ("FRAC_PI_4", consts::FRAC_PI_4),
         ("F32_MAX", f32::MAX),
+        ("MIN_POSITIVE", f32::MIN_POSITIVE),
         ("LN2_HIGH", LN2_HIGH),
         ("LN2_LOW", LN2_LOW),
         ("TAN_EIGHTH_PI", TAN_EIGHTH_PI),
@@ -241,6 +301,8 @@ fn constants() -> String {
         ("MAX_GAIN", MAX_GAIN),
         ("INVARIANT_MARGIN", INVARIANT_MARGIN),
         ("MAX_EXPONENT", MAX_EXPONENT),
+        ("MAX_RADIANCE", MAX_RADIANCE),
+        ("MIN_ALBEDO", MIN_ALBEDO),
         ("DENSITY_STEPS", STEPS as f32),
         ("LEAST_ALPHA", LEAST_ALPHA),
         ("MAX_DENSITY", MAX_DENSITY),

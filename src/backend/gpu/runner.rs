@@ -5,6 +5,7 @@ use super::device::Device;
 use super::enhance::known_white_level;
 use super::hatching::KeptTexture;
 use super::kernels::{GAIN, WHITE};
+use super::light_layers::{TermWhites, WIDEST};
 use super::recorder::Programs;
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
@@ -18,14 +19,19 @@ use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Stages that have no kernels yet.
-const ON_THE_CPU: [Stage; 6] = [
-    Stage::LightLobes,
-    Stage::LightGroups,
-    Stage::AmbientOcclusion,
+/// Stages that have no kernels.
+const ON_THE_CPU: [Stage; 3] = [
     Stage::SpecularTrace,
     Stage::TextureCoordinates,
     Stage::Streamlines,
+];
+
+/// Stages that change the picture.
+pub(super) const SCALES: [Stage; 4] = [
+    Stage::RadianceScaling,
+    Stage::LightLobes,
+    Stage::LightGroups,
+    Stage::AmbientOcclusion,
 ];
 
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
@@ -103,10 +109,8 @@ impl Runner {
     }
 
     fn run_parts(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        let (width, height) = (frame.mask.width(), frame.mask.height());
-        // Vectors of two are the widest; only layers have wider ones.
-        let sample_bytes = if plan.goal == Goal::Layers { 16 } else { 8 };
-        let most_rows = self.device.plane_bytes / (sample_bytes * width.max(1) as u64);
+        let height = frame.mask.height();
+        let most_rows = self.device.plane_bytes / row_bytes(plan, frame).max(1);
         if most_rows >= height as u64 {
             return self.run_whole(plan, frame);
         }
@@ -156,12 +160,14 @@ impl Runner {
             shape
         });
         let mut layers = Vec::new();
+        let mut term_whites = TermWhites::new();
         match (plan.goal, &shape) {
             (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, shape),
             (Goal::Display, Some(shape)) => picture = Some(run.display(shape)),
             (Goal::Enhance, Some(shape)) => {
                 let picture = picture.as_ref().expect("enhancing takes a picture");
                 run.scale(plan, frame, shape, picture);
+                term_whites = run.scale_layers(plan, frame, shape, picture);
             }
             _ => {}
         }
@@ -170,6 +176,7 @@ impl Runner {
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten());
         wanted.extend(&layers);
+        wanted.extend(term_whites.iter().map(|(_, white)| white));
         let (read, timings) = run.finish(&wanted)?;
         let computed = start.elapsed();
 
@@ -185,8 +192,13 @@ impl Runner {
                 Plane::from_samples(width, height, samples)
             };
             let [r, g, b] = [plane(), plane(), plane()];
-            let is_made = plan.goal == Goal::Display || plan.has(Stage::RadianceScaling);
+            let is_made = plan.goal == Goal::Display || SCALES.iter().any(|&stage| plan.has(stage));
             outcome.color = is_made.then_some(ColorPlanes { r, g, b });
+            outcome.term_white_levels = term_whites
+                .iter()
+                .zip(read.by_ref())
+                .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
+                .collect();
         }
         if plan.goal == Goal::Layers {
             self.describe(&mut outcome, plan, frame, read);
@@ -256,6 +268,16 @@ impl Runner {
         }
         outcome.shape.conductance = Some(conductance);
     }
+}
+
+/// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, only of layers wider ones.
+pub(super) fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
+    let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
+    let widest = match plan.goal == Goal::Layers || has_layers {
+        true => WIDEST,
+        false => 2,
+    };
+    4 * widest * frame.mask.width() as u64
 }
 
 /// The buffers of all layers, in order; those that `shape` keeps are shared with it.

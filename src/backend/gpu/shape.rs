@@ -243,7 +243,8 @@ impl Run<'_> {
 
 /// Whether the trace of the Hessian is used once, and where it is made.
 fn scales_by_gradient(plan: &Plan) -> bool {
-    plan.goal == Goal::Enhance && plan.has(Stage::RadianceScaling) && !plan.has(Stage::AutoGain)
+    let is_used_again = plan.has(Stage::AutoGain) || plan.has(Stage::AmbientOcclusion);
+    plan.goal == Goal::Enhance && plan.has(Stage::RadianceScaling) && !is_used_again
 }
 
 fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {

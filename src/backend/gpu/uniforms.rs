@@ -129,6 +129,22 @@ uniforms! {
         /// A NaN, which no kernel may spell.
         nan_bits: u32,
     }
+
+    /// Of the kernels that scale a term of the light.
+    TermParams {
+        width: u32,
+        height: u32,
+        /// Magnitude gamma, and the invariant point alpha.
+        magnitude: f32,
+        invariant_point: f32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        anisotropy: f32,
+        /// Directions of a light group.
+        light_count: u32,
+    }
+
     /// Of `density.wgsl`.
     DensityParams {
         width: u32,
