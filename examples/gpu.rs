@@ -1,15 +1,16 @@
 //! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH HEIGHT]`.
 //!
-//! Prints, for each size of features, how far the picture is from the CPU's and what each stage takes. Without a file,
-//! waves of that size, 1920x1080 where none is given.
+//! Prints, for each size of features and for drawings, how far what is made is from the CPU's and what each stage takes.
+//! Without a file, waves of that size, 1920x1080 where none is given.
 
+use relievo::backend::cpu::{self, DrawingInputs};
 use relievo::backend::gpu::{Choice, Device, Runner};
-use relievo::backend::{cpu, difference, products};
+use relievo::backend::{Product, products};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
-use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, Solver};
-use relievo::plan::{Available, Goal, Plan};
+use relievo::params::{Adaptive, LineParams, Scale, ScalingParams, ShapeParams, Solver, Style};
+use relievo::plan::{Available, Goal, Plan, ToneFrom};
 use std::time::{Duration, Instant};
 
 /// Runs of which the quickest counts.
@@ -17,7 +18,7 @@ const RUNS: usize = 9;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let frame = match arguments.as_slice() {
+    let mut frame = match arguments.as_slice() {
         [] => waves(1920, 1080),
         [width, height] => waves(width.parse()?, height.parse()?),
         [path] => {
@@ -71,25 +72,50 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
         measure(name, &runner, &plan, &frame)?;
     }
+    if !matches!(arguments.as_slice(), [_]) {
+        frame.depth = Some(plates(width, height));
+    }
+    for (name, style) in [("pen", Style::Pen), ("pencil", Style::Pencil)] {
+        let mut line = LineParams::default();
+        line.strokes.style = style;
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
+        let name = format!("hatching with contours, {name}");
+        measure(&name, &runner, &plan, &frame)?;
+    }
     Ok(())
 }
 
 fn measure(name: &str, runner: &Runner, plan: &Plan, frame: &Frame) -> relievo::Result<()> {
     let on_cpu = cpu::Runner::default();
-    let expected = on_cpu.run(plan, frame);
-    let found = runner.run(plan, frame)?;
-    let pictures = products(&found).zip(expected.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]));
-    let apart = pictures.map(|((_, found), expected)| difference(found, expected));
-    println!("\n{name}: {:.1e} apart", apart.fold(0.0, f64::max));
+    let is_drawn = plan.drawing.is_some();
+    let by_cpu = || match is_drawn {
+        true => on_cpu.draw(plan, frame, DrawingInputs::default()),
+        false => on_cpu.run(plan, frame),
+    };
+    let by_device = || match is_drawn {
+        true => runner.draw(plan, frame, DrawingInputs::default()),
+        false => runner.run(plan, frame),
+    };
+    let (found, expected) = (by_device()?, by_cpu());
+    println!("\n{name}:");
+    for product in [Product::Picture, Product::Strokes, Product::Contours] {
+        let of = |outcome| products(outcome).filter(move |(other, _)| *other == product);
+        let planes = of(&found).zip(of(&expected));
+        let apart = planes.map(|((_, found), (_, expected))| product.apart(found, expected));
+        if let Some(apart) = apart.reduce(f64::max) {
+            println!("  {product:?} {apart:.1e} apart");
+        }
+    }
     let mut stages: Vec<(&str, Duration)> = Vec::new();
     let mut whole = [Duration::MAX; 2];
     let mut processor = f64::INFINITY;
     for _ in 0..RUNS {
         let start = Instant::now();
-        on_cpu.take_back(on_cpu.run(plan, frame));
+        on_cpu.take_back(by_cpu());
         whole[0] = whole[0].min(start.elapsed());
         let (start, before) = (Instant::now(), processor_seconds());
-        let timings = runner.run(plan, frame)?.timings;
+        let timings = by_device()?.timings;
         whole[1] = whole[1].min(start.elapsed());
         processor = processor.min(processor_seconds() - before);
         stages.resize(timings.len(), ("", Duration::MAX));
@@ -135,4 +161,11 @@ fn waves(width: usize, height: usize) -> Frame {
         b: lit,
     });
     frame
+}
+
+/// Depths of plates of 160 pixels, one before the other: edges for contours to follow.
+fn plates(width: usize, height: usize) -> Plane {
+    Plane::from_fn(width, height, |x, y| {
+        5.0 + 2.0 * ((x / 160 + y / 160) % 2) as f32
+    })
 }

@@ -20,28 +20,48 @@ pub enum Product {
     MappedCurvature,
     /// The picture, enhanced or in new light, and the curvature display.
     Picture,
+    /// What strokes cover.
+    Strokes,
+    /// What contours cover.
+    Contours,
 }
 
 impl Product {
     /// All there are.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Weights,
         Self::Gradient,
         Self::Hessian,
         Self::Curvature,
         Self::MappedCurvature,
         Self::Picture,
+        Self::Strokes,
+        Self::Contours,
     ];
 
-    /// The largest difference from the CPU, relative to the largest value of the plane.
+    /// How far a plane is from the CPU's: by [`difference`], or by [`ink_difference`] where it is drawn.
+    pub fn apart(self, found: &Plane, expected: &Plane) -> f64 {
+        match self {
+            Self::Strokes | Self::Contours => ink_difference(found, expected),
+            _ => difference(found, expected),
+        }
+    }
+
+    /// The most that a plane may be [apart](Self::apart) from the CPU's.
     ///
     /// Kernels use the polynomials of the CPU, and devices round sums of products once or twice: 1e-5. A
     /// Chebyshev expansion adds up as many roundings as it has terms, and derivatives divide what is left of a
     /// difference.
+    ///
+    /// Where strokes are looked up in their texture is told to 2^-12 texels four thousand pixels from the origin, and
+    /// once or twice rounded; ink changes by a quarter per texel on average: 6e-5. A density whose rounding reaches
+    /// the next entry of the response, 1.5e-3 away, is one in a thousand: 1.5e-6. Contours are as much again as their
+    /// edges are apart, over the few pixels that are theirs.
     pub const fn tolerance(self) -> f64 {
         match self {
-            Self::Weights | Self::Gradient | Self::Picture => 1e-5,
+            Self::Weights | Self::Gradient | Self::Picture | Self::Contours => 1e-5,
             Self::Hessian | Self::Curvature | Self::MappedCurvature => 2e-5,
+            Self::Strokes => 1e-4,
         }
     }
 }
@@ -59,6 +79,9 @@ pub fn products(outcome: &Outcome) -> impl Iterator<Item = (Product, &Plane)> {
     let curvatures = curvatures.flat_map(|c| [&c.u, &c.v, &c.mean]);
     let kappa = shape.kappa.iter().chain(scales.map(|scale| &scale.kappa));
     let picture = outcome.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
+    let strokes = outcome.drawing.iter().map(|drawing| &drawing.hatching);
+    let contours = outcome.drawing.iter();
+    let contours = contours.flat_map(|drawing| &drawing.contours);
     fn of<'a>(
         product: Product,
         planes: impl Iterator<Item = &'a Plane>,
@@ -71,6 +94,8 @@ pub fn products(outcome: &Outcome) -> impl Iterator<Item = (Product, &Plane)> {
         .chain(of(Product::Curvature, curvatures))
         .chain(of(Product::MappedCurvature, kappa))
         .chain(of(Product::Picture, picture))
+        .chain(of(Product::Strokes, strokes))
+        .chain(of(Product::Contours, contours))
 }
 
 /// The largest difference between two planes, relative to the largest value of the second one, or to 1 where it has
@@ -93,3 +118,21 @@ pub fn difference(found: &Plane, expected: &Plane) -> f64 {
     });
     apart.fold(0.0, f64::max)
 }
+
+/// The mean difference between two planes of ink, 0..1, where a pixel that is further apart than a sixteenth counts as
+/// all wrong.
+///
+/// A texture of strokes is compared with thresholds, and a rounding that reaches the next one changes the ink of a pixel
+/// by a leap: the largest difference says little. A stroke in a wrong place is wrong by more than a sixteenth.
+pub fn ink_difference(found: &Plane, expected: &Plane) -> f64 {
+    let pairs = found.samples().iter().zip(expected.samples());
+    let apart = pairs.map(|(&found, &expected)| {
+        let apart = f64::from((found - expected).abs());
+        // NaN fails the comparison.
+        if apart <= LEAP { apart } else { 1.0 }
+    });
+    apart.sum::<f64>() / found.samples().len().max(1) as f64
+}
+
+/// Ink by which no rounding changes a pixel: see [`ink_difference`].
+const LEAP: f64 = 1.0 / 16.0;

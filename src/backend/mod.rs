@@ -10,4 +10,4 @@ mod importance;
 mod light_terms;
 mod palette;
 
-pub use agreement::{Product, difference, products};
+pub use agreement::{Product, difference, ink_difference, products};

@@ -3,7 +3,7 @@
 use super::args::BackendArg;
 use super::job::Job;
 use crate::backend::cpu;
-use crate::backend::cpu::Outcome;
+use crate::backend::cpu::{DrawingInputs, Outcome};
 #[cfg(feature = "gpu")]
 use crate::backend::gpu;
 use crate::error::{Error, Result};
@@ -48,36 +48,57 @@ impl Engine {
     /// Runs `plan` on `frame`.
     ///
     /// # Errors
-    /// Where a device that has to do it fails, or lacks kernels.
-    #[cfg_attr(
-        not(feature = "gpu"),
-        expect(unused_variables, reason = "only a device gives warnings")
-    )]
+    /// As [`Engine::run_on_device`].
     pub(super) fn run(&self, job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        #[cfg(feature = "gpu")]
-        if let Some(outcome) = self.on_device(job, plan, |gpu| gpu.run(plan, frame))? {
-            return Ok(outcome);
-        }
-        Ok(self.cpu.run(plan, frame))
+        let done = self.run_on_device(&|text| job.warn(text), plan, frame)?;
+        Ok(done.unwrap_or_else(|| self.cpu.run(plan, frame)))
     }
 
-    #[cfg(feature = "gpu")]
-    fn on_device(
+    /// Runs `plan`, which draws `frame`.
+    ///
+    /// # Errors
+    /// As [`Engine::run_on_device`].
+    pub(super) fn draw(
         &self,
         job: &Job,
         plan: &Plan,
-        run: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
+        frame: &Frame,
+        inputs: DrawingInputs,
+    ) -> Result<Outcome> {
+        let done = self.draw_on_device(&|text| job.warn(text), plan, frame, inputs)?;
+        Ok(done.unwrap_or_else(|| self.cpu.draw(plan, frame, inputs)))
+    }
+}
+
+/// What a device does; `None` where the CPU is to do it, which `warn` may be told of. Of a device that was lost it is said
+/// once.
+///
+/// # Errors
+/// Where the device fails, or lacks kernels, and nothing else may do it.
+#[cfg(feature = "gpu")]
+impl Engine {
+    /// Runs `plan` on `frame`.
+    pub(super) fn run_on_device(
+        &self,
+        warn: &dyn Fn(&str),
+        plan: &Plan,
+        frame: &Frame,
     ) -> Result<Option<Outcome>> {
-        self.on_device_or_warn(&|text| job.warn(text), plan, run)
+        self.on_device(warn, plan, |gpu| gpu.run(plan, frame))
     }
 
-    /// Has the device run `plan`; `None` where the CPU is to do it, which `warn` may be told of. Of a device that was lost
-    /// it is said once.
-    ///
-    /// # Errors
-    /// Where the device fails, or lacks kernels, and nothing else may do it.
-    #[cfg(feature = "gpu")]
-    pub(super) fn on_device_or_warn(
+    /// Runs `plan`, which draws `frame`.
+    pub(super) fn draw_on_device(
+        &self,
+        warn: &dyn Fn(&str),
+        plan: &Plan,
+        frame: &Frame,
+        inputs: DrawingInputs,
+    ) -> Result<Option<Outcome>> {
+        self.on_device(warn, plan, |gpu| gpu.draw(plan, frame, inputs))
+    }
+
+    fn on_device(
         &self,
         warn: &dyn Fn(&str),
         plan: &Plan,
@@ -104,6 +125,29 @@ impl Engine {
             warn(&format!("{error}: {how_long}"));
             Ok(None)
         })
+    }
+}
+
+/// Without kernels nothing is done on a device.
+#[cfg(not(feature = "gpu"))]
+impl Engine {
+    pub(super) fn run_on_device(
+        &self,
+        _: &dyn Fn(&str),
+        _: &Plan,
+        _: &Frame,
+    ) -> Result<Option<Outcome>> {
+        Ok(None)
+    }
+
+    pub(super) fn draw_on_device(
+        &self,
+        _: &dyn Fn(&str),
+        _: &Plan,
+        _: &Frame,
+        _: DrawingInputs,
+    ) -> Result<Option<Outcome>> {
+        Ok(None)
     }
 }
 
@@ -199,8 +243,7 @@ mod tests {
         let said = RefCell::new(Vec::new());
         for _ in 0..3 {
             let warn = |text: &str| said.borrow_mut().push(text.to_string());
-            let run = |gpu: &gpu::Runner| gpu.run(&plan, &frame);
-            let found = engine.on_device_or_warn(&warn, &plan, run).unwrap();
+            let found = engine.run_on_device(&warn, &plan, &frame).unwrap();
             let found = found.unwrap_or_else(|| engine.cpu.run(&plan, &frame));
             for ((_, found), (_, expected)) in products(&found).zip(products(&expected)) {
                 assert_eq!(difference(found, expected), 0.0);
@@ -219,8 +262,7 @@ mod tests {
         let (plan, frame) = waves();
         for _ in 0..2 {
             let warn = |text: &str| panic!("{text}");
-            let run = |gpu: &gpu::Runner| gpu.run(&plan, &frame);
-            let error = engine.on_device_or_warn(&warn, &plan, run).unwrap_err();
+            let error = engine.run_on_device(&warn, &plan, &frame).unwrap_err();
             assert!(matches!(error, Error::Gpu { .. }), "{error}");
             assert_eq!(crate::cli::message::exit_code(&error), 1);
         }

@@ -2,7 +2,7 @@
 
 use super::args::{OutputArgs, WorkArgs};
 use super::chosen::Chosen;
-use super::engine::refuse_gpu;
+use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::line_args::{HatchArgs, ToneArg};
@@ -10,7 +10,7 @@ use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
 use super::strips::refuse_too_large;
-use crate::backend::cpu::{Drawing, DrawingInputs, Runner, SequenceInputs, TextureCoordinates};
+use crate::backend::cpu::{Drawing, DrawingInputs, SequenceInputs, TextureCoordinates};
 use crate::compose::on_paper;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
@@ -37,7 +37,7 @@ pub(super) const LAMP: [f32; 2] = [135.0, 40.0];
 pub(super) struct HatchKit {
     art_map: Option<TonalArtMap>,
     illumination: Illumination,
-    runner: Runner,
+    engine: Engine,
     looks: Looks,
     /// The surroundings of a frame before, and their file.
     surroundings: Mutex<Option<(PathBuf, Arc<Surroundings>)>>,
@@ -76,12 +76,11 @@ impl FrameCommand for HatchArgs {
     }
 
     fn prepare(&self) -> Result<HatchKit> {
-        refuse_gpu(self.relight.work.run.backend)?;
         let looks = self.looks()?;
         Ok(HatchKit {
             art_map: self.art_map(&looks)?,
             illumination: illumination(&self.relight.light)?,
-            runner: Runner::default(),
+            engine: Engine::new(self.relight.work.run.backend)?,
             looks,
             surroundings: Mutex::default(),
             course: Mutex::default(),
@@ -120,20 +119,20 @@ impl FrameCommand for HatchArgs {
                     }),
                     ..inputs
                 };
-                let mut outcome = kit.runner.draw(&plan, &loaded.frame, inputs);
+                let mut outcome = kit.engine.draw(job, &plan, &loaded.frame, inputs)?;
                 let drawing = outcome.drawing.as_mut().expect("a drawing was planned");
                 course.coordinates = drawing.coordinates.take();
-                outcome
+                Ok(outcome)
             }),
-            _ => kit.runner.draw(&plan, &loaded.frame, inputs),
-        };
+            _ => kit.engine.draw(job, &plan, &loaded.frame, inputs),
+        }?;
         let done = Done {
             loaded,
             outcome,
             read,
         };
         let chosen = write(job, &done, kit.looks.line.strokes.dpi)?;
-        kit.runner.take_back(done.outcome);
+        kit.engine.cpu.take_back(done.outcome);
         Ok(chosen)
     }
 }

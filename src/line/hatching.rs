@@ -88,7 +88,7 @@ pub fn share(wanted: f32, family: usize, families: usize) -> f32 {
 
 /// Density from which on strokes are crossed by others, which give half of what is beyond: a third of the
 /// paper is inked by then.
-const CROSSED_FROM: f32 = 0.4;
+pub(crate) const CROSSED_FROM: f32 = 0.4;
 
 /// A texture turned to a level's angle: texture coordinates of pixel coordinates, rows down.
 #[derive(Debug, Clone, Copy)]
@@ -133,6 +133,14 @@ impl<'a> Hatching<'a> {
             sets,
             turned,
         }
+    }
+
+    /// How the texture lies at every level, set by set: cosine and sine of its turn, times texels per pixel, and its
+    /// offset across and down.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn turned(&self) -> impl Iterator<Item = [f32; 4]> {
+        let turned = self.turned.iter();
+        turned.map(|turned| [turned.cos, turned.sin, turned.offset.x, turned.offset.y])
     }
 
     /// Draws over what is white so far.

@@ -2,6 +2,7 @@
 //! files, threads or clock.
 
 pub mod contours;
+pub(crate) mod density;
 pub mod direction;
 pub mod direction_field;
 pub mod hatching;

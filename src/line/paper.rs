@@ -12,11 +12,15 @@ pub fn grain(x: i32, y: i32, seed: u64) -> f32 {
 #[inline]
 pub(super) fn rough(at: impl Fn(i32, i32) -> f32, spread: f32) -> f32 {
     let beside = at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1);
-    let mean = 0.4 * at(0, 0) + 0.15 * beside;
+    let mean = HERE * at(0, 0) + BESIDE * beside;
     (0.5 + spread * (mean - 0.5)).clamp(0.0, 1.0)
 }
 
-const SPREAD: f32 = 1.8;
+/// Shares of a pixel's own noise and of that of each of the four beside it.
+pub(crate) const HERE: f32 = 0.4;
+pub(crate) const BESIDE: f32 = 0.15;
+
+pub(crate) const SPREAD: f32 = 1.8;
 
 /// What a pencil line that would cover `coverage` leaves on paper as high as `grain`: graphite sits on what
 /// stands out, and a soft rim breaks up before its middle does.
@@ -27,20 +31,28 @@ pub fn graphite(coverage: f32, grain: f32) -> f32 {
 }
 
 /// How deep the paper's valleys are against the pressure of a line.
-const GRIP: f32 = 0.7;
+pub(crate) const GRIP: f32 = 0.7;
 
 /// What graphite covers where it is pressed hard.
-const LIGHTEST_BLACK: f32 = 0.9;
+pub(crate) const LIGHTEST_BLACK: f32 = 0.9;
 
 /// Mixes the bits of a place and a seed.
 fn hash(x: i32, y: i32, seed: u64) -> u64 {
     let place = u64::from(x as u32) << 32 | u64::from(y as u32);
-    let mut mixed = place ^ seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    for _ in 0..2 {
-        mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    let mut mixed = place ^ spread_seed(seed);
+    for _ in 0..HASH_ROUNDS {
+        mixed = (mixed ^ (mixed >> 32)).wrapping_mul(HASH_FACTOR);
     }
     mixed ^ (mixed >> 32)
 }
+
+/// A seed by all of its bits: neighbours among seeds have nothing in common.
+pub(crate) fn spread_seed(seed: u64) -> u64 {
+    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+}
+
+pub(crate) const HASH_ROUNDS: u32 = 2;
+pub(crate) const HASH_FACTOR: u64 = 0xd6e8_feb8_6659_fd93;
 
 fn unit(bits: u64) -> f32 {
     (bits >> 40) as f32 / (1 << 24) as f32

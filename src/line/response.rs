@@ -7,7 +7,7 @@ pub(super) struct Response {
 }
 
 /// Entries of the response, from density 0 to [`MAX_DENSITY`].
-const ENTRIES: usize = 4096;
+pub(crate) const ENTRIES: usize = 4096;
 
 /// Density past which paper is black: 0.2 % stay white.
 pub const MAX_DENSITY: f32 = 6.0;
@@ -31,6 +31,12 @@ impl Response {
         Self {
             thresholds: (0..=ENTRIES).map(threshold).collect(),
         }
+    }
+
+    /// All thresholds, entry by entry.
+    #[cfg(feature = "gpu")]
+    pub(super) fn thresholds(&self) -> &[f32] {
+        &self.thresholds
     }
 
     /// The entry of a density: apart from the look-up itself, which no vector does.

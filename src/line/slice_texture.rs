@@ -37,6 +37,12 @@ impl SliceTexture {
         }
     }
 
+    /// How much ink each texel of each slice holds, row by row.
+    #[cfg(feature = "gpu")]
+    pub(super) fn samples(&self) -> impl Iterator<Item = f32> {
+        self.slices.iter().flatten().copied()
+    }
+
     /// The threshold of the last slice.
     pub(super) fn top(&self) -> f32 {
         (self.slices.len() - 1) as f32

@@ -80,6 +80,15 @@ impl StrokeTexture {
         u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
     }
 
+    /// Every texel with the one right of it, row by row.
+    #[cfg(feature = "gpu")]
+    pub(super) fn pairs(&self) -> impl Iterator<Item = u32> {
+        let (side, stride) = (self.side, self.side + 1);
+        let places =
+            (0..side).flat_map(move |row| (0..side).map(move |column| row * stride + column));
+        places.map(|place| self.pair((RAMP * place) as u32))
+    }
+
     /// The mean ink at even steps of the threshold, measured as a drawing has it: anywhere between texels.
     pub(super) fn mean_inks(&self, random: &mut Random) -> Vec<f64> {
         // Ink rises over each ramp by the same amount per step: its second differences are at the ends.

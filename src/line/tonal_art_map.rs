@@ -11,6 +11,8 @@
 //! Practice: thresholds are in no unit; the darkness wanted is turned into one by measured coverage, so the
 //! mean of a drawn tone is that tone.
 
+#[cfg(feature = "gpu")]
+pub(crate) use super::response::ENTRIES;
 pub use super::response::MAX_DENSITY;
 
 use super::hatching::BATCH;
@@ -35,6 +37,17 @@ pub struct TonalArtMap {
 enum Texture {
     Strokes(StrokeTexture),
     Slices(SliceTexture),
+}
+
+/// The texels of a map, row by row.
+#[cfg(feature = "gpu")]
+#[derive(Debug)]
+pub(crate) enum Texels {
+    /// Of each texel, from the lowest byte up, where it begins to take ink and where it is full, and both of the one
+    /// right of it.
+    Strokes(Vec<u32>),
+    /// How much ink each holds, slice by slice from paper to black.
+    Slices(Vec<f32>),
 }
 
 impl TonalArtMap {
@@ -81,6 +94,21 @@ impl TonalArtMap {
         match &self.texture {
             Texture::Strokes(texture) => [texture.side; 2],
             Texture::Slices(texture) => [texture.width, texture.height],
+        }
+    }
+
+    /// All thresholds, from density 0 to [`MAX_DENSITY`].
+    #[cfg(feature = "gpu")]
+    pub(crate) fn thresholds(&self) -> &[f32] {
+        self.response.thresholds()
+    }
+
+    /// The texels of the map, as kernels on a device take them.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn texels(&self) -> Texels {
+        match &self.texture {
+            Texture::Strokes(texture) => Texels::Strokes(texture.pairs().collect()),
+            Texture::Slices(texture) => Texels::Slices(texture.samples().collect()),
         }
     }
 

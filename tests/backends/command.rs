@@ -1,7 +1,7 @@
 //! The program with `--backend gpu`.
 
 use super::on_gpu;
-use relievo::backend::difference;
+use relievo::backend::{Product, difference};
 use relievo::frame::Plane;
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use std::path::Path;
@@ -31,7 +31,7 @@ fn channels(path: &Path) -> Vec<(String, Plane)> {
 fn the_program_writes_what_the_cpu_writes() {
     on_gpu(|_| {
         let desk = tempfile::tempdir().unwrap();
-        for work in ["enhance", "shape"] {
+        for work in ["enhance", "shape", "hatch"] {
             for backend in ["cpu", "gpu"] {
                 let words = format!(
                     "{work} -o {backend}.exr --layers results --depth-of-output float --backend {backend}"
@@ -43,8 +43,12 @@ fn the_program_writes_what_the_cpu_writes() {
                 ["cpu.exr", "gpu.exr"].map(|name| channels(&desk.path().join(name)));
             assert_eq!(found.len(), expected.len());
             for ((name, found), (_, expected)) in found.iter().zip(&expected) {
+                if work == "hatch" {
+                    let apart = Product::Strokes.apart(found, expected);
+                    let allowed = Product::Strokes.tolerance();
+                    assert!(apart < allowed, "{work}: {name} is off by {apart:e}");
                 // Directions leap where two curvatures are alike.
-                if !name.starts_with("direction_view") {
+                } else if !name.starts_with("direction_view") {
                     let apart = difference(found, expected);
                     assert!(apart < 2e-5, "{work}: {name} is off by {apart:e}");
                 }
@@ -56,16 +60,24 @@ fn the_program_writes_what_the_cpu_writes() {
 #[test]
 fn what_has_no_kernels_is_refused_by_name_and_done_otherwise() {
     let desk = tempfile::tempdir().unwrap();
-    let words = "relight --light 30,40 -o lit.png";
-    let refused = relievo(desk.path(), &format!("{words} --backend gpu"));
-    let line = String::from_utf8(refused.stderr).unwrap();
-    assert_eq!(refused.status.code(), Some(2), "{line}");
-    assert!(
-        line.contains("--backend") && line.lines().count() == 1,
-        "{line}"
-    );
-    let done = relievo(desk.path(), &format!("{words} --backend auto"));
-    assert!(done.status.success() && desk.path().join("lit.png").exists());
+    for words in [
+        "relight --light 30,40 -o lit.png",
+        "hatch --light 30,40 -o lit.png",
+        "hatch --style lines -o lit.png",
+    ] {
+        on_gpu(|_| {
+            let refused = relievo(desk.path(), &format!("{words} --backend gpu"));
+            let line = String::from_utf8(refused.stderr).unwrap();
+            assert_eq!(refused.status.code(), Some(2), "{line}");
+            assert!(
+                line.contains("--backend") && line.lines().count() == 1,
+                "{line}"
+            );
+        });
+        let done = relievo(desk.path(), &format!("{words} --backend auto"));
+        assert!(done.status.success() && desk.path().join("lit.png").exists());
+        std::fs::remove_file(desk.path().join("lit.png")).unwrap();
+    }
 }
 
 /// Runs the program on frames 1 to 3 of a sequence, on a machine without any adapter.

@@ -25,7 +25,7 @@ fn light(frame: &Frame, size: f32, wave: f32) -> ColorPlanes {
 }
 
 /// Two lobes, one with all of its layers, one with light alone.
-fn with_lobes(mut frame: Frame) -> Frame {
+pub(super) fn with_lobes(mut frame: Frame) -> Frame {
     let diffuse = LobeLayers {
         lobe: Lobe::Diffuse,
         direct: Some(light(&frame, 0.2, 0.11)),

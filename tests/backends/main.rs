@@ -4,6 +4,7 @@
 mod common;
 
 mod command;
+mod drawing;
 mod hostile;
 mod kernels;
 mod light_layers;
@@ -14,7 +15,7 @@ mod report;
 use common::scenes::{Scene, Surface};
 use relievo::backend::cpu::{self, Outcome};
 use relievo::backend::gpu::{self, Choice, Device};
-use relievo::backend::{Product, difference, products};
+use relievo::backend::{Product, products};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
@@ -49,6 +50,15 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame);
     let found = runner.run(plan, frame).unwrap();
+    let layers = plan.goal == Goal::Layers;
+    assert_alike(name, &found, &expected, |product| {
+        layers != (product == Product::Picture)
+    });
+}
+
+/// Asserts that outcomes agree in the products that are `wanted`.
+#[track_caller]
+fn assert_alike(name: &str, found: &Outcome, expected: &Outcome, wanted: impl Fn(Product) -> bool) {
     for (name, found, expected) in [
         ("gain", found.gain, expected.gain),
         ("white level", found.white_level, expected.white_level),
@@ -60,30 +70,21 @@ fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
         };
         assert!(apart < 1e-5, "{name} {found:?}, not {expected:?}");
     }
-    let found: Vec<_> = products(&found).collect();
+    let found: Vec<_> = products(found).collect();
     let mut worst: Vec<(Product, f64)> = Vec::new();
-    for (product, expected) in products_of(plan, &expected) {
+    for (product, expected) in products(expected).filter(|(product, _)| wanted(*product)) {
         let mut same = found.iter().filter(|(other, _)| *other == product);
         let count = worst.iter().filter(|(other, _)| *other == product).count();
         let (_, found) = same.nth(count).unwrap_or_else(|| {
             panic!("{name}: {product:?} is missing");
         });
-        worst.push((product, difference(found, expected)));
+        worst.push((product, product.apart(found, expected)));
     }
     for (product, apart) in worst {
         let allowed = product.tolerance();
         println!("{name}: {product:?} {apart:.1e} of {allowed:.0e}");
         assert!(apart <= allowed, "{name}: {product:?} is off by {apart:e}");
     }
-}
-
-/// The products that a plan is for, of those that the CPU makes on the way.
-fn products_of<'a>(
-    plan: &Plan,
-    outcome: &'a Outcome,
-) -> impl Iterator<Item = (Product, &'a Plane)> {
-    let layers = plan.goal == Goal::Layers;
-    products(outcome).filter(move |(product, _)| layers != (*product == Product::Picture))
 }
 
 /// Waves seen from near, with a picture.

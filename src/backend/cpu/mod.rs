@@ -8,6 +8,8 @@ mod direction_field;
 mod direction_fill;
 mod drawing;
 mod edges;
+#[cfg(feature = "gpu")]
+mod for_devices;
 mod kept;
 mod light;
 mod light_layers;
@@ -37,6 +39,8 @@ use crate::params::ScalingParams;
 use crate::plan::{Goal, Plan, Stage};
 pub use drawing::TextureCoordinates;
 use edges::Weights;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use for_devices::{contour_lines, contour_pieces, surface_directions};
 use kept::Kept;
 use light_layers::Curvature;
 pub use live::LiveRunner;
@@ -61,16 +65,6 @@ pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
 /// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.
 pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     simd::Simd::widest().map_row(function, out, x);
-}
-
-/// The directions of the surface's own curvature, for other backends.
-#[cfg(feature = "gpu")]
-pub(in crate::backend) fn surface_directions(
-    plan: &Plan,
-    frame: &Frame,
-    conductance: &Plane,
-) -> Vector2Planes {
-    normal_rays::directions(plan, frame, conductance, &memory::Memory::default())
 }
 
 /// The white levels of the terms that the light of a frame is scaled by, for other backends.

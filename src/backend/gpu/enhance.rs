@@ -24,6 +24,17 @@ pub(super) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
 }
 
 impl Run<'_> {
+    /// Chooses the gain of curvature, where it is left open.
+    pub(super) fn choose_gain(&mut self, plan: &Plan, shape: &Shape) {
+        if plan.has(Stage::AutoGain) && plan.scaling.curvature_gain == Adaptive::Auto {
+            let size = self.surface.size.map(|side| side as usize);
+            let factor = plan.resolution_factor as f32;
+            let search = Searching::new(self, Search::Gain { size, factor });
+            let chosen = self.chosen.clone();
+            search.choose(self, shape.of_gain(), &chosen);
+        }
+    }
+
     /// Scales a picture in place, by a white level that is chosen first where it is not known.
     pub(super) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
         if !plan.has(Stage::RadianceScaling) {

@@ -1,8 +1,8 @@
 //! The kernels: their WGSL, put together of shared parts, and the numbers that they share with Rust.
 
 use super::uniforms::{
-    CountParams, DiffusionParams, EdgeParams, HessianParams, NarrowParams, ScaleParams, SizeParams,
-    TermParams, Uniforms,
+    ContourParams, CountParams, DensityParams, DiffusionParams, EdgeParams, HessianParams,
+    NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
 use crate::backend::palette;
@@ -10,6 +10,10 @@ use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
 use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
+use crate::line::density::{LEAST_ALPHA, STEPS};
+use crate::line::hatching::CROSSED_FROM;
+use crate::line::paper;
+use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY};
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
 use std::f32::consts;
@@ -40,6 +44,9 @@ pub(super) const SEARCH_PASSES: u32 = u32::BITS.div_ceil(SEARCH_BITS);
 /// Bins that it counts.
 pub(super) const SEARCH_BINS: u32 = 1 << SEARCH_BITS;
 
+/// Columns and rows of a tile that contours are drawn in, by a workgroup.
+pub(super) const TILE_SIDE: u32 = 16;
+
 /// Where the numbers stand that are chosen from the whole picture.
 pub(super) const GAIN: u32 = 0;
 pub(super) const WHITE: u32 = 1;
@@ -65,6 +72,10 @@ pub(super) enum Kernel {
     ChangePicture,
     Occlude,
     CurvatureDisplay,
+    Density,
+    Strokes,
+    PictureStrokes,
+    Contours,
 }
 
 macro_rules! wgsl {
@@ -75,7 +86,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 18] = [
+    const ALL: [Self; 22] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -94,6 +105,10 @@ impl Kernel {
         Self::ChangePicture,
         Self::Occlude,
         Self::CurvatureDisplay,
+        Self::Density,
+        Self::Strokes,
+        Self::PictureStrokes,
+        Self::Contours,
     ];
 
     /// The whole module.
@@ -211,6 +226,24 @@ impl Kernel {
                 SizeParams::WGSL,
                 &[index, covered, mapped, wgsl!("curvature_display")],
             ),
+            Self::Density => (DensityParams::WGSL, &[index, covered, wgsl!("density")]),
+            Self::Strokes => (
+                StrokeParams::WGSL,
+                &[index, covered, wgsl!("stroke_texture"), wgsl!("hatching")],
+            ),
+            Self::PictureStrokes => (
+                StrokeParams::WGSL,
+                &[index, covered, wgsl!("slice_texture"), wgsl!("hatching")],
+            ),
+            Self::Contours => (
+                ContourParams::WGSL,
+                &[
+                    index,
+                    wgsl!("round_stroke"),
+                    wgsl!("paper"),
+                    wgsl!("contours"),
+                ],
+            ),
         };
         let mut source = constants();
         source += uniforms;
@@ -245,6 +278,10 @@ fn constants() -> String {
         ("GAIN", GAIN),
         ("WHITE", WHITE),
         ("FRAC_1_SQRT_2_BITS", consts::FRAC_1_SQRT_2.to_bits()),
+        ("TILE_SIDE", TILE_SIDE),
+        ("HASH_ROUNDS", paper::HASH_ROUNDS),
+        ("HASH_FACTOR_LOW", paper::HASH_FACTOR as u32),
+        ("HASH_FACTOR_HIGH", (paper::HASH_FACTOR >> 32) as u32),
         // No key of a finite number.
         ("NOTHING", u32::MAX),
     ];
@@ -269,6 +306,17 @@ fn constants() -> String {
         ("MAX_EXPONENT", MAX_EXPONENT),
         ("MAX_RADIANCE", MAX_RADIANCE),
         ("MIN_ALBEDO", MIN_ALBEDO),
+        ("DENSITY_STEPS", STEPS as f32),
+        ("LEAST_ALPHA", LEAST_ALPHA),
+        ("MAX_DENSITY", MAX_DENSITY),
+        ("RESPONSE_ENTRIES", ENTRIES as f32),
+        ("ENTRIES_PER_DENSITY", ENTRIES as f32 / MAX_DENSITY),
+        ("CROSSED_FROM", CROSSED_FROM),
+        ("GRAIN_HERE", paper::HERE),
+        ("GRAIN_BESIDE", paper::BESIDE),
+        ("GRAIN_SPREAD", paper::SPREAD),
+        ("GRIP", paper::GRIP),
+        ("LIGHTEST_BLACK", paper::LIGHTEST_BLACK),
     ];
     for (name, value) in real {
         line(&mut text, format_args!("const {name}: f32 = {value:e}f;"));

@@ -1,16 +1,20 @@
 //! The plan on a device of Vulkan, Metal or DirectX 12, as compute passes over storage buffers.
 //!
-//! A kernel in `shaders` does what the file of the same name in [`crate::shape`] or [`crate::light`] does, by the same
-//! statements in the same order; numbers and structs come from Rust. Between the stages nothing is read back.
+//! A kernel in `shaders` does what the file of the same name in [`crate::shape`], [`crate::light`] or [`crate::line`] does,
+//! by the same statements in the same order; numbers and structs come from Rust. Between the stages nothing is read back,
+//! but for the edges of a drawing: directions and lines along edges are found on the CPU.
 
 mod buffers;
 mod choose;
+mod contours;
 mod device;
 mod diffusion;
+mod draw;
 mod enhance;
 #[cfg(test)]
 mod failures;
 mod fault;
+mod hatching;
 mod kernels;
 mod light_layers;
 mod limits;

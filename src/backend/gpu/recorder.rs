@@ -209,9 +209,6 @@ impl<'d> Recorder<'d> {
     /// # Errors
     /// [`crate::Error::Gpu`] where the device fails.
     pub(super) fn run(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
-        if let Some(error) = self.failed.take() {
-            return Err(error);
-        }
         let recorded = self.start.elapsed();
         let mut start = Instant::now();
         let mut kernels = None;
@@ -220,13 +217,13 @@ impl<'d> Recorder<'d> {
                 .device
                 .device
                 .create_command_encoder(&Default::default());
-            let recorded = std::mem::replace(&mut self.encoder, copies);
-            self.device.queue.submit([recorded.finish()]);
-            wait_for(&self.device.device).map_err(|error| self.device.error(error))?;
+            let encoder = std::mem::replace(&mut self.encoder, copies);
+            self.device.queue.submit([encoder.finish()]);
+            wait_for(&self.device.device, None).map_err(|error| self.device.error(error))?;
             kernels = Some(start.elapsed());
             start = Instant::now();
         }
-        let (read, stages) = self.read(wanted)?;
+        let (read, stages) = self.submit(wanted).read()?;
         let waited = start.elapsed();
         let mut timings = vec![(RECORD, recorded)];
         let (stages, read_back) = match (stages, kernels) {
@@ -244,8 +241,8 @@ impl<'d> Recorder<'d> {
         Ok((read, timings))
     }
 
-    /// Runs what is recorded, and reads `wanted` and the clock.
-    fn read(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Option<Timings>)> {
+    /// Has the device begin with what was recorded, and records on from there; what `wanted` then hold can be read.
+    pub(super) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
         let device = &self.device.device;
         let readable = |size: u64| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -261,8 +258,8 @@ impl<'d> Recorder<'d> {
             self.copy(buffer, &target);
             to_read.push(target);
         }
-        let mut ticks = None;
-        if let Some((set, stages)) = &self.clock {
+        let mut timed = None;
+        if let Some((set, stages)) = self.clock.take() {
             let readings = 2 * stages.len() as u32;
             let size = u64::from(readings.max(1)) * 8;
             let resolved = device.create_buffer(&wgpu::BufferDescriptor {
@@ -272,30 +269,69 @@ impl<'d> Recorder<'d> {
                 mapped_at_creation: false,
             });
             self.encoder
-                .resolve_query_set(set, 0..readings, &resolved, 0);
+                .resolve_query_set(&set, 0..readings, &resolved, 0);
             let target = readable(size);
             self.encoder
                 .copy_buffer_to_buffer(&resolved, 0, &target, 0, size);
             to_read.push(target);
-            ticks = Some(stages.clone());
+            timed = Some(stages);
         }
-        self.device.queue.submit([self.encoder.finish()]);
-        wait(self.device, &to_read)?;
-        let times = match ticks.zip(self.device.tick_ns) {
+        let next = Self::new(self.device, self.programs);
+        let recorded = std::mem::replace(self, next);
+        let submission = self.device.queue.submit([recorded.encoder.finish()]);
+        Submitted {
+            device: self.device,
+            submission,
+            to_read,
+            timed,
+            failed: recorded.failed,
+        }
+    }
+}
+
+/// What a device works on.
+pub(super) struct Submitted<'d> {
+    device: &'d Device,
+    submission: wgpu::SubmissionIndex,
+    /// Copies of what is wanted, and the readings of the clock last.
+    to_read: Vec<wgpu::Buffer>,
+    /// The stages that were timed, where the device has a clock.
+    timed: Option<Vec<&'static str>>,
+    /// Why it came to nothing.
+    failed: Option<Error>,
+}
+
+impl Submitted<'_> {
+    /// Waits until the device is done with it, but not with what it was given since; hands out what was wanted, and the
+    /// time of each stage where the device has a clock.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub(super) fn read(mut self) -> Result<(Vec<Vec<f32>>, Option<Timings>)> {
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        wait(self.device, &self.to_read, self.submission)?;
+        let times = match self.timed.zip(self.device.tick_ns) {
             Some((stages, tick_ns)) => {
-                let clock = to_read.pop().expect("the clock is read last");
+                let clock = self.to_read.pop().expect("the clock is read last");
                 let readings = contents(self.device, &clock)?;
                 Some(times(&stages, &readings, tick_ns))
             }
             None => None,
         };
-        let numbers = to_read.iter().map(|buffer| contents(self.device, buffer));
+        let numbers = self.to_read.iter();
+        let numbers = numbers.map(|buffer| contents(self.device, buffer));
         Ok((numbers.collect::<Result<_>>()?, times))
     }
 }
 
-/// Waits until buffers can be read.
-fn wait(device: &Device, buffers: &[wgpu::Buffer]) -> Result<()> {
+/// Waits until buffers can be read that a submission fills.
+fn wait(
+    device: &Device,
+    buffers: &[wgpu::Buffer],
+    submission: wgpu::SubmissionIndex,
+) -> Result<()> {
     let (sender, receiver) = mpsc::channel();
     for buffer in buffers {
         let sender = sender.clone();
@@ -306,7 +342,7 @@ fn wait(device: &Device, buffers: &[wgpu::Buffer]) -> Result<()> {
                 let _ = sender.send(mapped);
             });
     }
-    wait_for(&device.device).map_err(|error| device.error(error))?;
+    wait_for(&device.device, Some(submission)).map_err(|error| device.error(error))?;
     for _ in buffers {
         // All that there is to be told was told while it was waited for.
         let mapped = receiver.try_recv().map_err(|error| device.error(error))?;

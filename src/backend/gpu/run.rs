@@ -53,12 +53,17 @@ impl<'a> Run<'a> {
 
     /// Copies numbers to the device.
     pub(super) fn hold(&mut self, numbers: &[f32]) -> wgpu::Buffer {
+        self.hold_bytes(bytemuck::cast_slice(numbers))
+    }
+
+    /// Copies whatever it is to the device.
+    pub(super) fn hold_bytes(&mut self, bytes: &[u8]) -> wgpu::Buffer {
         let device = self.device;
         let buffer = Upload {
             device,
             buffers: self.buffers,
         }
-        .bytes(bytemuck::cast_slice(numbers));
+        .bytes(bytes);
         self.held.push(buffer.clone());
         buffer
     }

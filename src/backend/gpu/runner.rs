@@ -1,10 +1,10 @@
 //! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
 
 use super::buffers::Buffers;
-use super::choose::{Search, Searching};
 use super::device::Device;
 use super::enhance::known_white_level;
 use super::fault::{Fault, in_memory, watched};
+use super::hatching::KeptTexture;
 use super::kernels::{GAIN, WHITE};
 use super::light_layers::{TermWhites, WIDEST};
 use super::recorder::{Programs, add_timings};
@@ -13,7 +13,7 @@ use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
 use super::surface::Upload;
 use super::wait::wait_for;
-use crate::backend::cpu::{CurvaturePlanes, Outcome, ScaleShape, surface_directions};
+use crate::backend::cpu::{self, CurvaturePlanes, Outcome, ScaleShape, surface_directions};
 use crate::backend::device_times::{READ_BACK, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
@@ -22,8 +22,15 @@ use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
 use std::time::Instant;
 
+/// Stages that have no kernels.
+const ON_THE_CPU: [Stage; 3] = [
+    Stage::SpecularTrace,
+    Stage::TextureCoordinates,
+    Stage::Streamlines,
+];
+
 /// Stages that change the picture.
-const SCALES: [Stage; 4] = [
+pub(super) const SCALES: [Stage; 4] = [
     Stage::RadianceScaling,
     Stage::LightLobes,
     Stage::LightGroups,
@@ -36,6 +43,10 @@ pub struct Runner {
     device: Device,
     programs: Programs,
     pub(super) buffers: Buffers,
+    /// The texture of strokes.
+    pub(super) texture: KeptTexture,
+    /// What makes the parts of drawings that have no kernels.
+    pub(super) host: cpu::Runner,
 }
 
 impl Runner {
@@ -45,6 +56,8 @@ impl Runner {
             device,
             programs: Programs::default(),
             buffers: Buffers::default(),
+            texture: KeptTexture::default(),
+            host: cpu::Runner::default(),
         }
     }
 
@@ -55,8 +68,13 @@ impl Runner {
 
     /// Whether all stages of `plan` have kernels.
     pub fn can_run(plan: &Plan) -> bool {
-        let is_known = matches!(plan.goal, Goal::Layers | Goal::Display | Goal::Enhance);
-        is_known && plan.drawing.is_none()
+        let is_known = match plan.goal {
+            Goal::Layers | Goal::Display => plan.drawing.is_none(),
+            Goal::Enhance => true,
+            Goal::Picture => plan.drawing.is_some(),
+            Goal::Relight => false,
+        };
+        is_known && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
     }
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
@@ -72,6 +90,7 @@ impl Runner {
     /// If the plan was made for other inputs than the frame holds, or [`Runner::can_run`] is false.
     pub fn run(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
         assert!(Self::can_run(plan), "every stage has a kernel");
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
         let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
         in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
             self.attempt(plan, frame, plane_bytes)
@@ -85,15 +104,23 @@ impl Runner {
         frame: &Frame,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
+        self.guarded(|| self.run_parts(plan, frame, plane_bytes))
+    }
+
+    /// Does `work` on a device that is there; where it fails nothing of it is kept.
+    pub(super) fn guarded<T>(
+        &self,
+        work: impl FnOnce() -> std::result::Result<T, Fault>,
+    ) -> std::result::Result<T, Fault> {
         if self.device.is_lost() {
             return Err(self.device.error("is gone").into());
         }
-        let done = watched(&self.device, || self.run_parts(plan, frame, plane_bytes));
+        let done = watched(&self.device, work);
         if done.is_err() {
             self.buffers.forget();
             self.programs.forget();
             // Memory is free when nothing uses it any more; that a lost device does not answer was told.
-            let _ = wait_for(&self.device.device);
+            let _ = wait_for(&self.device.device, None);
         }
         done
     }
@@ -143,7 +170,7 @@ impl Runner {
         if self.device.is_timed_apart {
             self.device.queue.submit([]);
             // Where it fails, so does the run.
-            let _ = wait_for(&self.device.device);
+            let _ = wait_for(&self.device.device, None);
         }
         Run::new(&self.device, &self.programs, &self.buffers, surface, chosen)
     }
@@ -161,13 +188,7 @@ impl Runner {
 
         let shape = plan.has(Stage::Conductance).then(|| {
             let shape = run.find_shape(plan, frame);
-            if plan.has(Stage::AutoGain) && plan.scaling.curvature_gain == Adaptive::Auto {
-                let factor = plan.resolution_factor as f32;
-                let size = [width, height];
-                let search = Searching::new(&mut run, Search::Gain { size, factor });
-                let chosen = run.chosen.clone();
-                search.choose(&mut run, shape.of_gain(), &chosen);
-            }
+            run.choose_gain(plan, &shape);
             shape
         });
         let mut layers = Vec::new();
@@ -278,8 +299,8 @@ fn describe(
     shape.conductance = Some(conductance);
 }
 
-/// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, but for layers.
-fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
+/// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, only of layers wider ones.
+pub(super) fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
     let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
     let widest = match plan.goal == Goal::Layers || has_layers {
         true => WIDEST,
@@ -311,7 +332,7 @@ fn layers_of(run: &mut Run, plan: &Plan, shape: &Shape) -> Vec<wgpu::Buffer> {
 }
 
 /// The components of vectors that stand one after the other.
-fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
+pub(super) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
     let (vectors, _) = samples.as_chunks::<N>();
     std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

@@ -9,6 +9,14 @@ use crate::plan::{Goal, Plan, Stage};
 use crate::shape::crease::CreaseDetector;
 use glam::DVec2;
 
+/// Edges on the device, and the gradient before diffusion.
+pub(super) struct Edges {
+    pub(super) conductance: wgpu::Buffer,
+    /// Silhouette and crease weight of each pixel, where they are wanted.
+    pub(super) weights: Option<wgpu::Buffer>,
+    pub(super) gradient: wgpu::Buffer,
+}
+
 /// The descriptor on the device, as far as a plan asks for it.
 pub(super) struct Shape {
     pub(super) conductance: wgpu::Buffer,
@@ -61,7 +69,17 @@ pub(super) struct Curvatures {
 impl Run<'_> {
     /// Finds the shape that `plan` asks for.
     pub(super) fn find_shape(&mut self, plan: &Plan, frame: &Frame) -> Shape {
-        let (conductance, weights, gradient) = self.edges(plan, frame);
+        let edges = self.edges(plan, frame);
+        self.shape_along(plan, edges)
+    }
+
+    /// The shape between edges.
+    pub(super) fn shape_along(&mut self, plan: &Plan, edges: Edges) -> Shape {
+        let Edges {
+            conductance,
+            weights,
+            gradient,
+        } = edges;
         let mut gradients = match plan.has(Stage::Diffusion) {
             true => self.diffused(plan, gradient, &conductance),
             false => {
@@ -89,11 +107,8 @@ impl Run<'_> {
         }
     }
 
-    fn edges(
-        &mut self,
-        plan: &Plan,
-        frame: &Frame,
-    ) -> (wgpu::Buffer, Option<wgpu::Buffer>, wgpu::Buffer) {
+    /// Edges, and the gradient before diffusion.
+    pub(super) fn edges(&mut self, plan: &Plan, frame: &Frame) -> Edges {
         let [width, height] = self.surface.size;
         let plane = self.surface.plane_bytes();
         let log_depth = plan.has(Stage::DepthSilhouettes).then(|| {
@@ -148,7 +163,11 @@ impl Run<'_> {
                 None
             }
         };
-        (conductance, weights, gradient)
+        Edges {
+            conductance,
+            weights,
+            gradient,
+        }
     }
 
     /// The Hessian of a gradient, or its trace alone.

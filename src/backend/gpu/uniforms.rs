@@ -144,4 +144,46 @@ uniforms! {
         /// Directions of a light group.
         light_count: u32,
     }
+
+    /// Of `density.wgsl`.
+    DensityParams {
+        width: u32,
+        height: u32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+    }
+
+    /// Of `hatching.wgsl`.
+    StrokeParams {
+        width: u32,
+        height: u32,
+        /// Coordinates of the middle of the first pixel.
+        first_x: f32,
+        first_y: f32,
+        levels: u32,
+        levels_per_radian: f32,
+        sets: u32,
+        /// 1 over the sets.
+        share_of_set: f32,
+        /// Number of the family, and how many there are.
+        family: u32,
+        families: u32,
+        texture_width: u32,
+        texture_height: u32,
+        /// Slices of a texture of pictures.
+        slices: u32,
+    }
+
+    /// Of `contours.wgsl`.
+    ContourParams {
+        width: u32,
+        height: u32,
+        /// Coordinates of the first pixel.
+        x0: i32,
+        y0: i32,
+        /// Of the grain, where there is any.
+        seed_low: u32,
+        seed_high: u32,
+    }
 }

@@ -9,12 +9,20 @@ thread_local! {
     static WAITS: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Waits until the device has done all that was submitted.
+/// Waits until the device has done what was submitted with that index, or else all of it.
 ///
 /// # Errors
 /// Why it will not, where it was lost.
-pub(super) fn wait_for(device: &wgpu::Device) -> Result<(), String> {
-    let wait = || device.poll(wgpu::PollType::wait_indefinitely());
+pub(super) fn wait_for(
+    device: &wgpu::Device,
+    submission_index: Option<wgpu::SubmissionIndex>,
+) -> Result<(), String> {
+    let wait = || {
+        device.poll(wgpu::PollType::Wait {
+            submission_index,
+            timeout: None,
+        })
+    };
     match without_panic(wait)? {
         Ok(_) => Ok(()),
         Err(error) => Err(error.to_string()),

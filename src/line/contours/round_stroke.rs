@@ -34,6 +34,23 @@ impl RoundStroke {
         }
     }
 
+    /// Where it begins, the way to its end, and the numbers from which it tells what it covers, in their order.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn numbers(&self) -> [f32; 8] {
+        let Self {
+            from,
+            along,
+            per_square,
+            radius,
+            growth,
+            half_pixel,
+        } = *self;
+        let [from, along] = [from.to_array(), along.to_array()];
+        [
+            from[0], from[1], along[0], along[1], per_square, radius, growth, half_pixel,
+        ]
+    }
+
     /// How far from the line it covers anything.
     fn reach(&self) -> f32 {
         self.radius.max(self.radius + self.growth) + self.half_pixel

@@ -131,7 +131,7 @@ fn add(rows: &mut [f32], own: &mut [f32], width: usize, line: &[Piece]) {
 
 /// The pieces that a line is drawn in: as few as its bends allow, and for wide lines fewer still, so that
 /// the time it takes grows with the pixels covered alone.
-fn strokes(line: &DrawnLine) -> Vec<RoundStroke> {
+pub(in crate::backend::cpu) fn strokes(line: &DrawnLine) -> Vec<RoundStroke> {
     let widest = line.widths.iter().fold(0.0_f32, |a, &b| a.max(b));
     let kept = thinned(line.points, BEND_PX.max(0.01 * widest), 8 + widest as usize);
     let piece = |from: usize, to: usize| {

@@ -6,6 +6,8 @@ mod ground;
 mod map_tile;
 mod silhouettes;
 
+#[cfg(feature = "gpu")]
+pub(super) use coverage::strokes;
 pub(super) use coverage::{DrawnLine, Overlap, coverage};
 
 use crate::frame::{Frame, Plane};

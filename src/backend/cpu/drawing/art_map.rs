@@ -19,7 +19,7 @@ struct Made {
 impl KeptArtMap {
     /// The texture for strokes in a picture of which `resolution_factor` pixels stand for one of the
     /// reference; `timed` has it made where it is another one.
-    pub(super) fn of(
+    pub(in crate::backend::cpu) fn of(
         &self,
         params: &StrokeParams,
         resolution_factor: f32,

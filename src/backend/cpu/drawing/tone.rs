@@ -3,8 +3,8 @@
 use super::light::luminance;
 use crate::backend::cpu::simd::Simd;
 use crate::frame::{ColorPlanes, Frame};
+use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::hatching::BATCH;
-use crate::line::tonal_art_map::MAX_DENSITY;
 use crate::params::ToneParams;
 use std::ops::Range;
 
@@ -19,9 +19,6 @@ pub(in crate::backend::cpu) struct Densities<'a> {
     table: Vec<f32>,
 }
 
-/// Steps of the table: twice those of an 8-bit display.
-const STEPS: usize = 512;
-
 impl<'a> Densities<'a> {
     pub(super) fn new(
         color: &'a ColorPlanes,
@@ -30,18 +27,12 @@ impl<'a> Densities<'a> {
         white: f32,
         params: &ToneParams,
     ) -> Self {
-        let density = |step: usize| {
-            let share = (step as f32 / STEPS as f32).powi(2);
-            let above_black = (share - params.black_point) / (1.0 - params.black_point);
-            let tone = above_black.clamp(0.0, 1.0).powf(params.gamma.recip());
-            -tone.ln().max(-MAX_DENSITY)
-        };
         Self {
             color,
             frame,
             weights,
             white,
-            table: (0..=STEPS).map(density).collect(),
+            table: density_table(params),
         }
     }
 
@@ -94,6 +85,3 @@ pub(in crate::backend::cpu) fn density_row(
         *out = a + share[i] * (b - a);
     }
 }
-
-/// Covered pixels are covered by half or more.
-const LEAST_ALPHA: f32 = 0.5;

@@ -1,0 +1,79 @@
+//! What other backends leave to the CPU: what takes double precision, and what follows lines from pixel to pixel.
+
+use super::contours::{self, DrawnLine};
+use super::memory::Memory;
+use super::{Runner, direction_field, normal_rays};
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::line::contours::Contour;
+use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::{ContourParams, LineParams, StrokeParams};
+use crate::plan::Plan;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The directions of the surface's own curvature.
+pub(in crate::backend) fn surface_directions(
+    plan: &Plan,
+    frame: &Frame,
+    conductance: &Plane,
+) -> Vector2Planes {
+    normal_rays::directions(plan, frame, conductance, &Memory::default())
+}
+
+/// The contours of a frame with these silhouette and crease weights, silhouettes first.
+pub(in crate::backend) fn contour_lines(
+    plan: &Plan,
+    frame: &Frame,
+    [silhouette, crease]: [&Plane; 2],
+    params: &ContourParams,
+) -> Vec<Contour> {
+    let weights = contours::Weights { silhouette, crease };
+    contours::contours(&weights, frame, &plan.shape, params)
+}
+
+/// The pieces that contours are drawn in.
+pub(in crate::backend) fn contour_pieces(lines: &[Contour]) -> Vec<RoundStroke> {
+    let pieces = lines
+        .par_iter()
+        .map(|line| contours::strokes(&DrawnLine::from(line)));
+    pieces.flatten().collect()
+}
+
+impl Runner {
+    /// The directions that strokes follow, one field for each family: see [`Runner::stroke_fields`].
+    pub(in crate::backend) fn drawn_directions(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &LineParams,
+        conductance: &Plane,
+    ) -> Vec<Vector2Planes> {
+        let (field, wanted, memory) = (&params.field, params.directions, &self.memory);
+        direction_field::stroke_fields(plan, field, wanted, frame, conductance, None, memory)
+    }
+
+    /// The texture of strokes, and how long it took to make where it was not kept.
+    pub(in crate::backend) fn drawn_art_map(
+        &self,
+        plan: &Plan,
+        params: &StrokeParams,
+    ) -> (Arc<TonalArtMap>, Option<Duration>) {
+        let mut made = None;
+        let map = self
+            .art_map
+            .of(params, plan.resolution_factor as f32, |make| {
+                let start = Instant::now();
+                let map = make();
+                made = Some(start.elapsed());
+                map
+            });
+        (map, made)
+    }
+
+    /// Takes planes that are no longer needed.
+    pub(in crate::backend) fn take_back_planes(&self, planes: impl IntoIterator<Item = Plane>) {
+        self.memory.take_back(planes);
+    }
+}

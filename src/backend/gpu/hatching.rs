@@ -1,0 +1,180 @@
+//! Strokes: from tone to density, and a texture along a field of directions.
+
+use super::choose::{Search, Searching};
+use super::enhance::luminance_weights;
+use super::kernels::{Kernel, WHITE};
+use super::run::Run;
+use super::surface::{Picture, Upload};
+use super::uniforms::{DensityParams, StrokeParams};
+use crate::frame::{Frame, Vector2Planes};
+use crate::line::density::density_table;
+use crate::line::hatching::Hatching;
+use crate::line::tonal_art_map::{Texels, TonalArtMap};
+use crate::params::{self, Adaptive, ToneParams};
+use std::f32::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A texture of strokes on the device.
+#[derive(Debug, Clone)]
+pub(super) struct Texture {
+    texels: wgpu::Buffer,
+    thresholds: wgpu::Buffer,
+    size: [u32; 2],
+    /// 0 for strokes, which take their ink by thresholds of their own.
+    slices: u32,
+}
+
+impl Texture {
+    /// A copy of `map` on the device.
+    pub(super) fn new(map: &TonalArtMap, upload: Upload) -> Self {
+        let size = map.period();
+        let (texels, slices) = match map.texels() {
+            Texels::Strokes(words) => (upload.bytes(bytemuck::cast_slice(&words)), 0),
+            Texels::Slices(samples) => {
+                let slices = samples.len() / (size[0] * size[1]);
+                (upload.bytes(bytemuck::cast_slice(&samples)), slices as u32)
+            }
+        };
+        Self {
+            texels,
+            thresholds: upload.bytes(bytemuck::cast_slice(map.thresholds())),
+            size: size.map(|texels| texels as u32),
+            slices,
+        }
+    }
+}
+
+/// The texture of the last drawing, with what it was copied of.
+#[derive(Debug, Default)]
+pub(super) struct KeptTexture(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
+
+impl KeptTexture {
+    /// The copy of `map`.
+    pub(super) fn of(&self, map: &Arc<TonalArtMap>, upload: Upload) -> Texture {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((copied, texture)) = &*kept
+            && Arc::ptr_eq(copied, map)
+        {
+            return texture.clone();
+        }
+        let texture = Texture::new(map, upload);
+        *kept = Some((map.clone(), texture.clone()));
+        texture
+    }
+}
+
+impl Run<'_> {
+    /// The numbers chosen, with the luminance of paper white for the white level by which the tone was made.
+    pub(super) fn choose_paper_white(
+        &mut self,
+        params: &ToneParams,
+        frame: &Frame,
+        [red, green, blue]: &Picture,
+    ) -> wgpu::Buffer {
+        if let Adaptive::Fixed(white) = params.white_point {
+            let mut chosen = [0.0; 2];
+            chosen[WHITE as usize] = white;
+            return self.hold(&chosen);
+        }
+        let paper = self.copy_of(&self.chosen.clone());
+        let search = Searching::new(self, Search::White(luminance_weights(frame)));
+        search.choose(self, [red, green, blue], &paper);
+        paper
+    }
+
+    /// The optical density that is wanted of each pixel; `chosen` tells paper white.
+    pub(super) fn densities(
+        &mut self,
+        params: &ToneParams,
+        frame: &Frame,
+        [red, green, blue]: &Picture,
+        chosen: &wgpu::Buffer,
+    ) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let [weight_r, weight_g, weight_b] = luminance_weights(frame);
+        let densities = self.take(self.surface.plane_bytes());
+        let table = self.hold(&density_table(params));
+        let alpha = frame.alpha.as_ref().map(|alpha| self.hold(alpha.samples()));
+        self.recorder.over_pixels(
+            "density",
+            (Kernel::Density, &[("HAS_ALPHA", alpha.is_some())]),
+            &DensityParams {
+                width,
+                height,
+                weight_r,
+                weight_g,
+                weight_b,
+            },
+            &[
+                &self.surface.covered,
+                red,
+                green,
+                blue,
+                alpha.as_ref().unwrap_or(red),
+                chosen,
+                &table,
+                &densities,
+            ],
+            [width, height],
+        );
+        densities
+    }
+
+    /// How much of the paper strokes cover, along one field of directions for each of their families.
+    pub(super) fn hatched(
+        &mut self,
+        params: &params::StrokeParams,
+        frame: &Frame,
+        densities: &wgpu::Buffer,
+        directions: &[Vector2Planes],
+        (map, texture): (&TonalArtMap, &Texture),
+    ) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let window = frame.data_window;
+        let paper = self.take(self.surface.plane_bytes());
+        let kernel = match texture.slices {
+            0 => Kernel::Strokes,
+            _ => Kernel::PictureStrokes,
+        };
+        for (family, direction) in directions.iter().enumerate() {
+            let turned: Vec<[f32; 4]> = Hatching::new(map, params, family).turned().collect();
+            let turned = self.hold(turned.as_flattened());
+            let [x, y] = [&direction.x, &direction.y].map(|plane| self.hold(plane.samples()));
+            let switches = [
+                ("IS_FIRST", family == 0),
+                ("IS_LAST", family + 1 == directions.len()),
+            ];
+            self.recorder.over_pixels(
+                "hatching",
+                (kernel, &switches),
+                &StrokeParams {
+                    width,
+                    height,
+                    first_x: window.x0 as f32 + 0.5,
+                    first_y: window.y0 as f32 + 0.5,
+                    levels: params.levels,
+                    levels_per_radian: params.levels as f32 / PI,
+                    sets: params.sets,
+                    share_of_set: 1.0 / params.sets as f32,
+                    family: family as u32,
+                    families: directions.len() as u32,
+                    texture_width: texture.size[0],
+                    texture_height: texture.size[1],
+                    slices: texture.slices,
+                },
+                &[
+                    &self.surface.covered,
+                    densities,
+                    &x,
+                    &y,
+                    &texture.thresholds,
+                    &turned,
+                    &texture.texels,
+                    &paper,
+                ],
+                [width, height],
+            );
+        }
+        paper
+    }
+}

@@ -1,0 +1,32 @@
+// How much of every pixel contours cover: a group makes a tile of pixels from the pieces of lines that reach it.
+
+@group(0) @binding(0) var<uniform> params: ContourParams;
+// Where the pieces of each tile begin in their list, and where the last end.
+@group(0) @binding(1) var<storage, read> tile_starts: array<u32>;
+@group(0) @binding(2) var<storage, read> tile_pieces: array<u32>;
+@group(0) @binding(3) var<storage, read> pieces: array<Piece>;
+@group(0) @binding(4) var<storage, read_write> covered_by_lines: array<f32>;
+
+override IN_GRAPHITE: bool;
+
+@compute @workgroup_size(TILE_SIDE, TILE_SIDE)
+fn main(
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    if id.x >= width() || id.y >= height() {
+        return;
+    }
+    let tile = group.y * groups.x + group.x;
+    let middle = vec2<f32>(f32(id.x) + 0.5, f32(id.y) + 0.5);
+    var most = 0.0;
+    for (var k = tile_starts[tile]; k < tile_starts[tile + 1u]; k++) {
+        most = max(most, coverage_by(pieces[tile_pieces[k]], middle));
+    }
+    if IN_GRAPHITE && most > 0.0 {
+        // Coordinates wrap as those of the CPU do.
+        most = graphite(most, grain(bitcast<u32>(params.x0) + id.x, bitcast<u32>(params.y0) + id.y));
+    }
+    covered_by_lines[index_of(id.x, id.y)] = most;
+}

@@ -1,0 +1,92 @@
+// Strokes of one family: a texture cut and pasted along a field of directions, over what is white so far.
+
+@group(0) @binding(0) var<uniform> params: StrokeParams;
+@group(0) @binding(1) var<storage, read> covered: array<u32>;
+// Optical density that is wanted in all.
+@group(0) @binding(2) var<storage, read> densities: array<f32>;
+@group(0) @binding(3) var<storage, read> direction_x: array<f32>;
+@group(0) @binding(4) var<storage, read> direction_y: array<f32>;
+// Thresholds at even steps of density.
+@group(0) @binding(5) var<storage, read> thresholds: array<f32>;
+// Level by level, set by set: cosine, sine and offset of the texture turned to the level's angle.
+@group(0) @binding(6) var<storage, read> turned: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read> texels: array<u32>;
+// How much of the paper stays white; of the last family, how much is inked.
+@group(0) @binding(8) var<storage, read_write> paper: array<f32>;
+
+// Whether no family was drawn before, and whether none comes after.
+override IS_FIRST: bool;
+override IS_LAST: bool;
+
+// What of the optical density that is wanted this family gives.
+fn share(wanted: f32) -> f32 {
+    let crossed = max(0.5 * (wanted - CROSSED_FROM), 0.0);
+    if params.families == 1u {
+        return wanted;
+    }
+    return select(crossed, wanted - crossed, params.family == 0u);
+}
+
+// The threshold that gives a density.
+fn threshold_of(density: f32) -> f32 {
+    let entry = min(max(density * ENTRIES_PER_DENSITY, 0.0), RESPONSE_ENTRIES);
+    return thresholds[u32(entry)];
+}
+
+// What a level of weight `weight` inks.
+fn ink_of(level: u32, weight: f32, density: f32, place: vec2<f32>) -> f32 {
+    let threshold = threshold_of(weight * params.share_of_set * density);
+    if threshold <= 0.0 {
+        return 0.0;
+    }
+    let turn = turned[level];
+    // For angles counterclockwise: along the angle only the first coordinate grows.
+    let at = vec2<f32>(
+        turn.x * place.x - turn.y * place.y + turn.z,
+        turn.y * place.x + turn.x * place.y + turn.w,
+    );
+    return ink(at, threshold);
+}
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= width() || id.y >= height() {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    if !is_covered(id.x, id.y) {
+        paper[i] = 0.0;
+        return;
+    }
+    var white = 1.0;
+    if !IS_FIRST {
+        white = paper[i];
+    }
+    let wanted = densities[i];
+    let density = share(wanted);
+    let place = vec2<f32>(params.first_x + f32(id.x), params.first_y + f32(id.y));
+    var angle = atan2_of(direction_y[i], direction_x[i]);
+    if angle < 0.0 {
+        angle += PI;
+    }
+    let count = f32(params.levels);
+    let last = count - 1.0;
+    for (var layer = 0u; layer < params.sets; layer++) {
+        // The two levels next to the angle and their tent weights. Past the last comes the first again.
+        var at = angle * params.levels_per_radian - f32(layer) * params.share_of_set;
+        if at < 0.0 {
+            at += count;
+        }
+        let level = min(floor(at), last);
+        let next = select(level + 1.0, 0.0, level == last);
+        // A level that is alone has no other to share with.
+        let away = select(min(at - level, 1.0), 0.0, last == 0.0);
+        let first = layer * params.levels;
+        white *= 1.0 - ink_of(first + u32(level), 1.0 - away, density, place);
+        white *= 1.0 - ink_of(first + u32(next), away, density, place);
+    }
+    if wanted >= MAX_DENSITY {
+        white = 0.0;
+    }
+    paper[i] = select(white, 1.0 - white, IS_LAST);
+}

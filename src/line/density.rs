@@ -1,0 +1,21 @@
+//! From the share of paper white that a picture has to the optical density that is drawn: a table.
+
+use super::tonal_art_map::MAX_DENSITY;
+use crate::params::ToneParams;
+
+/// Steps of the table: twice those of an 8-bit display.
+pub(crate) const STEPS: usize = 512;
+
+/// Covered pixels are covered by half or more.
+pub(crate) const LEAST_ALPHA: f32 = 0.5;
+
+/// Optical densities, -ln(tone), at even steps of the square root of luminance, from 0 to that of paper white.
+pub(crate) fn density_table(params: &ToneParams) -> Vec<f32> {
+    let density = |step: usize| {
+        let share = (step as f32 / STEPS as f32).powi(2);
+        let above_black = (share - params.black_point) / (1.0 - params.black_point);
+        let tone = above_black.clamp(0.0, 1.0).powf(params.gamma.recip());
+        -tone.ln().max(-MAX_DENSITY)
+    };
+    (0..=STEPS).map(density).collect()
+}

@@ -1,0 +1,264 @@
+//! Drawings: strokes and contours of both backends.
+
+use super::common::poisoned;
+use super::common::scenes::{Scene, Surface};
+use super::light_layers::with_lobes;
+use super::{assert_alike, on_gpu, waves, with_color};
+use glam::DVec3;
+use relievo::backend::Product;
+use relievo::backend::cpu::{self, DrawingInputs};
+use relievo::backend::gpu::{Choice, Device, Runner};
+use relievo::frame::{Frame, Mask, Plane, Window};
+use relievo::line::tonal_art_map::TonalArtMap;
+use relievo::params::{
+    Adaptive, LineParams, ScalingParams, ShapeParams, StrokeDirections, StrokeScale, Style,
+};
+use relievo::plan::{Available, Plan, Stage, ToneFrom};
+
+/// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
+#[track_caller]
+fn assert_drawn(
+    name: &str,
+    runner: &Runner,
+    frame: &Frame,
+    line: LineParams,
+    tone: ToneFrom,
+) -> [f32; 2] {
+    let available = Available::in_frame(frame);
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let plan = Plan::hatch(available, shape, scaling, tone, line).unwrap();
+    let map = (line.strokes.style == Style::Pictures).then(pictures);
+    let inputs = DrawingInputs {
+        art_map: map.as_ref(),
+        ..DrawingInputs::default()
+    };
+    let expected = cpu::Runner::default().draw(&plan, frame, inputs);
+    let found = runner.draw(&plan, frame, inputs).unwrap();
+    assert_alike(name, &found, &expected, |product| {
+        use Product::{Contours, Picture, Strokes, Weights};
+        matches!(product, Weights | Picture | Strokes | Contours)
+    });
+    let [found, expected] = [found, expected].map(|outcome| outcome.drawing.unwrap());
+    let white = [&found, &expected].map(|drawing| drawing.white_point);
+    assert!(
+        (white[0] / white[1] - 1.0).abs() < 1e-5,
+        "{name}: {white:?}"
+    );
+    let lines = [&found, &expected].map(|drawing| drawing.contour_lines.len());
+    assert_eq!(lines[0], lines[1], "{name}");
+    let ink = |plane: &Plane| plane.samples().iter().sum::<f32>();
+    [
+        ink(&expected.hatching),
+        expected.contours.as_ref().map_or(0.0, ink),
+    ]
+}
+
+/// Lines in three tones, in pictures that are no squares.
+fn pictures() -> TonalArtMap {
+    let lines = |share: f32| {
+        Plane::from_fn(48, 20, |x, y| {
+            let way = ((y as f32 + 0.7 * (0.26 * x as f32).sin()) / 5.0).fract();
+            (4.0 * (share - (way - 0.5).abs())).clamp(0.0, 1.0)
+        })
+    };
+    TonalArtMap::of_pictures(&[0.1, 0.25, 0.4].map(lines), 0.8)
+}
+
+/// A torus before the paper, which has a border and is covered in part at its rim.
+fn torus() -> Frame {
+    let torus = Surface::torus(45.0, 18.0, DVec3::new(0.3, 0.5, 0.8).normalize());
+    let mut frame = with_color(Scene::orthographic(torus, 70.0, 66.0).frame(147, 131));
+    frame.alpha = Some(Plane::from_fn(147, 131, |x, y| {
+        0.3 + 0.1 * ((x * 7 + y * 3) % 8) as f32
+    }));
+    frame
+}
+
+fn settings() -> Vec<(&'static str, LineParams)> {
+    let with = |change: fn(&mut LineParams)| {
+        let mut params = LineParams::default();
+        change(&mut params);
+        params
+    };
+    vec![
+        ("usual", LineParams::default()),
+        ("pencil", with(|line| line.strokes.style = Style::Pencil)),
+        (
+            "pencil both ways, another seed",
+            with(|line| {
+                line.strokes.style = Style::Pencil;
+                line.strokes.seed = 1 << 40 | 9;
+                line.directions = StrokeDirections::Both;
+                line.contours.as_mut().unwrap().width_px = 5.0;
+            }),
+        ),
+        (
+            "small in sets",
+            with(|line| {
+                line.strokes.scale = StrokeScale::Factor(0.4);
+                line.strokes.sets = 3;
+                line.strokes.levels = 7;
+                line.directions = StrokeDirections::Both;
+            }),
+        ),
+        (
+            "large on one level, dark",
+            with(|line| {
+                line.strokes.scale = StrokeScale::Factor(3.0);
+                line.strokes.levels = 1;
+                line.directions = StrokeDirections::Min;
+                line.tone.white_point = Adaptive::Fixed(1.7);
+                line.tone.black_point = 0.2;
+                line.tone.gamma = 1.0;
+                line.contours = None;
+            }),
+        ),
+        (
+            "pictures",
+            with(|line| line.strokes.style = Style::Pictures),
+        ),
+    ]
+}
+
+#[test]
+fn styles_families_and_scales() {
+    on_gpu(|runner| {
+        for (scene, frame) in [("waves", waves(203, 155)), ("torus", torus())] {
+            for (name, line) in settings() {
+                for tone in [ToneFrom::Picture, ToneFrom::Enhanced] {
+                    let name = format!("{scene}, {name}, {tone:?}");
+                    let [strokes, contours] = assert_drawn(&name, runner, &frame, line, tone);
+                    let pixels = frame.mask.count() as f32;
+                    assert!(strokes > 0.05 * pixels && strokes < 0.95 * pixels, "{name}");
+                    let lined = scene == "torus" && line.contours.is_some();
+                    assert!(!lined || contours > 100.0, "{name}: {contours}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn sizes_and_masks() {
+    on_gpu(|runner| {
+        let line = LineParams {
+            directions: StrokeDirections::Both,
+            ..LineParams::default()
+        };
+        let mut frames: Vec<(String, Frame)> = Vec::new();
+        for (width, height) in [(1, 1), (1, 7), (65, 1), (33, 2), (129, 5), (16, 48)] {
+            frames.push((format!("{width}x{height}"), waves(width, height)));
+        }
+        type Covers = fn(usize, usize) -> bool;
+        let masks: [(&str, Covers); 4] = [
+            ("nothing", |_, _| false),
+            ("one pixel", |x, y| x == 20 && y == 9),
+            ("speckled", |x, y| !(x * 7 + y * 13).is_multiple_of(5)),
+            ("squares", |x, y| (x / 20 + y / 20).is_multiple_of(2)),
+        ];
+        for (name, covers) in masks {
+            let mut frame = waves(80, 60);
+            frame.mask = Mask::new(Plane::from_fn(80, 60, covers));
+            frames.push((name.into(), poisoned(&frame, f32::NAN)));
+        }
+        // Far from the origin, and before it.
+        let whole = waves(200, 150);
+        let [x, y] = [whole.data_window.x0 + 61, whole.data_window.y0 + 37];
+        frames.push(("crop".into(), whole.crop(Window::at(x, y, 90, 70))));
+        for origin in [-300, 7000] {
+            let mut frame = waves(90, 70);
+            frame.data_window = Window::at(origin, -origin, 90, 70);
+            frames.push((format!("at {origin}"), frame));
+        }
+        for (name, frame) in frames {
+            assert_drawn(&name, runner, &frame, line, ToneFrom::Enhanced);
+        }
+    });
+}
+
+#[test]
+fn tone_of_light_layers() {
+    on_gpu(|runner| {
+        let frame = with_lobes(waves(90, 70));
+        let line = LineParams::default();
+        assert_drawn("lobes", runner, &frame, line, ToneFrom::Enhanced);
+    });
+}
+
+#[test]
+fn colors_that_are_no_numbers_are_black_or_white() {
+    on_gpu(|runner| {
+        let mut frame = waves(70, 50);
+        let hostile = [
+            f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::MAX,
+            -3.0,
+            0.0,
+        ];
+        let color = frame.color.as_mut().unwrap();
+        for (i, value) in hostile.into_iter().enumerate() {
+            // Whole strokes of them.
+            for y in 8 * i..8 * i + 6 {
+                color.r.row_mut(y)[10..25].fill(value);
+                color.g.row_mut(y)[20..40].fill(value);
+                color.b.row_mut(y)[20..60].fill(-value);
+            }
+        }
+        frame.alpha = Some(Plane::from_fn(70, 50, |x, _| match x % 5 {
+            0 => f32::NAN,
+            1 => 0.0,
+            _ => 1.0,
+        }));
+        for tone in [ToneFrom::Picture, ToneFrom::Enhanced] {
+            let line = LineParams::default();
+            assert_drawn(&format!("{tone:?}"), runner, &frame, line, tone);
+        }
+    });
+}
+
+#[test]
+fn a_texture_that_was_copied_is_not_taken_for_another() {
+    on_gpu(|runner| {
+        let frame = waves(80, 60);
+        for (name, line) in settings().into_iter().chain(settings()) {
+            assert_drawn(name, runner, &frame, line, ToneFrom::Picture);
+        }
+    });
+}
+
+#[test]
+fn a_picture_too_large_for_the_device_is_an_error_that_says_so() {
+    let Ok(device) = Device::open(Choice::Any) else {
+        return;
+    };
+    let frame = waves(90, 400);
+    let runner = Runner::new(device.limited_to(72_000));
+    let available = Available::in_frame(&frame);
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let line = LineParams::default();
+    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
+    let error = runner.draw(&plan, &frame, DrawingInputs::default());
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("100 rows"), "{error}");
+}
+
+#[test]
+fn lines_and_moving_strokes_have_no_kernels() {
+    let frame = waves(20, 20);
+    let plan = |style, moving| {
+        let available = Available {
+            moving,
+            ..Available::in_frame(&frame)
+        };
+        let mut line = LineParams::default();
+        line.strokes.style = style;
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
+    };
+    assert!(Runner::can_run(&plan(Style::Pen, false)));
+    let lines = plan(Style::Lines, false);
+    assert!(lines.has(Stage::Streamlines) && !Runner::can_run(&lines));
+    assert!(!Runner::can_run(&plan(Style::Pen, true)));
+}
