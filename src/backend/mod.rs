@@ -1,6 +1,7 @@
 //! Running a plan.
 
 mod agreement;
+mod around;
 mod choice;
 pub mod cpu;
 #[cfg(feature = "gpu")]

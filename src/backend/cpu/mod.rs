@@ -35,6 +35,7 @@ use crate::plan::{Goal, Plan, Stage};
 pub use drawing::TextureCoordinates;
 use edges::Weights;
 use kept::Kept;
+pub(in crate::backend) use light::luminance;
 use light_layers::Curvature;
 pub use live::LiveRunner;
 pub use outcome::{CurvaturePlanes, Drawing, Outcome, ScaleShape, Shape};

@@ -1,8 +1,8 @@
 //! Lighting one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors
 //! that the machine has.
 
-use super::around::{add_lookups, look_up, warp_lookups};
 use super::curvature::{Curvature, Kind};
+use super::look_up::{add_lookups, look_up, warp_lookups};
 use super::{Batch, Scene};
 use crate::light::batch::{Above, BATCH, Facing, Lanes};
 use crate::light::brdf::mirrored;
