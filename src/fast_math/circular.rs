@@ -60,7 +60,7 @@ pub(crate) const ATAN: [f32; 5] = [
 ];
 
 /// (tan(x) - x) / x^3 by powers of x^2, for |x| up to pi/4; 2^-29 relative to tan(x).
-const TAN: [f32; 7] = [
+pub(crate) const TAN: [f32; 7] = [
     0.333_333_5,
     0.133_326_75,
     0.054_058_913,

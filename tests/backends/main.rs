@@ -7,6 +7,7 @@ mod command;
 mod hostile;
 mod kernels;
 mod products;
+mod relight;
 
 use common::scenes::{Scene, Surface};
 use relievo::backend::cpu::{self, Outcome};
@@ -46,9 +47,20 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame);
     let found = runner.run(plan, frame).unwrap();
+    assert_alike(name, plan, &found, &expected);
+}
+
+/// Asserts that what the GPU made is what the CPU made.
+#[track_caller]
+fn assert_alike(name: &str, plan: &Plan, found: &Outcome, expected: &Outcome) {
     for (name, found, expected) in [
         ("gain", found.gain, expected.gain),
         ("white level", found.white_level, expected.white_level),
+        (
+            "gain of the environment",
+            found.environment_gain,
+            expected.environment_gain,
+        ),
     ] {
         let apart = match (found, expected) {
             (Some(f), Some(e)) => (f / e - 1.0).abs(),
@@ -57,9 +69,9 @@ fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
         };
         assert!(apart < 1e-5, "{name} {found:?}, not {expected:?}");
     }
-    let found: Vec<_> = products(&found).collect();
+    let found: Vec<_> = products(found).collect();
     let mut worst: Vec<(Product, f64)> = Vec::new();
-    for (product, expected) in products_of(plan, &expected) {
+    for (product, expected) in products_of(plan, expected) {
         let mut same = found.iter().filter(|(other, _)| *other == product);
         let count = worst.iter().filter(|(other, _)| *other == product).count();
         let (_, found) = same.nth(count).unwrap_or_else(|| {

@@ -71,6 +71,17 @@ pub(in crate::backend) fn surface_directions(
     normal_rays::directions(plan, frame, conductance, &memory::Memory::default())
 }
 
+/// What the light of other backends shares with the CPU's.
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use relight::{SHORTEST_TANGENT, light_rims};
+
+/// The albedo of a frame, estimated from its picture, for other backends.
+#[cfg(feature = "gpu")]
+pub(in crate::backend) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
+    let weights = light::luminance_weights(frame);
+    relight::estimated(frame, weights, &memory::Memory::default())
+}
+
 /// Bits of the widest vectors that this machine has.
 pub fn vector_bits() -> u32 {
     simd::Simd::widest().bits()

@@ -13,7 +13,7 @@ pub enum Choice {
 }
 
 /// Storage buffers that a kernel takes at the most.
-const STORAGE_BUFFERS: u32 = 10;
+const STORAGE_BUFFERS: u32 = 16;
 
 /// An adapter that has been opened.
 #[derive(Debug)]

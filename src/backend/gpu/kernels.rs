@@ -1,14 +1,19 @@
 //! The kernels: their WGSL, put together of shared parts, and the numbers that they share with Rust.
 
 use super::uniforms::{
-    CountParams, DiffusionParams, EdgeParams, HessianParams, NarrowParams, ScaleParams, SizeParams,
-    Uniforms,
+    CountParams, DiffusionParams, EdgeParams, HessianParams, LightParams, NarrowParams,
+    ScaleParams, SizeParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
+use crate::backend::cpu::SHORTEST_TANGENT;
 use crate::backend::palette;
-use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, TAN_EIGHTH_PI};
+use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
+use crate::light::brdf::GRAZING;
+use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
+use crate::light::light_warping::{self, MOST_BRIGHTENED};
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
+use crate::light::sum::terms::SHORTEST;
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
 use std::f32::consts;
@@ -51,6 +56,7 @@ pub(super) enum Kernel {
     Narrow,
     ScalePicture,
     CurvatureDisplay,
+    Relight,
 }
 
 macro_rules! wgsl {
@@ -61,7 +67,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -73,6 +79,7 @@ impl Kernel {
         Self::Narrow,
         Self::ScalePicture,
         Self::CurvatureDisplay,
+        Self::Relight,
     ];
 
     /// The whole module.
@@ -119,6 +126,22 @@ impl Kernel {
                 SizeParams::WGSL,
                 &[index, covered, mapped, wgsl!("curvature_display")],
             ),
+            Self::Relight => (
+                LightParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    wgsl!("radiance_scaling"),
+                    wgsl!("light_warping"),
+                    wgsl!("pixel"),
+                    wgsl!("brdf"),
+                    wgsl!("terms"),
+                    wgsl!("environment"),
+                    wgsl!("tones"),
+                    wgsl!("relight"),
+                ],
+            ),
         };
         let mut source = constants();
         source += uniforms;
@@ -164,6 +187,7 @@ fn constants() -> String {
         ("FRAC_PI_2", consts::FRAC_PI_2),
         ("FRAC_PI_4", consts::FRAC_PI_4),
         ("F32_MAX", f32::MAX),
+        ("F32_MIN_POSITIVE", f32::MIN_POSITIVE),
         ("LN2_HIGH", LN2_HIGH),
         ("LN2_LOW", LN2_LOW),
         ("TAN_EIGHTH_PI", TAN_EIGHTH_PI),
@@ -173,6 +197,14 @@ fn constants() -> String {
         ("MAX_GAIN", MAX_GAIN),
         ("INVARIANT_MARGIN", INVARIANT_MARGIN),
         ("MAX_EXPONENT", MAX_EXPONENT),
+        ("LARGEST_ENTRY", light_warping::LARGEST),
+        ("MAX_CONTRAST_EXPONENT", light_warping::MAX_EXPONENT),
+        ("MOST_BRIGHTENED", MOST_BRIGHTENED),
+        ("SHORTEST", SHORTEST),
+        ("SHORTEST_TANGENT", SHORTEST_TANGENT),
+        ("GRAZING", GRAZING),
+        ("RIM_PX", RIM_PX),
+        ("LEAST_RADIUS", LEAST_RADIUS),
     ];
     for (name, value) in real {
         line(&mut text, format_args!("const {name}: f32 = {value:e}f;"));
@@ -190,6 +222,7 @@ fn constants() -> String {
     add_polynomial(&mut text, "exp", &EXP);
     add_polynomial(&mut text, "ln", &LN);
     add_polynomial(&mut text, "atan", &ATAN);
+    add_polynomial(&mut text, "tan", &TAN);
     text
 }
 

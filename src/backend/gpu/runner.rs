@@ -5,17 +5,22 @@ use super::choose::{Search, Searching};
 use super::device::Device;
 use super::enhance::known_white_level;
 use super::kernels::{GAIN, WHITE};
+use super::light::{KeptMaps, Light};
 use super::recorder::Programs;
+use super::relight::{can_relight, frame_lit};
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
 use super::surface::Upload;
+use crate::backend::around::KeptEnvironment;
 use crate::backend::cpu::{CurvaturePlanes, Outcome, ScaleShape, surface_directions};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::light::lights::Illumination;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::time::Instant;
 
 /// Stages that have no kernels yet.
@@ -31,6 +36,8 @@ pub struct Runner {
     device: Device,
     programs: Programs,
     pub(super) buffers: Buffers,
+    pub(super) environment: KeptEnvironment,
+    pub(super) maps: KeptMaps,
 }
 
 impl Runner {
@@ -40,6 +47,8 @@ impl Runner {
             device,
             programs: Programs::default(),
             buffers: Buffers::default(),
+            environment: KeptEnvironment::default(),
+            maps: KeptMaps::default(),
         }
     }
 
@@ -50,7 +59,11 @@ impl Runner {
 
     /// Whether all stages of `plan` have kernels.
     pub fn can_run(plan: &Plan) -> bool {
-        let is_known = matches!(plan.goal, Goal::Layers | Goal::Display | Goal::Enhance);
+        let is_known = match plan.goal {
+            Goal::Layers | Goal::Display | Goal::Enhance => true,
+            Goal::Relight => can_relight(plan),
+            Goal::Picture => false,
+        };
         is_known && plan.drawing.is_none() && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
     }
 
@@ -64,6 +77,38 @@ impl Runner {
     /// # Panics
     /// If the plan was made for other inputs than the frame holds, or [`Runner::can_run`] is false.
     pub fn run(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        assert!(
+            plan.goal != Goal::Relight,
+            "new light is run by Runner::relight"
+        );
+        self.caught(plan, || self.run_parts(plan, frame, None))
+    }
+
+    /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`. What is made of an
+    /// environment is kept for the next run in the same one.
+    ///
+    /// # Errors
+    /// As [`Runner::run`]; also where the device takes no picture as large as the environment.
+    ///
+    /// # Panics
+    /// If the plan was made for another goal, other inputs or other kinds of light, or [`Runner::can_run`] is false.
+    pub fn relight(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: &Illumination,
+    ) -> Result<Outcome> {
+        self.caught(plan, || {
+            let light = self.light(plan, frame, illumination)?;
+            let mut outcome = self.run_parts(plan, frame, Some(&light))?;
+            outcome.environment_gain = light.around.gain();
+            outcome.timings.splice(0..0, light.timings);
+            Ok(outcome)
+        })
+    }
+
+    /// Runs what `run` does, and catches what goes wrong on the device.
+    fn caught(&self, plan: &Plan, run: impl FnOnce() -> Result<Outcome>) -> Result<Outcome> {
         assert!(Self::can_run(plan), "every stage has a kernel");
         let device = &self.device.device;
         let scopes = [
@@ -72,7 +117,7 @@ impl Runner {
             wgpu::ErrorFilter::Validation,
         ]
         .map(|filter| device.push_error_scope(filter));
-        let outcome = self.run_parts(plan, frame);
+        let outcome = run();
         // The innermost scope ends first.
         for scope in scopes.into_iter().rev() {
             if let Some(error) = pollster::block_on(scope.pop()) {
@@ -82,16 +127,16 @@ impl Runner {
         outcome
     }
 
-    fn run_parts(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+    fn run_parts(&self, plan: &Plan, frame: &Frame, light: Option<&Light>) -> Result<Outcome> {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         // Vectors of two are the widest; only layers have wider ones.
         let sample_bytes = if plan.goal == Goal::Layers { 16 } else { 8 };
         let most_rows = self.device.plane_bytes / (sample_bytes * width.max(1) as u64);
         if most_rows >= height as u64 {
-            return self.run_whole(plan, frame);
+            return self.run_whole(plan, frame, light, 0..height);
         }
         match Strips::new(plan, height, most_rows as usize) {
-            Some(strips) => self.run_strips(plan, frame, &strips),
+            Some(strips) => self.run_strips(plan, frame, light, &strips),
             None => Err(self.device.error(format_args!(
                 "takes {most_rows} rows of this picture at a time, and its scale asks for {} to each side",
                 plan.reach()
@@ -119,14 +164,22 @@ impl Runner {
         Run::new(&self.device, &self.programs, &self.buffers, surface, chosen)
     }
 
-    /// Runs `plan` on a frame whose planes the device takes.
-    pub(super) fn run_whole(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+    /// Runs `plan` on a frame whose planes the device takes: on these rows of the one that the light was made for.
+    pub(super) fn run_whole(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        light: Option<&Light>,
+        rows: Range<usize>,
+    ) -> Result<Outcome> {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         let start = Instant::now();
-        let mut picture = match plan.goal {
-            Goal::Enhance => self.upload().picture(frame),
-            _ => None,
+        let mut picture = match light {
+            Some(light) => light.albedo(self.upload(), plan, frame, &rows),
+            None if plan.goal == Goal::Enhance => self.upload().picture(frame),
+            None => None,
         };
+        let is_copied = picture.is_some();
         let mut run = self.start(plan, frame);
         let uploaded = start.elapsed();
 
@@ -150,6 +203,9 @@ impl Runner {
             }
             _ => {}
         }
+        if let Some(light) = light {
+            picture = Some(run.relight(plan, frame, light, shape.as_ref(), picture));
+        }
         let start = Instant::now();
         let numbers = run.chosen.clone();
         let mut wanted = vec![&numbers];
@@ -170,8 +226,11 @@ impl Runner {
                 Plane::from_samples(width, height, samples)
             };
             let [r, g, b] = [plane(), plane(), plane()];
-            let is_made = plan.goal == Goal::Display || plan.has(Stage::RadianceScaling);
+            let is_made = plan.goal != Goal::Enhance || plan.has(Stage::RadianceScaling);
             outcome.color = is_made.then_some(ColorPlanes { r, g, b });
+            if let (Some(color), Goal::Relight) = (&mut outcome.color, plan.goal) {
+                frame_lit(color, frame);
+            }
         }
         if plan.goal == Goal::Layers {
             self.describe(&mut outcome, plan, frame, read);
@@ -186,9 +245,9 @@ impl Runner {
             outcome.white_level = Some(chosen[WHITE as usize]);
         }
         let picture = picture.into_iter().flatten();
-        match plan.goal {
-            Goal::Enhance => self.buffers.take_back_copied(picture),
-            _ => self.buffers.take_back(picture),
+        match is_copied {
+            true => self.buffers.take_back_copied(picture),
+            false => self.buffers.take_back(picture),
         }
         self.buffers.take_back(layers);
         if let Some(shape) = shape {

@@ -10,6 +10,8 @@ mod traced;
 
 pub(super) use batch::Batch;
 pub(super) use shade::light_batch;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use {albedo::estimated, rim::light_rims, shade::SHORTEST_TANGENT};
 
 use super::kept::Kept;
 use super::memory::Memory;

@@ -71,6 +71,12 @@ fn atan_of(x: f32) -> f32 {
     return copysign(whole + (square * t * polynomial_atan(square) + t), x);
 }
 
+// The tangent of x, up to a quarter of pi in size.
+fn tan_to_eighth_turn(x: f32) -> f32 {
+    let square = x * x;
+    return x + square * x * polynomial_tan(square);
+}
+
 // The angle, -pi to pi, of the vector (x, y) from the x axis; 0 for a vector of no length.
 fn atan2_of(y: f32, x: f32) -> f32 {
     let ax = abs(x);
