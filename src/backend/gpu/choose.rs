@@ -6,8 +6,10 @@ use super::uniforms::{CountParams, NarrowParams};
 use crate::backend::choice::{CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, typical_exponent};
 use std::ops::Range;
 
-/// Workgroups that count, at the most; each takes every so-manieth row.
+/// Workgroups that count, at the most; each takes every so-manieth row. Each also sets all bins to 0 and adds them
+/// up, which devices in software feel.
 const MOST_GROUPS: u32 = 1024;
+const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
 
 /// What is searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,7 +75,11 @@ impl Searching {
             weight_b: weights[2],
         };
         let of_trace = matches!(self.search, Search::Gain { .. });
-        let groups = [rows.end.clamp(1, MOST_GROUPS), 1];
+        let most = match run.device.is_software() {
+            true => MOST_GROUPS_IN_SOFTWARE,
+            false => MOST_GROUPS,
+        };
+        let groups = [rows.end.clamp(1, most), 1];
         run.recorder.dispatch(
             self.stage(),
             (Kernel::Count, &[("OF_TRACE", of_trace)]),

@@ -25,8 +25,8 @@ pub(super) const GROUP: [u32; 2] = [64, 4];
 /// Columns and rows that a workgroup of `diffusion.wgsl` holds, its rim included.
 pub(super) const REGION: [u32; 2] = [64, 32];
 
-/// Rows of that region which one invocation makes.
-const ROWS_PER_INVOCATION: u32 = 8;
+/// Rows that one invocation makes where neighbours are looked at: each serves the next one.
+pub(super) const ROWS_PER_INVOCATION: u32 = 8;
 
 /// Invocations of a workgroup that searches for a percentile.
 const SEARCH_INVOCATIONS: u32 = 256;
@@ -85,13 +85,20 @@ impl Kernel {
     /// The whole module.
     pub(super) fn source(self) -> String {
         let index = wgsl!("index");
+        let around = wgsl!("around");
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
                 EdgeParams::WGSL,
-                &[index, covered, wgsl!("soft_threshold"), wgsl!("edges")],
+                &[
+                    index,
+                    around,
+                    covered,
+                    wgsl!("soft_threshold"),
+                    wgsl!("edges"),
+                ],
             ),
             Self::Diffusion => (
                 DiffusionParams::WGSL,
@@ -102,7 +109,10 @@ impl Kernel {
                 &[index, wgsl!("face_conductance"), wgsl!("faces")],
             ),
             Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
-            Self::Hessian => (HessianParams::WGSL, &[index, covered, wgsl!("hessian")]),
+            Self::Hessian => (
+                HessianParams::WGSL,
+                &[index, around, covered, wgsl!("hessian")],
+            ),
             Self::Curvatures => (
                 SizeParams::WGSL,
                 &[index, covered, mapped, wgsl!("curvatures")],

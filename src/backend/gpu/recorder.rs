@@ -1,7 +1,7 @@
 //! Kernels in the order in which they run, and what they take.
 
 use super::device::Device;
-use super::kernels::{GROUP, Kernel};
+use super::kernels::{GROUP, Kernel, ROWS_PER_INVOCATION};
 use super::uniforms::Uniforms;
 use crate::error::Result;
 use std::collections::HashMap;
@@ -157,6 +157,19 @@ impl<'d> Recorder<'d> {
     ) {
         let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
         self.dispatch(stage, kernel, uniforms, buffers, groups);
+    }
+
+    /// Runs a kernel that makes some rows per invocation of a picture of this size.
+    pub(super) fn over_rows<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        kernel: (Kernel, &[(&'static str, bool)]),
+        uniforms: &U,
+        buffers: &[&wgpu::Buffer],
+        [width, height]: [u32; 2],
+    ) {
+        let size = [width, height.div_ceil(ROWS_PER_INVOCATION)];
+        self.over_pixels(stage, kernel, uniforms, buffers, size);
     }
 
     /// Copies a buffer.

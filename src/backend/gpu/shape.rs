@@ -132,7 +132,7 @@ impl Run<'_> {
             &gradient,
             &weights,
         ];
-        self.recorder.over_pixels(
+        self.recorder.over_rows(
             "edges-and-gradient",
             (Kernel::Edges, &switches),
             &edge_params(plan, frame),
@@ -168,7 +168,7 @@ impl Run<'_> {
         let trace = self.take(plane);
         let entries = [(); 3].map(|()| self.take(if entries_wanted { plane } else { NOWHERE }));
         let [xx, xy, yy] = &entries;
-        self.recorder.over_pixels(
+        self.recorder.over_rows(
             if entries_wanted { "hessian" } else { "trace" },
             (Kernel::Hessian, &[("ENTRIES_WANTED", entries_wanted)]),
             &params,

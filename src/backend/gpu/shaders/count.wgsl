@@ -23,7 +23,7 @@ fn key_at(x: u32, y: u32) -> u32 {
         }
         return NOTHING;
     }
-    if !is_covered(i32(x), i32(y)) {
+    if !is_covered(x, y) {
         return NOTHING;
     }
     return key_of(a[i] * params.weight_r + b[i] * params.weight_g + c[i] * params.weight_b);

@@ -1,10 +1,13 @@
 // Where a surface was seen: words of 32 pixels.
 
-// Whether a pixel is covered; those beyond the border are those at the border.
-fn is_covered(x: i32, y: i32) -> bool {
-    let column = u32(clamp(x, 0, i32(width()) - 1));
-    let row = u32(clamp(y, 0, i32(height()) - 1));
+// Whether a pixel is covered.
+fn is_covered(x: u32, y: u32) -> bool {
     let words_per_row = (width() + 31u) / 32u;
-    let word = covered[row * words_per_row + column / 32u];
-    return ((word >> (column % 32u)) & 1u) == 1u;
+    let word = covered[y * words_per_row + x / 32u];
+    return ((word >> (x % 32u)) & 1u) == 1u;
+}
+
+// Whether those in three columns of a row are.
+fn covered_around(columns: vec3<u32>, y: u32) -> vec3<bool> {
+    return vec3<bool>(is_covered(columns.x, y), is_covered(columns.y, y), is_covered(columns.z, y));
 }

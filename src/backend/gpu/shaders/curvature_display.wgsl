@@ -16,7 +16,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let i = index_of(id.x, id.y);
     var shown = BACKGROUND;
-    if is_covered(i32(id.x), i32(id.y)) {
+    if is_covered(id.x, id.y) {
         let kappa = mapped_curvature(trace[i], chosen[GAIN]);
         let toward = select(CONCAVE, CONVEX, kappa >= 0.0);
         shown = conductance[i] * (NEUTRAL + abs(kappa) * (toward - NEUTRAL));

@@ -48,7 +48,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = index_of(id.x, id.y);
-    if !is_covered(i32(id.x), i32(id.y)) {
+    if !is_covered(id.x, id.y) {
         curvature[i] = vec4<f32>(0.0);
         direction[i] = vec2<f32>(0.0);
         return;

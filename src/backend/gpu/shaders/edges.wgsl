@@ -17,90 +17,84 @@ override HAS_MAP: bool;
 override HAS_LENGTHS: bool;
 override WEIGHTS_WANTED: bool;
 
-// Beyond the border of the picture its border goes on.
-fn at_border(x: i32, y: i32) -> u32 {
-    let column = clamp(x, 0, i32(width()) - 1);
-    let row = clamp(y, 0, i32(height()) - 1);
-    return index_of(u32(column), u32(row));
-}
-
-fn normal_at(x: i32, y: i32) -> vec3<f32> {
-    let i = at_border(x, y);
+fn normal_at(x: u32, row: u32) -> vec3<f32> {
+    let i = row + x;
     return vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
 }
 
-fn map_at(x: i32, y: i32) -> f32 {
-    return silhouette_map[at_border(x, y)];
-}
-
-// Whether the pixel has an uncovered pixel among its eight neighbours.
-fn on_border(x: i32, y: i32) -> bool {
-    for (var i = -1; i <= 1; i++) {
-        for (var j = -1; j <= 1; j++) {
-            if !is_covered(x + j, y + i) {
-                return true;
-            }
-        }
+// The map left of a pixel, at it and right of it.
+fn map_around(columns: vec3<u32>, row: u32) -> vec3<f32> {
+    if !HAS_MAP {
+        return vec3<f32>(0.0);
     }
-    return false;
+    return vec3<f32>(
+        silhouette_map[row + columns.x],
+        silhouette_map[row + columns.y],
+        silhouette_map[row + columns.z],
+    );
 }
 
 // The jump of the map across the pixel is twice the Sobel slope: the difference between the two sides.
-fn silhouette_weight(x: i32, y: i32) -> f32 {
-    if on_border(x, y) {
-        return 1.0;
-    }
+fn silhouette_weight(above: vec3<f32>, here: vec3<f32>, below: vec3<f32>) -> f32 {
     if !HAS_MAP {
         return 0.0;
     }
-    let northwest = map_at(x - 1, y - 1);
-    let northeast = map_at(x + 1, y - 1);
-    let southwest = map_at(x - 1, y + 1);
-    let southeast = map_at(x + 1, y + 1);
-    let west = (northwest + southwest) + 2.0 * map_at(x - 1, y);
-    let east = (northeast + southeast) + 2.0 * map_at(x + 1, y);
-    let north = (northwest + northeast) + 2.0 * map_at(x, y - 1);
-    let south = (southwest + southeast) + 2.0 * map_at(x, y + 1);
+    let west = (above.x + below.x) + 2.0 * here.x;
+    let east = (above.z + below.z) + 2.0 * here.z;
+    let north = (above.x + above.z) + 2.0 * above.y;
+    let south = (below.x + below.z) + 2.0 * below.y;
     let dx = (east - west) / 8.0;
     let dy = (north - south) / 8.0;
     return soft_weight(2.0 * sqrt(dx * dx + dy * dy), params.silhouette_lo, params.silhouette_hi);
+}
+
+// Two unit normals, and the cosine between them.
+struct Pair {
+    cosine: f32,
+    a: vec3<f32>,
+    b: vec3<f32>,
+}
+
+// The pair so far, or another that is there and turns more. Angles are ordered as cosines are, and only the largest
+// is told.
+fn steeper(pair: Pair, are_there: bool, a: vec3<f32>, b: vec3<f32>) -> Pair {
+    let cosine = dot(a, b);
+    let turns_more = are_there && cosine < pair.cosine;
+    return Pair(
+        select(pair.cosine, cosine, turns_more),
+        select(pair.a, a, turns_more),
+        select(pair.b, b, turns_more),
+    );
 }
 
 fn angle_between(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return atan2_of(length(cross(a, b)), dot(a, b));
 }
 
-// The angle so far, or that between two normals where it is larger and both are there.
-fn larger_angle(angle: f32, are_there: bool, a: vec3<f32>, b: vec3<f32>) -> f32 {
-    if are_there && dot(a, b) < params.flat_cosine {
-        return max(angle, angle_between(a, b));
-    }
-    return angle;
+// A normal and its four neighbours.
+struct Cross {
+    own: vec3<f32>,
+    left: vec3<f32>,
+    right: vec3<f32>,
+    above: vec3<f32>,
+    below: vec3<f32>,
 }
 
 // The largest angle counts: to a neighbour, and across the pixel from one side to the other.
-fn crease_weight(x: i32, y: i32, n: vec3<f32>) -> f32 {
-    let has_left = is_covered(x - 1, y);
-    let has_right = is_covered(x + 1, y);
-    let has_above = is_covered(x, y - 1);
-    let has_below = is_covered(x, y + 1);
-    let left = normal_at(x - 1, y);
-    let right = normal_at(x + 1, y);
-    let above = normal_at(x, y - 1);
-    let below = normal_at(x, y + 1);
-    var angle = 0.0;
-    angle = larger_angle(angle, has_left, n, left);
-    angle = larger_angle(angle, has_right, n, right);
-    angle = larger_angle(angle, has_above, n, above);
-    angle = larger_angle(angle, has_below, n, below);
-    angle = larger_angle(angle, has_left && has_right, left, right);
-    angle = larger_angle(angle, has_above && has_below, above, below);
+fn crease_weight(n: Cross, above: vec3<bool>, here: vec3<bool>, below: vec3<bool>, i: u32) -> f32 {
+    var pair = Pair(params.flat_cosine, n.own, n.own);
+    pair = steeper(pair, here.x, n.own, n.left);
+    pair = steeper(pair, here.z, n.own, n.right);
+    pair = steeper(pair, above.y, n.own, n.above);
+    pair = steeper(pair, below.y, n.own, n.below);
+    pair = steeper(pair, here.x && here.z, n.left, n.right);
+    pair = steeper(pair, above.y && below.y, n.above, n.below);
+    var angle = angle_between(pair.a, pair.b);
     if HAS_LENGTHS {
-        let mean_length = normal_length[at_border(x, y)];
-        if mean_length < params.flat_length {
-            let cosine = clamp(mean_length, 0.0, 1.0);
-            angle = max(angle, 2.0 * atan2_of(sqrt(1.0 - cosine * cosine), cosine));
-        }
+        let mean_length = normal_length[i];
+        let cosine = clamp(mean_length, 0.0, 1.0);
+        let spread = 2.0 * atan2_of(sqrt(1.0 - cosine * cosine), cosine);
+        angle = select(angle, max(angle, spread), mean_length < params.flat_length);
     }
     return soft_weight(angle, params.crease_lo, params.crease_hi);
 }
@@ -120,30 +114,48 @@ fn depth_gradient(n: vec3<f32>, to_eye: vec2<f32>) -> vec2<f32> {
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() {
+    if id.x >= width() {
         return;
     }
-    let x = i32(id.x);
-    let y = i32(id.y);
-    let i = index_of(id.x, id.y);
-    var silhouette = 0.0;
-    var crease = 0.0;
-    var open = 0.0;
-    var g = vec2<f32>(0.0);
-    if is_covered(x, y) {
-        let n = normal_at(x, y);
-        silhouette = silhouette_weight(x, y);
-        crease = crease_weight(x, y, n);
-        open = 1.0 - max(silhouette, crease);
-        let to_eye = vec2<f32>(
-            params.to_eye_x + params.to_eye_x_step * f32(id.x),
-            params.to_eye_y + params.to_eye_y_step * f32(id.y),
-        );
-        g = depth_gradient(n, to_eye);
-    }
-    conductance[i] = open;
-    gradient[i] = g;
-    if WEIGHTS_WANTED {
-        weights[i] = vec2<f32>(silhouette, crease);
+    let columns = columns_around(id.x);
+    let to_eye_x = params.to_eye_x + params.to_eye_x_step * f32(id.x);
+    let first = id.y * ROWS_PER_INVOCATION;
+    let end = min(first + ROWS_PER_INVOCATION, height());
+    // What the next row takes of this one stays in registers.
+    var covered_above = covered_around(columns, row_above(first));
+    var covered_here = covered_around(columns, first);
+    var map_above = map_around(columns, index_of(0u, row_above(first)));
+    var map_here = map_around(columns, index_of(0u, first));
+    var normal_above = normal_at(id.x, index_of(0u, row_above(first)));
+    var normal = normal_at(id.x, index_of(0u, first));
+    for (var y = first; y < end; y++) {
+        let row = index_of(0u, y);
+        let row_under = index_of(0u, row_below(y));
+        let covered_below = covered_around(columns, row_below(y));
+        let map_below = map_around(columns, row_under);
+        let normal_below = normal_at(id.x, row_under);
+        let i = row + id.x;
+
+        let is_inside = all(covered_above) && all(covered_here) && all(covered_below);
+        let silhouette = select(1.0, silhouette_weight(map_above, map_here, map_below), is_inside);
+        let left = normal_at(columns.x, row);
+        let right = normal_at(columns.z, row);
+        let around = Cross(normal, left, right, normal_above, normal_below);
+        let crease = crease_weight(around, covered_above, covered_here, covered_below, i);
+        let to_eye = vec2<f32>(to_eye_x, params.to_eye_y + params.to_eye_y_step * f32(y));
+        let g = depth_gradient(normal, to_eye);
+
+        let is_here = covered_here.y;
+        conductance[i] = select(0.0, 1.0 - max(silhouette, crease), is_here);
+        gradient[i] = select(vec2<f32>(0.0), g, is_here);
+        if WEIGHTS_WANTED {
+            weights[i] = select(vec2<f32>(0.0), vec2<f32>(silhouette, crease), is_here);
+        }
+        covered_above = covered_here;
+        covered_here = covered_below;
+        map_above = map_here;
+        map_here = map_below;
+        normal_above = normal;
+        normal = normal_below;
     }
 }

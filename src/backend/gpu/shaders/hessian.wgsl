@@ -12,85 +12,93 @@
 // Whether the entries are wanted, or their trace alone.
 override ENTRIES_WANTED: bool;
 
-// Samples around a pixel, rows top to bottom.
-var<private> g: array<vec2<f32>, 9>;
-var<private> open: array<f32, 9>;
-
-fn load_around(x: i32, y: i32) {
-    for (var i = 0; i < 3; i++) {
-        for (var j = 0; j < 3; j++) {
-            let column = clamp(x + j - 1, 0, i32(width()) - 1);
-            let row = clamp(y + i - 1, 0, i32(height()) - 1);
-            let at = index_of(u32(column), u32(row));
-            g[3 * i + j] = gradient[at];
-            open[3 * i + j] = conductance[at];
-        }
-    }
+// A row of three pixels: left of one, at it and right of it.
+struct Row {
+    left: vec2<f32>,
+    here: vec2<f32>,
+    right: vec2<f32>,
+    open: vec3<f32>,
 }
 
-fn all_open() -> bool {
-    var all = true;
-    for (var i = 0; i < 9; i++) {
-        all = all && open[i] == 1.0;
-    }
-    return all;
+fn row_around(columns: vec3<u32>, y: u32) -> Row {
+    let at = index_of(0u, y) + columns;
+    return Row(
+        gradient[at.x],
+        gradient[at.y],
+        gradient[at.z],
+        vec3<f32>(conductance[at.x], conductance[at.y], conductance[at.z]),
+    );
 }
 
 // [xx, xy, yy] where all is open: Sobel's derivative.
-fn in_the_open() -> vec3<f32> {
-    let west = (g[0] + g[6]) + 2.0 * g[3];
-    let east = (g[2] + g[8]) + 2.0 * g[5];
-    let north = (g[0] + g[2]) + 2.0 * g[1];
-    let south = (g[6] + g[8]) + 2.0 * g[7];
+fn in_the_open(above: Row, here: Row, below: Row) -> vec3<f32> {
+    let west = (above.left + below.left) + 2.0 * here.left;
+    let east = (above.right + below.right) + 2.0 * here.right;
+    let north = (above.left + above.right) + 2.0 * above.here;
+    let south = (below.left + below.right) + 2.0 * below.here;
     let along_x = (east - west) / 8.0;
     let along_y = (north - south) / 8.0;
     return vec3<f32>(along_x.x, 0.5 * (along_y.x + along_x.y), along_y.y);
 }
 
 // [xx, xy, yy] of the fit.
-fn fitted() -> vec3<f32> {
-    var w = array<f32, 9>(1.0, 2.0, 1.0, 2.0, 0.0, 2.0, 1.0, 2.0, 1.0);
-    var rise: array<vec2<f32>, 9>;
-    for (var i = 0; i < 9; i++) {
-        w[i] = w[i] * open[i];
-        rise[i] = w[i] * (g[i] - g[4]);
-    }
-    let xx = (((w[0] + w[6]) + w[3]) + ((w[2] + w[8]) + w[5])) + RIDGE;
-    let xy = (w[2] + w[6]) - (w[0] + w[8]);
-    let yy = (((w[0] + w[2]) + w[1]) + ((w[6] + w[8]) + w[7])) + RIDGE;
-    let along_x = ((rise[2] + rise[8]) + rise[5]) - ((rise[0] + rise[6]) + rise[3]);
-    let along_y = ((rise[0] + rise[2]) + rise[1]) - ((rise[6] + rise[8]) + rise[7]);
+fn fitted(above: Row, here: Row, below: Row) -> vec3<f32> {
+    let w_above = vec3<f32>(above.open.x, 2.0 * above.open.y, above.open.z);
+    let w_left = 2.0 * here.open.x;
+    let w_right = 2.0 * here.open.z;
+    let w_below = vec3<f32>(below.open.x, 2.0 * below.open.y, below.open.z);
+    let g = here.here;
+    let northwest = w_above.x * (above.left - g);
+    let north = w_above.y * (above.here - g);
+    let northeast = w_above.z * (above.right - g);
+    let west = w_left * (here.left - g);
+    let east = w_right * (here.right - g);
+    let southwest = w_below.x * (below.left - g);
+    let south = w_below.y * (below.here - g);
+    let southeast = w_below.z * (below.right - g);
+    let xx = (((w_above.x + w_below.x) + w_left) + ((w_above.z + w_below.z) + w_right)) + RIDGE;
+    let xy = (w_above.z + w_below.x) - (w_above.x + w_below.z);
+    let yy = (((w_above.x + w_above.z) + w_above.y) + ((w_below.x + w_below.z) + w_below.y)) + RIDGE;
+    let along_x = ((northeast + southeast) + east) - ((northwest + southwest) + west);
+    let along_y = ((northwest + northeast) + north) - ((southwest + southeast) + south);
     let determinant = xx * yy - xy * xy;
     let slope_x = (yy * along_x - xy * along_y) / determinant;
     let slope_y = (xx * along_y - xy * along_x) / determinant;
-    let c = open[4];
+    let c = here.open.y;
     return vec3<f32>(c * slope_x.x, c * 0.5 * (slope_y.x + slope_x.y), c * slope_y.y);
+}
+
+fn entries_of(above: Row, here: Row, below: Row) -> vec3<f32> {
+    let least = min(min(above.open, here.open), below.open);
+    let of_edges = select(vec3<f32>(0.0), fitted(above, here, below), here.open.y != 0.0);
+    return select(of_edges, in_the_open(above, here, below), all(least == vec3<f32>(1.0)));
 }
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() {
+    if id.x >= width() {
         return;
     }
-    let x = i32(id.x);
-    let y = i32(id.y);
-    var entries = vec3<f32>(0.0);
-    if is_covered(x, y) {
-        load_around(x, y);
-        if all_open() {
-            entries = in_the_open();
-        } else if open[4] != 0.0 {
-            entries = fitted();
+    let columns = columns_around(id.x);
+    let first = id.y * ROWS_PER_INVOCATION;
+    let end = min(first + ROWS_PER_INVOCATION, height());
+    // What the next row takes of this one stays in registers.
+    var above = row_around(columns, row_above(first));
+    var here = row_around(columns, first);
+    for (var y = first; y < end; y++) {
+        let below = row_around(columns, row_below(y));
+        let entries = select(vec3<f32>(0.0), entries_of(above, here, below), is_covered(id.x, y));
+        let i = index_of(id.x, y);
+        if ENTRIES_WANTED {
+            let scaled = params.resolution_factor * entries;
+            hessian_xx[i] = scaled.x;
+            hessian_xy[i] = scaled.y;
+            hessian_yy[i] = scaled.z;
+            trace[i] = scaled.x + scaled.z;
+        } else {
+            trace[i] = params.resolution_factor * (entries.x + entries.z);
         }
-    }
-    let i = index_of(id.x, id.y);
-    if ENTRIES_WANTED {
-        let scaled = params.resolution_factor * entries;
-        hessian_xx[i] = scaled.x;
-        hessian_xy[i] = scaled.y;
-        hessian_yy[i] = scaled.z;
-        trace[i] = scaled.x + scaled.z;
-    } else {
-        trace[i] = params.resolution_factor * (entries.x + entries.z);
+        above = here;
+        here = below;
     }
 }

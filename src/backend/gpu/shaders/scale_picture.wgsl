@@ -18,22 +18,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = index_of(id.x, id.y);
-    if !is_covered(i32(id.x), i32(id.y)) || trace[i] == 0.0 {
+    if !is_covered(id.x, id.y) || trace[i] == 0.0 {
         return;
     }
     let rgb = vec3<f32>(red[i], green[i], blue[i]);
-    if is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z) {
-        // What is no number makes none, in all three.
-        let nan = bitcast<f32>(params.nan_bits);
-        red[i] = nan;
-        green[i] = nan;
-        blue[i] = nan;
-        return;
-    }
     let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
     let exponent = params.scaling * mapped_curvature(trace[i], chosen[GAIN]);
     let sigma = scaling(weighted / chosen[WHITE], exponent, params.invariant_point);
-    red[i] = scaled(rgb.x, sigma);
-    green[i] = scaled(rgb.y, sigma);
-    blue[i] = scaled(rgb.z, sigma);
+    // What is no number makes none, in all three.
+    let has_nan = is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z);
+    let nan = bitcast<f32>(params.nan_bits);
+    red[i] = select(scaled(rgb.x, sigma), nan, has_nan);
+    green[i] = select(scaled(rgb.y, sigma), nan, has_nan);
+    blue[i] = select(scaled(rgb.z, sigma), nan, has_nan);
 }

@@ -1,0 +1,13 @@
+// The pixels around one. Beyond the border of the picture its border goes on.
+
+fn columns_around(x: u32) -> vec3<u32> {
+    return vec3<u32>(max(x, 1u) - 1u, x, min(x + 1u, width() - 1u));
+}
+
+fn row_above(y: u32) -> u32 {
+    return max(y, 1u) - 1u;
+}
+
+fn row_below(y: u32) -> u32 {
+    return min(y + 1u, height() - 1u);
+}
