@@ -1,15 +1,20 @@
 //! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH HEIGHT]`.
 //!
-//! Prints, for each size of features, how far the picture is from the CPU's and what each stage takes. Without a file,
-//! waves of that size, 1920x1080 where none is given.
+//! Prints, for each size of features and for new light, how far the picture is from the CPU's and what each stage takes.
+//! Without a file, waves of that size, 1920x1080 where none is given.
 
 use relievo::backend::gpu::{Choice, Device, Runner};
 use relievo::backend::{cpu, difference, products};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
-use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
-use relievo::plan::{Available, Goal, Plan};
+use relievo::light::environment::Environment;
+use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
+use relievo::params::{
+    AlbedoSource, Material, Method, RelightParams, Samples, Scale, ScalingParams, ShapeParams,
+    Solver,
+};
+use relievo::plan::{Available, Goal, LightKinds, Plan};
 use std::time::{Duration, Instant};
 
 /// Runs of which the quickest counts.
@@ -57,15 +62,70 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let available = Available::in_frame(&frame);
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
-        measure(name, &runner, &plan, &frame)?;
+        measure(name, &runner, &plan, &frame, None)?;
+    }
+    let lamp = Illumination {
+        directional: vec![DirectionalLight {
+            to_light: direction_of(120.0, 40.0),
+            intensity: [1.0; 3],
+        }],
+        ..Illumination::default()
+    };
+    let room = Illumination {
+        environment: Some(sky().into()),
+        ..Illumination::default()
+    };
+    for (name, method, light) in [
+        ("scaling under a lamp, 10 steps", Method::Scale, &lamp),
+        ("warping of 54 lights, 10 steps", Method::Warp, &room),
+        ("both, 10 steps", Method::Both, &room),
+    ] {
+        let plan = lighting(&frame, method, light)?;
+        measure(name, &runner, &plan, &frame, Some(light))?;
     }
     Ok(())
 }
 
-fn measure(name: &str, runner: &Runner, plan: &Plan, frame: &Frame) -> relievo::Result<()> {
-    let on_cpu = cpu::Runner::default();
-    let expected = on_cpu.run(plan, frame);
-    let found = runner.run(plan, frame)?;
+/// A glossy white surface in new light.
+fn lighting(frame: &Frame, method: Method, light: &Illumination) -> relievo::Result<Plan> {
+    let shape = ShapeParams {
+        scale: Scale::Iterations(10),
+        ..ShapeParams::default()
+    };
+    let mut relight = RelightParams {
+        method,
+        albedo: AlbedoSource::White,
+        samples: Samples::Fixed(54),
+        ..RelightParams::default()
+    };
+    relight.material.material = Material::BlinnPhong;
+    Plan::relight(
+        Available::in_frame(frame),
+        shape,
+        ScalingParams::default(),
+        relight,
+        LightKinds::in_light(light),
+    )
+}
+
+fn measure(
+    name: &str,
+    runner: &Runner,
+    plan: &Plan,
+    frame: &Frame,
+    light: Option<&Illumination>,
+) -> relievo::Result<()> {
+    let cpu = cpu::Runner::default();
+    let by_cpu = || match light {
+        Some(light) => cpu.relight(plan, frame, light),
+        None => cpu.run(plan, frame),
+    };
+    let by_device = || match light {
+        Some(light) => runner.relight(plan, frame, light),
+        None => runner.run(plan, frame),
+    };
+    let expected = by_cpu();
+    let found = by_device()?;
     let pictures = products(&found).zip(expected.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]));
     let apart = pictures.map(|((_, found), expected)| difference(found, expected));
     println!("\n{name}: {:.1e} apart", apart.fold(0.0, f64::max));
@@ -74,10 +134,10 @@ fn measure(name: &str, runner: &Runner, plan: &Plan, frame: &Frame) -> relievo::
     let mut processor = f64::INFINITY;
     for _ in 0..RUNS {
         let start = Instant::now();
-        on_cpu.take_back(on_cpu.run(plan, frame));
+        cpu.take_back(by_cpu());
         whole[0] = whole[0].min(start.elapsed());
         let (start, before) = (Instant::now(), processor_seconds());
-        let timings = runner.run(plan, frame)?.timings;
+        let timings = by_device()?.timings;
         whole[1] = whole[1].min(start.elapsed());
         processor = processor.min(processor_seconds() - before);
         stages.resize(timings.len(), ("", Duration::MAX));
@@ -105,6 +165,18 @@ fn processor_seconds() -> f64 {
     let ticks = ticks.filter_map(|field| field.parse::<f64>().ok());
     // Hundredths of a second, on every Linux there is.
     ticks.sum::<f64>() / 100.0
+}
+
+/// An environment with a bright side.
+fn sky() -> Environment {
+    let blank = Environment::from_fn(256, 128, |_, _| [0.0; 3]);
+    Environment::from_fn(256, 128, |x, y| {
+        let toward = blank
+            .direction(x, y)
+            .dot(glam::Vec3::new(0.6, 0.5, 0.62))
+            .max(0.0);
+        [0.2 + 3.0 * toward.powi(8), 0.2 + 2.5 * toward.powi(8), 0.4]
+    })
 }
 
 /// Waves of 64 pixels under a soft light.

@@ -9,4 +9,4 @@ pub mod gpu;
 mod importance;
 mod palette;
 
-pub use agreement::{Product, difference, products};
+pub use agreement::{Product, difference, products, relit_tolerance};

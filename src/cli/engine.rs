@@ -7,7 +7,8 @@ use crate::backend::cpu::Outcome;
 #[cfg(feature = "gpu")]
 use crate::backend::gpu;
 use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::frame::{Frame, SpecularScene};
+use crate::light::lights::Illumination;
 use crate::plan::Plan;
 
 /// The backends of a run.
@@ -54,23 +55,81 @@ impl Engine {
     /// Where the device fails, or lacks kernels, and nothing else may do it.
     #[cfg(feature = "gpu")]
     pub(super) fn run(&self, job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        let on_device = |gpu: &gpu::Runner| gpu.run(plan, frame);
+        self.by_either(job, plan, on_device, || self.cpu.run(plan, frame))
+    }
+
+    /// Runs `plan`, which lights `frame` anew; mirrors and lenses show what is in `scene`.
+    ///
+    /// # Errors
+    /// As [`Engine::run`].
+    #[cfg(feature = "gpu")]
+    pub(super) fn relight(
+        &self,
+        job: &Job,
+        plan: &Plan,
+        frame: &Frame,
+        light: &Illumination,
+        scene: Option<&SpecularScene>,
+    ) -> Result<Outcome> {
+        let on_device = |gpu: &gpu::Runner| gpu.relight(plan, frame, light);
+        let on_cpu = || relight_on_cpu(&self.cpu, plan, frame, light, scene);
+        self.by_either(job, plan, on_device, on_cpu)
+    }
+
+    /// Has `plan` run by the device, where there is one that has kernels for it, else by the CPU.
+    #[cfg(feature = "gpu")]
+    fn by_either(
+        &self,
+        job: &Job,
+        plan: &Plan,
+        on_device: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
+        on_cpu: impl FnOnce() -> Outcome,
+    ) -> Result<Outcome> {
         match &self.device {
-            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return gpu.run(plan, frame),
+            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return on_device(gpu),
             OnDevice::Only(_) => return Err(no_kernels()),
-            OnDevice::Maybe(gpu) if gpu::Runner::can_run(plan) => match gpu.run(plan, frame) {
+            OnDevice::Maybe(gpu) if gpu::Runner::can_run(plan) => match on_device(gpu) {
                 Ok(outcome) => return Ok(outcome),
                 Err(error) => job.warn(&format!("{error}: the CPU did it")),
             },
             OnDevice::No(Some(why)) => job.warn(&format!("{why}; the CPU does it")),
             OnDevice::Maybe(_) | OnDevice::No(None) => {}
         }
-        Ok(self.cpu.run(plan, frame))
+        Ok(on_cpu())
     }
 
     /// Runs `plan` on `frame`.
     #[cfg(not(feature = "gpu"))]
     pub(super) fn run(&self, _job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
         Ok(self.cpu.run(plan, frame))
+    }
+
+    /// Runs `plan`, which lights `frame` anew; mirrors and lenses show what is in `scene`.
+    #[cfg(not(feature = "gpu"))]
+    pub(super) fn relight(
+        &self,
+        _job: &Job,
+        plan: &Plan,
+        frame: &Frame,
+        light: &Illumination,
+        scene: Option<&SpecularScene>,
+    ) -> Result<Outcome> {
+        Ok(relight_on_cpu(&self.cpu, plan, frame, light, scene))
+    }
+}
+
+/// New light by the CPU.
+pub(super) fn relight_on_cpu(
+    cpu: &cpu::Runner,
+    plan: &Plan,
+    frame: &Frame,
+    light: &Illumination,
+    scene: Option<&SpecularScene>,
+) -> Outcome {
+    match scene {
+        Some(scene) => cpu.relight_specular(plan, frame, light, scene),
+        None => cpu.relight(plan, frame, light),
     }
 }
 

@@ -32,8 +32,7 @@ impl LitSphere {
         on_disc(&self.texels, normal_xy)
     }
 
-    /// Columns and rows of its picture, for other backends.
-    #[cfg(feature = "gpu")]
+    /// Columns and rows of its picture.
     pub(crate) fn size(&self) -> [usize; 2] {
         [self.texels.width(), self.texels.height()]
     }

@@ -59,6 +59,11 @@ impl KeptMaps {
         Arc::ptr_eq(of, ready).then(|| buffer.clone())
     }
 
+    /// Forgets them.
+    pub(super) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
     fn keep(&self, ready: &Arc<Ready>, buffer: &wgpu::Buffer) {
         let kept = Some((ready.clone(), buffer.clone()));
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = kept;

@@ -121,6 +121,7 @@ impl Runner {
         // The innermost scope ends first.
         for scope in scopes.into_iter().rev() {
             if let Some(error) = pollster::block_on(scope.pop()) {
+                self.maps.forget();
                 return Err(self.device.error(error));
             }
         }

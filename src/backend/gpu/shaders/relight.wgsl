@@ -337,7 +337,7 @@ fn compose(i: u32) {
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= width() || id.y >= height() || !is_covered(i32(id.x), i32(id.y)) {
+    if id.x >= width() || id.y >= height() || !is_covered(id.x, id.y) {
         return;
     }
     let i = index_of(id.x, id.y);
