@@ -48,7 +48,7 @@ pub(crate) const TAN_EIGHTH_PI: f32 = 0.414_213_57;
 pub(crate) const COT_EIGHTH_PI: f32 = 2.414_213_7;
 
 /// Half of pi less the f32 nearest to it.
-const PI_2_LOW: f32 = -4.371_139e-8;
+pub(crate) const PI_2_LOW: f32 = -4.371_139e-8;
 
 /// (atan(t) - t) / t^3 by powers of t^2, for |t| up to tan(pi/8); 2^-30 relative to atan(t).
 pub(crate) const ATAN: [f32; 5] = [

@@ -7,7 +7,7 @@ use super::uniforms::{
 use crate::backend::choice::MAX_GAIN;
 use crate::backend::cpu::SHORTEST_TANGENT;
 use crate::backend::palette;
-use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, TAN, TAN_EIGHTH_PI};
+use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
 use crate::light::brdf::GRAZING;
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
@@ -196,6 +196,7 @@ fn constants() -> String {
         ("PI", consts::PI),
         ("FRAC_PI_2", consts::FRAC_PI_2),
         ("FRAC_PI_4", consts::FRAC_PI_4),
+        ("PI_2_LOW", PI_2_LOW),
         ("F32_MAX", f32::MAX),
         ("F32_MIN_POSITIVE", f32::MIN_POSITIVE),
         ("LN2_HIGH", LN2_HIGH),

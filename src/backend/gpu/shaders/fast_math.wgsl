@@ -67,8 +67,10 @@ fn atan_of(x: f32) -> f32 {
     let below = select(select(1.0, size + 1.0, middle), size, steep);
     let t = above / below;
     let whole = select(select(0.0, FRAC_PI_4, middle), FRAC_PI_2, steep);
+    let lost = select(select(0.0, 0.5 * PI_2_LOW, middle), PI_2_LOW, steep);
     let square = t * t;
-    return copysign(whole + (square * t * polynomial_atan(square) + t), x);
+    let small = square * t * polynomial_atan(square) + lost;
+    return copysign(whole + (small + t), x);
 }
 
 // The tangent of x, up to a quarter of pi in size.
