@@ -11,8 +11,8 @@ use relievo::io::{Needs, load};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{
-    AlbedoSource, Material, Method, RelightParams, Samples, Scale, ScalingParams, ShapeParams,
-    Solver,
+    Adaptive, AlbedoSource, Material, Method, RelightParams, Samples, Scale, ScalingParams,
+    ShapeParams, Solver,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan};
 use std::time::{Duration, Instant};
@@ -41,6 +41,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let runner = Runner::new(Device::open(Choice::Any)?);
     let (width, height) = (frame.mask.width(), frame.mask.height());
     println!("{}, {width}x{height}", runner.device().name());
+    let shape = ShapeParams {
+        scale: Scale::Iterations(0),
+        ..ShapeParams::default()
+    };
+    let given = ScalingParams {
+        curvature_gain: Adaptive::Fixed(8.0),
+        white_level: Adaptive::Fixed(1.0),
+        ..ScalingParams::default()
+    };
+    let available = Available::in_frame(&frame);
+    let plan = Plan::new(Goal::Enhance, available, shape, given)?;
+    let name = "no diffusion, gain and white level given";
+    measure(name, &runner, &plan, &frame, None)?;
     for (name, scale, solver) in [
         ("no diffusion", Scale::Iterations(0), Solver::Chebyshev),
         ("10 steps", Scale::Iterations(10), Solver::Chebyshev),
@@ -60,7 +73,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             solver,
             ..ShapeParams::default()
         };
-        let available = Available::in_frame(&frame);
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
         measure(name, &runner, &plan, &frame, None)?;
     }

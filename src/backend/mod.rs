@@ -7,6 +7,7 @@ pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod importance;
+mod light_terms;
 mod palette;
 
 pub use agreement::{Product, difference, products, relit_tolerance};

@@ -11,10 +11,10 @@ use super::radiance_scaling::scaling;
 use crate::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 /// No picture holds more; the sum of a few of these, scaled as far as [`scaling`] goes, is still finite.
-const MAX_RADIANCE: f32 = 1e11;
+pub(crate) const MAX_RADIANCE: f32 = 1e11;
 
 /// Colours darker than this say nothing of the light that they reflect.
-const MIN_ALBEDO: f32 = 1e-3;
+pub(crate) const MIN_ALBEDO: f32 = 1e-3;
 
 /// Three rows of one colour.
 pub type ColorRow<'a> = [&'a [f32]; 3];

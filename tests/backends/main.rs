@@ -6,6 +6,7 @@ mod common;
 mod command;
 mod hostile;
 mod kernels;
+mod light_layers;
 mod products;
 mod relight;
 

@@ -7,7 +7,8 @@ use super::passes::map_rows;
 use super::percentile::{PercentileSearch, percentile};
 use super::simd::Simd;
 use crate::backend::choice::WHITE_PERCENT;
-use crate::frame::{ColorPlanes, Frame, LobeLayers, Mask, Plane, SymmetricPlanes};
+use crate::backend::light_terms::{LightTerm, light_terms};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes};
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};
 use rayon::prelude::*;
@@ -20,52 +21,6 @@ pub(super) struct Curvature<'a> {
     /// The whole Hessian, where the direction of light counts.
     pub(super) hessian: Option<&'a SymmetricPlanes>,
     pub(super) gain: f32,
-}
-
-/// A lobe, or a part of it, that is scaled by itself.
-pub(super) struct Term<'a> {
-    name: &'static str,
-    direct: Option<&'a ColorPlanes>,
-    indirect: Option<&'a ColorPlanes>,
-    color: Option<&'a ColorPlanes>,
-    albedo: Option<&'a ColorPlanes>,
-    magnitude: f32,
-}
-
-/// The terms of the lobes that are scaled by anything. Where ambient light has a magnitude of its own it
-/// rules the diffuse light from other surfaces.
-pub(super) fn terms<'a>(lobes: &'a [LobeLayers], params: &ScalingParams) -> Vec<Term<'a>> {
-    let magnitudes = params.magnitudes();
-    let of_lobe = |layers: &'a LobeLayers| {
-        let term = |name, direct, indirect, magnitude| Term {
-            name,
-            direct,
-            indirect,
-            color: layers.color.as_ref(),
-            albedo: layers.albedo.as_ref(),
-            magnitude,
-        };
-        let (direct, indirect) = (layers.direct.as_ref(), layers.indirect.as_ref());
-        let diffuse = layers.lobe.is_diffuse();
-        let name = layers.lobe.name();
-        let magnitude = if diffuse {
-            magnitudes.diffuse
-        } else {
-            magnitudes.specular
-        };
-        if diffuse && params.scaling_ambient.is_some() {
-            let apart = [
-                term(name, direct, None, magnitude),
-                term("ambient", None, indirect, magnitudes.ambient),
-            ];
-            return apart.into_iter().collect::<Vec<_>>();
-        }
-        vec![term(name, direct, indirect, magnitude)]
-    };
-    let all = lobes.iter().flat_map(of_lobe);
-    all.filter(|term| term.magnitude > 0.0)
-        .filter(|term| term.direct.or(term.indirect).is_some())
-        .collect()
 }
 
 /// Rows that stand for absent layers.
@@ -83,7 +38,7 @@ impl Absent {
     }
 }
 
-impl Term<'_> {
+impl LightTerm<'_> {
     fn row<'b>(&'b self, y: usize, absent: &'b Absent) -> LobeRow<'b> {
         let row = |planes: Option<&'b ColorPlanes>, absent: &'b [f32]| match planes {
             Some(planes) => color_row(planes, y),
@@ -133,7 +88,7 @@ pub(super) fn add_to_searches(
     memory: &Memory,
 ) {
     let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
-    for term in terms(&frame.light.lobes, params) {
+    for term in light_terms(&frame.light.lobes, params) {
         let luminance = term.luminance(weights, &frame.mask, &absent, memory);
         let known = searches.iter().position(|(name, _)| *name == term.name);
         let index = known.unwrap_or_else(|| {
@@ -148,22 +103,23 @@ pub(super) fn add_to_searches(
 
 /// The white levels of all terms, with the terms' names.
 pub(super) fn white_levels(
-    terms: &[Term],
+    terms: &[LightTerm],
     frame: &Frame,
     params: &ScalingParams,
     memory: &Memory,
 ) -> Vec<(&'static str, f32)> {
     let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
-    let level = |term: &Term| match (params.term_white_levels.of(term.name), params.white_level) {
-        (Some(level), _) | (None, Adaptive::Fixed(level)) => level,
-        (None, Adaptive::Auto) => term.white_level(weights, &frame.mask, &absent, memory),
-    };
+    let level =
+        |term: &LightTerm| match (params.term_white_levels.of(term.name), params.white_level) {
+            (Some(level), _) | (None, Adaptive::Fixed(level)) => level,
+            (None, Adaptive::Auto) => term.white_level(weights, &frame.mask, &absent, memory),
+        };
     terms.iter().map(|term| (term.name, level(term))).collect()
 }
 
 /// The picture with its lobes scaled one by one.
 pub(super) fn scale_lobes(
-    terms: &[Term],
+    terms: &[LightTerm],
     whites: &[(&'static str, f32)],
     frame: &Frame,
     params: &ScalingParams,

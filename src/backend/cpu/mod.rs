@@ -27,10 +27,13 @@ mod strips;
 mod tiles;
 mod wave;
 
+use crate::backend::light_terms::light_terms;
 use crate::fast_math::Function;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::params::Adaptive;
+#[cfg(feature = "gpu")]
+use crate::params::ScalingParams;
 use crate::plan::{Goal, Plan, Stage};
 pub use drawing::TextureCoordinates;
 use edges::Weights;
@@ -80,6 +83,16 @@ pub(in crate::backend) use relight::{SHORTEST_TANGENT, light_rims};
 pub(in crate::backend) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
     let weights = light::luminance_weights(frame);
     relight::estimated(frame, weights, &memory::Memory::default())
+}
+
+/// The white levels of the terms that the light of a frame is scaled by, for other backends.
+#[cfg(feature = "gpu")]
+pub(in crate::backend) fn term_white_levels(
+    frame: &Frame,
+    params: &ScalingParams,
+) -> Vec<(&'static str, f32)> {
+    let terms = light_terms(&frame.light.lobes, params);
+    light_layers::white_levels(&terms, frame, params, &memory::Memory::default())
 }
 
 /// Bits of the widest vectors that this machine has.
@@ -409,7 +422,7 @@ impl Run<'_> {
 
     fn scale_lobes(&mut self) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let terms = light_layers::terms(&frame.light.lobes, &plan.scaling);
+        let terms = light_terms(&frame.light.lobes, &plan.scaling);
         let levels = || light_layers::white_levels(&terms, frame, &plan.scaling, memory);
         let whites = match plan.has(Stage::AutoWhite) {
             true => self.kept_or(|kept| kept.term_whites.get().cloned(), "auto-white", levels),

@@ -79,7 +79,9 @@ impl Pool {
         let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         spare.retain(|buffer| {
             let size = buffer.size();
-            let is_plane = [1, 2, 4].iter().any(|samples| size == 4 * samples * pixels);
+            let is_plane = [1, 2, 3, 4]
+                .iter()
+                .any(|samples| size == 4 * samples * pixels);
             size < pixels || is_plane
         });
     }

@@ -18,6 +18,8 @@ pub(super) enum Search {
     Gain { size: [usize; 2], factor: f32 },
     /// The white level, by these weights of luminance.
     White([f32; 3]),
+    /// The white level of a term of the light, from its luminance.
+    TermWhite,
 }
 
 /// A search, and its state on the device.
@@ -58,6 +60,7 @@ impl Searching {
         let (least, weights) = match self.search {
             Search::Gain { size, factor } => (flat_curvature(size, factor), [0.0; 3]),
             Search::White(weights) => (0.0, weights),
+            Search::TermWhite => (0.0, [0.0; 3]),
         };
         let params = CountParams {
             width,
@@ -74,7 +77,10 @@ impl Searching {
             weight_g: weights[1],
             weight_b: weights[2],
         };
-        let of_trace = matches!(self.search, Search::Gain { .. });
+        let switches = [
+            ("OF_TRACE", matches!(self.search, Search::Gain { .. })),
+            ("OF_LIGHT", self.search == Search::TermWhite),
+        ];
         let most = match run.device.is_software() {
             true => MOST_GROUPS_IN_SOFTWARE,
             false => MOST_GROUPS,
@@ -82,18 +88,18 @@ impl Searching {
         let groups = [rows.end.clamp(1, most), 1];
         run.recorder.dispatch(
             self.stage(),
-            (Kernel::Count, &[("OF_TRACE", of_trace)]),
+            (Kernel::Count, &switches),
             &params,
             &[&run.surface.covered, a, b, c, &self.state, &self.bins],
             groups,
         );
     }
 
-    /// Ends pass number `pass`; the last one chooses.
-    pub(super) fn narrow(&self, run: &mut Run, pass: u32) {
+    /// Ends pass number `pass`; the last one puts what it chooses into its place in `chosen`.
+    pub(super) fn narrow(&self, run: &mut Run, pass: u32, chosen: &wgpu::Buffer) {
         let (percent, is_gain) = match self.search {
             Search::Gain { .. } => (CURVATURE_PERCENT, true),
-            Search::White(_) => (WHITE_PERCENT, false),
+            Search::White(_) | Search::TermWhite => (WHITE_PERCENT, false),
         };
         let params = NarrowParams {
             is_first: u32::from(pass == 0),
@@ -106,17 +112,17 @@ impl Searching {
             self.stage(),
             (Kernel::Narrow, &[("IS_GAIN", is_gain)]),
             &params,
-            &[&self.bins, &self.state, &run.chosen],
+            &[&self.bins, &self.state, chosen],
             [1, 1],
         );
     }
 
     /// All passes over planes that are there.
-    pub(super) fn choose(self, run: &mut Run, planes: [&wgpu::Buffer; 3]) {
+    pub(super) fn choose(self, run: &mut Run, planes: [&wgpu::Buffer; 3], chosen: &wgpu::Buffer) {
         let rows = 0..run.surface.size[1];
         for pass in 0..SEARCH_PASSES {
             self.count(run, pass, planes, rows.clone());
-            self.narrow(run, pass);
+            self.narrow(run, pass, chosen);
         }
         run.buffers.take_back(self.into_buffers());
     }
@@ -129,7 +135,7 @@ impl Searching {
     fn stage(&self) -> &'static str {
         match self.search {
             Search::Gain { .. } => "auto-gain",
-            Search::White(_) => "auto-white",
+            Search::White(_) | Search::TermWhite => "auto-white",
         }
     }
 }

@@ -33,7 +33,8 @@ impl Run<'_> {
         let [red, green, blue] = picture;
         if known_white_level(plan, frame).is_none() {
             let search = Searching::new(self, Search::White(weights));
-            search.choose(self, [red, green, blue]);
+            let chosen = self.chosen.clone();
+            search.choose(self, [red, green, blue], &chosen);
         }
         let mut scaling = plan.scaling;
         if frame.light.picture_is_occlusion {
@@ -43,6 +44,7 @@ impl Run<'_> {
         let params = ScaleParams {
             width,
             height,
+            resolution_factor: plan.resolution_factor as f32,
             scaling: scaling.scaling,
             invariant_point: scaling.invariant_point,
             weight_r: weights[0],
@@ -50,21 +52,32 @@ impl Run<'_> {
             weight_b: weights[2],
             nan_bits: f32::NAN.to_bits(),
         };
-        let hessian = shape.hessian.as_ref().expect("scaling takes curvature");
-        self.recorder.over_pixels(
-            "radiance-scaling",
-            (Kernel::ScalePicture, &[]),
-            &params,
-            &[
-                &self.surface.covered,
-                &hessian.trace,
-                &self.chosen,
-                red,
-                green,
-                blue,
-            ],
-            [width, height],
-        );
+        let size = [width, height];
+        let (covered, chosen) = (&self.surface.covered, &self.chosen);
+        match &shape.hessian {
+            Some(hessian) => self.recorder.over_pixels(
+                "radiance-scaling",
+                (Kernel::ScalePicture, &[]),
+                &params,
+                &[covered, &hessian.trace, chosen, red, green, blue],
+                size,
+            ),
+            None => self.recorder.over_rows(
+                "radiance-scaling",
+                (Kernel::ScaleByGradient, &[]),
+                &params,
+                &[
+                    covered,
+                    &shape.conductance,
+                    &shape.gradient,
+                    chosen,
+                    red,
+                    green,
+                    blue,
+                ],
+                size,
+            ),
+        }
     }
 
     /// The curvature display.

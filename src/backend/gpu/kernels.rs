@@ -2,7 +2,7 @@
 
 use super::uniforms::{
     CountParams, DiffusionParams, EdgeParams, HessianParams, LightParams, NarrowParams,
-    ScaleParams, SizeParams, Uniforms,
+    ScaleParams, SizeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
 use crate::backend::cpu::SHORTEST_TANGENT;
@@ -11,6 +11,7 @@ use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
 use crate::light::brdf::GRAZING;
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
+use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::light_warping::{self, MOST_BRIGHTENED};
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
 use crate::light::sum::terms::SHORTEST;
@@ -25,8 +26,11 @@ pub(super) const GROUP: [u32; 2] = [64, 4];
 /// Columns and rows that a workgroup of `diffusion.wgsl` holds, its rim included.
 pub(super) const REGION: [u32; 2] = [64, 32];
 
-/// Rows that one invocation makes where neighbours are looked at: each serves the next one.
-pub(super) const ROWS_PER_INVOCATION: u32 = 8;
+/// Rows of that region which one invocation makes.
+const ROWS_PER_INVOCATION: u32 = 8;
+
+/// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
+pub(super) const STRIP_ROWS: u32 = 16;
 
 /// Invocations of a workgroup that searches for a percentile.
 const SEARCH_INVOCATIONS: u32 = 256;
@@ -55,6 +59,13 @@ pub(super) enum Kernel {
     Count,
     Narrow,
     ScalePicture,
+    ScaleByGradient,
+    LobeLuminance,
+    LobeSigma,
+    GroupSigma,
+    AddChange,
+    ChangePicture,
+    Occlude,
     CurvatureDisplay,
     Relight,
 }
@@ -67,7 +78,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 19] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -78,6 +89,13 @@ impl Kernel {
         Self::Count,
         Self::Narrow,
         Self::ScalePicture,
+        Self::ScaleByGradient,
+        Self::LobeLuminance,
+        Self::LobeSigma,
+        Self::GroupSigma,
+        Self::AddChange,
+        Self::ChangePicture,
+        Self::Occlude,
         Self::CurvatureDisplay,
         Self::Relight,
     ];
@@ -88,6 +106,9 @@ impl Kernel {
         let around = wgsl!("around");
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
+        let plane_fit = wgsl!("plane_fit");
+        let scaling = wgsl!("radiance_scaling");
+        let term_scaling = wgsl!("term_scaling");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
@@ -111,7 +132,7 @@ impl Kernel {
             Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
             Self::Hessian => (
                 HessianParams::WGSL,
-                &[index, around, covered, wgsl!("hessian")],
+                &[index, around, covered, plane_fit, wgsl!("hessian")],
             ),
             Self::Curvatures => (
                 SizeParams::WGSL,
@@ -128,8 +149,66 @@ impl Kernel {
                     index,
                     covered,
                     mapped,
-                    wgsl!("radiance_scaling"),
+                    scaling,
+                    wgsl!("scaled_pixel"),
                     wgsl!("scale_picture"),
+                ],
+            ),
+            Self::ScaleByGradient => (
+                ScaleParams::WGSL,
+                &[
+                    index,
+                    around,
+                    covered,
+                    plane_fit,
+                    mapped,
+                    scaling,
+                    wgsl!("scaled_pixel"),
+                    wgsl!("scale_by_gradient"),
+                ],
+            ),
+            Self::LobeLuminance => (
+                TermParams::WGSL,
+                &[index, covered, wgsl!("lobe_light"), wgsl!("lobe_luminance")],
+            ),
+            Self::LobeSigma => (
+                TermParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    scaling,
+                    term_scaling,
+                    wgsl!("lobe_light"),
+                    wgsl!("lobe_sigma"),
+                ],
+            ),
+            Self::GroupSigma => (
+                TermParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    wgsl!("mapped_curvature_toward"),
+                    scaling,
+                    term_scaling,
+                    wgsl!("group_sigma"),
+                ],
+            ),
+            Self::AddChange => (
+                TermParams::WGSL,
+                &[index, scaling, term_scaling, wgsl!("add_change")],
+            ),
+            Self::ChangePicture => (SizeParams::WGSL, &[index, covered, wgsl!("change_picture")]),
+            Self::Occlude => (
+                TermParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    scaling,
+                    term_scaling,
+                    wgsl!("occlude"),
                 ],
             ),
             Self::CurvatureDisplay => (
@@ -142,6 +221,7 @@ impl Kernel {
                     index,
                     covered,
                     mapped,
+                    wgsl!("mapped_curvature_toward"),
                     wgsl!("radiance_scaling"),
                     wgsl!("light_warping"),
                     wgsl!("pixel"),
@@ -180,6 +260,7 @@ fn constants() -> String {
         ("REGION_PIXELS", REGION[0] * REGION[1]),
         ("REGION_GROUP_ROWS", REGION[1] / ROWS_PER_INVOCATION),
         ("ROWS_PER_INVOCATION", ROWS_PER_INVOCATION),
+        ("STRIP_ROWS", STRIP_ROWS),
         ("SEARCH_INVOCATIONS", SEARCH_INVOCATIONS),
         ("SEARCH_BINS", SEARCH_BINS),
         ("GAIN", GAIN),
@@ -198,7 +279,7 @@ fn constants() -> String {
         ("FRAC_PI_4", consts::FRAC_PI_4),
         ("PI_2_LOW", PI_2_LOW),
         ("F32_MAX", f32::MAX),
-        ("F32_MIN_POSITIVE", f32::MIN_POSITIVE),
+        ("MIN_POSITIVE", f32::MIN_POSITIVE),
         ("LN2_HIGH", LN2_HIGH),
         ("LN2_LOW", LN2_LOW),
         ("TAN_EIGHTH_PI", TAN_EIGHTH_PI),
@@ -216,6 +297,8 @@ fn constants() -> String {
         ("GRAZING", GRAZING),
         ("RIM_PX", RIM_PX),
         ("LEAST_RADIUS", LEAST_RADIUS),
+        ("MAX_RADIANCE", MAX_RADIANCE),
+        ("MIN_ALBEDO", MIN_ALBEDO),
     ];
     for (name, value) in real {
         line(&mut text, format_args!("const {name}: f32 = {value:e}f;"));

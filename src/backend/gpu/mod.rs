@@ -10,6 +10,7 @@ mod diffusion;
 mod enhance;
 mod kernels;
 mod light;
+mod light_layers;
 mod recorder;
 mod relight;
 mod run;

@@ -1,7 +1,7 @@
 //! Kernels in the order in which they run, and what they take.
 
 use super::device::Device;
-use super::kernels::{GROUP, Kernel, ROWS_PER_INVOCATION};
+use super::kernels::{GROUP, Kernel, STRIP_ROWS};
 use super::uniforms::Uniforms;
 use crate::error::Result;
 use std::collections::HashMap;
@@ -168,7 +168,7 @@ impl<'d> Recorder<'d> {
         buffers: &[&wgpu::Buffer],
         [width, height]: [u32; 2],
     ) {
-        let size = [width, height.div_ceil(ROWS_PER_INVOCATION)];
+        let size = [width, height.div_ceil(STRIP_ROWS)];
         self.over_pixels(stage, kernel, uniforms, buffers, size);
     }
 

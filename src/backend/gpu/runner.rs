@@ -6,6 +6,7 @@ use super::device::Device;
 use super::enhance::known_white_level;
 use super::kernels::{GAIN, WHITE};
 use super::light::{KeptMaps, Light};
+use super::light_layers::{TermWhites, WIDEST};
 use super::recorder::Programs;
 use super::relight::{can_relight, frame_lit};
 use super::run::Run;
@@ -23,8 +24,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
 
-/// Stages that have no kernels yet.
-const ON_THE_CPU: [Stage; 3] = [
+/// Stages that change the picture.
+const SCALES: [Stage; 4] = [
+    Stage::RadianceScaling,
     Stage::LightLobes,
     Stage::LightGroups,
     Stage::AmbientOcclusion,
@@ -64,7 +66,7 @@ impl Runner {
             Goal::Relight => can_relight(plan),
             Goal::Picture => false,
         };
-        is_known && plan.drawing.is_none() && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
+        is_known && plan.drawing.is_none()
     }
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
@@ -131,8 +133,12 @@ impl Runner {
     fn run_parts(&self, plan: &Plan, frame: &Frame, light: Option<&Light>) -> Result<Outcome> {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         // Vectors of two are the widest; only layers have wider ones.
-        let sample_bytes = if plan.goal == Goal::Layers { 16 } else { 8 };
-        let most_rows = self.device.plane_bytes / (sample_bytes * width.max(1) as u64);
+        let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
+        let widest = match plan.goal == Goal::Layers || has_layers {
+            true => WIDEST,
+            false => 2,
+        };
+        let most_rows = self.device.plane_bytes / (4 * widest * width.max(1) as u64);
         if most_rows >= height as u64 {
             return self.run_whole(plan, frame, light, 0..height);
         }
@@ -190,17 +196,20 @@ impl Runner {
                 let factor = plan.resolution_factor as f32;
                 let size = [width, height];
                 let search = Searching::new(&mut run, Search::Gain { size, factor });
-                search.choose(&mut run, shape.of_gain());
+                let chosen = run.chosen.clone();
+                search.choose(&mut run, shape.of_gain(), &chosen);
             }
             shape
         });
         let mut layers = Vec::new();
+        let mut term_whites = TermWhites::new();
         match (plan.goal, &shape) {
             (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, shape),
             (Goal::Display, Some(shape)) => picture = Some(run.display(shape)),
             (Goal::Enhance, Some(shape)) => {
                 let picture = picture.as_ref().expect("enhancing takes a picture");
                 run.scale(plan, frame, shape, picture);
+                term_whites = run.scale_layers(plan, frame, shape, picture);
             }
             _ => {}
         }
@@ -212,6 +221,7 @@ impl Runner {
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten());
         wanted.extend(&layers);
+        wanted.extend(term_whites.iter().map(|(_, white)| white));
         let (read, timings) = run.finish(&wanted)?;
         let computed = start.elapsed();
 
@@ -227,11 +237,16 @@ impl Runner {
                 Plane::from_samples(width, height, samples)
             };
             let [r, g, b] = [plane(), plane(), plane()];
-            let is_made = plan.goal != Goal::Enhance || plan.has(Stage::RadianceScaling);
+            let is_made = plan.goal != Goal::Enhance || SCALES.iter().any(|&stage| plan.has(stage));
             outcome.color = is_made.then_some(ColorPlanes { r, g, b });
             if let (Some(color), Goal::Relight) = (&mut outcome.color, plan.goal) {
                 frame_lit(color, frame);
             }
+            outcome.term_white_levels = term_whites
+                .iter()
+                .zip(read.by_ref())
+                .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
+                .collect();
         }
         if plan.goal == Goal::Layers {
             self.describe(&mut outcome, plan, frame, read);

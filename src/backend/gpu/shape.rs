@@ -17,7 +17,7 @@ pub(super) struct Shape {
     pub(super) gradient: wgpu::Buffer,
     /// The gradient at further scales.
     pub(super) more_gradients: Vec<wgpu::Buffer>,
-    /// The Hessian at the first scale.
+    /// The Hessian at the first scale, unless it is used only once, where it is made.
     pub(super) hessian: Option<Hessian>,
 }
 
@@ -74,7 +74,8 @@ impl Run<'_> {
         };
         let more_gradients = gradients.split_off(1);
         let gradient = gradients.remove(0);
-        let wants = plan.has(Stage::Hessian) || plan.has(Stage::Trace);
+        let wants =
+            (plan.has(Stage::Hessian) || plan.has(Stage::Trace)) && !scales_by_gradient(plan);
         let hessian = wants.then(|| {
             let entries = plan.has(Stage::Hessian);
             self.hessian(plan, &gradient, &conductance, entries)
@@ -221,6 +222,12 @@ impl Run<'_> {
     }
 }
 
+/// Whether the trace of the Hessian is used once, and where it is made.
+fn scales_by_gradient(plan: &Plan) -> bool {
+    let is_used_again = plan.has(Stage::AutoGain) || plan.has(Stage::AmbientOcclusion);
+    plan.goal == Goal::Enhance && plan.has(Stage::RadianceScaling) && !is_used_again
+}
+
 fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
     let params: &ShapeParams = &plan.shape;
     let silhouette = match plan.has(Stage::DepthSilhouettes) {
@@ -236,7 +243,6 @@ fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
         silhouette_hi: silhouette.hi,
         crease_lo: creases.threshold_rad.lo,
         crease_hi: creases.threshold_rad.hi,
-        flat_cosine: creases.flat_cosine,
         flat_length: creases.flat_length,
         foreshortening: params.foreshortening,
         min_nz: params.min_nz,

@@ -5,7 +5,7 @@ use super::enhance::{known_white_level, luminance_weights};
 use super::kernels::{GAIN, SEARCH_PASSES, WHITE};
 use super::light::Light;
 use super::runner::Runner;
-use crate::backend::cpu::{Outcome, Shape};
+use crate::backend::cpu::{Outcome, Shape, term_white_levels};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes, Window};
 use crate::params::Adaptive;
@@ -66,8 +66,13 @@ impl Runner {
         if plan.has(Stage::AutoGain) {
             plan.scaling.curvature_gain = Adaptive::Fixed(chosen[GAIN as usize]);
         }
-        if plan.has(Stage::AutoWhite) {
+        if plan.has(Stage::AutoWhite) && plan.has(Stage::RadianceScaling) {
             plan.scaling.white_level = Adaptive::Fixed(chosen[WHITE as usize]);
+        }
+        if plan.has(Stage::AutoWhite) && plan.has(Stage::LightLobes) {
+            let levels = term_white_levels(frame, &plan.scaling);
+            let known = plan.scaling.term_white_levels;
+            plan.scaling.term_white_levels = known.or(levels.into_iter());
         }
         let mut whole: Option<Outcome> = None;
         for (takes, gives) in strips.each() {
@@ -99,7 +104,9 @@ impl Runner {
             size: [frame.mask.width(), frame.mask.height()],
             factor: plan.resolution_factor as f32,
         });
-        let is_open = plan.has(Stage::AutoWhite) && known_white_level(plan, frame).is_none();
+        let is_open = plan.has(Stage::AutoWhite)
+            && plan.has(Stage::RadianceScaling)
+            && known_white_level(plan, frame).is_none();
         let white = is_open.then(|| Search::White(luminance_weights(frame)));
         let searches: Vec<Search> = gain.into_iter().chain(white).collect();
         let mut searching: Vec<Searching> = Vec::new();
@@ -127,7 +134,10 @@ impl Runner {
                     search.count(&mut run, pass, planes, rows.clone());
                 }
                 if takes.end == strips.height && gives.end == takes.len() {
-                    searching.iter().for_each(|s| s.narrow(&mut run, pass));
+                    let chosen = run.chosen.clone();
+                    searching
+                        .iter()
+                        .for_each(|s| s.narrow(&mut run, pass, &chosen));
                 }
                 let chosen = run.chosen.clone();
                 let (read, _) = run.finish(&[&chosen])?;

@@ -52,8 +52,6 @@ uniforms! {
         /// Angles in radians.
         crease_lo: f32,
         crease_hi: f32,
-        /// Above this cosine an angle is surely below the threshold.
-        flat_cosine: f32,
         /// Above this length a filtered normal surely hides no crease.
         flat_length: f32,
         foreshortening: f32,
@@ -186,10 +184,12 @@ uniforms! {
         nan_bits: u32,
     }
 
-    /// Of `scale_picture.wgsl`.
+    /// Of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
     ScaleParams {
         width: u32,
         height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
         scaling: f32,
         invariant_point: f32,
         weight_r: f32,
@@ -197,5 +197,20 @@ uniforms! {
         weight_b: f32,
         /// A NaN, which no kernel may spell.
         nan_bits: u32,
+    }
+
+    /// Of the kernels that scale a term of the light.
+    TermParams {
+        width: u32,
+        height: u32,
+        /// Magnitude gamma, and the invariant point alpha.
+        magnitude: f32,
+        invariant_point: f32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        anisotropy: f32,
+        /// Directions of a light group.
+        light_count: u32,
     }
 }

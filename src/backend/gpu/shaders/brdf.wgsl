@@ -28,7 +28,7 @@ fn coat_of(c: Cosines) -> f32 {
     let uu = c.hu * c.hu;
     let vv = c.hv * c.hv;
     // n.h to the power (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
-    let aside = clamp(uu + vv, F32_MIN_POSITIVE, 1.0);
+    let aside = clamp(uu + vv, MIN_POSITIVE, 1.0);
     let exponent = 0.5 * (params.coat_along * uu + params.coat_across * vv) / aside;
     let logarithm = select(-F32_MAX, ln_of(1.0 - aside), aside < 1.0);
     let lobe = exp_of(exponent * logarithm);

@@ -8,8 +8,10 @@
 @group(0) @binding(5) var<storage, read> search: array<u32>;
 @group(0) @binding(6) var<storage, read_write> bins: array<atomic<u32>>;
 
-// Whether a is a trace and b the conductance, or a, b and c are red, green and blue.
+// Whether a is a trace and b the conductance, or a is luminance of which only what there is counts; or a, b and c are
+// red, green and blue.
 override OF_TRACE: bool;
+override OF_LIGHT: bool;
 
 var<workgroup> counts: array<atomic<u32>, SEARCH_BINS>;
 
@@ -22,6 +24,9 @@ fn key_at(x: u32, y: u32) -> u32 {
             return key_of(size);
         }
         return NOTHING;
+    }
+    if OF_LIGHT {
+        return select(NOTHING, key_of(a[i]), a[i] > 0.0);
     }
     if !is_covered(x, y) {
         return NOTHING;

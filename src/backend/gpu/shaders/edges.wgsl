@@ -48,27 +48,11 @@ fn silhouette_weight(above: vec3<f32>, here: vec3<f32>, below: vec3<f32>) -> f32
     return soft_weight(2.0 * sqrt(dx * dx + dy * dy), params.silhouette_lo, params.silhouette_hi);
 }
 
-// Two unit normals, and the cosine between them.
-struct Pair {
-    cosine: f32,
-    a: vec3<f32>,
-    b: vec3<f32>,
-}
-
-// The pair so far, or another that is there and turns more. Angles are ordered as cosines are, and only the largest
-// is told.
-fn steeper(pair: Pair, are_there: bool, a: vec3<f32>, b: vec3<f32>) -> Pair {
-    let cosine = dot(a, b);
-    let turns_more = are_there && cosine < pair.cosine;
-    return Pair(
-        select(pair.cosine, cosine, turns_more),
-        select(pair.a, a, turns_more),
-        select(pair.b, b, turns_more),
-    );
-}
-
-fn angle_between(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return atan2_of(length(cross(a, b)), dot(a, b));
+// The squared distance between the tips of two unit normals that are there: it grows as the angle does, and loses
+// nothing where that is small.
+fn squared_chord(are_there: bool, a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let difference = a - b;
+    return select(0.0, dot(difference, difference), are_there);
 }
 
 // A normal and its four neighbours.
@@ -82,14 +66,13 @@ struct Cross {
 
 // The largest angle counts: to a neighbour, and across the pixel from one side to the other.
 fn crease_weight(n: Cross, above: vec3<bool>, here: vec3<bool>, below: vec3<bool>, i: u32) -> f32 {
-    var pair = Pair(params.flat_cosine, n.own, n.own);
-    pair = steeper(pair, here.x, n.own, n.left);
-    pair = steeper(pair, here.z, n.own, n.right);
-    pair = steeper(pair, above.y, n.own, n.above);
-    pair = steeper(pair, below.y, n.own, n.below);
-    pair = steeper(pair, here.x && here.z, n.left, n.right);
-    pair = steeper(pair, above.y && below.y, n.above, n.below);
-    var angle = angle_between(pair.a, pair.b);
+    let to_sides = max(squared_chord(here.x, n.own, n.left), squared_chord(here.z, n.own, n.right));
+    let to_rows = max(squared_chord(above.y, n.own, n.above), squared_chord(below.y, n.own, n.below));
+    let along_x = squared_chord(here.x && here.z, n.left, n.right);
+    let along_y = squared_chord(above.y && below.y, n.above, n.below);
+    let squared = max(max(to_sides, to_rows), max(along_x, along_y));
+    let sine = sqrt(squared * max(1.0 - 0.25 * squared, 0.0));
+    var angle = atan2_of(sine, 1.0 - 0.5 * squared);
     if HAS_LENGTHS {
         let mean_length = normal_length[i];
         let cosine = clamp(mean_length, 0.0, 1.0);
@@ -119,8 +102,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let columns = columns_around(id.x);
     let to_eye_x = params.to_eye_x + params.to_eye_x_step * f32(id.x);
-    let first = id.y * ROWS_PER_INVOCATION;
-    let end = min(first + ROWS_PER_INVOCATION, height());
+    let first = id.y * STRIP_ROWS;
+    let end = min(first + STRIP_ROWS, height());
     // What the next row takes of this one stays in registers.
     var covered_above = covered_around(columns, row_above(first));
     var covered_here = covered_around(columns, first);

@@ -20,7 +20,7 @@ fn warp_of(hessian: vec3<f32>, alpha: f32) -> vec3<f32> {
     let yy = large_at_most(hessian.z);
     // In units of the largest entry, so that no square overflows or vanishes.
     let size = max(max(abs(xx), abs(xy)), abs(yy));
-    let unit = 1.0 / max(size, F32_MIN_POSITIVE);
+    let unit = 1.0 / max(size, MIN_POSITIVE);
     let mean = 0.5 * (xx + yy) * unit;
     let difference = 0.5 * (xx - yy) * unit;
     let cross_term = xy * unit;
@@ -29,7 +29,7 @@ fn warp_of(hessian: vec3<f32>, alpha: f32) -> vec3<f32> {
     let strength = clamp(clamp(alpha, -F32_MAX, F32_MAX) * size, -F32_MAX, F32_MAX);
     let u = scale_factor(mean + spread, strength);
     let v = scale_factor(mean - spread, strength);
-    let turn = 0.5 * (u - v) / max(spread, F32_MIN_POSITIVE);
+    let turn = 0.5 * (u - v) / max(spread, MIN_POSITIVE);
     let middle = 0.5 * (u + v);
     return vec3<f32>(middle + turn * difference, turn * cross_term, middle - turn * difference);
 }
@@ -65,12 +65,12 @@ fn half_vector(direction: vec3<f32>) -> vec3<f32> {
     let along = 1.0 + abs(direction.z);
     // The half vector is (l_xy, 1 + l_z), and below the horizon, where 1 + l_z loses digits, the same times
     // |l_xy| / (1 + l_z) = (1 - l_z) / |l_xy|.
-    let lean = along / max(across, F32_MIN_POSITIVE);
+    let lean = along / max(across, MIN_POSITIVE);
     let below = direction.z < 0.0;
     var half = vec3<f32>(direction.xy, along);
     if below {
         half = vec3<f32>(direction.x * lean, direction.y * lean, across);
-        if squared < F32_MIN_POSITIVE {
+        if squared < MIN_POSITIVE {
             half = vec3<f32>(along, 0.0, across);
         }
     }

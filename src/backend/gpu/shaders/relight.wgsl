@@ -156,7 +156,7 @@ fn add_near(position: vec3<f32>, color: vec3<f32>) {
     let square = scalar_product(to, to);
     // A light on the surface itself has no direction.
     var inverse = 0.0;
-    if square > F32_MIN_POSITIVE {
+    if square > MIN_POSITIVE {
         inverse = 1.0 / square;
     }
     let direction = to * sqrt(inverse);
@@ -248,7 +248,7 @@ fn add_refracted(share: f32) -> f32 {
 
 // Adds the colours of the lit sphere, or of both mixed by curvature. They hold their own gains.
 fn add_spheres() {
-    let own = 1.0 / max(params.diffuse_gain, F32_MIN_POSITIVE);
+    let own = 1.0 / max(params.diffuse_gain, MIN_POSITIVE);
     let toward = warped_lookup(pixel.normal.vector);
     let map = first_map();
     var color = on_disc(map, toward.xy);

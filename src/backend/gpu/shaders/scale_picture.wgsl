@@ -1,4 +1,4 @@
-// Radiance scaling of a finished picture: intensity is its luminance over the white level.
+// Radiance scaling of a picture by curvature that is there.
 
 @group(0) @binding(0) var<uniform> params: ScaleParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -8,27 +8,13 @@
 @group(0) @binding(5) var<storage, read_write> green: array<f32>;
 @group(0) @binding(6) var<storage, read_write> blue: array<f32>;
 
-fn scaled(c: f32, sigma: f32) -> f32 {
-    return clamp(c * sigma, -F32_MAX, F32_MAX);
-}
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {
         return;
     }
     let i = index_of(id.x, id.y);
-    if !is_covered(id.x, id.y) || trace[i] == 0.0 {
-        return;
+    if is_covered(id.x, id.y) && trace[i] != 0.0 {
+        scale_pixel(i, trace[i]);
     }
-    let rgb = vec3<f32>(red[i], green[i], blue[i]);
-    let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
-    let exponent = params.scaling * mapped_curvature(trace[i], chosen[GAIN]);
-    let sigma = scaling(weighted / chosen[WHITE], exponent, params.invariant_point);
-    // What is no number makes none, in all three.
-    let has_nan = is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z);
-    let nan = bitcast<f32>(params.nan_bits);
-    red[i] = select(scaled(rgb.x, sigma), nan, has_nan);
-    green[i] = select(scaled(rgb.y, sigma), nan, has_nan);
-    blue[i] = select(scaled(rgb.z, sigma), nan, has_nan);
 }

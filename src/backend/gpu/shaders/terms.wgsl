@@ -95,7 +95,7 @@ fn half_way(light: Arriving, inverse: f32) -> f32 {
 // The power of the lobe of numbers from 0 to 1; 0 stays 0.
 fn raised(x: f32) -> f32 {
     if params.whole_power == 0u {
-        let power = exp_of(params.power * ln_of(max(x, F32_MIN_POSITIVE)));
+        let power = exp_of(params.power * ln_of(max(x, MIN_POSITIVE)));
         return select(0.0, power, x > 0.0);
     }
     // From the highest digit of the exponent on.

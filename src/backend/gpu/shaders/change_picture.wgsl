@@ -1,0 +1,29 @@
+// The picture with the changes made to it; its own bits where uncovered or unchanged. Layers that tell of more light
+// than the picture has change it by the picture's share only.
+
+@group(0) @binding(0) var<uniform> params: SizeParams;
+@group(0) @binding(1) var<storage, read> covered: array<u32>;
+@group(0) @binding(2) var<storage, read> change: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> told: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read_write> red: array<f32>;
+@group(0) @binding(5) var<storage, read_write> green: array<f32>;
+@group(0) @binding(6) var<storage, read_write> blue: array<f32>;
+
+fn changed(c: f32, change: f32, told: f32) -> f32 {
+    let share = min(max(c, 0.0) / max(told, MIN_POSITIVE), 1.0);
+    let result = clamp(c + share * change, -F32_MAX, F32_MAX);
+    return select(result, c, change == 0.0 || is_nan(c));
+}
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= width() || id.y >= height() || !is_covered(id.x, id.y) {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    let by = change[i];
+    let light = told[i];
+    red[i] = changed(red[i], by.x, light.x);
+    green[i] = changed(green[i], by.y, light.y);
+    blue[i] = changed(blue[i], by.z, light.z);
+}

@@ -1,0 +1,17 @@
+// The scaling of a lobe: its intensity is its own light over the white level.
+
+@group(0) @binding(5) var<storage, read> trace: array<f32>;
+@group(0) @binding(6) var<storage, read> chosen: array<f32>;
+@group(0) @binding(7) var<storage, read> term_chosen: array<f32>;
+@group(0) @binding(8) var<storage, read_write> sigma: array<f32>;
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= width() || id.y >= height() {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    let kappa = mapped_curvature(trace[i], chosen[GAIN]);
+    let scaled = term_sigma(lobe_luminance(i), term_chosen[WHITE], kappa);
+    sigma[i] = select(1.0, scaled, is_covered(id.x, id.y));
+}

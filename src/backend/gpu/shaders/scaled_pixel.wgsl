@@ -1,0 +1,18 @@
+// Radiance scaling of a pixel of a finished picture: intensity is its luminance over the white level.
+
+fn scaled(c: f32, sigma: f32) -> f32 {
+    return clamp(c * sigma, -F32_MAX, F32_MAX);
+}
+
+fn scale_pixel(i: u32, trace: f32) {
+    let rgb = vec3<f32>(red[i], green[i], blue[i]);
+    let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
+    let exponent = params.scaling * mapped_curvature(trace, chosen[GAIN]);
+    let sigma = scaling(weighted / chosen[WHITE], exponent, params.invariant_point);
+    // What is no number makes none, in all three.
+    let has_nan = is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z);
+    let nan = bitcast<f32>(params.nan_bits);
+    red[i] = select(scaled(rgb.x, sigma), nan, has_nan);
+    green[i] = select(scaled(rgb.y, sigma), nan, has_nan);
+    blue[i] = select(scaled(rgb.z, sigma), nan, has_nan);
+}
