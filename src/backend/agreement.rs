@@ -5,10 +5,12 @@ use crate::frame::Plane;
 use crate::light::lights::Illumination;
 use crate::params::{Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
+use serde::Serialize;
 use std::f64::consts::PI;
 
 /// What a run gives, as far as backends are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Product {
     /// Silhouette, crease and conductance.
     Weights,

@@ -4,6 +4,7 @@ mod agreement;
 mod around;
 mod choice;
 pub mod cpu;
+pub mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod importance;

@@ -232,6 +232,9 @@ pub(super) struct ReportArgs {
     /// Fewer scales, smaller scenes, fewer runs.
     #[arg(long, help_heading = "Run")]
     pub(super) quick: bool,
+    /// What is measured: auto measures a GPU too where there is one, in a build that can; gpu one in software too.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
+    pub(super) backend: BackendArg,
     /// Threads; all cores where not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Run")]
     pub(super) threads: Option<u16>,

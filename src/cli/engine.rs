@@ -37,10 +37,7 @@ impl Engine {
     pub(super) fn new(backend: BackendArg) -> Result<Self> {
         #[cfg(not(feature = "gpu"))]
         if backend == BackendArg::Gpu {
-            return Err(Error::NoGpu {
-                found: "this program was built without it".into(),
-                remedy: "build it with --features gpu, or use --backend cpu",
-            });
+            return Err(built_without_gpu());
         }
         Ok(Self {
             cpu: cpu::Runner::default(),
@@ -52,18 +49,27 @@ impl Engine {
     /// Runs `plan` on `frame`.
     ///
     /// # Errors
-    /// Where the device fails, or lacks kernels, and nothing else may do it.
-    #[cfg(feature = "gpu")]
+    /// Where a device that has to do it fails, or lacks kernels.
+    #[cfg_attr(
+        not(feature = "gpu"),
+        expect(unused_variables, reason = "only a device gives warnings")
+    )]
     pub(super) fn run(&self, job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        let on_device = |gpu: &gpu::Runner| gpu.run(plan, frame);
-        self.by_either(job, plan, on_device, || self.cpu.run(plan, frame))
+        #[cfg(feature = "gpu")]
+        if let Some(outcome) = self.on_device(job, plan, |gpu| gpu.run(plan, frame))? {
+            return Ok(outcome);
+        }
+        Ok(self.cpu.run(plan, frame))
     }
 
     /// Runs `plan`, which lights `frame` anew; mirrors and lenses show what is in `scene`.
     ///
     /// # Errors
     /// As [`Engine::run`].
-    #[cfg(feature = "gpu")]
+    #[cfg_attr(
+        not(feature = "gpu"),
+        expect(unused_variables, reason = "only a device gives warnings")
+    )]
     pub(super) fn relight(
         &self,
         job: &Job,
@@ -72,50 +78,56 @@ impl Engine {
         light: &Illumination,
         scene: Option<&SpecularScene>,
     ) -> Result<Outcome> {
-        let on_device = |gpu: &gpu::Runner| gpu.relight(plan, frame, light);
-        let on_cpu = || relight_on_cpu(&self.cpu, plan, frame, light, scene);
-        self.by_either(job, plan, on_device, on_cpu)
-    }
-
-    /// Has `plan` run by the device, where there is one that has kernels for it, else by the CPU.
-    #[cfg(feature = "gpu")]
-    fn by_either(
-        &self,
-        job: &Job,
-        plan: &Plan,
-        on_device: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
-        on_cpu: impl FnOnce() -> Outcome,
-    ) -> Result<Outcome> {
-        match &self.device {
-            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return on_device(gpu),
-            OnDevice::Only(_) => return Err(no_kernels()),
-            OnDevice::Maybe(gpu) if gpu::Runner::can_run(plan) => match on_device(gpu) {
-                Ok(outcome) => return Ok(outcome),
-                Err(error) => job.warn(&format!("{error}: the CPU did it")),
-            },
-            OnDevice::No(Some(why)) => job.warn(&format!("{why}; the CPU does it")),
-            OnDevice::Maybe(_) | OnDevice::No(None) => {}
+        #[cfg(feature = "gpu")]
+        if let Some(outcome) = self.on_device(job, plan, |gpu| gpu.relight(plan, frame, light))? {
+            return Ok(outcome);
         }
-        Ok(on_cpu())
-    }
-
-    /// Runs `plan` on `frame`.
-    #[cfg(not(feature = "gpu"))]
-    pub(super) fn run(&self, _job: &Job, plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        Ok(self.cpu.run(plan, frame))
-    }
-
-    /// Runs `plan`, which lights `frame` anew; mirrors and lenses show what is in `scene`.
-    #[cfg(not(feature = "gpu"))]
-    pub(super) fn relight(
-        &self,
-        _job: &Job,
-        plan: &Plan,
-        frame: &Frame,
-        light: &Illumination,
-        scene: Option<&SpecularScene>,
-    ) -> Result<Outcome> {
         Ok(relight_on_cpu(&self.cpu, plan, frame, light, scene))
+    }
+
+    #[cfg(feature = "gpu")]
+    fn on_device(
+        &self,
+        job: &Job,
+        plan: &Plan,
+        run: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
+    ) -> Result<Option<Outcome>> {
+        self.on_device_or_warn(&|text| job.warn(text), plan, run)
+    }
+
+    /// Has the device run `plan`; `None` where the CPU is to do it, which `warn` may be told of. Of a device that was lost
+    /// it is said once.
+    ///
+    /// # Errors
+    /// Where the device fails, or lacks kernels, and nothing else may do it.
+    #[cfg(feature = "gpu")]
+    pub(super) fn on_device_or_warn(
+        &self,
+        warn: &dyn Fn(&str),
+        plan: &Plan,
+        run: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
+    ) -> Result<Option<Outcome>> {
+        let gpu = match &self.device {
+            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return run(gpu).map(Some),
+            OnDevice::Only(_) => return Err(no_kernels()),
+            OnDevice::Maybe(gpu) => gpu,
+            OnDevice::No(Some(why)) => {
+                warn(&format!("{why}; the CPU does it"));
+                return Ok(None);
+            }
+            OnDevice::No(None) => return Ok(None),
+        };
+        if gpu.device().is_lost() || !gpu::Runner::can_run(plan) {
+            return Ok(None);
+        }
+        run(gpu).map(Some).or_else(|error| {
+            let how_long = match gpu.device().is_lost() {
+                true => "the CPU does it from here on",
+                false => "the CPU did it",
+            };
+            warn(&format!("{error}: {how_long}"));
+            Ok(None)
+        })
     }
 }
 
@@ -148,6 +160,15 @@ impl OnDevice {
     }
 }
 
+/// Says how to come by a build with kernels.
+#[cfg(not(feature = "gpu"))]
+pub(super) fn built_without_gpu() -> Error {
+    Error::NoGpu {
+        found: "this program was built without it".into(),
+        remedy: "build it with --features gpu, or use --backend cpu",
+    }
+}
+
 /// Refuses a device for what has no kernels.
 pub(super) fn refuse_gpu(backend: BackendArg) -> Result<()> {
     match backend {
@@ -162,5 +183,84 @@ fn no_kernels() -> Error {
         found: "is gpu, which has no kernels for this".into(),
         remedy: "leave it out: auto takes the GPU for what it can do, and the CPU for the rest"
             .into(),
+    }
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::*;
+    use crate::backend::gpu::{Choice, Device};
+    use crate::backend::{difference, products};
+    use crate::params::{ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal};
+    use crate::report::scenes::Scene;
+    use std::cell::RefCell;
+
+    /// A device that has been lost; `None` where there is none to lose.
+    fn lost() -> Option<gpu::Runner> {
+        match Device::open(Choice::Any) {
+            Ok(device) => {
+                device.lose();
+                Some(gpu::Runner::new(device))
+            }
+            Err(error) => {
+                // A machine that has to have a device says so.
+                assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
+                println!("SKIPPED: {error}");
+                None
+            }
+        }
+    }
+
+    fn engine(device: OnDevice) -> Engine {
+        Engine {
+            cpu: cpu::Runner::default(),
+            device,
+        }
+    }
+
+    fn waves() -> (Plan, Frame) {
+        let frame = Scene::waves(60, 50).frame;
+        let available = Available::in_frame(&frame);
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
+        (plan, frame)
+    }
+
+    #[test]
+    fn where_a_device_was_chosen_its_loss_is_said_once_and_the_picture_is_the_same() {
+        let Some(gpu) = lost() else { return };
+        let name = gpu.device().name();
+        let engine = engine(OnDevice::Maybe(gpu));
+        let (plan, frame) = waves();
+        let expected = cpu::run(&plan, &frame);
+        let said = RefCell::new(Vec::new());
+        for _ in 0..3 {
+            let warn = |text: &str| said.borrow_mut().push(text.to_string());
+            let run = |gpu: &gpu::Runner| gpu.run(&plan, &frame);
+            let found = engine.on_device_or_warn(&warn, &plan, run).unwrap();
+            let found = found.unwrap_or_else(|| engine.cpu.run(&plan, &frame));
+            for ((_, found), (_, expected)) in products(&found).zip(products(&expected)) {
+                assert_eq!(difference(found, expected), 0.0);
+            }
+        }
+        let said = said.into_inner();
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with(&name) && said[0].contains("was lost"));
+        assert!(said[0].contains("the CPU does it") && said[0].lines().count() == 1);
+    }
+
+    #[test]
+    fn where_a_device_was_asked_for_its_loss_is_an_error_that_fails_the_run() {
+        let Some(gpu) = lost() else { return };
+        let engine = engine(OnDevice::Only(gpu));
+        let (plan, frame) = waves();
+        for _ in 0..2 {
+            let warn = |text: &str| panic!("{text}");
+            let run = |gpu: &gpu::Runner| gpu.run(&plan, &frame);
+            let error = engine.on_device_or_warn(&warn, &plan, run).unwrap_err();
+            assert!(matches!(error, Error::Gpu { .. }), "{error}");
+            assert_eq!(crate::cli::message::exit_code(&error), 1);
+        }
     }
 }

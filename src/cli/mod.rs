@@ -22,6 +22,7 @@ pub mod recipe;
 mod relight;
 mod relight_args;
 mod report;
+mod report_device;
 mod role_args;
 mod sequence;
 mod shape;

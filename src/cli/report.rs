@@ -3,6 +3,7 @@
 use super::args::ReportArgs;
 use super::message;
 use super::motion::Steps;
+use super::report_device::ReportDevice;
 use super::sequence::inputs_of_frame;
 use super::threads::use_threads;
 use crate::error::{Error, Result};
@@ -24,6 +25,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
     let shape = args.shape.params();
     shape.validate()?;
     use_threads(args.threads);
+    let device = ReportDevice::of(args.backend)?;
     refuse_collisions(args)?;
     let frames = args.frames.of(&args.input, None)?;
     let first = match frames {
@@ -57,7 +59,8 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
             ));
         }
     };
-    let mut report = measure(&name, &loaded.frame, shape, extent, &progress)?;
+    let mut report = device
+        .measured(|device| measure(&name, &loaded.frame, shape, extent, device, &progress))?;
     if let Some(frames) = frames {
         progress("drawings of the sequence");
         report.coherence = coherence(args, frames, shape)?;

@@ -2,6 +2,7 @@
 
 mod coherence;
 mod drawing;
+mod gpu;
 mod light;
 mod mirrors;
 mod stability;
@@ -43,6 +44,7 @@ pub fn page(report: &Report) -> String {
         solvers(&report.frame, "The frame", &plot_name(None, report)),
         exact_scenes(report),
         stages(report),
+        gpu::section(report),
         runs(report),
         precision(report),
         directions(report),
@@ -198,8 +200,10 @@ fn solver_table(scale: &ScaleSweep) -> String {
     if closed {
         head.push("curvature against closed form, mean / max");
     }
-    let rows = scale.rows.iter().map(|row| {
-        let mut cells = solver_cells(row);
+    let on_cpu = scale.rows.iter().map(|row| (row, ""));
+    let on_gpu = scale.on_gpu.iter().map(|on_gpu| (&on_gpu.row, ", GPU"));
+    let rows = on_cpu.chain(on_gpu).map(|(row, by)| {
+        let mut cells = solver_cells(row, by);
         if closed {
             cells.push(row.against_closed_form.map_or_else(String::new, |e| {
                 format!("{} / {}", scientific(e.mean), scientific(e.max))
@@ -214,12 +218,12 @@ fn solver_table(scale: &ScaleSweep) -> String {
     table(&head, rows) + &format!("Bold: on the Pareto front. \\*: what was asked for.{left_out}\n")
 }
 
-fn solver_cells(row: &Row) -> Vec<String> {
+fn solver_cells(row: &Row, by: &str) -> Vec<String> {
     // A star inside the bold would not let it end.
     let mark = if row.asked_for { " \\*" } else { "" };
     let Row { setting, .. } = row;
     vec![
-        format!("{:?}", row.solver),
+        format!("{:?}{by}", row.solver),
         if row.on_front {
             format!("**{setting}**{mark}")
         } else {
@@ -237,8 +241,10 @@ fn solver_cells(row: &Row) -> Vec<String> {
         pair(row.diffusion),
         pair(row.whole),
         rounded(row.megapixels_per_second),
-        share(row.utilisation.of_bandwidth),
-        share(row.utilisation.of_arithmetic),
+        row.utilisation
+            .map_or_else(String::new, |u| share(u.of_bandwidth)),
+        row.utilisation
+            .map_or_else(String::new, |u| share(u.of_arithmetic)),
     ]
 }
 

@@ -8,6 +8,7 @@ pub mod advice;
 pub mod coherence;
 pub mod compare;
 pub mod drawing;
+pub mod gpu;
 pub mod light;
 pub mod light_reference;
 pub mod machine;
@@ -26,6 +27,7 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams};
 use crate::plan::{Decision, Goal};
+use gpu::{Device, Gpu, GpuReport};
 use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
@@ -90,28 +92,36 @@ pub struct Report {
     pub drawing: drawing::DrawingReport,
     /// Mirrors.
     pub mirrors: mirrors::MirrorReport,
+    /// A device beside the CPU; `None` in a build that knows of none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gpu: Option<GpuReport>,
     /// Drawings of a sequence, where the report is of one; [`run`] leaves it open.
     pub coherence: Option<coherence::Coherence>,
     /// Stiff and extreme cases.
     pub stability: Vec<CaseResult>,
 }
 
-/// Measures everything on `frame`, called `name`, and on exact scenes. `progress` is told what is done
-/// next.
+/// Measures everything on `frame`, called `name`, and on exact scenes, a device beside the CPU where there is one.
+/// `progress` is told what is done next.
 ///
 /// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
+/// [`crate::Error::BadParameter`] for a parameter outside its range, and those of a device that is required.
 pub fn run(
     name: &str,
     frame: &Frame,
     shape: ShapeParams,
     extent: Extent,
+    device: Device,
     progress: &dyn Fn(&str),
 ) -> Result<Report> {
     shape.validate()?;
     progress("the machine's bandwidth and arithmetic");
     let machine = Machine::measured();
     let effort = effort(extent);
+    let gpu = match &device {
+        Device::Measured(gpu) => Some(gpu),
+        Device::Unknown | Device::NotMeasured(_) => None,
+    };
     // Without foreshortening no stage asks for the camera; a command would not even look for it.
     let lean = Frame {
         camera: frame.camera.filter(|_| shape.foreshortening != 0.0),
@@ -126,10 +136,25 @@ pub fn run(
         frame: &lean,
         shape,
         closed_form: None,
+        gpu,
     };
     let scales = frame_scales(shape.scale, extent);
     let swept = solver::sweep(&subject, &scales, effort, &machine, progress)?;
-    let scenes = exact_scenes(shape, extent, effort, &machine, progress)?;
+    let scene_frames = scenes_of(extent);
+    let scenes = exact_scenes(
+        &scene_frames,
+        shape,
+        extent,
+        effort,
+        &machine,
+        gpu,
+        progress,
+    )?;
+    if gpu.is_some() {
+        progress("the device's products beside the CPU's");
+    }
+    let gpu = measured(&device, &subject, &scene_frames)?;
+    drop(scene_frames);
     progress(&format!("{name}: threads"));
     let mut runs = run::threads(&lean, shape, effort)?;
     progress(&format!("{name}: tiles and sweeps per pass"));
@@ -172,6 +197,7 @@ pub fn run(
         light,
         drawing,
         mirrors,
+        gpu,
         coherence: None,
         stability: stability::all().iter().map(stability::Case::run).collect(),
     })
@@ -206,34 +232,67 @@ fn frame_scales(asked_for: Scale, extent: Extent) -> Vec<Scale> {
     std::iter::once(asked_for).chain(more).collect()
 }
 
+fn scenes_of(extent: Extent) -> Vec<Scene> {
+    let (width, height) = scene_size(extent);
+    Scene::all(width, height)
+}
+
+/// How the shape of an exact scene is found, but for its scale.
+fn shape_of(scene: &Scene, tolerance: f32) -> ShapeParams {
+    ShapeParams {
+        foreshortening: scene.foreshortening,
+        tolerance,
+        ..ShapeParams::default()
+    }
+}
+
+/// What is known of a device after all frames were measured on it, and how far it is from the CPU.
+fn measured(
+    device: &Device,
+    subject: &solver::Subject,
+    scenes: &[Scene],
+) -> Result<Option<GpuReport>> {
+    let gpu = match device {
+        Device::Unknown => return Ok(None),
+        Device::NotMeasured(why) => return Ok(Some(GpuReport::NotMeasured(why.clone()))),
+        Device::Measured(gpu) => gpu,
+    };
+    let scenes = scenes.iter().map(|scene| {
+        let shape = shape_of(scene, subject.shape.tolerance);
+        (scene.name, &scene.frame, shape)
+    });
+    let own = (subject.name.as_str(), subject.frame, subject.shape);
+    let frames: Vec<_> = std::iter::once(own).chain(scenes).collect();
+    let products = gpu.products(&frames)?;
+    gpu.report(products).map(Some)
+}
+
 fn exact_scenes(
+    scenes: &[Scene],
     shape: ShapeParams,
     extent: Extent,
     effort: Effort,
     machine: &Machine,
+    gpu: Option<&Gpu>,
     progress: &dyn Fn(&str),
 ) -> Result<Vec<solver::SceneSweep>> {
     let scales: &[Scale] = match extent {
         Extent::Full => &[Scale::Iterations(50), Scale::Sigma(6.0), Scale::Sigma(20.0)],
         Extent::Quick => &[Scale::Sigma(6.0)],
     };
-    let (width, height) = scene_size(extent);
     let sweep = |scene: &Scene| {
         let closed_form = |x: usize, y: usize, time: f64| scene.exact_trace(x, y, time);
         let subject = solver::Subject {
             name: scene.name.into(),
             about: scene.about.into(),
             frame: &scene.frame,
-            shape: ShapeParams {
-                foreshortening: scene.foreshortening,
-                tolerance: shape.tolerance,
-                ..ShapeParams::default()
-            },
+            shape: shape_of(scene, shape.tolerance),
             closed_form: Some(&closed_form),
+            gpu,
         };
         solver::sweep(&subject, scales, effort, machine, progress)
     };
-    Scene::all(width, height).iter().map(sweep).collect()
+    scenes.iter().map(sweep).collect()
 }
 
 fn stages(

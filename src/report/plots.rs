@@ -36,11 +36,14 @@ pub fn error_against_time(sweep: &SceneSweep) -> String {
         "{}, {}x{}: error of the diffused gradient against time",
         sweep.name, sweep.width, sweep.height
     );
-    let legend = [
+    let mut legend = vec![
         ("Chebyshev, by tolerance (* asked for)", SERIES[0]),
         ("explicit, by step", SERIES[1]),
         ("Pareto front", FRONT),
     ];
+    if sweep.scales.iter().any(|scale| !scale.on_gpu.is_empty()) {
+        legend.push(("on the GPU", SERIES[2]));
+    }
     let panels: Vec<_> = sweep
         .scales
         .iter()
@@ -48,7 +51,7 @@ pub fn error_against_time(sweep: &SceneSweep) -> String {
         .collect();
     let errors = panels
         .iter()
-        .flat_map(|scale| &scale.rows)
+        .flat_map(|scale| scale.rows.iter().chain(rows_on_gpu(scale)))
         .filter(|row| drawable(row));
     let range = decades(errors.map(|row| row.gradient.max));
     figure(&title, &legend, panels.len(), |i, area| {
@@ -86,6 +89,11 @@ pub fn error_against_step(sweep: &directions::Sweep) -> String {
     figure(&title, &legend, 1, |_, area| {
         direction_panel(area, sweep, range.clone())
     })
+}
+
+/// What a device gave.
+fn rows_on_gpu(scale: &ScaleSweep) -> impl Iterator<Item = &Row> {
+    scale.on_gpu.iter().map(|on_gpu| &on_gpu.row)
 }
 
 /// Whether a row has a place on logarithmic axes.
@@ -210,7 +218,11 @@ pub use mirrors::error_of_mirrors;
 
 fn solver_panel(area: &Area, sweep: &ScaleSweep, errors: Range<f64>) -> Drawn {
     let rows: Vec<_> = sweep.rows.iter().filter(|row| drawable(row)).collect();
-    let times = rows.iter().map(|row| 1e3 * row.diffusion.min);
+    let on_gpu: Vec<_> = rows_on_gpu(sweep).filter(|row| drawable(row)).collect();
+    let times = rows
+        .iter()
+        .chain(&on_gpu)
+        .map(|row| 1e3 * row.diffusion.min);
     let (first, last) = times.fold((f64::INFINITY, 0.0_f64), |(a, b), t| (a.min(t), b.max(t)));
     // Room for labels at both sides.
     let times = first / 2.2..last * 2.2;
@@ -255,6 +267,8 @@ fn solver_panel(area: &Area, sweep: &ScaleSweep, errors: Range<f64>) -> Drawn {
             chart.draw_series([EmptyElement::at(place) + Text::new(label, offset, style)])?;
         }
     }
+    let on_gpu = on_gpu.iter().map(|row| position(row));
+    chart.draw_series(on_gpu.map(|at| TriangleMarker::new(at, 6, SERIES[2].filled())))?;
     Ok(())
 }
 

@@ -73,7 +73,11 @@ pub struct Timed {
 }
 
 impl Timed {
-    fn of(runs: &[Timings]) -> Self {
+    /// Of runs of the same stages.
+    ///
+    /// # Panics
+    /// If there was none.
+    pub(super) fn of(runs: &[Timings]) -> Self {
         let seconds = |run: &Timings, i: usize| run[i].1.as_secs_f64();
         let stage = |i: usize| Times::of(runs.iter().map(|run| seconds(run, i)).collect());
         let whole = runs
@@ -99,7 +103,7 @@ impl Timed {
 }
 
 /// What one run took, stage by stage.
-type Timings = Vec<(&'static str, Duration)>;
+pub(super) type Timings = Vec<(&'static str, Duration)>;
 
 /// The plan for `goal` over `frame`.
 ///

@@ -79,3 +79,56 @@ fn what_has_no_kernels_is_refused_by_name_and_done_otherwise() {
     let done = relievo(desk.path(), &format!("{words} --backend auto"));
     assert!(done.status.success() && desk.path().join("lit.png").exists());
 }
+
+/// Runs the program on frames 1 to 3 of a sequence, on a machine without any adapter.
+fn without_adapters(directory: &Path, words: &str) -> Output {
+    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr");
+    for frame in 1..=3 {
+        std::fs::copy(&fixture, directory.join(format!("in.{frame}.exr"))).unwrap();
+    }
+    Command::new(env!("CARGO_BIN_EXE_relievo"))
+        .args(words.split_whitespace())
+        .current_dir(directory)
+        // Where the loader of Vulkan looks for drivers, by its new name and its old one.
+        .env("VK_DRIVER_FILES", "/dev/null")
+        .env("VK_ICD_FILENAMES", "/dev/null")
+        .output()
+        .unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn that_there_is_no_adapter_is_said_once_for_all_frames() {
+    let desk = tempfile::tempdir().unwrap();
+    for samples in ["", "--sample-frames none"] {
+        let words = format!(
+            "enhance in.#.exr --frames 1-3 -o out.#.png --backend auto --progress none {samples}"
+        );
+        let ran = without_adapters(desk.path(), &words);
+        let said = String::from_utf8(ran.stderr).unwrap();
+        assert!(ran.status.success(), "{said}");
+        let told = said.lines().filter(|line| line.contains("no GPU"));
+        let told: Vec<_> = told.collect();
+        assert_eq!(told.len(), 1, "{said}");
+        assert!(told[0].contains("the CPU does it"), "{said}");
+        for frame in 1..=3 {
+            std::fs::remove_file(desk.path().join(format!("out.{frame}.png"))).unwrap();
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_adapter_that_was_asked_for_and_is_not_there_is_an_error_and_nothing_is_written() {
+    let desk = tempfile::tempdir().unwrap();
+    let words = "enhance in.1.exr -o out.png --backend gpu";
+    let ran = without_adapters(desk.path(), words);
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert_eq!(ran.status.code(), Some(1), "{said}");
+    assert!(
+        said.lines().count() == 1 && said.contains("no adapter") && said.contains("libvulkan1"),
+        "{said}"
+    );
+    assert!(!desk.path().join("out.png").exists());
+    assert_eq!(std::fs::read_dir(desk.path()).unwrap().count(), 3);
+}

@@ -7,8 +7,10 @@ mod command;
 mod hostile;
 mod kernels;
 mod light_layers;
+mod numbers;
 mod products;
 mod relight;
+mod report;
 
 use common::scenes::{Scene, Surface};
 use relievo::backend::cpu::{self, Outcome};

@@ -39,10 +39,33 @@ impl Buffers {
         self.copied.take_back(buffers);
     }
 
+    /// Forgets all: what a run that failed gave back may be no buffers.
+    pub(super) fn forget(&self) {
+        self.work.keep(|_| false);
+        self.copied.keep(|_| false);
+    }
+
+    /// Whether there is none to be used again.
+    #[cfg(test)]
+    pub(super) fn is_empty(&self) -> bool {
+        [&self.work, &self.copied].into_iter().all(|pool| {
+            pool.0
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .is_empty()
+        })
+    }
+
     /// Forgets buffers that a picture of this many pixels has no use for.
     pub(super) fn keep_for(&self, pixels: u64) {
-        self.work.keep_for(pixels);
-        self.copied.keep_for(pixels);
+        let is_of_use = |size: u64| {
+            let is_plane = [1, 2, 3, 4]
+                .iter()
+                .any(|samples| size == 4 * samples * pixels);
+            size < pixels || is_plane
+        };
+        self.work.keep(is_of_use);
+        self.copied.keep(is_of_use);
     }
 }
 
@@ -75,14 +98,9 @@ impl Pool {
         }
     }
 
-    fn keep_for(&self, pixels: u64) {
+    /// Keeps buffers of sizes of which that holds.
+    fn keep(&self, is_of_use: impl Fn(u64) -> bool) {
         let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        spare.retain(|buffer| {
-            let size = buffer.size();
-            let is_plane = [1, 2, 3, 4]
-                .iter()
-                .any(|samples| size == 4 * samples * pixels);
-            size < pixels || is_plane
-        });
+        spare.retain(|buffer| is_of_use(buffer.size()));
     }
 }

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Workgroups that count, at the most; each takes every so-manieth row. Each also sets all bins to 0 and adds them
 /// up, which devices in software feel.
-const MOST_GROUPS: u32 = 1024;
+pub(super) const MOST_GROUPS: u32 = 1024;
 const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
 
 /// What is searched for.

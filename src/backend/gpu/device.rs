@@ -1,5 +1,7 @@
 //! The device: found among the adapters of this machine, asked for what it can do.
 
+use super::limits;
+use super::wait::look_after;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,9 +14,6 @@ pub enum Choice {
     Hardware,
 }
 
-/// Storage buffers that a kernel takes at the most.
-const STORAGE_BUFFERS: u32 = 16;
-
 /// An adapter that has been opened.
 #[derive(Debug)]
 pub struct Device {
@@ -23,6 +22,10 @@ pub struct Device {
     info: wgpu::AdapterInfo,
     /// The most bytes that a plane may have.
     pub(super) plane_bytes: u64,
+    /// The most columns and rows of a picture.
+    pub(super) most_pixels: [u64; 2],
+    /// Whether it is waited for after every copy, so that each has a time of its own.
+    pub(super) is_timed_apart: bool,
     /// Nanoseconds of a tick of its clock, where it has one.
     pub(super) tick_ns: Option<f32>,
     /// Why it was lost, once it was.
@@ -35,10 +38,11 @@ impl Device {
     /// # Errors
     /// [`Error::NoGpu`] where there is none of that choice, or it lacks what the kernels take.
     pub fn open(choice: Choice) -> Result<Self> {
-        pollster::block_on(Self::opened(choice))
+        pollster::block_on(Self::opened(choice, |_| ()))
     }
 
-    async fn opened(choice: Choice) -> Result<Self> {
+    /// Opens the same, as if its limits were changed.
+    pub(super) async fn opened(choice: Choice, change: fn(&mut wgpu::Limits)) -> Result<Self> {
         // Vulkan, Metal and DirectX 12; OpenGL has no use here.
         let backends = wgpu::Backends::PRIMARY;
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -53,28 +57,25 @@ impl Device {
         let Some(adapter) = adapters.first() else {
             return Err(none(choice));
         };
-        Self::of(adapter).await
+        let mut limits = adapter.limits();
+        change(&mut limits);
+        Self::of(adapter, limits).await
     }
 
-    async fn of(adapter: &wgpu::Adapter) -> Result<Self> {
+    /// Opens an adapter, as if it had no more than these limits.
+    async fn of(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> Result<Self> {
         let info = adapter.get_info();
-        let limits = adapter.limits();
-        if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+        if let Some(lacking) = limits::lacking(&limits) {
             return Err(Error::NoGpu {
-                found: format!(
-                    "{} takes {} buffers at a time, and {STORAGE_BUFFERS} are needed",
-                    info.name, limits.max_storage_buffers_per_shader_stage
-                ),
+                found: format!("{} {lacking}", info.name),
                 remedy: "use --backend cpu",
             });
         }
-        let plane_bytes = limits
-            .max_storage_buffer_binding_size
-            .min(limits.max_buffer_size);
-        let clock = wgpu::Features::TIMESTAMP_QUERY;
+        let plane_bytes = limits::plane_bytes(&limits);
+        let most_pixels = limits::most_pixels(limits.max_compute_workgroups_per_dimension);
         let request = wgpu::DeviceDescriptor {
             label: Some("relievo"),
-            required_features: adapter.features() & clock,
+            required_features: limits::wanted_features(adapter.features()),
             required_limits: limits,
             ..wgpu::DeviceDescriptor::default()
         };
@@ -85,12 +86,19 @@ impl Device {
         })?;
         let lost = Arc::new(Mutex::new(None));
         let told = lost.clone();
-        device.set_device_lost_callback(move |_, why| {
-            *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(one_line(&why));
+        device.set_device_lost_callback(move |reason, why| {
+            let why = match one_line(&why) {
+                nothing if nothing.is_empty() => format!("{reason:?}").to_lowercase(),
+                why => why,
+            };
+            *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
         });
+        let clock = wgpu::Features::TIMESTAMP_QUERY;
         let has_clock = device.features().contains(clock);
         Ok(Self {
             plane_bytes,
+            most_pixels,
+            is_timed_apart: false,
             tick_ns: has_clock.then(|| queue.get_timestamp_period()),
             device,
             queue,
@@ -117,10 +125,40 @@ impl Device {
         }
     }
 
+    /// The same, waiting after copies to it and from it, so that the times of a run tell them from the kernels. That
+    /// takes a little longer.
+    pub fn timed_apart(self) -> Self {
+        Self {
+            is_timed_apart: true,
+            ..self
+        }
+    }
+
+    /// Whether it has a clock that tells what each stage takes.
+    pub fn has_clock(&self) -> bool {
+        self.tick_ns.is_some()
+    }
+
+    /// Whether it was lost: nothing runs on it any more.
+    pub fn is_lost(&self) -> bool {
+        self.lost().is_some()
+    }
+
+    fn lost(&self) -> Option<String> {
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
+        lost.clone()
+    }
+
+    /// Loses the device, as a driver does that is reset.
+    #[cfg(test)]
+    pub(crate) fn lose(&self) {
+        self.device.destroy();
+    }
+
     /// What went wrong, as an error; that the device was lost, if it was.
     pub(super) fn error(&self, found: impl std::fmt::Display) -> Error {
-        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = match lost.as_ref() {
+        look_after(&self.device);
+        let found = match self.lost() {
             Some(why) => format!("was lost ({why})"),
             None => one_line(&found),
         };

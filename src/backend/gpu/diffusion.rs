@@ -7,7 +7,7 @@ use crate::plan::{Plan, Readout, Recurrence};
 
 /// Sweeps between which the tiles of a device do not look at their neighbours: an even number, as terms are added
 /// up in pairs. More read the frame less often, and waste more work on the rims of tiles.
-const SWEEPS_PER_PASS: usize = 6;
+pub(super) const SWEEPS_PER_PASS: usize = 6;
 
 /// The weights that the terms of a recurrence are added up with.
 enum TermWeights<'a> {

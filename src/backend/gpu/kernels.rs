@@ -29,11 +29,14 @@ pub(super) const REGION: [u32; 2] = [64, 32];
 /// Rows of that region which one invocation makes.
 const ROWS_PER_INVOCATION: u32 = 8;
 
+/// Rows of invocations of such a workgroup.
+pub(super) const REGION_GROUP_ROWS: u32 = REGION[1] / ROWS_PER_INVOCATION;
+
 /// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
 pub(super) const STRIP_ROWS: u32 = 16;
 
 /// Invocations of a workgroup that searches for a percentile.
-const SEARCH_INVOCATIONS: u32 = 256;
+pub(super) const SEARCH_INVOCATIONS: u32 = 256;
 
 /// Bits that a pass of that search finds out, and how many passes find all 32.
 pub(super) const SEARCH_BITS: u32 = 11;
@@ -258,7 +261,7 @@ fn constants() -> String {
         ("REGION_COLUMNS", REGION[0]),
         ("REGION_ROWS", REGION[1]),
         ("REGION_PIXELS", REGION[0] * REGION[1]),
-        ("REGION_GROUP_ROWS", REGION[1] / ROWS_PER_INVOCATION),
+        ("REGION_GROUP_ROWS", REGION_GROUP_ROWS),
         ("ROWS_PER_INVOCATION", ROWS_PER_INVOCATION),
         ("STRIP_ROWS", STRIP_ROWS),
         ("SEARCH_INVOCATIONS", SEARCH_INVOCATIONS),

@@ -8,9 +8,13 @@ mod choose;
 mod device;
 mod diffusion;
 mod enhance;
+#[cfg(test)]
+mod failures;
+mod fault;
 mod kernels;
 mod light;
 mod light_layers;
+mod limits;
 mod recorder;
 mod relight;
 mod run;
@@ -20,6 +24,7 @@ mod sight;
 mod strips;
 mod surface;
 mod uniforms;
+mod wait;
 
 pub use device::{Choice, Device};
 pub use kernels::kernel_sources;

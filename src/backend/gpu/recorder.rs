@@ -3,10 +3,12 @@
 use super::device::Device;
 use super::kernels::{GROUP, Kernel, STRIP_ROWS};
 use super::uniforms::Uniforms;
-use crate::error::Result;
+use super::wait::wait_for;
+use crate::backend::device_times::{KERNELS, READ_BACK, RECORD};
+use crate::error::{Error, Result};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// A kernel with its switches, as it was compiled for the device.
 type Compiled = HashMap<(Kernel, Vec<(&'static str, bool)>), Arc<wgpu::ComputePipeline>>;
@@ -16,6 +18,12 @@ type Compiled = HashMap<(Kernel, Vec<(&'static str, bool)>), Arc<wgpu::ComputePi
 pub(super) struct Programs(Mutex<Compiled>);
 
 impl Programs {
+    /// Forgets all: what was compiled in a run that failed may be nothing.
+    pub(super) fn forget(&self) {
+        let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        compiled.clear();
+    }
+
     fn of(
         &self,
         device: &wgpu::Device,
@@ -57,8 +65,8 @@ impl Programs {
 /// How long each stage took, in order.
 pub(super) type Timings = Vec<(&'static str, Duration)>;
 
-/// Stages that a run can time, at the most.
-const MAX_TIMED: u32 = 256;
+/// Kernels that a run can time, at the most: half as many as a set of queries may have.
+const MAX_TIMED: u32 = wgpu::QUERY_SET_MAX_QUERIES / 2;
 
 /// Records kernels, and runs them.
 pub(super) struct Recorder<'d> {
@@ -67,6 +75,10 @@ pub(super) struct Recorder<'d> {
     encoder: wgpu::CommandEncoder,
     /// The clock, and the stage of each pair of its readings.
     clock: Option<(wgpu::QuerySet, Vec<&'static str>)>,
+    /// When it began.
+    start: Instant,
+    /// Why nothing that is recorded will run.
+    failed: Option<Error>,
 }
 
 impl<'d> Recorder<'d> {
@@ -84,6 +96,8 @@ impl<'d> Recorder<'d> {
             programs,
             encoder: device.device.create_command_encoder(&Default::default()),
             clock,
+            start: Instant::now(),
+            failed: None,
         }
     }
 
@@ -105,10 +119,14 @@ impl<'d> Recorder<'d> {
             usage: wgpu::BufferUsages::UNIFORM,
             mapped_at_creation: true,
         });
-        told.slice(..)
-            .get_mapped_range_mut()
-            .expect("it was mapped when it was made")
-            .copy_from_slice(&bytes);
+        match told.slice(..).get_mapped_range_mut() {
+            Ok(mut range) => range.copy_from_slice(&bytes),
+            // It was mapped when it was made: it was not made.
+            Err(error) => {
+                self.failed.get_or_insert_with(|| self.device.error(error));
+                return;
+            }
+        }
         told.unmap();
         let bound = std::iter::once(&told).chain(buffers.iter().copied());
         let entries: Vec<_> = (0..)
@@ -123,18 +141,20 @@ impl<'d> Recorder<'d> {
             layout: &program.get_bind_group_layout(0),
             entries: &entries,
         });
-        let timestamp_writes = match &mut self.clock {
-            Some((set, stages)) if (stages.len() as u32) < MAX_TIMED => {
-                let index = 2 * stages.len() as u32;
-                stages.push(stage);
-                Some(wgpu::ComputePassTimestampWrites {
-                    query_set: set,
-                    beginning_of_pass_write_index: Some(index),
-                    end_of_pass_write_index: Some(index + 1),
-                })
+        // One kernel more than there are readings for, and none is told.
+        self.clock = self
+            .clock
+            .take()
+            .filter(|(_, stages)| (stages.len() as u32) < MAX_TIMED);
+        let timestamp_writes = self.clock.as_mut().map(|(set, stages)| {
+            let index = 2 * stages.len() as u32;
+            stages.push(stage);
+            wgpu::ComputePassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(index),
+                end_of_pass_write_index: Some(index + 1),
             }
-            _ => None,
-        };
+        });
         let mut pass = self
             .encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -183,12 +203,49 @@ impl<'d> Recorder<'d> {
         self.encoder.clear_buffer(buffer, 0, None);
     }
 
-    /// Runs what was recorded, waits for it, and hands out what `wanted` then hold, with the time of each stage where
-    /// the device has a clock.
+    /// Runs what was recorded, waits for it, and hands out what `wanted` then hold, with the time of recording, of each
+    /// stage where the device has a clock, else of all kernels, and of reading back.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] where the device fails.
     pub(super) fn run(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+        if let Some(error) = self.failed.take() {
+            return Err(error);
+        }
+        let recorded = self.start.elapsed();
+        let mut start = Instant::now();
+        let mut kernels = None;
+        if self.device.is_timed_apart {
+            let copies = self
+                .device
+                .device
+                .create_command_encoder(&Default::default());
+            let recorded = std::mem::replace(&mut self.encoder, copies);
+            self.device.queue.submit([recorded.finish()]);
+            wait_for(&self.device.device).map_err(|error| self.device.error(error))?;
+            kernels = Some(start.elapsed());
+            start = Instant::now();
+        }
+        let (read, stages) = self.read(wanted)?;
+        let waited = start.elapsed();
+        let mut timings = vec![(RECORD, recorded)];
+        let (stages, read_back) = match (stages, kernels) {
+            (Some(stages), Some(_)) => (stages, waited),
+            (None, Some(kernels)) => (vec![(KERNELS, kernels)], waited),
+            // Copies and waiting are what the kernels leave of the time.
+            (Some(stages), None) => {
+                let computed = stages.iter().map(|(_, time)| *time).sum();
+                (stages, waited.saturating_sub(computed))
+            }
+            (None, None) => (vec![(KERNELS, waited)], Duration::ZERO),
+        };
+        timings.extend(stages);
+        timings.push((READ_BACK, read_back));
+        Ok((read, timings))
+    }
+
+    /// Runs what is recorded, and reads `wanted` and the clock.
+    fn read(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Option<Timings>)> {
         let device = &self.device.device;
         let readable = |size: u64| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -227,9 +284,10 @@ impl<'d> Recorder<'d> {
         let times = match ticks.zip(self.device.tick_ns) {
             Some((stages, tick_ns)) => {
                 let clock = to_read.pop().expect("the clock is read last");
-                times(&stages, &contents(self.device, &clock)?, tick_ns)
+                let readings = contents(self.device, &clock)?;
+                Some(times(&stages, &readings, tick_ns))
             }
-            None => Vec::new(),
+            None => None,
         };
         let numbers = to_read.iter().map(|buffer| contents(self.device, buffer));
         Ok((numbers.collect::<Result<_>>()?, times))
@@ -248,12 +306,10 @@ fn wait(device: &Device, buffers: &[wgpu::Buffer]) -> Result<()> {
                 let _ = sender.send(mapped);
             });
     }
-    device
-        .device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .map_err(|error| device.error(error))?;
+    wait_for(&device.device).map_err(|error| device.error(error))?;
     for _ in buffers {
-        let mapped = receiver.recv().map_err(|error| device.error(error))?;
+        // All that there is to be told was told while it was waited for.
+        let mapped = receiver.try_recv().map_err(|error| device.error(error))?;
         mapped.map_err(|error| device.error(error))?;
     }
     Ok(())
@@ -266,16 +322,23 @@ fn contents<T: bytemuck::Pod>(device: &Device, buffer: &wgpu::Buffer) -> Result<
     Ok(bytemuck::pod_collect_to_vec(&range))
 }
 
+/// Adds times to those of the same stages.
+pub(super) fn add_timings(sum: &mut Timings, more: &[(&'static str, Duration)]) {
+    for &(stage, time) in more {
+        match sum.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += time,
+            None => sum.push((stage, time)),
+        }
+    }
+}
+
 /// The time of each stage, its passes taken together, in the order of their first.
 fn times(stages: &[&'static str], readings: &[u64], tick_ns: f32) -> Timings {
     let mut times = Timings::new();
     for (&stage, pair) in stages.iter().zip(readings.chunks_exact(2)) {
         let ticks = pair[1].saturating_sub(pair[0]);
         let time = Duration::from_nanos((ticks as f64 * f64::from(tick_ns)) as u64);
-        match times.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += time,
-            None => times.push((stage, time)),
-        }
+        add_timings(&mut times, &[(stage, time)]);
     }
     times
 }

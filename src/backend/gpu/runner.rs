@@ -4,17 +4,20 @@ use super::buffers::Buffers;
 use super::choose::{Search, Searching};
 use super::device::Device;
 use super::enhance::known_white_level;
+use super::fault::{Fault, in_memory, watched};
 use super::kernels::{GAIN, WHITE};
 use super::light::{KeptMaps, Light};
 use super::light_layers::{TermWhites, WIDEST};
-use super::recorder::Programs;
+use super::recorder::{Programs, add_timings};
 use super::relight::{can_relight, frame_lit};
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
 use super::surface::Upload;
+use super::wait::wait_for;
 use crate::backend::around::KeptEnvironment;
 use crate::backend::cpu::{CurvaturePlanes, Outcome, ScaleShape, surface_directions};
+use crate::backend::device_times::{READ_BACK, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
@@ -71,7 +74,9 @@ impl Runner {
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
     ///
-    /// The directions of the surface's own curvature are found on the CPU: they take double precision.
+    /// The directions of the surface's own curvature are found on the CPU: they take double precision. Where the whole
+    /// frame is too much for the device's memory it goes in strips. What was run before, and failed, changes nothing; on
+    /// a device that was lost all fails.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
@@ -83,7 +88,7 @@ impl Runner {
             plan.goal != Goal::Relight,
             "new light is run by Runner::relight"
         );
-        self.caught(plan, || self.run_parts(plan, frame, None))
+        self.run_in_memory(plan, frame, None)
     }
 
     /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`. What is made of an
@@ -100,54 +105,77 @@ impl Runner {
         frame: &Frame,
         illumination: &Illumination,
     ) -> Result<Outcome> {
-        self.caught(plan, || {
-            let light = self.light(plan, frame, illumination)?;
-            let mut outcome = self.run_parts(plan, frame, Some(&light))?;
-            outcome.environment_gain = light.around.gain();
-            outcome.timings.splice(0..0, light.timings);
-            Ok(outcome)
+        self.run_in_memory(plan, frame, Some(illumination))
+    }
+
+    /// A run with planes as large as there is memory for.
+    fn run_in_memory(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: Option<&Illumination>,
+    ) -> Result<Outcome> {
+        assert!(Self::can_run(plan), "every stage has a kernel");
+        let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
+        in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
+            self.attempt(plan, frame, illumination, plane_bytes)
         })
     }
 
-    /// Runs what `run` does, and catches what goes wrong on the device.
-    fn caught(&self, plan: &Plan, run: impl FnOnce() -> Result<Outcome>) -> Result<Outcome> {
-        assert!(Self::can_run(plan), "every stage has a kernel");
-        let device = &self.device.device;
-        let scopes = [
-            wgpu::ErrorFilter::Internal,
-            wgpu::ErrorFilter::OutOfMemory,
-            wgpu::ErrorFilter::Validation,
-        ]
-        .map(|filter| device.push_error_scope(filter));
-        let outcome = run();
-        // The innermost scope ends first.
-        for scope in scopes.into_iter().rev() {
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                self.maps.forget();
-                return Err(self.device.error(error));
-            }
+    /// A run with planes of no more than so many bytes.
+    pub(super) fn attempt(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: Option<&Illumination>,
+        plane_bytes: u64,
+    ) -> std::result::Result<Outcome, Fault> {
+        if self.device.is_lost() {
+            return Err(self.device.error("is gone").into());
         }
-        outcome
+        let done = watched(&self.device, || match illumination {
+            Some(illumination) => {
+                let light = self.light(plan, frame, illumination)?;
+                let mut outcome = self.run_parts(plan, frame, Some(&light), plane_bytes)?;
+                outcome.environment_gain = light.around.gain();
+                outcome.timings.splice(0..0, light.timings);
+                Ok(outcome)
+            }
+            None => self.run_parts(plan, frame, None, plane_bytes),
+        });
+        if done.is_err() {
+            self.buffers.forget();
+            self.programs.forget();
+            self.maps.forget();
+            // Memory is free when nothing uses it any more; that a lost device does not answer was told.
+            let _ = wait_for(&self.device.device);
+        }
+        done
     }
 
-    fn run_parts(&self, plan: &Plan, frame: &Frame, light: Option<&Light>) -> Result<Outcome> {
+    fn run_parts(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        light: Option<&Light>,
+        plane_bytes: u64,
+    ) -> std::result::Result<Outcome, Fault> {
         let (width, height) = (frame.mask.width(), frame.mask.height());
-        // Vectors of two are the widest; only layers have wider ones.
-        let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
-        let widest = match plan.goal == Goal::Layers || has_layers {
-            true => WIDEST,
-            false => 2,
-        };
-        let most_rows = self.device.plane_bytes / (4 * widest * width.max(1) as u64);
+        let [most_columns, most_rows] = self.device.most_pixels;
+        if width as u64 > most_columns {
+            let found = format_args!("takes {most_columns} columns at a time, not {width}");
+            return Err(self.device.error(found).into());
+        }
+        let most_rows = most_rows.min(plane_bytes / row_bytes(plan, frame).max(1));
         if most_rows >= height as u64 {
-            return self.run_whole(plan, frame, light, 0..height);
+            return Ok(self.run_whole(plan, frame, light, 0..height)?);
         }
         match Strips::new(plan, height, most_rows as usize) {
-            Some(strips) => self.run_strips(plan, frame, light, &strips),
-            None => Err(self.device.error(format_args!(
+            Some(strips) => Ok(self.run_strips(plan, frame, light, &strips)?),
+            None => Err(Fault::Strips(self.device.error(format_args!(
                 "takes {most_rows} rows of this picture at a time, and its scale asks for {} to each side",
                 plan.reach()
-            ))),
+            )))),
         }
     }
 
@@ -168,6 +196,11 @@ impl Runner {
             chosen[GAIN as usize] = gain;
         }
         let surface = self.upload().surface(plan, frame);
+        if self.device.is_timed_apart {
+            self.device.queue.submit([]);
+            // Where it fails, so does the run.
+            let _ = wait_for(&self.device.device);
+        }
         Run::new(&self.device, &self.programs, &self.buffers, surface, chosen)
     }
 
@@ -216,19 +249,17 @@ impl Runner {
         if let Some(light) = light {
             picture = Some(run.relight(plan, frame, light, shape.as_ref(), picture));
         }
-        let start = Instant::now();
         let numbers = run.chosen.clone();
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten());
         wanted.extend(&layers);
         wanted.extend(term_whites.iter().map(|(_, white)| white));
         let (read, timings) = run.finish(&wanted)?;
-        let computed = start.elapsed();
 
         let mut read = read.into_iter();
         let chosen = read.next().expect("what was chosen is read first");
         let mut outcome = Outcome::default();
-        outcome.timings.push(("upload", uploaded));
+        outcome.timings.push((UPLOAD, uploaded));
         outcome.timings.extend(timings);
         let start = Instant::now();
         if plan.goal != Goal::Layers && picture.is_some() {
@@ -249,11 +280,16 @@ impl Runner {
                 .collect();
         }
         if plan.goal == Goal::Layers {
-            self.describe(&mut outcome, plan, frame, read);
+            describe(&mut outcome, plan, frame, read);
         }
-        outcome
-            .timings
-            .push(("wait-and-read-back", computed + start.elapsed()));
+        add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
+        if plan.goal == Goal::Layers && plan.has(Stage::NormalRays) {
+            let start = Instant::now();
+            let conductance = outcome.shape.conductance.as_ref();
+            let conductance = conductance.expect("layers hold the conductance");
+            outcome.shape.direction = Some(surface_directions(plan, frame, conductance));
+            outcome.timings.push(("normal-rays", start.elapsed()));
+        }
         if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
             outcome.gain = Some(chosen[GAIN as usize]);
         }
@@ -271,51 +307,55 @@ impl Runner {
         }
         Ok(outcome)
     }
+}
 
-    /// Puts what was read of the layers into the outcome, in the order of [`layers_of`].
-    fn describe(
-        &self,
-        outcome: &mut Outcome,
-        plan: &Plan,
-        frame: &Frame,
-        mut read: impl Iterator<Item = Vec<f32>>,
-    ) {
-        let (width, height) = (frame.mask.width(), frame.mask.height());
-        let mut next = || read.next().expect("every layer is read");
-        let plane = |samples| Plane::from_samples(width, height, samples);
-        let pair = |samples: Vec<f32>| {
-            let [x, y] = apart::<2>(&samples).map(plane);
-            Vector2Planes { x, y }
-        };
-        let shape = &mut outcome.shape;
-        let conductance = plane(next());
-        let weights = pair(next());
-        (shape.silhouette, shape.crease) = (Some(weights.x), Some(weights.y));
-        shape.gradient = Some(pair(next()));
-        let [xx, xy, yy] = [plane(next()), plane(next()), plane(next())];
-        shape.hessian = Some(SymmetricPlanes { xx, xy, yy });
-        let curvatures = |samples: Vec<f32>| {
-            let [u, v, mean, kappa] = apart::<4>(&samples).map(plane);
-            (CurvaturePlanes { u, v, mean }, kappa)
-        };
-        let (first, kappa) = curvatures(next());
-        (shape.curvatures, shape.kappa) = (Some(first), Some(kappa));
-        shape.direction_view = Some(pair(next()));
-        for &sigma_px in &plan.more_px {
-            let (curvatures, kappa) = curvatures(next());
-            shape.more_scales.push(ScaleShape {
-                sigma_px,
-                curvatures,
-                kappa,
-            });
-        }
-        if plan.has(Stage::NormalRays) {
-            let start = Instant::now();
-            shape.direction = Some(surface_directions(plan, frame, &conductance));
-            outcome.timings.push(("normal-rays", start.elapsed()));
-        }
-        outcome.shape.conductance = Some(conductance);
+/// Puts what was read of the layers into the outcome, in the order of [`layers_of`].
+fn describe(
+    outcome: &mut Outcome,
+    plan: &Plan,
+    frame: &Frame,
+    mut read: impl Iterator<Item = Vec<f32>>,
+) {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let mut next = || read.next().expect("every layer is read");
+    let plane = |samples| Plane::from_samples(width, height, samples);
+    let pair = |samples: Vec<f32>| {
+        let [x, y] = apart::<2>(&samples).map(plane);
+        Vector2Planes { x, y }
+    };
+    let shape = &mut outcome.shape;
+    let conductance = plane(next());
+    let weights = pair(next());
+    (shape.silhouette, shape.crease) = (Some(weights.x), Some(weights.y));
+    shape.gradient = Some(pair(next()));
+    let [xx, xy, yy] = [plane(next()), plane(next()), plane(next())];
+    shape.hessian = Some(SymmetricPlanes { xx, xy, yy });
+    let curvatures = |samples: Vec<f32>| {
+        let [u, v, mean, kappa] = apart::<4>(&samples).map(plane);
+        (CurvaturePlanes { u, v, mean }, kappa)
+    };
+    let (first, kappa) = curvatures(next());
+    (shape.curvatures, shape.kappa) = (Some(first), Some(kappa));
+    shape.direction_view = Some(pair(next()));
+    for &sigma_px in &plan.more_px {
+        let (curvatures, kappa) = curvatures(next());
+        shape.more_scales.push(ScaleShape {
+            sigma_px,
+            curvatures,
+            kappa,
+        });
     }
+    shape.conductance = Some(conductance);
+}
+
+/// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, but for layers.
+fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
+    let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
+    let widest = match plan.goal == Goal::Layers || has_layers {
+        true => WIDEST,
+        false => 2,
+    };
+    4 * widest * frame.mask.width() as u64
 }
 
 /// The buffers of all layers, in order; those that `shape` keeps are shared with it.

@@ -4,6 +4,7 @@ use super::choose::{Search, Searching};
 use super::enhance::{known_white_level, luminance_weights};
 use super::kernels::{GAIN, SEARCH_PASSES, WHITE};
 use super::light::Light;
+use super::recorder::add_timings;
 use super::runner::Runner;
 use crate::backend::cpu::{Outcome, Shape, term_white_levels};
 use crate::error::Result;
@@ -198,13 +199,4 @@ fn planes_mut(outcome: &mut Outcome) -> Vec<&mut Plane> {
         planes.extend([r, g, b]);
     }
     planes
-}
-
-fn add_timings(sum: &mut super::recorder::Timings, more: &super::recorder::Timings) {
-    for &(stage, time) in more {
-        match sum.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += time,
-            None => sum.push((stage, time)),
-        }
-    }
 }

@@ -2,10 +2,12 @@
 
 use super::{Measuring, named};
 use crate::Result;
+use crate::backend::cpu::{self, Outcome};
 use crate::frame::{Frame, Plane};
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::{Goal, Plan, Recurrence, Sweeps};
 use crate::report::compare::{Errors, Tally, compare};
+use crate::report::gpu::{Gpu, GpuRow};
 use crate::report::machine::Machine;
 use crate::report::pareto;
 use crate::report::timing::{self, Effort, Timed, Times, Utilisation, measure_in_turn};
@@ -52,8 +54,8 @@ pub struct Row {
     pub whole: Times,
     /// Megapixels of the frame per second, all stages.
     pub megapixels_per_second: f64,
-    /// What share of the machine the diffusion uses.
-    pub utilisation: Utilisation,
+    /// What share of the machine the diffusion uses; `None` where another one did it.
+    pub utilisation: Option<Utilisation>,
     /// Whether no other row of the scale is both faster and better.
     pub on_front: bool,
 }
@@ -69,6 +71,9 @@ pub struct ScaleSweep {
     pub sigma_px: f64,
     /// What was tried.
     pub rows: Vec<Row>,
+    /// What a device gave, where one was measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub on_gpu: Vec<GpuRow>,
     /// What was not, because it would have taken long and been beaten.
     pub left_out: Vec<String>,
 }
@@ -107,6 +112,8 @@ pub struct Subject<'a> {
     pub shape: ShapeParams,
     /// The closed form of its trace.
     pub closed_form: Option<ClosedForm<'a>>,
+    /// A device to be measured beside the CPU.
+    pub gpu: Option<&'a Gpu<'a>>,
 }
 
 /// Tries every solver and setting at each of `scales`.
@@ -180,7 +187,7 @@ fn sweep_scale(
     let rows = shapes
         .iter()
         .zip(times)
-        .map(|(shape, times)| truth.row(shape, times, machine));
+        .map(|(shape, times)| truth.row_of_cpu(shape, times, machine));
     let mut rows = rows.collect::<Result<Vec<Row>>>()?;
     for (row, plan) in rows.iter_mut().zip(&plans) {
         row.asked_for = plan.sweeps == asked_for;
@@ -192,6 +199,10 @@ fn sweep_scale(
     for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
         row.on_front = on_front;
     }
+    let on_gpu = match subject.gpu {
+        Some(gpu) => truth.on_gpu(gpu, &shape, effort)?,
+        None => Vec::new(),
+    };
     Ok(ScaleSweep {
         scale: named(scale),
         flag: match scale {
@@ -200,6 +211,7 @@ fn sweep_scale(
         },
         sigma_px: shape.scale_px(),
         rows,
+        on_gpu,
         left_out,
     })
 }
@@ -234,6 +246,14 @@ fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
     all
 }
 
+/// Both solvers, this one first.
+fn by_turns(solver: Solver) -> [Solver; 2] {
+    match solver {
+        Solver::Chebyshev => [Solver::Chebyshev, Solver::Explicit],
+        Solver::Explicit => [Solver::Explicit, Solver::Chebyshev],
+    }
+}
+
 /// What every setting of one scale is compared with.
 struct Truth<'a> {
     measuring: &'a Measuring<'a>,
@@ -243,13 +263,58 @@ struct Truth<'a> {
 }
 
 impl Truth<'_> {
-    fn row(&self, shape: &ShapeParams, timed: Timed, machine: &Machine) -> Result<Row> {
+    fn row_of_cpu(&self, shape: &ShapeParams, timed: Timed, machine: &Machine) -> Result<Row> {
+        let frame = self.measuring.frame;
+        let layers = timing::plan(Goal::Layers, frame, *shape)?;
+        let outcome = cpu::run(&layers, frame);
+        let work =
+            work::of_stage("diffusion", shape, &layers.sweeps).expect("diffusion has a model");
+        let diffusion = timed.stage("diffusion").unwrap_or(timed.whole);
+        let utilisation = Utilisation::of(work, frame.mask.count(), diffusion, machine);
+        let mut row = self.row(shape, &layers, &outcome, diffusion, timed.whole);
+        row.utilisation = Some(utilisation);
+        Ok(row)
+    }
+
+    /// What a device gives by the solver asked for, and by the other one.
+    fn on_gpu(&self, gpu: &Gpu, shape: &ShapeParams, effort: Effort) -> Result<Vec<GpuRow>> {
+        let frame = self.measuring.frame;
+        let mut rows: Vec<GpuRow> = Vec::new();
+        let mut tried: Vec<Sweeps> = Vec::new();
+        for solver in by_turns(shape.solver) {
+            let shape = ShapeParams { solver, ..*shape };
+            let layers = timing::plan(Goal::Layers, frame, shape)?;
+            let is_first = tried.is_empty();
+            let is_new = !tried.contains(&layers.sweeps);
+            tried.push(layers.sweeps.clone());
+            if !is_new || !is_first && !gpu.can_afford(&layers, frame) {
+                continue;
+            }
+            let display = timing::plan(Goal::Display, frame, shape)?;
+            let outcome = gpu.run(&layers, frame);
+            let timed = gpu.measure(&display, frame, effort);
+            if let Some((outcome, timed)) = outcome.zip(timed) {
+                let whole = timed.whole;
+                let mut row = self.row(&shape, &layers, &outcome, timed.diffusion(), whole);
+                row.asked_for = is_first;
+                rows.push(GpuRow::new(row, timed));
+            }
+        }
+        Ok(rows)
+    }
+
+    fn row(
+        &self,
+        shape: &ShapeParams,
+        layers: &Plan,
+        outcome: &Outcome,
+        diffusion: Times,
+        whole: Times,
+    ) -> Row {
         let Measuring {
             frame, steepest, ..
         } = *self.measuring;
         let (mask, window) = (&frame.mask, frame.data_window);
-        let layers = timing::plan(Goal::Layers, frame, *shape)?;
-        let outcome = crate::backend::cpu::run(&layers, frame);
         let gradient = outcome
             .shape
             .gradient
@@ -266,11 +331,8 @@ impl Truth<'_> {
         }
         let [gx, gy] = &self.gradient;
         let trace = compare([&found], [&self.trace], mask, steepest);
-        let diffusion = timed.stage("diffusion").unwrap_or(timed.whole);
-        let work =
-            work::of_stage("diffusion", shape, &layers.sweeps).expect("diffusion has a model");
         let explicit = matches!(layers.sweeps.recurrence, Recurrence::Explicit(_));
-        Ok(Row {
+        Row {
             solver: if explicit {
                 Solver::Explicit
             } else {
@@ -291,14 +353,12 @@ impl Truth<'_> {
                 let errors = self.against(exact, &found, shape.diffusion_time());
                 (errors.pixels > 0).then_some(errors)
             }),
-            megapixels_per_second: timed
-                .whole
-                .megapixels_per_second(mask.width() * mask.height()),
-            utilisation: Utilisation::of(work, mask.count(), diffusion, machine),
+            megapixels_per_second: whole.megapixels_per_second(mask.width() * mask.height()),
+            utilisation: None,
             diffusion,
-            whole: timed.whole,
+            whole,
             on_front: false,
-        })
+        }
     }
 
     fn against(&self, exact: ClosedForm, found: &Plane, time: f64) -> Errors {

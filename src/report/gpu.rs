@@ -1,0 +1,404 @@
+//! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
+//! products are from the CPU's.
+
+use super::sweeps::solver::Row;
+use super::timing::{self, Effort, Timed, Times};
+use crate::backend::cpu::{self, Outcome};
+use crate::backend::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
+use crate::backend::{Product, difference, products};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, Frame};
+use crate::params::ShapeParams;
+use crate::plan::{Goal, Plan};
+use serde::Serialize;
+use std::cell::RefCell;
+use std::time::{Duration, Instant};
+
+/// Pixels times sweeps past which a setting that was not asked for is left out in software: a third of a second.
+const MOST_UPDATES_IN_SOFTWARE: usize = 4_000_000;
+
+/// Goals whose products are compared.
+const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+
+/// What a report is told of a device.
+pub enum Device<'a> {
+    /// This build knows of none, and nothing is said.
+    Unknown,
+    /// None is measured, and why.
+    NotMeasured(String),
+    /// It is measured.
+    Measured(Gpu<'a>),
+}
+
+/// A device to be measured.
+pub struct Gpu<'a> {
+    /// Its name.
+    pub name: String,
+    /// Whether it computes in software.
+    pub is_software: bool,
+    /// Whether a report without it is none: else one that fails is left out.
+    pub is_required: bool,
+    run: &'a dyn Fn(&Plan, &Frame) -> Result<Outcome>,
+    failed: RefCell<Option<Error>>,
+}
+
+/// Times of a plan that a device ran several times.
+pub struct GpuTimed {
+    /// Copies to it.
+    upload: Times,
+    /// Its kernels, stage by stage, in order; all together where it has no clock for each.
+    stages: Vec<StageTimes>,
+    /// All kernels.
+    compute: Times,
+    /// Copies from it.
+    read_back: Times,
+    /// All of it, with the time of telling it what to run.
+    pub whole: Times,
+}
+
+/// The time of a stage.
+#[derive(Debug, Clone, Serialize)]
+pub struct StageTimes {
+    /// Its name.
+    pub stage: &'static str,
+    /// Its time.
+    pub times: Times,
+}
+
+/// What a setting gave on a device.
+#[derive(Debug, Clone, Serialize)]
+pub struct GpuRow {
+    /// Errors and times, as those of the CPU.
+    #[serde(flatten)]
+    pub row: Row,
+    /// Copies to the device.
+    pub upload: Times,
+    /// Its kernels, stage by stage, in order; all together where it has no clock for each.
+    pub stages: Vec<StageTimes>,
+    /// All kernels.
+    pub compute: Times,
+    /// Copies from the device.
+    pub read_back: Times,
+}
+
+/// How far the products of one kind are from the CPU's.
+#[derive(Debug, Clone, Serialize)]
+pub struct ProductRow {
+    /// The kind.
+    pub product: Product,
+    /// The largest difference, relative to the largest value of its plane.
+    pub difference: f64,
+    /// The frame that it is in.
+    pub frame: String,
+    /// What is allowed.
+    pub tolerance: f64,
+    /// Whether the difference is.
+    pub is_within: bool,
+}
+
+/// What is known of a device in the end.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GpuReport {
+    /// None was measured, and why.
+    NotMeasured(String),
+    /// It was measured.
+    Measured {
+        /// Its name.
+        device: String,
+        /// Whether it computes in software.
+        is_software: bool,
+        /// How far its products are from the CPU's.
+        products: Vec<ProductRow>,
+    },
+}
+
+impl<'a> Gpu<'a> {
+    /// A device of this name, on which `run` runs plans; an outcome's times are called as [`crate::backend::device_times`] says.
+    pub fn new(
+        name: String,
+        is_software: bool,
+        is_required: bool,
+        run: &'a dyn Fn(&Plan, &Frame) -> Result<Outcome>,
+    ) -> Self {
+        Self {
+            name,
+            is_software,
+            is_required,
+            run,
+            failed: RefCell::new(None),
+        }
+    }
+
+    /// Whether `plan`, which nobody asked for, takes no longer than it may.
+    pub fn can_afford(&self, plan: &Plan, frame: &Frame) -> bool {
+        let updates = plan.sweeps.count() * frame.mask.count();
+        !self.is_software || updates <= MOST_UPDATES_IN_SOFTWARE
+    }
+
+    /// Runs `plan`; `None` once the device has failed.
+    pub fn run(&self, plan: &Plan, frame: &Frame) -> Option<Outcome> {
+        if self.failed.borrow().is_some() {
+            return None;
+        }
+        let ran = (self.run)(plan, frame);
+        ran.map_err(|error| *self.failed.borrow_mut() = Some(error))
+            .ok()
+    }
+
+    /// Runs `plan` once to warm up, then as often as `effort` says.
+    pub fn measure(&self, plan: &Plan, frame: &Frame, effort: Effort) -> Option<GpuTimed> {
+        self.run(plan, frame)?;
+        let mut runs = Vec::new();
+        let start = Instant::now();
+        while runs.len() < 2 || runs.len() < effort.runs && start.elapsed() < effort.limit {
+            runs.push(self.run(plan, frame)?.timings);
+        }
+        // A run that came in strips for want of memory is another run.
+        let names = |run: &timing::Timings| run.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+        let usual = names(&runs[runs.len() - 1]);
+        runs.retain(|run| names(run) == usual);
+        Some(GpuTimed::of(&runs))
+    }
+
+    /// How far the products of frames are from the CPU's: each kind's largest difference.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for a parameter outside its range.
+    pub fn products(&self, frames: &[(&str, &Frame, ShapeParams)]) -> Result<Vec<ProductRow>> {
+        let mut rows: Vec<ProductRow> = Vec::new();
+        for (name, frame, shape) in frames {
+            let frame = with_picture(frame);
+            for goal in GOALS {
+                let plan = timing::plan(goal, &frame, *shape)?;
+                let Some(found) = self.run(&plan, &frame) else {
+                    return Ok(rows);
+                };
+                let expected = cpu::run(&plan, &frame);
+                for (product, apart) in differences(goal, &found, &expected) {
+                    add(&mut rows, product, apart, name);
+                }
+            }
+        }
+        Ok(rows)
+    }
+
+    /// What is known of the device in the end, with `products` as found by [`Gpu::products`].
+    ///
+    /// # Errors
+    /// Why it failed, where it is required.
+    pub fn report(&self, products: Vec<ProductRow>) -> Result<GpuReport> {
+        match self.failed.take() {
+            Some(error) if self.is_required => Err(error),
+            Some(error) => Ok(GpuReport::NotMeasured(error.to_string())),
+            None => Ok(GpuReport::Measured {
+                device: self.name.clone(),
+                is_software: self.is_software,
+                products,
+            }),
+        }
+    }
+}
+
+impl GpuTimed {
+    fn of(runs: &[timing::Timings]) -> Self {
+        let Timed { stages, whole } = Timed::of(runs);
+        let is_kernel = |stage: &str| ![UPLOAD, RECORD, READ_BACK].contains(&stage);
+        let time_of = |name: &str| {
+            let found = stages.iter().find(|(stage, _)| *stage == name);
+            found.map_or_else(|| Times::of(vec![0.0]), |(_, times)| *times)
+        };
+        let of_kernels = |run: &timing::Timings| -> Duration {
+            let kernels = run.iter().filter(|(stage, _)| is_kernel(stage));
+            kernels.map(|(_, time)| *time).sum()
+        };
+        let computed = runs.iter().map(|run| of_kernels(run).as_secs_f64());
+        Self {
+            upload: time_of(UPLOAD),
+            read_back: time_of(READ_BACK),
+            compute: Times::of(computed.collect()),
+            stages: stages
+                .iter()
+                .filter(|(stage, _)| is_kernel(stage))
+                .map(|&(stage, times)| StageTimes { stage, times })
+                .collect(),
+            whole,
+        }
+    }
+
+    /// The time of the diffusion; of all kernels where there is no clock that tells.
+    pub fn diffusion(&self) -> Times {
+        let mut stages = self.stages.iter();
+        let diffusion = stages.find(|stage| stage.stage == "diffusion");
+        diffusion.map_or(self.compute, |stage| stage.times)
+    }
+}
+
+impl GpuRow {
+    /// A row whose errors and times are known.
+    pub fn new(row: Row, timed: GpuTimed) -> Self {
+        Self {
+            row,
+            upload: timed.upload,
+            stages: timed.stages,
+            compute: timed.compute,
+            read_back: timed.read_back,
+        }
+    }
+
+    /// Whether the device has a clock for each stage.
+    pub fn has_clock(&self) -> bool {
+        !self.stages.iter().any(|stage| stage.stage == KERNELS)
+    }
+}
+
+/// The frame with a picture to be enhanced: lit from the eye, in three colours.
+fn with_picture(frame: &Frame) -> Frame {
+    let lit = |share: f32| frame.normal.z.map(|z| share * z.max(0.0));
+    Frame {
+        color: Some(ColorPlanes {
+            r: lit(0.8),
+            g: lit(0.7),
+            b: lit(0.5),
+        }),
+        ..frame.clone()
+    }
+}
+
+/// How far the products are apart that `goal` is for, of those that both backends made; infinitely where one is missing.
+fn differences(
+    goal: Goal,
+    found: &Outcome,
+    expected: &Outcome,
+) -> impl Iterator<Item = (Product, f64)> {
+    let is_meant = move |product: Product| (goal == Goal::Layers) != (product == Product::Picture);
+    let kinds = Product::ALL.into_iter().filter(move |&p| is_meant(p));
+    kinds.filter_map(move |product| {
+        let of = |outcome| products(outcome).filter(|(kind, _)| *kind == product);
+        let (found, expected): (Vec<_>, Vec<_>) = (of(found).collect(), of(expected).collect());
+        if found.len() != expected.len() {
+            return Some((product, f64::INFINITY));
+        }
+        let pairs = found.into_iter().zip(expected);
+        let apart = pairs.map(|((_, found), (_, expected))| difference(found, expected));
+        Some((product, apart.reduce(f64::max)?))
+    })
+}
+
+fn add(rows: &mut Vec<ProductRow>, product: Product, apart: f64, frame: &str) {
+    let tolerance = product.tolerance();
+    let new = ProductRow {
+        product,
+        difference: apart,
+        frame: frame.into(),
+        tolerance,
+        is_within: apart <= tolerance,
+    };
+    match rows.iter_mut().find(|row| row.product == product) {
+        Some(row) if row.difference < apart => *row = new,
+        Some(_) => {}
+        None => rows.push(new),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::scenes::Scene;
+    use std::cell::Cell;
+
+    fn ms(time: u64) -> Duration {
+        Duration::from_millis(time)
+    }
+
+    /// What runs plans on the CPU and tells times as a device does.
+    fn device(plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        let mut outcome = cpu::run(plan, frame);
+        let times = [
+            (UPLOAD, 1),
+            (RECORD, 2),
+            ("diffusion", 4),
+            ("trace", 8),
+            (READ_BACK, 16),
+        ];
+        outcome.timings = times.map(|(name, time)| (name, ms(time))).into();
+        Ok(outcome)
+    }
+
+    fn frame() -> Frame {
+        Scene::waves(40, 30).frame
+    }
+
+    #[test]
+    fn kernels_are_told_from_copies() {
+        let gpu = Gpu::new("test".into(), true, true, &device);
+        let frame = frame();
+        let plan = timing::plan(Goal::Display, &frame, ShapeParams::default()).unwrap();
+        let timed = gpu.measure(&plan, &frame, Effort::new(3, 1000)).unwrap();
+        let least = [timed.upload, timed.compute, timed.read_back, timed.whole].map(|t| t.min);
+        for (found, expected) in least.into_iter().zip([0.001, 0.012, 0.016, 0.031]) {
+            assert!((found - expected).abs() < 1e-9, "{least:?}");
+        }
+        assert_eq!(timed.whole.runs, 3);
+        assert_eq!(timed.diffusion().min, 0.004);
+        let names: Vec<_> = timed.stages.iter().map(|stage| stage.stage).collect();
+        assert_eq!(names, ["diffusion", "trace"]);
+    }
+
+    #[test]
+    fn every_product_is_compared_and_what_is_off_is_told() {
+        let frame = frame();
+        let frames = [("waves", &frame, ShapeParams::default())];
+        let same = Gpu::new("test".into(), true, true, &device);
+        let rows = same.products(&frames).unwrap();
+        assert_eq!(rows.len(), Product::ALL.len());
+        assert!(
+            rows.iter()
+                .all(|row| row.is_within && row.difference == 0.0)
+        );
+        let off = |plan: &Plan, frame: &Frame| {
+            let mut outcome = cpu::run(plan, frame);
+            if let Some(gradient) = &mut outcome.shape.gradient {
+                gradient.y.row_mut(7)[9] += 0.5;
+            }
+            outcome.shape.hessian = None;
+            Ok(outcome)
+        };
+        let rows = Gpu::new("test".into(), true, true, &off)
+            .products(&frames)
+            .unwrap();
+        let outside: Vec<_> = rows.iter().filter(|row| !row.is_within).collect();
+        let kinds: Vec<_> = outside.iter().map(|row| row.product).collect();
+        assert_eq!(kinds, [Product::Gradient, Product::Hessian]);
+        assert!(outside[0].difference > 0.1 && outside[1].difference.is_infinite());
+    }
+
+    #[test]
+    fn a_device_that_fails_is_asked_no_more() {
+        for is_required in [false, true] {
+            let asked = Cell::new(0);
+            let fails = |plan: &Plan, frame: &Frame| {
+                asked.set(asked.get() + 1);
+                match asked.get() {
+                    1 => device(plan, frame),
+                    _ => Err(Error::Gpu {
+                        device: "test".into(),
+                        found: "was lost".into(),
+                    }),
+                }
+            };
+            let gpu = Gpu::new("test".into(), true, is_required, &fails);
+            let frame = frame();
+            let plan = timing::plan(Goal::Display, &frame, ShapeParams::default()).unwrap();
+            assert!(gpu.measure(&plan, &frame, Effort::new(3, 1000)).is_none());
+            let frames = [("waves", &frame, ShapeParams::default())];
+            assert!(gpu.products(&frames).unwrap().is_empty());
+            assert_eq!(asked.get(), 2);
+            match gpu.report(Vec::new()) {
+                Ok(GpuReport::NotMeasured(why)) => assert!(!is_required && why.contains("lost")),
+                Err(error) => assert!(is_required, "{error}"),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Numbers at the ends of what single precision holds: what is none is left out on reading, and both backends make the
+//! same of the rest.
+
+use super::{assert_same, on_gpu, plan, waves};
+use relievo::frame::{Frame, NormalSpace, Plane, Vector3Planes, Window};
+use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
+use relievo::io::inputs::Inputs;
+use relievo::io::{Needs, load};
+use relievo::params::{Scale, ScalingParams, ShapeParams};
+use relievo::plan::Goal;
+
+const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+
+/// Every so-manieth pixel of a plane in turn made one of `values`.
+fn scattered(plane: &Plane, every: usize, values: &[f32]) -> Plane {
+    let (width, height) = (plane.width(), plane.height());
+    Plane::from_fn(width, height, |x, y| {
+        let i = y * width + x;
+        match i % every {
+            0 => values[i / every % values.len()],
+            _ => plane.at(x, y),
+        }
+    })
+}
+
+/// The vectors made unit length again, up to their smallest components; those of none look at the eye.
+fn unit(vectors: &Vector3Planes) -> Vector3Planes {
+    let (width, height) = (vectors.x.width(), vectors.x.height());
+    let at = |x: usize, y: usize| {
+        let [x, y, z] = [&vectors.x, &vectors.y, &vectors.z].map(|plane| plane.at(x, y));
+        let length = x.hypot(y).hypot(z);
+        match length > 0.1 {
+            true => [x, y, z].map(|v| v / length),
+            false => [x, y, 1.0],
+        }
+    };
+    let plane = |axis: usize| Plane::from_fn(width, height, |x, y| at(x, y)[axis]);
+    Vector3Planes {
+        x: plane(0),
+        y: plane(1),
+        z: plane(2),
+    }
+}
+
+/// The frame as it is after it was written to a file and read.
+fn through_a_file(frame: &Frame) -> Frame {
+    let color = frame.color.as_ref().unwrap();
+    let layers = [
+        ("R", &color.r),
+        ("G", &color.g),
+        ("B", &color.b),
+        ("N.x", &frame.normal.x),
+        ("N.y", &frame.normal.y),
+        ("N.z", &frame.normal.z),
+        ("Z", frame.depth.as_ref().unwrap()),
+    ];
+    let channels = layers.map(|(name, plane)| OutputChannel {
+        name: name.into(),
+        plane,
+        sample_type: OutputType::Float,
+    });
+    let window = Window::from_size(color.r.width(), color.r.height());
+    let part = OutputPart {
+        name: "main".into(),
+        data_window: window,
+        display_window: window,
+        pixel_aspect: 1.0,
+        channels: channels.into(),
+        attributes: Vec::new(),
+        chromaticities: None,
+        compression: Default::default(),
+    };
+    let desk = tempfile::tempdir().unwrap();
+    let picture = desk.path().join("render.exr");
+    let mut file = std::fs::File::create(&picture).unwrap();
+    write_results(&mut file, &picture, &part).unwrap();
+    let inputs = Inputs {
+        picture,
+        normal_space: Some(NormalSpace::View),
+        ..Inputs::default()
+    };
+    let needs = Needs {
+        color: true,
+        projection: true,
+        ..Needs::default()
+    };
+    load(&inputs, needs).unwrap().frame
+}
+
+#[test]
+fn what_is_no_number_in_a_file() {
+    let hostile = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::MAX,
+        -0.0,
+        0.0,
+        1e-40,
+        -2.0,
+    ];
+    let whole = waves(90, 70);
+    let mut frame = whole.clone();
+    frame.normal.x = scattered(&whole.normal.x, 67, &hostile);
+    frame.normal.y = scattered(&whole.normal.y, 71, &hostile);
+    frame.normal.z = scattered(&whole.normal.z, 73, &hostile);
+    frame.depth = Some(scattered(whole.depth.as_ref().unwrap(), 79, &hostile));
+    let color = frame.color.as_mut().unwrap();
+    // Beside the largest number there is no telling others apart.
+    color.g = scattered(&color.g, 83, &hostile[..3]);
+    let read = through_a_file(&frame);
+    let covered = read.mask.count();
+    assert!(covered < 90 * 70 && covered > 80 * 70, "{covered}");
+    on_gpu(|runner| {
+        for goal in GOALS {
+            let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+            let plan = plan(goal, &read, shape, scaling);
+            assert_same(&format!("from a file, {goal:?}"), runner, &plan, &read);
+        }
+    });
+}
+
+/// Devices may take what is below the least normal number, 1.2e-38, for 0. Of normals and occlusion that is at most as
+/// much of a difference; a depth so small is one of an edge either way.
+#[test]
+fn zeros_of_both_signs_and_numbers_next_to_them() {
+    let tiny = [0.0, -0.0, 1e-40, -1e-40, f32::MIN_POSITIVE, 1e-30];
+    on_gpu(|runner| {
+        for scale in [Scale::Iterations(0), Scale::Iterations(12)] {
+            let mut frame = waves(80, 60);
+            frame.normal.x = scattered(&frame.normal.x, 61, &tiny);
+            frame.normal.y = scattered(&frame.normal.y, 67, &tiny);
+            // Seen edge on, and from behind.
+            frame.normal.z = scattered(&frame.normal.z, 241, &[-0.0, 0.0, 1e-40, -0.3]);
+            frame.normal = unit(&frame.normal);
+            frame.normal_length = Some(Plane::from_fn(80, 60, |x, y| {
+                [1.0, 0.99, 1e-40, 0.0, -0.0][usize::from(x % 37 == 0) * (1 + y % 4)]
+            }));
+            let shape = ShapeParams {
+                scale,
+                foreshortening: 1.0,
+                ..ShapeParams::default()
+            };
+            for goal in GOALS {
+                let plan = plan(goal, &frame, shape, ScalingParams::default());
+                assert_same(&format!("{scale:?}, {goal:?}"), runner, &plan, &frame);
+            }
+            frame.depth = None;
+            frame.occlusion = Some(Plane::from_fn(80, 60, |x, y| {
+                [0.5, 0.0, -0.0, 1e-40, 1.0][usize::from(y % 17 == 0) * (1 + x % 4)]
+            }));
+            let plan = plan(Goal::Layers, &frame, shape, ScalingParams::default());
+            assert_same(&format!("{scale:?}, occlusion"), runner, &plan, &frame);
+        }
+    });
+}
+
+#[test]
+fn the_nearest_and_the_farthest_depth() {
+    let ends = [
+        f32::MIN_POSITIVE,
+        1e-30,
+        1e-3,
+        1e30,
+        f32::MAX,
+        f32::from_bits(1),
+        1e-40,
+    ];
+    on_gpu(|runner| {
+        // The last two are no normal numbers: alone among their neighbours they are edges.
+        for count in [5, 7] {
+            let mut frame = waves(80, 60);
+            let depth = frame.depth.as_ref().unwrap();
+            frame.depth = Some(scattered(depth, 59, &ends[..count]));
+            for goal in GOALS {
+                let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+                let plan = plan(goal, &frame, shape, scaling);
+                assert_same(&format!("{count} depths, {goal:?}"), runner, &plan, &frame);
+            }
+        }
+    });
+}
