@@ -1,6 +1,7 @@
 //! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH HEIGHT]`.
 //!
-//! Prints, for each size of features and for drawings, how far what is made is from the CPU's and what each stage takes.
+//! Prints, for each size of features, for new light and for drawings, how far what is made is from the CPU's and what each stage
+//! takes.
 //! Without a file, waves of that size, 1920x1080 where none is given.
 
 use relievo::backend::cpu::{self, DrawingInputs};
@@ -9,8 +10,13 @@ use relievo::backend::{Product, products};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
-use relievo::params::{Adaptive, LineParams, Scale, ScalingParams, ShapeParams, Solver, Style};
-use relievo::plan::{Available, Goal, Plan, ToneFrom};
+use relievo::light::environment::Environment;
+use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
+use relievo::params::{
+    Adaptive, AlbedoSource, LineParams, Material, Method, RelightParams, Samples, Scale,
+    ScalingParams, ShapeParams, Solver, Style,
+};
+use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use std::time::{Duration, Instant};
 
 /// Runs of which the quickest counts.
@@ -49,7 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let available = Available::in_frame(&frame);
     let plan = Plan::new(Goal::Enhance, available, shape, given)?;
     let name = "no diffusion, gain and white level given";
-    measure(name, &runner, &plan, &frame)?;
+    measure(name, &runner, &plan, &frame, None)?;
     for (name, scale, solver) in [
         ("no diffusion", Scale::Iterations(0), Solver::Chebyshev),
         ("10 steps", Scale::Iterations(10), Solver::Chebyshev),
@@ -70,7 +76,26 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ..ShapeParams::default()
         };
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
-        measure(name, &runner, &plan, &frame)?;
+        measure(name, &runner, &plan, &frame, None)?;
+    }
+    let lamp = Illumination {
+        directional: vec![DirectionalLight {
+            to_light: direction_of(120.0, 40.0),
+            intensity: [1.0; 3],
+        }],
+        ..Illumination::default()
+    };
+    let room = Illumination {
+        environment: Some(sky().into()),
+        ..Illumination::default()
+    };
+    for (name, method, light) in [
+        ("scaling under a lamp, 10 steps", Method::Scale, &lamp),
+        ("warping of 54 lights, 10 steps", Method::Warp, &room),
+        ("both, 10 steps", Method::Both, &room),
+    ] {
+        let plan = lighting(&frame, method, light)?;
+        measure(name, &runner, &plan, &frame, Some(light))?;
     }
     if !matches!(arguments.as_slice(), [_]) {
         frame.depth = Some(plates(width, height));
@@ -81,21 +106,51 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
         let name = format!("hatching with contours, {name}");
-        measure(&name, &runner, &plan, &frame)?;
+        measure(&name, &runner, &plan, &frame, None)?;
     }
     Ok(())
 }
 
-fn measure(name: &str, runner: &Runner, plan: &Plan, frame: &Frame) -> relievo::Result<()> {
+/// A glossy white surface in new light.
+fn lighting(frame: &Frame, method: Method, light: &Illumination) -> relievo::Result<Plan> {
+    let shape = ShapeParams {
+        scale: Scale::Iterations(10),
+        ..ShapeParams::default()
+    };
+    let mut relight = RelightParams {
+        method,
+        albedo: AlbedoSource::White,
+        samples: Samples::Fixed(54),
+        ..RelightParams::default()
+    };
+    relight.material.material = Material::BlinnPhong;
+    Plan::relight(
+        Available::in_frame(frame),
+        shape,
+        ScalingParams::default(),
+        relight,
+        LightKinds::in_light(light),
+    )
+}
+
+fn measure(
+    name: &str,
+    runner: &Runner,
+    plan: &Plan,
+    frame: &Frame,
+    light: Option<&Illumination>,
+) -> relievo::Result<()> {
     let on_cpu = cpu::Runner::default();
     let is_drawn = plan.drawing.is_some();
-    let by_cpu = || match is_drawn {
-        true => on_cpu.draw(plan, frame, DrawingInputs::default()),
-        false => on_cpu.run(plan, frame),
+    let by_cpu = || match light {
+        Some(light) => on_cpu.relight(plan, frame, light),
+        None if is_drawn => on_cpu.draw(plan, frame, DrawingInputs::default()),
+        None => on_cpu.run(plan, frame),
     };
-    let by_device = || match is_drawn {
-        true => runner.draw(plan, frame, DrawingInputs::default()),
-        false => runner.run(plan, frame),
+    let by_device = || match light {
+        Some(light) => runner.relight(plan, frame, light),
+        None if is_drawn => runner.draw(plan, frame, DrawingInputs::default()),
+        None => runner.run(plan, frame),
     };
     let (found, expected) = (by_device()?, by_cpu());
     println!("\n{name}:");
@@ -143,6 +198,18 @@ fn processor_seconds() -> f64 {
     let ticks = ticks.filter_map(|field| field.parse::<f64>().ok());
     // Hundredths of a second, on every Linux there is.
     ticks.sum::<f64>() / 100.0
+}
+
+/// An environment with a bright side.
+fn sky() -> Environment {
+    let blank = Environment::from_fn(256, 128, |_, _| [0.0; 3]);
+    Environment::from_fn(256, 128, |x, y| {
+        let toward = blank
+            .direction(x, y)
+            .dot(glam::Vec3::new(0.6, 0.5, 0.62))
+            .max(0.0);
+        [0.2 + 3.0 * toward.powi(8), 0.2 + 2.5 * toward.powi(8), 0.4]
+    })
 }
 
 /// Waves of 64 pixels under a soft light.

@@ -2,7 +2,11 @@
 
 use super::cpu::Outcome;
 use crate::frame::Plane;
+use crate::light::lights::Illumination;
+use crate::params::{Material, MaterialParams};
+use crate::plan::{EnvironmentUse, Relighting};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// What a run gives, as far as backends are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -63,6 +67,52 @@ impl Product {
             Self::Hessian | Self::Curvature | Self::MappedCurvature => 2e-5,
             Self::Strokes => 1e-4,
         }
+    }
+}
+
+/// Error of a scalar product of unit vectors: two roundings of each half of it, on either side.
+const COSINE_ERROR: f64 = 1.0 / (1 << 22) as f64;
+
+/// Error of an angle, in radians: that of the arc tangent, and of the direction it is the angle of.
+const ANGLE_ERROR: f64 = 4e-7 + COSINE_ERROR;
+
+/// The largest difference from the CPU of a picture in new light, relative to its largest value: that of
+/// [`Product::Picture`], but for light that turns a rounding into more.
+///
+/// A lobe with the exponent p is, at its brightest, p times as far off as the cosine that it is a power of; one with an
+/// exponent below 1 is, beside the terminator, as far off as that power of the rounding itself. A picture that is looked
+/// up is read a share of a pixel beside, which counts where neighbours are unlike. The step between two tones is 1.5
+/// over its softness times as steep as what it quantises; hard ones may put a pixel to the next tone.
+pub fn relit_tolerance(relighting: &Relighting, light: &Illumination) -> f64 {
+    let params = &relighting.params;
+    let lobe = lobe_error(&params.material);
+    let seen = match &light.environment {
+        Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
+            let [width, height] = [map.width(), map.height()].map(|n| n as f64);
+            (width / 2.0 + height) * ANGLE_ERROR / PI
+        }
+        _ => 0.0,
+    };
+    let spheres = light.lit_spheres.iter();
+    let painted = spheres.map(|sphere| sphere.size().iter().sum::<usize>() as f64 * COSINE_ERROR);
+    let smooth = [lobe, seen, painted.fold(0.0, f64::max)]
+        .into_iter()
+        .fold(Product::Picture.tolerance(), f64::max);
+    match params.tones() {
+        Some(tones) if tones.softness > 0.0 => smooth * (1.5 / f64::from(tones.softness)).max(1.0),
+        Some(_) => 1.0,
+        None => smooth,
+    }
+}
+
+/// How far a lobe of this material, 1 at its brightest, may be off.
+fn lobe_error(material: &MaterialParams) -> f64 {
+    let largest = |exponent: f32| f64::from(exponent) * COSINE_ERROR;
+    match material.material {
+        Material::Phong | Material::BlinnPhong => largest(material.shininess),
+        Material::AshikhminShirley => largest(material.coat[0].max(material.coat[1])),
+        Material::Sublambert => COSINE_ERROR.powf(material.flatness.into()),
+        Material::Lambert | Material::Toon | Material::Mirror | Material::Glass => 0.0,
     }
 }
 

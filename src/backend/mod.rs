@@ -1,6 +1,7 @@
 //! Running a plan.
 
 mod agreement;
+mod around;
 mod choice;
 pub mod cpu;
 pub mod device_times;
@@ -10,4 +11,4 @@ mod importance;
 mod light_terms;
 mod palette;
 
-pub use agreement::{Product, difference, ink_difference, products};
+pub use agreement::{Product, difference, ink_difference, products, relit_tolerance};

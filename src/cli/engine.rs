@@ -7,7 +7,8 @@ use crate::backend::cpu::{DrawingInputs, Outcome};
 #[cfg(feature = "gpu")]
 use crate::backend::gpu;
 use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::frame::{Frame, SpecularScene};
+use crate::light::lights::Illumination;
 use crate::plan::Plan;
 
 /// The backends of a run.
@@ -54,6 +55,22 @@ impl Engine {
         Ok(done.unwrap_or_else(|| self.cpu.run(plan, frame)))
     }
 
+    /// Runs `plan`, which lights `frame` anew; mirrors and lenses show what is in `scene`.
+    ///
+    /// # Errors
+    /// As [`Engine::run_on_device`].
+    pub(super) fn relight(
+        &self,
+        job: &Job,
+        plan: &Plan,
+        frame: &Frame,
+        light: &Illumination,
+        scene: Option<&SpecularScene>,
+    ) -> Result<Outcome> {
+        let done = self.relight_on_device(&|text| job.warn(text), plan, frame, light)?;
+        Ok(done.unwrap_or_else(|| relight_on_cpu(&self.cpu, plan, frame, light, scene)))
+    }
+
     /// Runs `plan`, which draws `frame`.
     ///
     /// # Errors
@@ -85,6 +102,17 @@ impl Engine {
         frame: &Frame,
     ) -> Result<Option<Outcome>> {
         self.on_device(warn, plan, |gpu| gpu.run(plan, frame))
+    }
+
+    /// Runs `plan`, which lights `frame` anew.
+    pub(super) fn relight_on_device(
+        &self,
+        warn: &dyn Fn(&str),
+        plan: &Plan,
+        frame: &Frame,
+        light: &Illumination,
+    ) -> Result<Option<Outcome>> {
+        self.on_device(warn, plan, |gpu| gpu.relight(plan, frame, light))
     }
 
     /// Runs `plan`, which draws `frame`.
@@ -140,6 +168,16 @@ impl Engine {
         Ok(None)
     }
 
+    pub(super) fn relight_on_device(
+        &self,
+        _: &dyn Fn(&str),
+        _: &Plan,
+        _: &Frame,
+        _: &Illumination,
+    ) -> Result<Option<Outcome>> {
+        Ok(None)
+    }
+
     pub(super) fn draw_on_device(
         &self,
         _: &dyn Fn(&str),
@@ -148,6 +186,20 @@ impl Engine {
         _: DrawingInputs,
     ) -> Result<Option<Outcome>> {
         Ok(None)
+    }
+}
+
+/// New light by the CPU.
+pub(super) fn relight_on_cpu(
+    cpu: &cpu::Runner,
+    plan: &Plan,
+    frame: &Frame,
+    light: &Illumination,
+    scene: Option<&SpecularScene>,
+) -> Outcome {
+    match scene {
+        Some(scene) => cpu.relight_specular(plan, frame, light, scene),
+        None => cpu.relight(plan, frame, light),
     }
 }
 
@@ -175,14 +227,7 @@ pub(super) fn built_without_gpu() -> Error {
     }
 }
 
-/// Refuses a device for what has no kernels.
-pub(super) fn refuse_gpu(backend: BackendArg) -> Result<()> {
-    match backend {
-        BackendArg::Gpu => Err(no_kernels()),
-        BackendArg::Auto | BackendArg::Cpu => Ok(()),
-    }
-}
-
+#[cfg(feature = "gpu")]
 fn no_kernels() -> Error {
     Error::BadParameter {
         name: "--backend",

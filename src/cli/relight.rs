@@ -2,7 +2,7 @@
 
 use super::args::WorkArgs;
 use super::chosen::Chosen;
-use super::engine::refuse_gpu;
+use super::engine::{Engine, relight_on_cpu};
 use super::enhance::dark_rims;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// What all frames that are lit anew have in common.
 pub(super) struct RelightKit {
     illumination: Illumination,
-    runner: Runner,
+    engine: Engine,
 }
 
 impl FrameCommand for RelightArgs {
@@ -44,14 +44,13 @@ impl FrameCommand for RelightArgs {
 
     fn prepare(&self) -> Result<RelightKit> {
         let work = &self.work;
-        refuse_gpu(work.run.backend)?;
         work.output.kind()?;
         work.shape.refuse_more_scales()?;
         self.scaling.params(work.shape.curvature_gain).validate()?;
         self.params().validate()?;
         Ok(RelightKit {
             illumination: illumination(&self.light)?,
-            runner: Runner::default(),
+            engine: Engine::new(work.run.backend)?,
         })
     }
 
@@ -81,14 +80,19 @@ impl FrameCommand for RelightArgs {
         }
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let outcome = work.run(&plan, &loaded.frame);
+        let RelightKit {
+            illumination,
+            engine,
+        } = kit;
+        let scene = work.scene.as_ref();
+        let outcome = engine.relight(job, &plan, &loaded.frame, illumination, scene)?;
         let done = Done {
             loaded,
             outcome,
             read,
         };
         let chosen = job.write_color(&done, lit(&done.outcome))?;
-        kit.runner.take_back(done.outcome);
+        engine.cpu.take_back(done.outcome);
         Ok(chosen)
     }
 }
@@ -103,7 +107,7 @@ struct Relight<'a> {
 
 impl StripWork for Relight<'_> {
     fn runner(&self) -> &Runner {
-        &self.kit.runner
+        &self.kit.engine.cpu
     }
 
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
@@ -115,14 +119,8 @@ impl StripWork for Relight<'_> {
     }
 
     fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
-        let RelightKit {
-            illumination,
-            runner,
-        } = self.kit;
-        match &self.scene {
-            Some(scene) => runner.relight_specular(plan, strip, illumination, scene),
-            None => runner.relight(plan, strip, illumination),
-        }
+        let light = &self.kit.illumination;
+        relight_on_cpu(self.runner(), plan, strip, light, self.scene.as_ref())
     }
 
     fn channels<'a>(

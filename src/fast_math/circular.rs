@@ -48,7 +48,7 @@ pub(crate) const TAN_EIGHTH_PI: f32 = 0.414_213_57;
 pub(crate) const COT_EIGHTH_PI: f32 = 2.414_213_7;
 
 /// Half of pi less the f32 nearest to it.
-const PI_2_LOW: f32 = -4.371_139e-8;
+pub(crate) const PI_2_LOW: f32 = -4.371_139e-8;
 
 /// (atan(t) - t) / t^3 by powers of t^2, for |t| up to tan(pi/8); 2^-30 relative to atan(t).
 pub(crate) const ATAN: [f32; 5] = [
@@ -60,7 +60,7 @@ pub(crate) const ATAN: [f32; 5] = [
 ];
 
 /// (tan(x) - x) / x^3 by powers of x^2, for |x| up to pi/4; 2^-29 relative to tan(x).
-const TAN: [f32; 7] = [
+pub(crate) const TAN: [f32; 7] = [
     0.333_333_5,
     0.133_326_75,
     0.054_058_913,

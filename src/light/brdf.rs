@@ -11,11 +11,11 @@ use crate::params::MaterialParams;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AshikhminShirley {
     /// Exponents along and across the grain.
-    coat: [f32; 2],
+    pub(crate) coat: [f32; 2],
     /// Reflectance of the coat along the normal.
-    reflectance: f32,
+    pub(crate) reflectance: f32,
     /// Factor of the highlight that keeps its energy.
-    normalisation: f32,
+    pub(crate) normalisation: f32,
 }
 
 /// Cosines between unit vectors: `n` the normal, `l` to the light, `e` to the eye, `h` half-way.
@@ -34,7 +34,7 @@ pub struct Cosines {
 }
 
 /// Below this neither light nor eye is seen from the surface.
-const GRAZING: f32 = 1e-6;
+pub(crate) const GRAZING: f32 = 1e-6;
 
 impl AshikhminShirley {
     /// The model with these exponents and reflectance.

@@ -73,6 +73,18 @@ impl Environment {
         self.texels.height()
     }
 
+    /// Its pixels row by row, red, green, blue and an unused number each, for other backends.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn texels(&self) -> &[[f32; 4]] {
+        self.texels.all()
+    }
+
+    /// The rotation, in turns.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn turn(&self) -> f32 {
+        self.turn
+    }
+
     /// The radiance of the pixel at column `x` of row `y`.
     pub fn pixel(&self, x: usize, y: usize) -> [f32; 3] {
         rgb(self.texels.at(x, y))

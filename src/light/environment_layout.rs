@@ -23,7 +23,10 @@ pub enum Layout {
 }
 
 /// Pixels kept away from the rim of a ball, where it is blended with what lies behind it.
-pub(super) const RIM_PX: f32 = 1.5;
+pub(crate) const RIM_PX: f32 = 1.5;
+
+/// Shorter than this, a point of the disc is its middle.
+pub(crate) const LEAST_RADIUS: f32 = 1e-9;
 
 /// Look-ups per pixel of the map, to each side: balls are finer than it in places.
 const SAMPLES: usize = 2;
@@ -125,7 +128,7 @@ pub(super) fn on_disc(picture: &Texels, [x, y]: [f32; 2]) -> [f32; 3] {
         false => (x.clamp(-1e9, 1e9), y.clamp(-1e9, 1e9)),
     };
     let largest = (1.0 - 2.0 * RIM_PX / width.min(height)).max(0.0);
-    let inward = largest / (x * x + y * y).sqrt().max(largest).max(1e-9);
+    let inward = largest / (x * x + y * y).sqrt().max(largest).max(LEAST_RADIUS);
     let column = (1.0 + x * inward) / 2.0 * width - 0.5;
     let row = (1.0 - y * inward) / 2.0 * height - 0.5;
     picture.clamped(column, row)

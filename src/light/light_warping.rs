@@ -152,7 +152,7 @@ impl Warp {
 }
 
 /// Largest entry of a Hessian told apart: its reciprocal is still a normal number.
-const LARGEST: f32 = 1e37;
+pub(crate) const LARGEST: f32 = 1e37;
 
 /// Unit half vector between the unit `direction` and z; across z, along x, for -z itself. What is not
 /// finite counts as z.
@@ -188,7 +188,7 @@ pub fn warped(direction: [f32; 3], warp: Warp) -> [f32; 3] {
 }
 
 /// Largest exponent of the contrast told apart: e^60 is far past any picture, and its square still finite.
-const MAX_EXPONENT: f32 = 60.0;
+pub(crate) const MAX_EXPONENT: f32 = 60.0;
 
 /// Factor of the light reflected where the warping is `warp`: `(lambda_u lambda_v)^gamma`, 3^-|gamma| to
 /// 3^|gamma|.

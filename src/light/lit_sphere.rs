@@ -32,6 +32,17 @@ impl LitSphere {
         on_disc(&self.texels, normal_xy)
     }
 
+    /// Columns and rows of its picture.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.texels.width(), self.texels.height()]
+    }
+
+    /// Its pixels row by row, red, green, blue and an unused number each.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn texels(&self) -> &[[f32; 4]] {
+        self.texels.all()
+    }
+
     /// The largest luminance on the sphere; `weights` are those of linear red, green and blue.
     pub fn largest_luminance(&self, weights: [f32; 3]) -> f32 {
         let (width, height) = (self.texels.width() as f32, self.texels.height() as f32);

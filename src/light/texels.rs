@@ -72,6 +72,12 @@ impl Texels {
         self.height
     }
 
+    /// All texels, row by row.
+    #[cfg(feature = "gpu")]
+    pub(super) fn all(&self) -> &[Texel] {
+        &self.texels
+    }
+
     #[inline(always)]
     pub(super) fn at(&self, x: usize, y: usize) -> Texel {
         self.texels[y * self.width + x]

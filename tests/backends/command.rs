@@ -4,11 +4,15 @@ use super::on_gpu;
 use relievo::backend::{Product, difference};
 use relievo::frame::Plane;
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+fn fixtures() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
+}
+
 fn relievo(directory: &Path, words: &str) -> Output {
-    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr");
+    let fixture = fixtures().join("bust.exr");
     let mut words = words.split_whitespace();
     Command::new(env!("CARGO_BIN_EXE_relievo"))
         .arg(words.next().unwrap())
@@ -31,7 +35,14 @@ fn channels(path: &Path) -> Vec<(String, Plane)> {
 fn the_program_writes_what_the_cpu_writes() {
     on_gpu(|_| {
         let desk = tempfile::tempdir().unwrap();
-        for work in ["enhance", "shape", "hatch"] {
+        let room = fixtures().join("room.hdr");
+        let room = room.display();
+        for work in [
+            "enhance",
+            "shape",
+            "hatch",
+            &format!("relight --environment {room} --material blinn-phong"),
+        ] {
             for backend in ["cpu", "gpu"] {
                 let words = format!(
                     "{work} -o {backend}.exr --layers results --depth-of-output float --backend {backend}"
@@ -61,7 +72,7 @@ fn the_program_writes_what_the_cpu_writes() {
 fn what_has_no_kernels_is_refused_by_name_and_done_otherwise() {
     let desk = tempfile::tempdir().unwrap();
     for words in [
-        "relight --light 30,40 -o lit.png",
+        "relight --light 30,40 --material ashikhmin-shirley --coat 10,200 -o lit.png",
         "hatch --light 30,40 -o lit.png",
         "hatch --style lines -o lit.png",
     ] {

@@ -36,7 +36,8 @@ fn assert_drawn(
     let found = runner.draw(&plan, frame, inputs).unwrap();
     assert_alike(name, &found, &expected, |product| {
         use Product::{Contours, Picture, Strokes, Weights};
-        matches!(product, Weights | Picture | Strokes | Contours)
+        let is_drawn = matches!(product, Weights | Picture | Strokes | Contours);
+        is_drawn.then(|| product.tolerance())
     });
     let [found, expected] = [found, expected].map(|outcome| outcome.drawing.unwrap());
     let white = [&found, &expected].map(|drawing| drawing.white_point);

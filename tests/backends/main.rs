@@ -10,6 +10,7 @@ mod kernels;
 mod light_layers;
 mod numbers;
 mod products;
+mod relight;
 mod report;
 
 use common::scenes::{Scene, Surface};
@@ -52,16 +53,26 @@ fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let found = runner.run(plan, frame).unwrap();
     let layers = plan.goal == Goal::Layers;
     assert_alike(name, &found, &expected, |product| {
-        layers != (product == Product::Picture)
+        (layers != (product == Product::Picture)).then(|| product.tolerance())
     });
 }
 
-/// Asserts that outcomes agree in the products that are `wanted`.
+/// Asserts that outcomes agree in the products that have a tolerance.
 #[track_caller]
-fn assert_alike(name: &str, found: &Outcome, expected: &Outcome, wanted: impl Fn(Product) -> bool) {
+fn assert_alike(
+    name: &str,
+    found: &Outcome,
+    expected: &Outcome,
+    tolerance: impl Fn(Product) -> Option<f64>,
+) {
     for (name, found, expected) in [
         ("gain", found.gain, expected.gain),
         ("white level", found.white_level, expected.white_level),
+        (
+            "gain of the environment",
+            found.environment_gain,
+            expected.environment_gain,
+        ),
     ] {
         let apart = match (found, expected) {
             (Some(f), Some(e)) => (f / e - 1.0).abs(),
@@ -72,7 +83,8 @@ fn assert_alike(name: &str, found: &Outcome, expected: &Outcome, wanted: impl Fn
     }
     let found: Vec<_> = products(found).collect();
     let mut worst: Vec<(Product, f64)> = Vec::new();
-    for (product, expected) in products(expected).filter(|(product, _)| wanted(*product)) {
+    let wanted = |product: &Product| tolerance(*product).is_some();
+    for (product, expected) in products(expected).filter(|(product, _)| wanted(product)) {
         let mut same = found.iter().filter(|(other, _)| *other == product);
         let count = worst.iter().filter(|(other, _)| *other == product).count();
         let (_, found) = same.nth(count).unwrap_or_else(|| {
@@ -81,7 +93,7 @@ fn assert_alike(name: &str, found: &Outcome, expected: &Outcome, wanted: impl Fn
         worst.push((product, product.apart(found, expected)));
     }
     for (product, apart) in worst {
-        let allowed = product.tolerance();
+        let allowed = tolerance(product).unwrap();
         println!("{name}: {product:?} {apart:.1e} of {allowed:.0e}");
         assert!(apart <= allowed, "{name}: {product:?} is off by {apart:e}");
     }

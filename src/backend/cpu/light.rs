@@ -15,8 +15,9 @@ pub(super) fn luminance_weights(frame: &Frame) -> [f32; 3] {
     frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
 }
 
+/// The luminance of a colour.
 #[inline(always)]
-pub(super) fn luminance(rgb: [f32; 3], weights: [f32; 3]) -> f32 {
+pub(in crate::backend) fn luminance(rgb: [f32; 3], weights: [f32; 3]) -> f32 {
     rgb[0] * weights[0] + rgb[1] * weights[1] + rgb[2] * weights[2]
 }
 

@@ -42,6 +42,7 @@ use edges::Weights;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use for_devices::{contour_lines, contour_pieces, surface_directions};
 use kept::Kept;
+pub(in crate::backend) use light::luminance;
 use light_layers::Curvature;
 pub use live::LiveRunner;
 pub use outcome::{CurvaturePlanes, Drawing, Outcome, ScaleShape, Shape};
@@ -65,6 +66,17 @@ pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
 /// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.
 pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     simd::Simd::widest().map_row(function, out, x);
+}
+
+/// What the light of other backends shares with the CPU's.
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use relight::{SHORTEST_TANGENT, light_rims};
+
+/// The albedo of a frame, estimated from its picture, for other backends.
+#[cfg(feature = "gpu")]
+pub(in crate::backend) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
+    let weights = light::luminance_weights(frame);
+    relight::estimated(frame, weights, &memory::Memory::default())
 }
 
 /// The white levels of the terms that the light of a frame is scaled by, for other backends.

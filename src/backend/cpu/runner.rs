@@ -3,9 +3,9 @@
 use super::drawing::KeptArtMap;
 use super::kept::Kept;
 use super::memory::Memory;
-use super::relight::KeptEnvironment;
 use super::specular::{self, KeptDirections};
 use super::{Outcome, Run, TextureCoordinates, direction_field, edges};
+use crate::backend::around::KeptEnvironment;
 use crate::frame::{Frame, SpecularScene, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;

@@ -173,7 +173,7 @@ fn where_memory_is_wanting_the_same_picture_comes_in_strips() {
     let made = in_memory(8 * 64 * 400, |bytes| {
         attempts += 1;
         match bytes {
-            0..=60_000 => runner.attempt(&plan, &frame, bytes),
+            0..=60_000 => runner.attempt(&plan, &frame, None, bytes),
             _ => Err(Fault::Memory(runner.device().error("is full"))),
         }
     });

@@ -2,14 +2,19 @@
 
 use super::uniforms::{
     ContourParams, CountParams, DensityParams, DiffusionParams, EdgeParams, HessianParams,
-    NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
+    LightParams, NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
+use crate::backend::cpu::SHORTEST_TANGENT;
 use crate::backend::palette;
-use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, TAN_EIGHTH_PI};
+use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
+use crate::light::brdf::GRAZING;
+use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
 use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
+use crate::light::light_warping::{self, MOST_BRIGHTENED};
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
+use crate::light::sum::terms::SHORTEST;
 use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::CROSSED_FROM;
 use crate::line::paper;
@@ -76,6 +81,7 @@ pub(super) enum Kernel {
     Strokes,
     PictureStrokes,
     Contours,
+    Relight,
 }
 
 macro_rules! wgsl {
@@ -86,7 +92,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 22] = [
+    const ALL: [Self; 23] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -109,6 +115,7 @@ impl Kernel {
         Self::Strokes,
         Self::PictureStrokes,
         Self::Contours,
+        Self::Relight,
     ];
 
     /// The whole module.
@@ -244,6 +251,23 @@ impl Kernel {
                     wgsl!("contours"),
                 ],
             ),
+            Self::Relight => (
+                LightParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    mapped,
+                    wgsl!("mapped_curvature_toward"),
+                    scaling,
+                    wgsl!("light_warping"),
+                    wgsl!("pixel"),
+                    wgsl!("brdf"),
+                    wgsl!("terms"),
+                    wgsl!("environment"),
+                    wgsl!("tones"),
+                    wgsl!("relight"),
+                ],
+            ),
         };
         let mut source = constants();
         source += uniforms;
@@ -293,6 +317,7 @@ fn constants() -> String {
         ("PI", consts::PI),
         ("FRAC_PI_2", consts::FRAC_PI_2),
         ("FRAC_PI_4", consts::FRAC_PI_4),
+        ("PI_2_LOW", PI_2_LOW),
         ("F32_MAX", f32::MAX),
         ("MIN_POSITIVE", f32::MIN_POSITIVE),
         ("LN2_HIGH", LN2_HIGH),
@@ -304,6 +329,14 @@ fn constants() -> String {
         ("MAX_GAIN", MAX_GAIN),
         ("INVARIANT_MARGIN", INVARIANT_MARGIN),
         ("MAX_EXPONENT", MAX_EXPONENT),
+        ("LARGEST_ENTRY", light_warping::LARGEST),
+        ("MAX_CONTRAST_EXPONENT", light_warping::MAX_EXPONENT),
+        ("MOST_BRIGHTENED", MOST_BRIGHTENED),
+        ("SHORTEST", SHORTEST),
+        ("SHORTEST_TANGENT", SHORTEST_TANGENT),
+        ("GRAZING", GRAZING),
+        ("RIM_PX", RIM_PX),
+        ("LEAST_RADIUS", LEAST_RADIUS),
         ("MAX_RADIANCE", MAX_RADIANCE),
         ("MIN_ALBEDO", MIN_ALBEDO),
         ("DENSITY_STEPS", STEPS as f32),
@@ -334,6 +367,7 @@ fn constants() -> String {
     add_polynomial(&mut text, "exp", &EXP);
     add_polynomial(&mut text, "ln", &LN);
     add_polynomial(&mut text, "atan", &ATAN);
+    add_polynomial(&mut text, "tan", &TAN);
     text
 }
 

@@ -5,7 +5,7 @@ use super::diffusion::SWEEPS_PER_PASS;
 use super::kernels::{GROUP, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS};
 
 /// Storage buffers that a kernel takes at the most.
-const STORAGE_BUFFERS: u32 = 10;
+const STORAGE_BUFFERS: u32 = 16;
 
 /// Bytes that a kernel is told at the most.
 const TOLD_BYTES: u32 = 256;

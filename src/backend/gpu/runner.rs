@@ -6,20 +6,25 @@ use super::enhance::known_white_level;
 use super::fault::{Fault, in_memory, watched};
 use super::hatching::KeptTexture;
 use super::kernels::{GAIN, WHITE};
+use super::light::{KeptMaps, Light};
 use super::light_layers::{TermWhites, WIDEST};
 use super::recorder::{Programs, add_timings};
+use super::relight::{can_relight, frame_lit};
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
 use super::surface::Upload;
 use super::wait::wait_for;
+use crate::backend::around::KeptEnvironment;
 use crate::backend::cpu::{self, CurvaturePlanes, Outcome, ScaleShape, surface_directions};
 use crate::backend::device_times::{READ_BACK, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::light::lights::Illumination;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::time::Instant;
 
 /// Stages that have no kernels.
@@ -47,6 +52,8 @@ pub struct Runner {
     pub(super) texture: KeptTexture,
     /// What makes the parts of drawings that have no kernels.
     pub(super) host: cpu::Runner,
+    pub(super) environment: KeptEnvironment,
+    pub(super) maps: KeptMaps,
 }
 
 impl Runner {
@@ -58,6 +65,8 @@ impl Runner {
             buffers: Buffers::default(),
             texture: KeptTexture::default(),
             host: cpu::Runner::default(),
+            environment: KeptEnvironment::default(),
+            maps: KeptMaps::default(),
         }
     }
 
@@ -72,7 +81,7 @@ impl Runner {
             Goal::Layers | Goal::Display => plan.drawing.is_none(),
             Goal::Enhance => true,
             Goal::Picture => plan.drawing.is_some(),
-            Goal::Relight => false,
+            Goal::Relight => plan.drawing.is_none() && can_relight(plan),
         };
         is_known && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
     }
@@ -89,11 +98,42 @@ impl Runner {
     /// # Panics
     /// If the plan was made for other inputs than the frame holds, or [`Runner::can_run`] is false.
     pub fn run(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+        assert!(
+            plan.goal != Goal::Relight,
+            "new light is run by Runner::relight"
+        );
+        self.run_in_memory(plan, frame, None)
+    }
+
+    /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`. What is made of an
+    /// environment is kept for the next run in the same one.
+    ///
+    /// # Errors
+    /// As [`Runner::run`]; also where the device takes no picture as large as the environment.
+    ///
+    /// # Panics
+    /// If the plan was made for another goal, other inputs or other kinds of light, or [`Runner::can_run`] is false.
+    pub fn relight(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: &Illumination,
+    ) -> Result<Outcome> {
+        self.run_in_memory(plan, frame, Some(illumination))
+    }
+
+    /// A run with planes as large as there is memory for.
+    fn run_in_memory(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: Option<&Illumination>,
+    ) -> Result<Outcome> {
         assert!(Self::can_run(plan), "every stage has a kernel");
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
         let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
         in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
-            self.attempt(plan, frame, plane_bytes)
+            self.attempt(plan, frame, illumination, plane_bytes)
         })
     }
 
@@ -102,9 +142,19 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
+        illumination: Option<&Illumination>,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
-        self.guarded(|| self.run_parts(plan, frame, plane_bytes))
+        self.guarded(|| match illumination {
+            Some(illumination) => {
+                let light = self.light(plan, frame, illumination)?;
+                let mut outcome = self.run_parts(plan, frame, Some(&light), plane_bytes)?;
+                outcome.environment_gain = light.around.gain();
+                outcome.timings.splice(0..0, light.timings);
+                Ok(outcome)
+            }
+            None => self.run_parts(plan, frame, None, plane_bytes),
+        })
     }
 
     /// Does `work` on a device that is there; where it fails nothing of it is kept.
@@ -119,6 +169,7 @@ impl Runner {
         if done.is_err() {
             self.buffers.forget();
             self.programs.forget();
+            self.maps.forget();
             // Memory is free when nothing uses it any more; that a lost device does not answer was told.
             let _ = wait_for(&self.device.device, None);
         }
@@ -129,6 +180,7 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
+        light: Option<&Light>,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
         let (width, height) = (frame.mask.width(), frame.mask.height());
@@ -139,10 +191,10 @@ impl Runner {
         }
         let most_rows = most_rows.min(plane_bytes / row_bytes(plan, frame).max(1));
         if most_rows >= height as u64 {
-            return Ok(self.run_whole(plan, frame)?);
+            return Ok(self.run_whole(plan, frame, light, 0..height)?);
         }
         match Strips::new(plan, height, most_rows as usize) {
-            Some(strips) => Ok(self.run_strips(plan, frame, &strips)?),
+            Some(strips) => Ok(self.run_strips(plan, frame, light, &strips)?),
             None => Err(Fault::Strips(self.device.error(format_args!(
                 "takes {most_rows} rows of this picture at a time, and its scale asks for {} to each side",
                 plan.reach()
@@ -175,14 +227,22 @@ impl Runner {
         Run::new(&self.device, &self.programs, &self.buffers, surface, chosen)
     }
 
-    /// Runs `plan` on a frame whose planes the device takes.
-    pub(super) fn run_whole(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
+    /// Runs `plan` on a frame whose planes the device takes: on these rows of the one that the light was made for.
+    pub(super) fn run_whole(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        light: Option<&Light>,
+        rows: Range<usize>,
+    ) -> Result<Outcome> {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         let start = Instant::now();
-        let mut picture = match plan.goal {
-            Goal::Enhance => self.upload().picture(frame),
-            _ => None,
+        let mut picture = match light {
+            Some(light) => light.albedo(self.upload(), plan, frame, &rows),
+            None if plan.goal == Goal::Enhance => self.upload().picture(frame),
+            None => None,
         };
+        let is_copied = picture.is_some();
         let mut run = self.start(plan, frame);
         let uploaded = start.elapsed();
 
@@ -203,6 +263,9 @@ impl Runner {
             }
             _ => {}
         }
+        if let Some(light) = light {
+            picture = Some(run.relight(plan, frame, light, shape.as_ref(), picture));
+        }
         let numbers = run.chosen.clone();
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten());
@@ -222,8 +285,11 @@ impl Runner {
                 Plane::from_samples(width, height, samples)
             };
             let [r, g, b] = [plane(), plane(), plane()];
-            let is_made = plan.goal == Goal::Display || SCALES.iter().any(|&stage| plan.has(stage));
+            let is_made = plan.goal != Goal::Enhance || SCALES.iter().any(|&stage| plan.has(stage));
             outcome.color = is_made.then_some(ColorPlanes { r, g, b });
+            if let (Some(color), Goal::Relight) = (&mut outcome.color, plan.goal) {
+                frame_lit(color, frame);
+            }
             outcome.term_white_levels = term_whites
                 .iter()
                 .zip(read.by_ref())
@@ -248,9 +314,9 @@ impl Runner {
             outcome.white_level = Some(chosen[WHITE as usize]);
         }
         let picture = picture.into_iter().flatten();
-        match plan.goal {
-            Goal::Enhance => self.buffers.take_back_copied(picture),
-            _ => self.buffers.take_back(picture),
+        match is_copied {
+            true => self.buffers.take_back_copied(picture),
+            false => self.buffers.take_back(picture),
         }
         self.buffers.take_back(layers);
         if let Some(shape) = shape {

@@ -2,12 +2,12 @@
 
 use super::kernels::Kernel;
 use super::run::{NOWHERE, Run};
+use super::sight::to_eye;
 use super::uniforms::{EdgeParams, HessianParams, SizeParams};
 use crate::frame::Frame;
 use crate::params::ShapeParams;
 use crate::plan::{Goal, Plan, Stage};
 use crate::shape::crease::CreaseDetector;
-use glam::DVec2;
 
 /// Edges on the device, and the gradient before diffusion.
 pub(super) struct Edges {
@@ -126,7 +126,7 @@ impl Run<'_> {
             );
             log_depth
         });
-        let weights_wanted = plan.has(Stage::Hessian) || plan.has(Stage::Contours);
+        let weights_wanted = plan.goal == Goal::Layers || plan.has(Stage::Contours);
         let weights = self.take(if weights_wanted { 2 * plane } else { NOWHERE });
         let (conductance, gradient) = (self.take(plane), self.take(2 * plane));
         let surface = &self.surface;
@@ -254,15 +254,7 @@ fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
         false => params.occlusion_silhouette,
     };
     let creases = CreaseDetector::new(params.crease);
-    let window = frame.data_window;
-    // Directions to the eye are linear in the place.
-    let to_eye = |column: i32, row: i32| {
-        let [x, y] = [window.x0 + column, window.y0 + row].map(|at| f64::from(at) + 0.5);
-        let camera = frame.camera;
-        camera.map_or(DVec2::ZERO, |camera| camera.projection.to_eye(x, y))
-    };
-    let first = to_eye(0, 0);
-    let step = to_eye(1, 1) - first;
+    let to_eye = to_eye(frame);
     EdgeParams {
         width: frame.mask.width() as u32,
         height: frame.mask.height() as u32,
@@ -273,9 +265,9 @@ fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
         flat_length: creases.flat_length,
         foreshortening: params.foreshortening,
         min_nz: params.min_nz,
-        to_eye_x: first.x as f32,
-        to_eye_x_step: step.x as f32,
-        to_eye_y: first.y as f32,
-        to_eye_y_step: step.y as f32,
+        to_eye_x: to_eye.first[0],
+        to_eye_x_step: to_eye.step[0],
+        to_eye_y: to_eye.first[1],
+        to_eye_y_step: to_eye.step[1],
     }
 }

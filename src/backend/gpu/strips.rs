@@ -3,6 +3,7 @@
 use super::choose::{Search, Searching};
 use super::enhance::{known_white_level, luminance_weights};
 use super::kernels::{GAIN, SEARCH_PASSES, WHITE};
+use super::light::Light;
 use super::recorder::add_timings;
 use super::runner::Runner;
 use crate::backend::cpu::{Outcome, Shape, term_white_levels};
@@ -58,6 +59,7 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
+        light: Option<&Light>,
         strips: &Strips,
     ) -> Result<Outcome> {
         let mut plan = plan.clone();
@@ -75,7 +77,7 @@ impl Runner {
         }
         let mut whole: Option<Outcome> = None;
         for (takes, gives) in strips.each() {
-            let mut part = self.run_whole(&plan, &strip_of(frame, &takes))?;
+            let mut part = self.run_whole(&plan, &strip_of(frame, &takes), light, takes.clone())?;
             let start = takes.start + gives.start;
             match &mut whole {
                 None => {

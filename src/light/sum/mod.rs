@@ -12,7 +12,7 @@
 //! Use: [`LightSum::add`] light by light, then read the sums.
 
 mod shading;
-mod terms;
+pub(crate) mod terms;
 
 pub use shading::{Lobes, Power, Scaled, Shading, TowardLight};
 

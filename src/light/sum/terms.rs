@@ -8,7 +8,7 @@ use crate::light::radiance_scaling::ScalingCurve;
 use crate::shape::curvature::mapped_curvature_toward;
 
 /// Squared length below which a light lies opposite to the eye, and has no half vector with it.
-const SHORTEST: f32 = 1e-12;
+pub(crate) const SHORTEST: f32 = 1e-12;
 
 /// What one light does at every pixel, before its colour.
 #[derive(Debug, Clone, Copy)]

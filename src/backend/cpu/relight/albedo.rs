@@ -11,7 +11,11 @@ const BRIGHT: f32 = 0.8;
 
 /// The picture over its best-fitting shading, so bright that all but a few pixels are darker than paper.
 /// White where the picture is black.
-pub(super) fn estimated(frame: &Frame, weights: [f32; 3], memory: &Memory) -> ColorPlanes {
+pub(in crate::backend) fn estimated(
+    frame: &Frame,
+    weights: [f32; 3],
+    memory: &Memory,
+) -> ColorPlanes {
     let color = frame.color.as_ref().expect("an estimate takes a picture");
     let mask = &frame.mask;
     let (n, alpha) = (&frame.normal, frame.alpha.as_ref());

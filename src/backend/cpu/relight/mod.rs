@@ -1,28 +1,30 @@
 //! New light: batches of covered pixels, gathered from the frame's planes, lit, and scattered again.
 
 mod albedo;
-mod around;
 mod batch;
 mod curvature;
+mod look_up;
 mod rim;
 mod shade;
 mod traced;
 
-pub(super) use around::{Around, KeptEnvironment};
 pub(super) use batch::Batch;
 pub(super) use shade::light_batch;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use {albedo::estimated, rim::light_rims, shade::SHORTEST_TANGENT};
 
 use super::kept::Kept;
 use super::memory::Memory;
 use super::simd::Simd;
 use super::{Run, Shape, light, normal_rays};
+use crate::backend::around::Around;
 use crate::frame::{
     ColorPlanes, Frame, Mask, Plane, Projection, SightLines, SpecularScene, Vector2Planes,
 };
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
 use crate::params::{Adaptive, Magnitudes, Quantisation, RelightParams};
-use crate::plan::{Albedo, EnvironmentUse, Relighting, Stage};
+use crate::plan::{Albedo, Relighting, Stage};
 use curvature::{Curvature, CurvatureRow, Kind};
 use rayon::prelude::*;
 use traced::Mirrors;
@@ -80,15 +82,10 @@ impl Run<'_> {
             .as_ref()
             .expect("the plan says how to light");
         let weights = light::luminance_weights(frame);
-        let around = match relighting.environment {
-            EnvironmentUse::None => Around::nothing(illumination, weights),
-            _ => {
-                let kept = &self.runner.environment;
-                Around::new(illumination, relighting, weights, kept, |make| {
-                    self.timed("environment", make)
-                })
-            }
-        };
+        let kept = &self.runner.environment;
+        let around = Around::new(illumination, relighting, weights, kept, |make| {
+            self.timed("environment", make)
+        });
         self.outcome.environment_gain = around.gain();
         let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
             let kept = |kept: &mut Kept| kept.albedo.take();

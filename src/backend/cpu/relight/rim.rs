@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 /// Gives the pixels that alpha tells are partly covered, and the mask leaves out, the mean light of the
 /// covered ones around them. Left as they were they would keep the old light as a seam.
-pub(super) fn light_rims(color: &mut ColorPlanes, alpha: &Plane, mask: &Mask) {
+pub(in crate::backend) fn light_rims(color: &mut ColorPlanes, alpha: &Plane, mask: &Mask) {
     let planes = [&color.r, &color.g, &color.b];
     let rows = (0..mask.height()).into_par_iter();
     let found: Vec<_> = rows

@@ -1,8 +1,8 @@
 //! Lighting one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors
 //! that the machine has.
 
-use super::around::{add_lookups, look_up, warp_lookups};
 use super::curvature::{Curvature, Kind};
+use super::look_up::{add_lookups, look_up, warp_lookups};
 use super::{Batch, Scene};
 use crate::light::batch::{Above, BATCH, Facing, Lanes};
 use crate::light::brdf::mirrored;
@@ -23,6 +23,9 @@ pub(super) enum Term {
     Diffuse,
     Specular,
 }
+
+/// Squared length below which the grain points along the normal, and is no tangent.
+pub(in crate::backend) const SHORTEST_TANGENT: f32 = 1e-12;
 
 /// Lights from which on it pays to know which way a batch faces.
 const WORTH_A_CONE: usize = 4;
@@ -184,8 +187,8 @@ fn set_grain(batch: &mut Batch, scene: &Scene) {
         let along = x * n[0] + y * n[1];
         let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
         let square = tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2];
-        let seen = square > 1e-12;
-        let inverse = 1.0 / square.max(1e-12).sqrt();
+        let seen = square > SHORTEST_TANGENT;
+        let inverse = 1.0 / square.max(SHORTEST_TANGENT).sqrt();
         let u = [
             if seen { tangent[0] * inverse } else { 0.0 },
             if seen { tangent[1] * inverse } else { 0.0 },

@@ -2,9 +2,9 @@
 //! is scaled by its own brightness.
 
 use super::Scene;
-use super::around::Map;
 use super::batch::Batch;
 use super::shade::Term;
+use crate::backend::around::Map;
 use crate::backend::cpu::light::luminance;
 use crate::frame::{ColorPlanes, Frame, Ray, SpecularScene};
 use crate::light::batch::BATCH;

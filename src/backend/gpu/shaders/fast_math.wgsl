@@ -67,8 +67,16 @@ fn atan_of(x: f32) -> f32 {
     let below = select(select(1.0, size + 1.0, middle), size, steep);
     let t = above / below;
     let whole = select(select(0.0, FRAC_PI_4, middle), FRAC_PI_2, steep);
+    let lost = select(select(0.0, 0.5 * PI_2_LOW, middle), PI_2_LOW, steep);
     let square = t * t;
-    return copysign(whole + (square * t * polynomial_atan(square) + t), x);
+    let small = square * t * polynomial_atan(square) + lost;
+    return copysign(whole + (small + t), x);
+}
+
+// The tangent of x, up to a quarter of pi in size.
+fn tan_to_eighth_turn(x: f32) -> f32 {
+    let square = x * x;
+    return x + square * x * polynomial_tan(square);
 }
 
 // The angle, -pi to pi, of the vector (x, y) from the x axis; 0 for a vector of no length.

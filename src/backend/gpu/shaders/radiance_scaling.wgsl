@@ -1,12 +1,20 @@
-// sigma(d) of an intensity d, clamped to 0..1, for the exponent x = gamma * kappa and the invariant point alpha.
-fn scaling(intensity: f32, x: f32, alpha: f32) -> f32 {
+// sigma as a function of intensity alone, for the exponent x = gamma * kappa: weights of the darkest intensity and of
+// the brightest.
+fn scaling_curve(x: f32) -> vec2<f32> {
     let e = exp_of(-min(abs(x), MAX_EXPONENT));
     let convex = x >= 0.0;
-    let dark = select(1.0, e, convex);
-    let bright = select(e, 1.0, convex);
+    return vec2<f32>(select(1.0, e, convex), select(e, 1.0, convex));
+}
+
+// sigma of an intensity, clamped to 0..1, for the invariant point alpha.
+fn scaling_at(curve: vec2<f32>, intensity: f32, alpha: f32) -> f32 {
     let d = clamp(intensity, 0.0, 1.0);
     let a = clamp(alpha, INVARIANT_MARGIN, 1.0 - INVARIANT_MARGIN);
     let low = a * (1.0 - d);
     let high = d * (1.0 - a);
-    return (dark * low + bright * high) / (bright * low + dark * high);
+    return (curve.x * low + curve.y * high) / (curve.y * low + curve.x * high);
+}
+
+fn scaling(intensity: f32, x: f32, alpha: f32) -> f32 {
+    return scaling_at(scaling_curve(x), intensity, alpha);
 }

@@ -1,0 +1,84 @@
+// Light warping: incoming light bent by curvature. A warp is linear in half vectors, the symmetric matrix Lambda that
+// acts on their x and y: (xx, xy, yy).
+
+// The factor by which a principal curvature k scales stereographic coordinates along its direction.
+fn scale_factor(k: f32, alpha: f32) -> f32 {
+    let x = clamp(alpha * k, -F32_MAX, F32_MAX);
+    // The tangent of a sum, as tan(pi/4) is 1.
+    let t = tan_to_eighth_turn(atan_of(x) * (1.0 / 6.0));
+    return (1.0 + t) / (1.0 - t);
+}
+
+fn large_at_most(entry: f32) -> f32 {
+    return select(clamp(entry, -LARGEST_ENTRY, LARGEST_ENTRY), 0.0, is_nan(entry));
+}
+
+// The warp of strength alpha where the Hessian is (xx, xy, yy).
+fn warp_of(hessian: vec3<f32>, alpha: f32) -> vec3<f32> {
+    let xx = large_at_most(hessian.x);
+    let xy = large_at_most(hessian.y);
+    let yy = large_at_most(hessian.z);
+    // In units of the largest entry, so that no square overflows or vanishes.
+    let size = max(max(abs(xx), abs(xy)), abs(yy));
+    let unit = 1.0 / max(size, MIN_POSITIVE);
+    let mean = 0.5 * (xx + yy) * unit;
+    let difference = 0.5 * (xx - yy) * unit;
+    let cross_term = xy * unit;
+    let spread = sqrt(difference * difference + cross_term * cross_term);
+    // What is too large stays a number, so that 0 times it is 0.
+    let strength = clamp(clamp(alpha, -F32_MAX, F32_MAX) * size, -F32_MAX, F32_MAX);
+    let u = scale_factor(mean + spread, strength);
+    let v = scale_factor(mean - spread, strength);
+    let turn = 0.5 * (u - v) / max(spread, MIN_POSITIVE);
+    let middle = 0.5 * (u + v);
+    return vec3<f32>(middle + turn * difference, turn * cross_term, middle - turn * difference);
+}
+
+fn warp_determinant(warp: vec3<f32>) -> f32 {
+    return warp.x * warp.z - warp.y * warp.y;
+}
+
+fn inverse_warp(warp: vec3<f32>) -> vec3<f32> {
+    let unit = 1.0 / warp_determinant(warp);
+    return vec3<f32>(warp.z * unit, -warp.y * unit, warp.x * unit);
+}
+
+// x and y of a vector under a warp.
+fn under_warp(warp: vec3<f32>, v: vec3<f32>) -> vec2<f32> {
+    return vec2<f32>(warp.x * v.x + warp.y * v.y, warp.y * v.x + warp.z * v.y);
+}
+
+// Where the direction with half vector `half` goes: a unit vector.
+fn warped_direction(warp: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
+    let xy = under_warp(warp, half);
+    let across = xy.x * xy.x + xy.y * xy.y;
+    let along = half.z * half.z;
+    let unit = 1.0 / (across + along);
+    let twice = 2.0 * half.z * unit;
+    return vec3<f32>(twice * xy.x, twice * xy.y, (along - across) * unit);
+}
+
+// Unit half vector between a unit direction and z; across z, along x, for -z itself.
+fn half_vector(direction: vec3<f32>) -> vec3<f32> {
+    let squared = direction.x * direction.x + direction.y * direction.y;
+    let across = sqrt(squared);
+    let along = 1.0 + abs(direction.z);
+    // The half vector is (l_xy, 1 + l_z), and below the horizon, where 1 + l_z loses digits, the same times
+    // |l_xy| / (1 + l_z) = (1 - l_z) / |l_xy|.
+    let lean = along / max(across, MIN_POSITIVE);
+    let below = direction.z < 0.0;
+    var half = vec3<f32>(direction.xy, along);
+    if below {
+        half = vec3<f32>(direction.x * lean, direction.y * lean, across);
+        if squared < MIN_POSITIVE {
+            half = vec3<f32>(along, 0.0, across);
+        }
+    }
+    let length_squared = along * along + squared;
+    return half * (1.0 / sqrt(length_squared));
+}
+
+// Factor of the light reflected where the warp is `warp`: its determinant to the power gamma.
+fn contrast(warp: vec3<f32>, gamma: f32) -> f32 {
+    return exp_of(clamp(gamma * ln_of(warp_determinant(warp)), -MAX_CONTRAST_EXPONENT, MAX_CONTRAST_EXPONENT));
+}

@@ -1,0 +1,347 @@
+// New light: prepare, sum, look up, compose.
+
+@group(0) @binding(0) var<uniform> params: LightParams;
+@group(0) @binding(1) var<storage, read> covered: array<u32>;
+@group(0) @binding(2) var<storage, read> normal_x: array<f32>;
+@group(0) @binding(3) var<storage, read> normal_y: array<f32>;
+@group(0) @binding(4) var<storage, read> normal_z: array<f32>;
+// The Hessian, or its trace in the first of these.
+@group(0) @binding(5) var<storage, read> hessian_xx: array<f32>;
+@group(0) @binding(6) var<storage, read> hessian_xy: array<f32>;
+@group(0) @binding(7) var<storage, read> hessian_yy: array<f32>;
+@group(0) @binding(8) var<storage, read> chosen: array<f32>;
+@group(0) @binding(9) var<storage, read> occlusion: array<f32>;
+@group(0) @binding(10) var<storage, read> alpha: array<f32>;
+@group(0) @binding(11) var<storage, read> depth: array<f32>;
+// Three vectors of every light from one direction: to it, half-way between it and z, its colour. Two of every light at a
+// point: where it is, its colour. One of every even direction.
+@group(0) @binding(12) var<storage, read> lights: array<vec4<f32>>;
+// What is looked up.
+@group(0) @binding(13) var<storage, read> texels: array<vec4<f32>>;
+// Albedo, where it is not white; then what is shown.
+@group(0) @binding(14) var<storage, read_write> red: array<f32>;
+@group(0) @binding(15) var<storage, read_write> green: array<f32>;
+@group(0) @binding(16) var<storage, read_write> blue: array<f32>;
+
+override HAS_HESSIAN: bool;
+override HAS_TRACE: bool;
+override HAS_OCCLUSION: bool;
+override HAS_ALPHA: bool;
+override HAS_ALBEDO: bool;
+// Whether the albedo was multiplied by coverage.
+override ALBEDO_IS_COVERED: bool;
+// What is looked up once per pixel.
+override PREFILTERED: bool;
+override MIRRORED: bool;
+override GLASS: bool;
+override LIT_SPHERE: bool;
+override TWO_SPHERES: bool;
+override HAS_CONTRAST: bool;
+override FEW_TONES: bool;
+override TOON: bool;
+
+// Red, green and blue of reflected light, of albedo 1.
+var<private> diffuse: vec3<f32>;
+var<private> specular: vec3<f32>;
+
+fn luminance(rgb: vec3<f32>) -> f32 {
+    return rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
+}
+
+// Unit tangents along the grain and across it.
+fn set_grain() {
+    let n = pixel.normal.vector;
+    let x = params.grain_x;
+    let y = params.grain_y;
+    // The part of (x, y, 0) that is square to the normal; where there is none any tangent will do.
+    let along = x * n.x + y * n.y;
+    let tangent = vec3<f32>(x - along * n.x, y - along * n.y, -along * n.z);
+    let square = scalar_product(tangent, tangent);
+    var u = vec3<f32>(0.0, 0.0, 1.0);
+    if square > SHORTEST_TANGENT {
+        u = tangent * (1.0 / sqrt(square));
+    }
+    pixel.along.vector = u;
+    pixel.across.vector = vec3<f32>(
+        n.y * u.z - n.z * u.y,
+        n.z * u.x - n.x * u.z,
+        n.x * u.y - n.y * u.x,
+    );
+}
+
+fn find_kappa(i: u32) {
+    var trace = hessian_xx[i];
+    if HAS_HESSIAN {
+        trace = pixel.hessian.x + pixel.hessian.z;
+    }
+    pixel.kappa = mapped_curvature(trace, chosen[GAIN]);
+}
+
+// What is known of the pixel before any light comes.
+fn prepare(i: u32, column: u32, row: u32) {
+    pixel.normal.vector = vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
+    let to_eye = vec2<f32>(
+        params.to_eye_x + f32(column) * params.to_eye_x_step,
+        params.to_eye_y + f32(row) * params.to_eye_y_step,
+    );
+    let inverse = 1.0 / sqrt(to_eye.x * to_eye.x + to_eye.y * to_eye.y + 1.0);
+    pixel.to_eye.vector = vec3<f32>(to_eye, 1.0) * inverse;
+    if params.point_count > 0u {
+        let line = vec3<f32>(-to_eye, -1.0);
+        let start = vec3<f32>(
+            params.start_x + f32(column) * params.start_x_step,
+            params.start_y + f32(row) * params.start_y_step,
+            0.0,
+        );
+        let planar = depth[i] * select(1.0, inverse, params.depth_along_ray == 1u);
+        pixel.point = start + planar * line;
+    }
+    pixel.occlusion = 1.0;
+    if HAS_OCCLUSION {
+        pixel.occlusion = occlusion[i];
+    }
+    if PHONG || PREFILTERED || MIRRORED {
+        pixel.mirrored.vector = mirrored(pixel.normal.vector, pixel.to_eye.vector);
+    }
+    if ASHIKHMIN_SHIRLEY {
+        set_grain();
+    }
+    if HAS_HESSIAN {
+        pixel.hessian = vec3<f32>(hessian_xx[i], hessian_xy[i], hessian_yy[i]);
+    }
+    if WARPS {
+        pixel.unwarp = inverse_warp(warp_of(pixel.hessian, params.warp * chosen[GAIN]));
+        let xx = pixel.unwarp.x;
+        let xy = pixel.unwarp.y;
+        let yy = pixel.unwarp.z;
+        pixel.unwarp_squared = vec3<f32>(xx * xx + xy * xy, 2.0 * xy * (xx + yy), xy * xy + yy * yy);
+        pixel.spread = warp_determinant(pixel.unwarp);
+        pixel.normal = unwarped(pixel.normal.vector);
+        pixel.to_eye = unwarped(pixel.to_eye.vector);
+        pixel.mirrored = unwarped(pixel.mirrored.vector);
+        pixel.along = unwarped(pixel.along.vector);
+        pixel.across = unwarped(pixel.across.vector);
+    }
+    if HAS_HESSIAN || HAS_TRACE {
+        find_kappa(i);
+    }
+    if SCALES {
+        pixel.ambient_curve = scaling_curve(params.ambient_magnitude * pixel.kappa);
+        pixel.diffuse_curve = scaling_curve(params.diffuse_magnitude * pixel.kappa);
+        pixel.specular_curve = scaling_curve(params.specular_magnitude * pixel.kappa);
+    }
+}
+
+// Adds one light of this colour.
+fn add(light: Arriving, color: vec3<f32>) {
+    let terms = reflect_light(light);
+    diffuse += terms.diffuse * color;
+    if PHONG || BLINN_PHONG || ASHIKHMIN_SHIRLEY {
+        specular += terms.specular * color;
+    }
+}
+
+// Adds lights that are as strong at every pixel.
+fn add_even(first: u32, count: u32) {
+    for (var k = 0u; k < count; k++) {
+        let at = first + 3u * k;
+        let light = Arriving(lights[at].xyz, lights[at + 1u].xyz, 1.0);
+        add(light, lights[at + 2u].rgb);
+    }
+}
+
+// Adds the light at a point.
+fn add_near(position: vec3<f32>, color: vec3<f32>) {
+    let to = position - pixel.point;
+    let square = scalar_product(to, to);
+    // A light on the surface itself has no direction.
+    var inverse = 0.0;
+    if square > MIN_POSITIVE {
+        inverse = 1.0 / square;
+    }
+    let direction = to * sqrt(inverse);
+    add(Arriving(direction, half_vector(direction), inverse), color);
+}
+
+// Where a look-up is warped to.
+fn warped_lookup(toward: vec3<f32>) -> vec3<f32> {
+    if !WARPS {
+        return toward;
+    }
+    return warped_direction(inverse_warp(pixel.unwarp), half_vector(toward));
+}
+
+// The intensity of one of the even directions, looked up where it is warped to, and held back there as MOST_BRIGHTENED
+// says.
+fn look_even_up(direction: vec3<f32>) -> vec3<f32> {
+    let toward = warped_lookup(direction);
+    let n = pixel.normal.vector;
+    let cosine = scalar_product(n, direction);
+    let warped = scalar_product(n, toward);
+    let held = max(MOST_BRIGHTENED * warped, 0.0);
+    var share = params.even_share;
+    if WARPS && held < cosine {
+        share *= held / cosine;
+    }
+    return share * radiance(first_map(), toward);
+}
+
+// The sum over single lights.
+fn add_lights() {
+    // Light from all around comes first: less of it arrives in corners.
+    var at = 0u;
+    add_even(at, params.around_count);
+    at += 3u * params.around_count;
+    for (var k = 0u; k < params.even_count; k++) {
+        let direction = lights[at + k].xyz;
+        if scalar_product(pixel.normal.vector, direction) > 0.0 {
+            add(Arriving(direction, half_vector(direction), 1.0), look_even_up(direction));
+        }
+    }
+    at += params.even_count;
+    if HAS_OCCLUSION {
+        diffuse *= pixel.occlusion;
+    }
+    add_even(at, params.direction_count);
+    at += 3u * params.direction_count;
+    for (var k = 0u; k < params.point_count; k++) {
+        add_near(lights[at + 2u * k].xyz, lights[at + 2u * k + 1u].rgb);
+    }
+    if HAS_JACOBIAN {
+        diffuse *= pixel.spread;
+        specular *= pixel.spread;
+    }
+}
+
+// What a map shows toward a direction, warped, times a share, scaled by its own brightness.
+fn seen(map: Map, direction: vec3<f32>, share: f32, curve: vec2<f32>) -> vec3<f32> {
+    let found = radiance(map, warped_lookup(direction));
+    var counts = share;
+    if SCALES {
+        counts *= scaling_at(curve, luminance(found) / map.largest, params.invariant_point);
+    }
+    return found * counts;
+}
+
+// Adds what is seen through glass; the share that it mirrors.
+fn add_refracted(share: f32) -> f32 {
+    let n = pixel.normal.vector;
+    let eye = pixel.to_eye.vector;
+    let cosine = scalar_product(n, eye);
+    var mirrored_share = fresnel(cosine, params.ior);
+    var through = -eye;
+    if params.is_thin == 1u {
+        mirrored_share = thin_sheet(mirrored_share);
+    } else {
+        let inside = 1.0 - (1.0 - cosine * cosine) / (params.ior * params.ior);
+        if inside >= 0.0 {
+            // Snell: what lies across the normal shrinks by the index.
+            let along = cosine / params.ior - sqrt(inside);
+            through = along * n - eye / params.ior;
+        } else {
+            mirrored_share = 1.0;
+        }
+    }
+    specular += seen(first_map(), through, share * (1.0 - mirrored_share), pixel.specular_curve);
+    return share * mirrored_share;
+}
+
+// Adds the colours of the lit sphere, or of both mixed by curvature. They hold their own gains.
+fn add_spheres() {
+    let own = 1.0 / max(params.diffuse_gain, MIN_POSITIVE);
+    let toward = warped_lookup(pixel.normal.vector);
+    let map = first_map();
+    var color = on_disc(map, toward.xy);
+    if TWO_SPHERES {
+        let share = 0.5 + 0.5 * pixel.kappa;
+        let concave = on_disc(second_map(), toward.xy);
+        color = concave + share * (color - concave);
+    }
+    var sigma = 1.0;
+    if SCALES {
+        sigma = scaling_at(pixel.diffuse_curve, luminance(color) / map.largest, params.invariant_point);
+    }
+    diffuse += color * sigma * own;
+}
+
+// Adds what is looked up once per pixel to the sums.
+fn add_lookups() {
+    let gain = params.environment_gain;
+    if PREFILTERED {
+        diffuse += seen(first_map(), pixel.normal.vector, gain * pixel.occlusion, pixel.diffuse_curve);
+        if PHONG {
+            // The lobe of a sum over lights is 1 at its brightest; the map's holds as much as a cosine.
+            specular += seen(second_map(), pixel.mirrored.vector, gain * params.map_lobe, pixel.specular_curve);
+        }
+    }
+    if MIRRORED {
+        var share = gain;
+        if GLASS {
+            share = add_refracted(share);
+        }
+        specular += seen(first_map(), pixel.mirrored.vector, share, pixel.specular_curve);
+    }
+    if LIT_SPHERE {
+        add_spheres();
+    }
+}
+
+// Premultiplies, and keeps what no picture holds out of it.
+fn cover(shown: f32, coverage: f32) -> f32 {
+    let covering = shown * coverage;
+    if is_nan(covering) {
+        return bitcast<f32>(params.nan_bits);
+    }
+    return clamp(covering, -F32_MAX, F32_MAX);
+}
+
+// What the pixel shows: terms by their gains, contrast, tones, coverage.
+fn compose(i: u32) {
+    add_lookups();
+    // Ambient light is 1 in the open, and occlusion where there is any.
+    var ambient = params.ambient * pixel.occlusion;
+    if SCALES {
+        ambient *= scaling_at(pixel.ambient_curve, pixel.occlusion, params.invariant_point);
+    }
+    var shown = ambient + params.diffuse_gain * diffuse;
+    if HAS_CONTRAST {
+        // The contrast of a warp is the inverse of that of its inverse.
+        let factor = contrast(pixel.unwarp, -params.contrast);
+        shown *= factor;
+        specular *= factor;
+    }
+    // A cartoon has few tones of light; other few tones are of what is seen.
+    if FEW_TONES && TOON {
+        shown *= tone_factor(luminance(shown));
+    }
+    var coverage = 1.0;
+    if HAS_ALPHA {
+        coverage = alpha[i];
+    }
+    if HAS_ALBEDO {
+        var albedo = vec3<f32>(red[i], green[i], blue[i]);
+        if ALBEDO_IS_COVERED && coverage > 0.0 {
+            // Layers are multiplied by coverage, as what is shown will be once more.
+            albedo *= 1.0 / coverage;
+        }
+        shown *= albedo;
+    }
+    shown += params.specular_gain * specular;
+    if FEW_TONES && !TOON {
+        shown *= tone_factor(luminance(shown));
+    }
+    red[i] = cover(shown.x, coverage);
+    green[i] = cover(shown.y, coverage);
+    blue[i] = cover(shown.z, coverage);
+}
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= width() || id.y >= height() || !is_covered(id.x, id.y) {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    prepare(i, id.x, id.y);
+    add_lights();
+    compose(i);
+}

@@ -1,0 +1,184 @@
+// What one light does at a pixel, before its colour: arrive, be reflected by the lobes, be scaled.
+
+// Whether the eye is far away, along z at every pixel.
+override FAR_EYE: bool;
+// Whether the mapping of curvature depends on the direction of light.
+override TOWARD_LIGHT: bool;
+
+// A light: its direction, its half vector with z, how much of it arrives.
+struct Arriving {
+    direction: vec3<f32>,
+    half: vec3<f32>,
+    share: f32,
+}
+
+struct Terms {
+    diffuse: f32,
+    specular: f32,
+}
+
+// What the terms of a light are made of.
+struct Incidence {
+    // Jacobian, but for the pixel's share of it, and fall-off.
+    weight: f32,
+    // n . l, at most MOST_BRIGHTENED times that of the light as it stands.
+    cosine: f32,
+    // One over the squared length of the half vector under the inverse warp.
+    inverse: f32,
+    // The square of n . h for an eye on the axis.
+    lobe: f32,
+}
+
+fn positive(x: f32) -> f32 {
+    return select(0.0, x, x > 0.0);
+}
+
+fn at_most_1(x: f32) -> f32 {
+    return select(1.0, x, x < 1.0);
+}
+
+fn arrive(light: Arriving) -> Incidence {
+    let n = pixel.normal.vector;
+    let cosine = scalar_product(n, light.direction);
+    var lobe = 0.0;
+    if BLINN_PHONG && FAR_EYE {
+        let along = positive(scalar_product(n, light.half));
+        lobe = at_most_1(along * along);
+    }
+    return Incidence(light.share, cosine, 1.0, lobe);
+}
+
+// The same of a light whose direction is unwarped, with its Jacobian.
+fn arrive_unwarped(light: Arriving) -> Incidence {
+    let n = pixel.normal.vector;
+    let g = pixel.normal.unwarped;
+    let squared = pixel.unwarp_squared;
+    let x = light.half.x;
+    let y = light.half.y;
+    let z = light.half.z;
+    let length = z * z + squared.x * (x * x) + squared.y * (x * y) + squared.z * (y * y);
+    let inverse = 1.0 / length;
+    let twice = 2.0 * z;
+    let along = g.x * (twice * x) + g.y * (twice * y) + n.z * (twice * z);
+    let cosine = inverse * along - n.z;
+    let most = MOST_BRIGHTENED * scalar_product(n, light.direction);
+    let half = positive(along) * (0.5 / max(z, SHORTEST));
+    return Incidence(
+        light.share * (inverse * inverse),
+        select(most, cosine, cosine < most),
+        inverse,
+        at_most_1(half * half * inverse),
+    );
+}
+
+// The scalar product of the direction of light, unwarped where it is warped, and a vector.
+fn product(light: Arriving, inverse: f32, axis: Axis) -> f32 {
+    if !HAS_JACOBIAN {
+        return scalar_product(axis.vector, light.direction);
+    }
+    let h = light.half;
+    let along = axis.unwarped.x * h.x + axis.unwarped.y * h.y + axis.vector.z * h.z;
+    return 2.0 * h.z * inverse * along - axis.vector.z;
+}
+
+// The square of n . h, h half-way between light and an eye that is not on the axis.
+fn half_way(light: Arriving, inverse: f32) -> f32 {
+    let light_eye = product(light, inverse, pixel.to_eye);
+    // The cosine may be held back, and is not here.
+    let light_normal = product(light, inverse, pixel.normal);
+    let eye = scalar_product(pixel.normal.vector, pixel.to_eye.vector);
+    let along = positive(light_normal + eye);
+    let squared = 2.0 + 2.0 * light_eye;
+    return at_most_1(along * along / max(squared, SHORTEST));
+}
+
+// The power of the lobe of numbers from 0 to 1; 0 stays 0.
+fn raised(x: f32) -> f32 {
+    if params.whole_power == 0u {
+        let power = exp_of(params.power * ln_of(max(x, MIN_POSITIVE)));
+        return select(0.0, power, x > 0.0);
+    }
+    // From the highest digit of the exponent on.
+    var power = x;
+    for (var digit = firstLeadingBit(params.whole_power); digit > 0u; digit--) {
+        power *= power;
+        if ((params.whole_power >> (digit - 1u)) & 1u) == 1u {
+            power *= x;
+        }
+    }
+    return power;
+}
+
+// Mapped curvature toward the light.
+fn kappa_toward(light: Arriving, inverse: f32) -> f32 {
+    var l = light.direction.xy;
+    if HAS_JACOBIAN {
+        let twice = 2.0 * light.half.z * inverse;
+        l = twice * under_warp(pixel.unwarp, light.half);
+    }
+    return mapped_curvature_toward(pixel.hessian, l, chosen[GAIN], params.anisotropy);
+}
+
+// Makes the diffuse and specular terms of a light.
+fn reflect_light(light: Arriving) -> Terms {
+    var arrived: Incidence;
+    if HAS_JACOBIAN {
+        arrived = arrive_unwarped(light);
+    } else {
+        arrived = arrive(light);
+    }
+    if !(arrived.cosine > 0.0) {
+        return Terms(0.0, 0.0);
+    }
+    var diffuse_curve = pixel.diffuse_curve;
+    var specular_curve = pixel.specular_curve;
+    if TOWARD_LIGHT {
+        let kappa = kappa_toward(light, arrived.inverse);
+        diffuse_curve = scaling_curve(params.diffuse_magnitude * kappa);
+        specular_curve = scaling_curve(params.specular_magnitude * kappa);
+    }
+    var cosine = arrived.cosine;
+    var lobe = arrived.lobe;
+    var diffuse = 0.0;
+    var specular = 0.0;
+    if ASHIKHMIN_SHIRLEY {
+        let eye = pixel.to_eye.vector;
+        let le = product(light, arrived.inverse, pixel.to_eye);
+        let lu = product(light, arrived.inverse, pixel.along);
+        let lv = product(light, arrived.inverse, pixel.across);
+        // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e.
+        let inverse = 1.0 / sqrt(max(2.0 + 2.0 * le, SHORTEST));
+        let ne = min(positive(scalar_product(pixel.normal.vector, eye)), 1.0);
+        let cosines = Cosines(
+            cosine,
+            ne,
+            clamp((1.0 + le) * inverse, 0.0, 1.0),
+            (lu + scalar_product(pixel.along.vector, eye)) * inverse,
+            (lv + scalar_product(pixel.across.vector, eye)) * inverse,
+        );
+        // n . h, of what h has beside its parts along and across the grain.
+        let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
+        lobe = sqrt(positive(1.0 - aside));
+        diffuse = arrived.weight * base_of(cosines.nl, ne);
+        specular = arrived.weight * coat_of(cosines);
+    } else if PHONG {
+        lobe = raised(at_most_1(positive(product(light, arrived.inverse, pixel.mirrored))));
+        diffuse = arrived.weight * cosine;
+        specular = arrived.weight * lobe;
+    } else if BLINN_PHONG {
+        if !FAR_EYE {
+            lobe = half_way(light, arrived.inverse);
+        }
+        lobe = raised(lobe);
+        diffuse = arrived.weight * cosine;
+        specular = arrived.weight * cosine * lobe;
+    } else {
+        cosine = raised(cosine);
+        diffuse = arrived.weight * cosine;
+    }
+    if SCALES {
+        diffuse *= scaling_at(diffuse_curve, cosine, params.invariant_point);
+        specular *= scaling_at(specular_curve, lobe, params.invariant_point);
+    }
+    return Terms(diffuse, specular);
+}

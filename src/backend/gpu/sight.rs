@@ -1,0 +1,51 @@
+//! Sight lines as kernels are told of them.
+
+use crate::frame::{Frame, Projection, SightLines};
+use glam::DVec2;
+
+/// A vector that is linear in column and row: at the first of both, and what each further one adds.
+pub(super) struct Linear {
+    pub(super) first: [f32; 2],
+    pub(super) step: [f32; 2],
+}
+
+impl Linear {
+    /// The one that is `vector` at every place of the picture.
+    fn of(frame: &Frame, vector: impl Fn(f64, f64) -> DVec2) -> Self {
+        let window = frame.data_window;
+        let at = |column: i32, row: i32| {
+            let [x, y] = [window.x0 + column, window.y0 + row].map(|at| f64::from(at) + 0.5);
+            vector(x, y)
+        };
+        let first = at(0, 0);
+        let step = at(1, 1) - first;
+        Self {
+            first: first.as_vec2().to_array(),
+            step: step.as_vec2().to_array(),
+        }
+    }
+}
+
+/// The direction to the eye, scaled to z = 1.
+pub(super) fn to_eye(frame: &Frame) -> Linear {
+    let camera = frame.camera;
+    Linear::of(frame, |x, y| {
+        camera.map_or(DVec2::ZERO, |camera| camera.projection.to_eye(x, y))
+    })
+}
+
+/// Where sight lines begin, x and y of view space.
+pub(super) fn starts(frame: &Frame) -> Linear {
+    Linear::of(frame, |x, y| {
+        let lines = frame
+            .camera
+            .map(|camera| SightLines::new(camera.projection));
+        lines.map_or(DVec2::ZERO, |lines| lines.line(x, y).0.truncate())
+    })
+}
+
+/// Whether the eye is far away, along z at every pixel.
+pub(super) fn is_eye_far(frame: &Frame) -> bool {
+    let projection = frame.camera.map(|camera| camera.projection);
+    !matches!(projection, Some(Projection::Perspective { .. }))
+}

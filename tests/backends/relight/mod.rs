@@ -1,0 +1,194 @@
+//! New light: every material, method and kind of light.
+
+mod lights;
+mod materials;
+mod surfaces;
+
+use super::common::scenes::{Scene, Surface};
+use super::{assert_alike, with_color};
+use glam::{DVec3, Vec3};
+use relievo::backend::gpu::Runner;
+use relievo::backend::{Product, cpu, relit_tolerance};
+use relievo::frame::{ColorPlanes, Frame, Plane};
+use relievo::light::environment::Environment;
+use relievo::light::lights::{DirectionalLight, Illumination};
+use relievo::light::lit_sphere::LitSphere;
+use relievo::params::{
+    AlbedoSource, Material, Method, RelightParams, Samples, Scale, ScalingParams, ShapeParams,
+    Tangent,
+};
+use relievo::plan::{Available, LightKinds, Plan};
+
+/// What a test asks for; the rest is as it comes.
+#[derive(Clone)]
+struct Asked {
+    shape: ShapeParams,
+    scaling: ScalingParams,
+    relight: RelightParams,
+    light: Illumination,
+}
+
+impl Asked {
+    /// Lights from six sides on white.
+    fn of(material: Material, method: Method) -> Self {
+        let mut relight = RelightParams {
+            method,
+            albedo: AlbedoSource::White,
+            ..RelightParams::default()
+        };
+        relight.material.material = material;
+        relight.material.tangent = Tangent::Degrees(25.0);
+        relight.material.coat = [30.0, 90.0];
+        Self {
+            shape: ShapeParams {
+                scale: Scale::Iterations(4),
+                ..ShapeParams::default()
+            },
+            scaling: ScalingParams {
+                scaling_diffuse: Some(1.5),
+                scaling_specular: Some(0.7),
+                ..ScalingParams::default()
+            },
+            relight,
+            light: six_lights(),
+        }
+    }
+
+    fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
+    fn around(self, environment: Environment, samples: Samples) -> Self {
+        self.with(|asked| {
+            asked.light = Illumination {
+                environment: Some(environment.into()),
+                ..Illumination::default()
+            };
+            asked.relight.samples = samples;
+        })
+    }
+
+    fn plan(&self, frame: &Frame) -> Plan {
+        Plan::relight(
+            Available::in_frame(frame),
+            self.shape,
+            self.scaling,
+            self.relight,
+            LightKinds::in_light(&self.light),
+        )
+        .unwrap()
+    }
+
+    #[track_caller]
+    fn assert_same(&self, name: &str, runner: &Runner, frame: &Frame) {
+        let plan = self.plan(frame);
+        assert!(Runner::can_run(&plan), "{name}");
+        let expected = cpu::Runner::default().relight(&plan, frame, &self.light);
+        let found = runner.relight(&plan, frame, &self.light).unwrap();
+        let allowed = relit_tolerance(plan.relighting.as_ref().unwrap(), &self.light);
+        assert_alike(name, &found, &expected, |product| {
+            (product == Product::Picture).then_some(allowed)
+        });
+    }
+}
+
+const LIT: [Material; 6] = [
+    Material::Lambert,
+    Material::Phong,
+    Material::BlinnPhong,
+    Material::Toon,
+    Material::Sublambert,
+    Material::AshikhminShirley,
+];
+
+const METHODS: [Method; 4] = [Method::Plain, Method::Warp, Method::Scale, Method::Both];
+
+fn six_lights() -> Illumination {
+    let from = [
+        [-0.6, 0.6, 0.53],
+        [0.9, 0.1, 0.2],
+        [0.0, 0.0, 1.0],
+        [0.3, -0.8, -0.3],
+        [0.1, 0.2, -0.97],
+        [-0.4, -0.5, 0.7],
+    ];
+    let lights = from.into_iter().enumerate();
+    let lights = lights.map(|(i, direction)| DirectionalLight {
+        to_light: Vec3::from_array(direction).normalize(),
+        intensity: [0.4, 0.3 + 0.1 * i as f32, 0.9 - 0.1 * i as f32],
+    });
+    Illumination {
+        directional: lights.collect(),
+        ..Illumination::default()
+    }
+}
+
+/// An environment with a bright side, a dark one, and some colour.
+fn sky() -> Environment {
+    let blank = Environment::from_fn(64, 32, |_, _| [0.0; 3]);
+    let sky = Environment::from_fn(64, 32, |x, y| {
+        let [x, y, z] = blank.direction(x, y).to_array();
+        let glow = (0.5 + 0.5 * (0.6 * x + 0.5 * y + 0.62 * z)).max(0.0);
+        let glow = glow * glow * glow;
+        [
+            0.1 + 2.0 * glow,
+            0.15 + 1.5 * glow,
+            0.3 + glow + 0.2 * y.abs(),
+        ]
+    });
+    sky.rotated_deg(33.0)
+}
+
+fn ball(bright: f32) -> LitSphere {
+    let plane = |k: f32| {
+        Plane::from_fn(61, 47, |x, y| {
+            bright * (1.0 + (0.09 * k * x as f32).sin() * (0.08 * y as f32).cos())
+        })
+    };
+    LitSphere::new(ColorPlanes {
+        r: plane(1.0),
+        g: plane(1.4),
+        b: plane(0.7),
+    })
+}
+
+/// Convex, concave and saddle pixels, silhouettes, uncovered corners; with a picture.
+fn torus() -> Frame {
+    with_color(torus_scene().frame(97, 94))
+}
+
+/// The same seen by an eye close by.
+fn torus_from_near() -> Frame {
+    with_color(torus_scene().in_perspective().frame(97, 94))
+}
+
+fn torus_scene() -> Scene {
+    let axis = DVec3::new(0.3, 0.2, 0.9);
+    Scene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1)
+}
+
+/// Partly covered pixels, albedo, and light that does not reach every corner.
+fn with_layers(mut frame: Frame) -> Frame {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let plane = |k: f32| {
+        Plane::from_fn(width, height, |x, y| {
+            0.5 + 0.4 * (0.3 * k * x as f32).sin() * (0.2 * y as f32).cos()
+        })
+    };
+    frame.alpha = Some(Plane::from_fn(width, height, |x, y| {
+        match (frame.mask.at(x, y), (x + y) % 5) {
+            (true, 0) => 0.0,
+            (true, k) => 0.2 * k as f32,
+            (false, 1) => 0.25,
+            (false, _) => 0.0,
+        }
+    }));
+    frame.albedo = Some(ColorPlanes {
+        r: plane(1.0),
+        g: plane(1.3),
+        b: plane(0.6),
+    });
+    frame.light.occlusion = Some(plane(0.8));
+    frame
+}

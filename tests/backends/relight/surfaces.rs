@@ -1,0 +1,153 @@
+//! What surfaces bring: albedo, coverage, numbers that are none, sizes and masks.
+
+use super::super::common::poisoned;
+use super::super::common::scenes::{Scene, Surface};
+use super::super::on_gpu;
+use super::{Asked, sky, torus, torus_from_near, with_layers};
+use glam::Vec3;
+use relievo::backend::cpu;
+use relievo::backend::gpu::{Choice, Device, Runner};
+use relievo::frame::{ColorPlanes, Mask, Plane};
+use relievo::light::environment::Environment;
+use relievo::light::lights::PointLight;
+use relievo::params::{AlbedoSource, Material, Method, Quantisation, Samples, Tangent};
+
+#[test]
+fn albedo_alpha_and_occlusion() {
+    on_gpu(|runner| {
+        for albedo in [
+            AlbedoSource::Layer,
+            AlbedoSource::Picture,
+            AlbedoSource::Estimate,
+            AlbedoSource::White,
+        ] {
+            let asked = Asked::of(Material::BlinnPhong, Method::Both);
+            let asked = asked.with(|asked| asked.relight.albedo = albedo);
+            let mut frame = with_layers(torus());
+            asked.assert_same(&format!("{albedo:?}"), runner, &frame);
+            frame.alpha = None;
+            frame.light.occlusion = None;
+            asked.assert_same(&format!("{albedo:?}, opaque"), runner, &frame);
+        }
+    });
+}
+
+#[test]
+fn colors_that_are_no_numbers() {
+    on_gpu(|runner| {
+        let hostile = [
+            f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::MAX,
+            -3.0,
+            0.0,
+            1e-40,
+        ];
+        let mut frame = torus();
+        let spoiled = |plane: &Plane, of: usize| {
+            Plane::from_fn(97, 94, |x, y| match (x * 31 + y * 17 + of) % 11 {
+                k if k < hostile.len() => hostile[k],
+                _ => plane.at(x, y),
+            })
+        };
+        let color = frame.color.as_ref().unwrap();
+        let spoiled = ColorPlanes {
+            r: spoiled(&color.r, 0),
+            g: spoiled(&color.g, 0),
+            b: spoiled(&color.b, 3),
+        };
+        frame.albedo = Some(spoiled.clone());
+        frame.color = Some(spoiled);
+        for (material, albedo) in [
+            (Material::BlinnPhong, AlbedoSource::Layer),
+            (Material::Toon, AlbedoSource::Layer),
+            (Material::Lambert, AlbedoSource::Picture),
+        ] {
+            let asked = Asked::of(material, Method::Both).with(|asked| {
+                asked.relight.albedo = albedo;
+                asked.relight.quantisation = Some(Quantisation {
+                    levels: 4,
+                    softness: 1.0,
+                });
+            });
+            let plan = asked.plan(&frame);
+            let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);
+            let found = runner.relight(&plan, &frame, &asked.light).unwrap();
+            let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap());
+            for (found, expected) in [
+                (found.r, expected.r),
+                (found.g, expected.g),
+                (found.b, expected.b),
+            ] {
+                for (f, e) in found.samples().iter().zip(expected.samples()) {
+                    let same = f == e || f.is_nan() && e.is_nan() || (f - e).abs() < 1e-5 * e.abs();
+                    // Small numbers are what is left of the light of 1.
+                    assert!(same || f.abs().max(e.abs()) < 1e-5, "{f:e}, not {e:e}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn sizes_and_masks() {
+    on_gpu(|runner| {
+        let asked = Asked::of(Material::BlinnPhong, Method::Both);
+        for (width, height) in [(1, 1), (1, 7), (65, 1), (129, 5)] {
+            let scene = Scene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
+            let frame = scene.frame(width, height);
+            asked.assert_same(&format!("{width}x{height}"), runner, &frame);
+        }
+        let torus = torus();
+        for (name, covers) in [
+            ("nothing", (|_, _| false) as fn(usize, usize) -> bool),
+            ("one pixel", |x, y| x == 20 && y == 40),
+            ("speckled", |x, y| !(x * 7 + y * 13).is_multiple_of(5)),
+        ] {
+            let mut frame = torus.clone();
+            frame.mask = Mask::new(Plane::from_fn(97, 94, |x, y| {
+                torus.mask.at(x, y) && covers(x, y)
+            }));
+            asked.assert_same(name, runner, &frame);
+            for poison in [f32::NAN, f32::INFINITY] {
+                asked.assert_same(name, runner, &poisoned(&frame, poison));
+            }
+        }
+    });
+}
+
+#[test]
+fn a_device_that_takes_small_planes_lights_strips() {
+    let Ok(device) = Device::open(Choice::Any) else {
+        return;
+    };
+    let frame = with_layers(torus_from_near());
+    // 97 columns of vectors of two are 776 bytes a row: 46 rows at a time.
+    let runner = Runner::new(device.limited_to(36_000));
+    for albedo in [AlbedoSource::Layer, AlbedoSource::Estimate] {
+        let asked = Asked::of(Material::BlinnPhong, Method::Both).with(|asked| {
+            asked.relight.albedo = albedo;
+            asked.light.points = vec![PointLight {
+                position: Vec3::new(30.0, 10.0, 50.0),
+                intensity: [900.0; 3],
+            }];
+        });
+        asked.assert_same(&format!("{albedo:?}"), &runner, &frame);
+    }
+    let asked = Asked::of(Material::Mirror, Method::Plain).around(sky(), Samples::Auto);
+    asked.assert_same("mirrored", &runner, &frame);
+    // 64x32 pixels of 16 bytes fit; four times as many do not.
+    let blank = Environment::from_fn(128, 64, |_, _| [1.0; 3]);
+    let asked = asked.around(blank, Samples::Auto);
+    let plan = asked.plan(&frame);
+    assert!(runner.relight(&plan, &frame, &asked.light).is_err());
+}
+
+#[test]
+fn what_takes_double_precision_stays_with_the_cpu() {
+    let frame = torus();
+    let grain = Asked::of(Material::AshikhminShirley, Method::Plain)
+        .with(|asked| asked.relight.material.tangent = Tangent::Curvature);
+    assert!(!Runner::can_run(&grain.plan(&frame)));
+}
