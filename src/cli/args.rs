@@ -174,6 +174,9 @@ pub(super) struct ViewArgs {
     pub(super) roles: RoleArgs,
     #[command(flatten)]
     pub(super) frames: FramesArg,
+    /// What computes: auto takes a GPU where there is one, in a build that can, and the CPU for what it has no kernels for.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
+    pub(super) backend: BackendArg,
     /// Threads; all cores where not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Run")]
     pub(super) threads: Option<u16>,

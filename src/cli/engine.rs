@@ -11,8 +11,9 @@ use crate::frame::{Frame, SpecularScene};
 use crate::light::lights::Illumination;
 use crate::plan::Plan;
 
-/// The backends of a run.
-pub(super) struct Engine {
+/// The backends of a run; the CPU alone by default.
+#[derive(Default)]
+pub(crate) struct Engine {
     pub(super) cpu: cpu::Runner,
     #[cfg(feature = "gpu")]
     device: OnDevice,
@@ -200,6 +201,13 @@ pub(super) fn relight_on_cpu(
     match scene {
         Some(scene) => cpu.relight_specular(plan, frame, light, scene),
         None => cpu.relight(plan, frame, light),
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl Default for OnDevice {
+    fn default() -> Self {
+        Self::No(None)
     }
 }
 

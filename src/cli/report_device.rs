@@ -1,7 +1,13 @@
 //! The device that a report measures beside the CPU.
 
 use super::args::BackendArg;
+#[cfg(feature = "gpu")]
+use crate::backend::cpu::DrawingInputs;
 use crate::error::Result;
+#[cfg(feature = "gpu")]
+use crate::frame::Frame;
+#[cfg(feature = "gpu")]
+use crate::plan::{Goal, Plan};
 use crate::report::gpu;
 
 /// What a report is to know of a device.
@@ -66,7 +72,13 @@ impl ReportDevice {
                 is_required,
             } => {
                 let device = runner.device();
-                let run = |plan: &_, frame: &_| runner.run(plan, frame);
+                let run = |plan: &Plan, frame: &Frame| match plan.goal {
+                    _ if plan.drawing.is_some() => {
+                        runner.draw(plan, frame, DrawingInputs::default())
+                    }
+                    Goal::Relight => runner.relight(plan, frame, &gpu::lamp()),
+                    _ => runner.run(plan, frame),
+                };
                 measure(gpu::Device::Measured(gpu::Gpu::new(
                     device.name(),
                     device.is_software(),

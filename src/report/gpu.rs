@@ -3,13 +3,14 @@
 
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
-use crate::backend::cpu::{self, Outcome};
+use crate::backend::cpu::{self, DrawingInputs, Outcome};
 use crate::backend::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
-use crate::backend::{Product, difference, products};
+use crate::backend::{Product, products};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
-use crate::params::ShapeParams;
-use crate::plan::{Goal, Plan};
+use crate::light::lights::{DirectionalLight, Illumination, direction_of};
+use crate::params::{LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams};
+use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -17,8 +18,19 @@ use std::time::{Duration, Instant};
 /// Pixels times sweeps past which a setting that was not asked for is left out in software: a third of a second.
 const MOST_UPDATES_IN_SOFTWARE: usize = 4_000_000;
 
-/// Goals whose products are compared.
+/// Goals whose products are compared; so are those of new light and of drawings.
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+
+/// The light of new light that is compared.
+pub fn lamp() -> Illumination {
+    Illumination {
+        directional: vec![DirectionalLight {
+            to_light: direction_of(120.0, 40.0),
+            intensity: [1.0; 3],
+        }],
+        ..Illumination::default()
+    }
+}
 
 /// What a report is told of a device.
 pub enum Device<'a> {
@@ -114,7 +126,7 @@ pub enum GpuReport {
 }
 
 impl<'a> Gpu<'a> {
-    /// A device of this name, on which `run` runs plans; an outcome's times are called as [`crate::backend::device_times`] says.
+    /// A device of this name, on which `run` runs plans, those of new light under the [`lamp`]; an outcome's times are called as [`crate::backend::device_times`] says.
     pub fn new(
         name: String,
         is_software: bool,
@@ -169,13 +181,12 @@ impl<'a> Gpu<'a> {
         let mut rows: Vec<ProductRow> = Vec::new();
         for (name, frame, shape) in frames {
             let frame = with_picture(frame);
-            for goal in GOALS {
-                let plan = timing::plan(goal, &frame, *shape)?;
+            for plan in plans(&frame, *shape)? {
                 let Some(found) = self.run(&plan, &frame) else {
                     return Ok(rows);
                 };
-                let expected = cpu::run(&plan, &frame);
-                for (product, apart) in differences(goal, &found, &expected) {
+                let expected = run_on_cpu(&plan, &frame);
+                for (product, apart) in differences(&plan, &found, &expected) {
                     add(&mut rows, product, apart, name);
                 }
             }
@@ -265,14 +276,53 @@ fn with_picture(frame: &Frame) -> Frame {
     }
 }
 
-/// How far the products are apart that `goal` is for, of those that both backends made; infinitely where one is missing.
+/// The plans whose products are compared.
+fn plans(frame: &Frame, shape: ShapeParams) -> Result<Vec<Plan>> {
+    let (available, scaling) = (Available::in_frame(frame), ScalingParams::default());
+    let mut relight = RelightParams {
+        method: Method::Both,
+        ..RelightParams::default()
+    };
+    relight.material.material = Material::BlinnPhong;
+    let kinds = LightKinds::in_light(&lamp());
+    let line = LineParams::default();
+    let mut plans = GOALS
+        .map(|goal| timing::plan(goal, frame, shape))
+        .into_iter()
+        .collect::<Result<Vec<_>>>()?;
+    plans.push(Plan::relight(available, shape, scaling, relight, kinds)?);
+    plans.push(Plan::hatch(
+        available,
+        shape,
+        scaling,
+        ToneFrom::Picture,
+        line,
+    )?);
+    Ok(plans)
+}
+
+fn run_on_cpu(plan: &Plan, frame: &Frame) -> Outcome {
+    let runner = cpu::Runner::default();
+    match plan.goal {
+        _ if plan.drawing.is_some() => runner.draw(plan, frame, DrawingInputs::default()),
+        Goal::Relight => runner.relight(plan, frame, &lamp()),
+        _ => runner.run(plan, frame),
+    }
+}
+
+/// How far the products are apart that `plan` is for, of those that both backends made; infinitely where one is missing.
 fn differences(
-    goal: Goal,
+    plan: &Plan,
     found: &Outcome,
     expected: &Outcome,
 ) -> impl Iterator<Item = (Product, f64)> {
-    let is_meant = move |product: Product| (goal == Goal::Layers) != (product == Product::Picture);
-    let kinds = Product::ALL.into_iter().filter(move |&p| is_meant(p));
+    let (goal, is_drawn) = (plan.goal, plan.drawing.is_some());
+    let is_meant = move |product: &Product| match product {
+        Product::Strokes | Product::Contours => is_drawn,
+        Product::Picture => !is_drawn && goal != Goal::Layers,
+        _ => goal == Goal::Layers,
+    };
+    let kinds = Product::ALL.into_iter().filter(is_meant);
     kinds.filter_map(move |product| {
         let of = |outcome| products(outcome).filter(|(kind, _)| *kind == product);
         let (found, expected): (Vec<_>, Vec<_>) = (of(found).collect(), of(expected).collect());
@@ -280,7 +330,7 @@ fn differences(
             return Some((product, f64::INFINITY));
         }
         let pairs = found.into_iter().zip(expected);
-        let apart = pairs.map(|((_, found), (_, expected))| difference(found, expected));
+        let apart = pairs.map(|((_, found), (_, expected))| product.apart(found, expected));
         Some((product, apart.reduce(f64::max)?))
     })
 }
@@ -313,7 +363,7 @@ mod tests {
 
     /// What runs plans on the CPU and tells times as a device does.
     fn device(plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        let mut outcome = cpu::run(plan, frame);
+        let mut outcome = run_on_cpu(plan, frame);
         let times = [
             (UPLOAD, 1),
             (RECORD, 2),
@@ -357,7 +407,7 @@ mod tests {
                 .all(|row| row.is_within && row.difference == 0.0)
         );
         let off = |plan: &Plan, frame: &Frame| {
-            let mut outcome = cpu::run(plan, frame);
+            let mut outcome = run_on_cpu(plan, frame);
             if let Some(gradient) = &mut outcome.shape.gradient {
                 gradient.y.row_mut(7)[9] += 0.5;
             }

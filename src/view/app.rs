@@ -15,6 +15,7 @@ use crate::cli::look::{Look, Opening, Reading};
 use eframe::egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Around the picture: grey, so that no tone of it looks other than it is.
 const SURROUND: Color32 = Color32::from_gray(38);
@@ -76,6 +77,7 @@ impl View {
             input: input.map(Path::to_path_buf),
             frames: None,
             look: Look::default(),
+            engine: Arc::default(),
         };
         Self::of(opening, context)
     }
@@ -103,7 +105,7 @@ impl View {
             controls: Controls::new(),
             canvas: Canvas::default(),
             textures: [None, None],
-            worker: Worker::start(move || waker.request_repaint()),
+            worker: Worker::start(opening.engine, move || waker.request_repaint()),
             files: Files::new(),
             ordered: None,
             saving: 0,

@@ -3,7 +3,7 @@
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
 use super::probe::{self, Value};
-use crate::cli::look::{Look, Pixels, Reading, Said, Studio, What};
+use crate::cli::look::{Engine, Look, Pixels, Reading, Said, Studio, What};
 use crate::io::output::write_atomically;
 use std::collections::{BTreeMap, VecDeque};
 use std::io::Write;
@@ -101,14 +101,15 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread; it calls `wake` after each reply.
-    pub(super) fn start(wake: impl Fn() + Send + 'static) -> Self {
+    /// Starts the thread, which works by `engine`; it calls `wake` after each reply.
+    pub(super) fn start(engine: Arc<Engine>, wake: impl Fn() + Send + 'static) -> Self {
         let shared = Arc::new(Shared::default());
         let (sender, replies) = channel();
         let theirs = shared.clone();
         std::thread::spawn(move || {
             let bench = Bench {
-                studio: Studio::default(),
+                studio: Studio::new(engine.clone()),
+                engine,
                 times: BTreeMap::new(),
                 replies: sender,
             };
@@ -148,6 +149,7 @@ impl Drop for Worker {
 /// The thread, from its own side.
 struct Bench {
     studio: Studio,
+    engine: Arc<Engine>,
     /// How long whole pictures took, in seconds, by the setting that was changed.
     times: BTreeMap<Option<String>, f64>,
     replies: Sender<Reply>,
@@ -165,7 +167,7 @@ impl Bench {
             let tried = catch_unwind(AssertUnwindSafe(|| self.reply(&task)));
             let reply = tried.unwrap_or_else(|_| {
                 // Whatever it had in hand may be half made.
-                self.studio = Studio::default();
+                self.studio = Studio::new(self.engine.clone());
                 let said = "this is a mistake of relievo's own, told on stderr; please report it";
                 match &task {
                     Task::Show(order) => Some(Reply::Failed(order.number, said.into())),
@@ -249,7 +251,7 @@ impl Bench {
             before: before.map(Arc::new),
             arrows,
             chosen: self.studio.chosen_numbers(),
-            warnings: self.studio.warnings().to_vec(),
+            warnings: self.studio.warnings(),
             took,
             counts: self.studio.counts().cloned().unwrap_or_default(),
         })

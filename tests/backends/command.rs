@@ -19,6 +19,8 @@ fn relievo(directory: &Path, words: &str) -> Output {
         .arg(fixture)
         .args(words)
         .current_dir(directory)
+        // What Mesa says of its own is not counted.
+        .env("NODEVICE_SELECT", "1")
         .output()
         .unwrap()
 }

@@ -5,6 +5,7 @@ mod ranges;
 mod setting;
 mod studio;
 
+pub(crate) use super::engine::Engine;
 pub(crate) use ranges::Range;
 pub(crate) use setting::{Kind, Setting, settings_of};
 pub(crate) use studio::{Pixels, Reading, Studio, What};
@@ -19,6 +20,7 @@ use crate::error::Result;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The output that stands in a command line which is only looked at: nothing is written there.
 const NOWHERE: &str = "view.png";
@@ -216,13 +218,15 @@ pub(crate) struct Opening {
     pub(crate) input: Option<PathBuf>,
     pub(crate) frames: Option<Vec<i32>>,
     pub(crate) look: Look,
+    /// What computes.
+    pub(crate) engine: Arc<Engine>,
 }
 
 impl Opening {
     /// What `args` name: a recipe, and flags that have the last word.
     ///
     /// # Errors
-    /// As [`Recipe::read`].
+    /// As [`Recipe::read`]; [`crate::Error::NoGpu`] where there has to be a device and is none.
     pub(super) fn of(args: &ViewArgs, typed: &Invocation) -> Result<Self> {
         let mut look = match &args.recipe {
             Some(path) => Look::of_recipe(path)?,
@@ -253,6 +257,7 @@ impl Opening {
             input: args.input.clone(),
             frames: args.frames.numbers(),
             look,
+            engine: Engine::new(args.backend)?.into(),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::super::args::{Command, OutputArgs, WorkArgs};
 use super::super::chosen::Chosen;
+use super::super::engine::Engine;
 use super::super::enhance;
 use super::super::hatch;
 use super::super::job::Job;
@@ -24,8 +25,9 @@ use crate::light::lights::Illumination;
 use crate::light::lit_sphere::LitSphere;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::Material;
-use crate::plan::{Goal, LightKinds};
-use std::collections::BTreeMap;
+use crate::plan::{Goal, LightKinds, Plan};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -130,11 +132,15 @@ struct Made {
     command: Command,
     what: What,
     step: usize,
+    /// What a device made; else the frame's runner holds it.
+    on_device: Option<Outcome>,
 }
 
 /// Makes pictures of one frame, and keeps what the next ones can use.
-#[derive(Default)]
 pub(crate) struct Studio {
+    engine: Arc<Engine>,
+    /// What was said of devices.
+    said: RefCell<BTreeSet<String>>,
     sitter: Option<Sitter>,
     around: Around,
     /// The texture of strokes that a folder holds.
@@ -146,6 +152,18 @@ const A_COMMAND: &str = "a look is one of the commands of recipes";
 const IN_HAND: &str = "a frame has been read";
 
 impl Studio {
+    /// An empty one that works by `engine`.
+    pub(crate) fn new(engine: Arc<Engine>) -> Self {
+        Self {
+            engine,
+            said: RefCell::default(),
+            sitter: None,
+            around: Around::default(),
+            art_map: None,
+            made: None,
+        }
+    }
+
     /// Makes `what` of a frame by `look`, of every `step`th pixel: [`Studio::outcome`] then holds it. Only what changed is
     /// read or made anew.
     ///
@@ -177,11 +195,12 @@ impl Studio {
             let at_size = look.with("reference-height", height);
             command = at_size.parse(&reading.input)?.cli.command;
         }
-        self.run(&command, what, step).map_err(said)?;
+        let on_device = self.run(&command, what, step).map_err(said)?;
         self.made = Some(Made {
             command,
             what,
             step,
+            on_device,
         });
         Ok(())
     }
@@ -193,7 +212,8 @@ impl Studio {
 
     /// What was made last.
     pub(crate) fn outcome(&self) -> Option<&Outcome> {
-        Some(self.runner()?.outcome())
+        let on_device = self.made.as_ref()?.on_device.as_ref();
+        Some(on_device.unwrap_or(self.runner()?.outcome()))
     }
 
     /// Width and height of the whole frame in pixels, and how wide a pixel is for its height.
@@ -236,10 +256,11 @@ impl Studio {
         }
     }
 
-    /// What the user should know of the frame.
-    pub(crate) fn warnings(&self) -> &[String] {
-        let sitter = self.sitter.as_ref();
-        sitter.map_or(&[], |sitter| &sitter.loaded().warnings)
+    /// What the user should know of the frame, and of what works on it.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let sitter = self.sitter.iter();
+        let of_frame = sitter.flat_map(|sitter| sitter.loaded().warnings.iter().cloned());
+        of_frame.chain(self.said.borrow().iter().cloned()).collect()
     }
 
     fn runner(&self) -> Option<&LiveRunner<Held>> {
@@ -384,7 +405,8 @@ impl Studio {
         })
     }
 
-    fn run(&mut self, command: &Command, what: What, step: usize) -> Result<()> {
+    /// Has a device make it, or else the runner of the frame, which then holds it.
+    fn run(&mut self, command: &Command, what: What, step: usize) -> Result<Option<Outcome>> {
         let work = work_of(command);
         match (command, what) {
             (_, What::Layers) => self.describe(work, Goal::Layers, step),
@@ -395,8 +417,7 @@ impl Studio {
                 args.scaling().validate()?;
                 let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
                 let plan = args.plan(live.held().as_ref(), &StripChoice::default())?;
-                live.run(&plan);
-                Ok(())
+                self.go(&plan, step)
             }
             (Command::Relight(args), _) => self.light(args, step),
             (Command::Hatch(args), _) => self.draw(args, step),
@@ -404,14 +425,25 @@ impl Studio {
         }
     }
 
-    fn describe(&mut self, work: &WorkArgs, goal: Goal, step: usize) -> Result<()> {
+    fn describe(&mut self, work: &WorkArgs, goal: Goal, step: usize) -> Result<Option<Outcome>> {
         let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
         let plan = work.plan(goal, live.held().as_ref(), &StripChoice::default())?;
-        live.run(&plan);
-        Ok(())
+        self.go(&plan, step)
     }
 
-    fn light(&mut self, args: &RelightArgs, step: usize) -> Result<()> {
+    fn go(&mut self, plan: &Plan, step: usize) -> Result<Option<Outcome>> {
+        let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
+        let frame = live.held().as_ref();
+        let made = self
+            .engine
+            .run_on_device(&say_to(&self.said), plan, frame)?;
+        if made.is_none() {
+            live.run(plan);
+        }
+        Ok(made)
+    }
+
+    fn light(&mut self, args: &RelightArgs, step: usize) -> Result<Option<Outcome>> {
         let scaling = args.scaling.params(args.work.shape.curvature_gain);
         scaling.validate()?;
         args.params().validate()?;
@@ -420,36 +452,52 @@ impl Studio {
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let scene = sitter.scene.take();
         let live = sitter.runner(step);
-        let found = &StripChoice::default();
-        let plan = args.plan(live.held().as_ref(), kinds, scene.is_some(), found);
-        if let Ok(plan) = &plan {
-            live.relight(plan, &light, scene.as_ref());
-        }
+        let warn = say_to(&self.said);
+        let plan = args.plan(
+            live.held().as_ref(),
+            kinds,
+            scene.is_some(),
+            &StripChoice::default(),
+        );
+        let made = plan.and_then(|plan| {
+            let frame = live.held().as_ref();
+            let made = self.engine.relight_on_device(&warn, &plan, frame, &light)?;
+            if made.is_none() {
+                live.relight(&plan, &light, scene.as_ref());
+            }
+            Ok(made)
+        });
         sitter.scene = scene;
-        plan.map(|_| ())
+        made
     }
 
-    fn draw(&mut self, args: &HatchArgs, step: usize) -> Result<()> {
+    fn draw(&mut self, args: &HatchArgs, step: usize) -> Result<Option<Outcome>> {
         let looks = args.looks()?;
         self.read_art_map(args, &looks)?;
         let light = self.illumination(&args.relight.light)?;
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let scene = sitter.scene.take();
         let live = sitter.runner(step);
+        let warn = say_to(&self.said);
         let frame = live.held().as_ref();
         let planned = args.plan(&looks, light, frame, false, scene.is_some());
-        if let Ok((plan, light)) = &planned {
+        let made = planned.and_then(|(plan, light)| {
             let map = args.pictures().and(self.art_map.as_ref());
             let inputs = DrawingInputs {
                 specular: scene.as_ref(),
-                illumination: Some(light),
+                illumination: Some(&light),
                 art_map: map.map(|(_, _, map)| map),
                 sequence: None,
             };
-            live.draw(plan, inputs);
-        }
+            let frame = live.held().as_ref();
+            let made = self.engine.draw_on_device(&warn, &plan, frame, inputs)?;
+            if made.is_none() {
+                live.draw(&plan, inputs);
+            }
+            Ok(made)
+        });
         sitter.scene = scene;
-        planned.map(|_| ())
+        made
     }
 
     /// Reads the texture of strokes from the folder that is named, unless it is at hand.
@@ -468,6 +516,13 @@ impl Studio {
     }
 }
 
+/// Says a thing once.
+fn say_to(said: &RefCell<BTreeSet<String>>) -> impl Fn(&str) {
+    |text| {
+        said.borrow_mut().insert(text.into());
+    }
+}
+
 /// What all commands share.
 fn work_of(command: &Command) -> &WorkArgs {
     match command {
@@ -476,5 +531,53 @@ fn work_of(command: &Command) -> &WorkArgs {
         Command::Relight(args) => &args.work,
         Command::Hatch(args) => &args.relight.work,
         _ => unreachable!("{A_COMMAND}"),
+    }
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::*;
+    use crate::cli::args::BackendArg;
+    use std::path::Path;
+
+    /// The picture of each command, as it is shown.
+    fn pictures(studio: &mut Studio) -> Vec<Pixels> {
+        let reading = Reading {
+            input: Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr"),
+            frame: None,
+        };
+        let shown = Look::commands().iter().map(|command| {
+            let mut look = Look::default();
+            look.set_command(command);
+            studio.make(&look, &reading, What::Picture, 1).unwrap();
+            studio.picture().unwrap()
+        });
+        shown.collect()
+    }
+
+    #[test]
+    fn a_device_shows_what_the_cpu_shows() {
+        let engine = match Engine::new(BackendArg::Gpu) {
+            Ok(engine) => engine,
+            Err(error) => {
+                // A machine that has to have a device says so.
+                assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
+                println!("SKIPPED: {error}");
+                return;
+            }
+        };
+        let expected = pictures(&mut Studio::new(Arc::default()));
+        let mut studio = Studio::new(engine.into());
+        let found = pictures(&mut studio);
+        // The device did it: no pass has run on the CPU.
+        assert_eq!(studio.counts().map(BTreeMap::len), Some(0));
+        for (found, expected) in found.iter().zip(&expected) {
+            let pixels = found.rgba.iter().zip(&expected.rgba);
+            let apart =
+                |(a, b): (&[u8; 4], &[u8; 4])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
+            // A rounding may carry a stroke's pixel past a threshold.
+            let count = pixels.filter(|&pair| apart(pair)).count();
+            assert!(count * 1000 <= expected.rgba.len(), "{count} pixels");
+        }
     }
 }
