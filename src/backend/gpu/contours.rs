@@ -1,16 +1,14 @@
 //! Contours: what their lines cover of every pixel.
 
-use super::kernels::{Kernel, TILE_SIDE};
+use super::kernels::{GROUP, Kernel};
 use super::run::Run;
 use super::uniforms::ContourParams;
 use crate::frame::Frame;
 use crate::line::contours::round_stroke::RoundStroke;
 use crate::line::paper::spread_seed;
 
-/// The pieces of lines by the tiles that they reach.
+/// The pieces of lines by the tiles that they reach, each of a workgroup.
 struct Tiles {
-    /// Columns and rows of tiles.
-    size: [u32; 2],
     /// Where the pieces of each tile begin in `pieces`, and where the last end.
     starts: Vec<u32>,
     pieces: Vec<u32>,
@@ -18,16 +16,16 @@ struct Tiles {
 
 impl Tiles {
     fn new(pieces: &[RoundStroke], size: [u32; 2]) -> Self {
-        let size = size.map(|pixels| pixels.div_ceil(TILE_SIDE));
+        let size = [0, 1].map(|axis| size[axis].div_ceil(GROUP[axis]));
         let reached = |piece: &RoundStroke| {
             // Casts of what lies outside saturate.
-            let tiles = |[first, last]: [f32; 2], count: u32| {
-                let side = TILE_SIDE as f32;
+            let tiles = |axis: usize, [first, last]: [f32; 2]| {
+                let side = GROUP[axis] as f32;
                 let end = ((last / side).floor() + 1.0) as u32;
-                (first / side).floor() as u32..end.min(count)
+                (first / side).floor() as u32..end.min(size[axis])
             };
-            let columns = tiles(piece.across(), size[0]);
-            let rows = tiles(piece.rows(), size[1]);
+            let columns = tiles(0, piece.across());
+            let rows = tiles(1, piece.rows());
             rows.flat_map(move |row| columns.clone().map(move |column| row * size[0] + column))
         };
         let mut starts = vec![0; (size[0] * size[1] + 1) as usize];
@@ -47,7 +45,6 @@ impl Tiles {
             }
         }
         Self {
-            size,
             starts,
             pieces: by_tile,
         }
@@ -73,7 +70,7 @@ impl Run<'_> {
         let numbers = self.hold(numbers.as_flattened());
         let covered = self.take(self.surface.plane_bytes());
         let seed = spread_seed(graphite.unwrap_or(0));
-        self.recorder.dispatch(
+        self.recorder.over_pixels(
             "contours",
             (Kernel::Contours, &[("IN_GRAPHITE", graphite.is_some())]),
             &ContourParams {
@@ -85,7 +82,7 @@ impl Run<'_> {
                 seed_high: (seed >> 32) as u32,
             },
             &[&starts, &by_tile, &numbers, &covered],
-            tiles.size,
+            [width, height],
         );
         covered
     }

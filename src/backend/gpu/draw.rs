@@ -8,9 +8,9 @@ use super::kernels::{GAIN, WHITE};
 use super::light_layers::TermWhites;
 use super::recorder::add_timings;
 use super::run::Run;
-use super::runner::{Runner, SCALES, apart, row_bytes};
+use super::runner::{Runner, SCALES, apart};
 use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, Shape, contour_lines, contour_pieces};
-use crate::backend::device_times::UPLOAD;
+use crate::backend::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::line::contours::Contour;
@@ -47,15 +47,8 @@ impl Runner {
         params: &LineParams,
         inputs: DrawingInputs,
     ) -> Result<Outcome> {
-        let [most_columns, most_rows] = self.device().most_pixels;
-        let most_rows = most_rows.min(self.device().plane_bytes / row_bytes(plan, frame).max(1));
-        let (width, height) = (frame.mask.width() as u64, frame.mask.height() as u64);
-        if most_columns < width {
-            return Err(self.device().error(format_args!(
-                "takes {most_columns} columns at a time, not {width}"
-            )));
-        }
-        if most_rows < height {
+        let most_rows = self.most_rows(plan, frame, self.device().plane_bytes)?;
+        if most_rows < frame.mask.height() as u64 {
             return Err(self.device().error(format_args!(
                 "takes {most_rows} rows of this picture at a time, and a drawing takes all of it"
             )));
@@ -106,16 +99,20 @@ impl Runner {
             run.covered_by_lines(frame, &contour_pieces(lines), graphite)
         });
 
+        for times in [of_tone.read()?.1, of_strokes.read()?.1] {
+            add_timings(&mut outcome.timings, &times.unwrap_or_default());
+        }
         let is_made = SCALES.iter().any(|&stage| plan.has(stage));
         let chosen = run.chosen.clone();
         let mut wanted = vec![&chosen, &paper, &ink];
         wanted.extend(&contours);
         wanted.extend(picture.iter().filter(|_| is_made));
         wanted.extend(term_whites.iter().map(|(_, white)| white));
-        let (read, times) = run.finish(&wanted)?;
-        for times in [of_tone.read()?.1, of_strokes.read()?.1, Some(times)] {
-            add_timings(&mut outcome.timings, &times.unwrap_or_default());
-        }
+        let (read, mut times) = run.finish(&wanted)?;
+        // Since the last submission the CPU has done more than record.
+        times.retain(|(name, _)| *name != RECORD);
+        add_timings(&mut outcome.timings, &times);
+        let start = Instant::now();
         let mut read = read.into_iter();
         put_drawing(&mut outcome, plan, frame, &mut read, lines);
         if is_made {
@@ -128,6 +125,7 @@ impl Runner {
         let term_whites = term_whites.iter().zip(read);
         let term_whites = term_whites.map(|((name, _), chosen)| (*name, chosen[WHITE as usize]));
         outcome.term_white_levels = term_whites.collect();
+        add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
         self.buffers
             .take_back(contours.into_iter().chain([densities, ink]));
         self.buffers.take_back(shape.into_buffers());

@@ -49,6 +49,11 @@ impl Texture {
 pub(super) struct KeptTexture(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
 
 impl KeptTexture {
+    /// Forgets it: what was copied in a run that failed may be nothing.
+    pub(super) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
     /// The copy of `map`.
     pub(super) fn of(&self, map: &Arc<TonalArtMap>, upload: Upload) -> Texture {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);

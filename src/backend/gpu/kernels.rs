@@ -49,9 +49,6 @@ pub(super) const SEARCH_PASSES: u32 = u32::BITS.div_ceil(SEARCH_BITS);
 /// Bins that it counts.
 pub(super) const SEARCH_BINS: u32 = 1 << SEARCH_BITS;
 
-/// Columns and rows of a tile that contours are drawn in, by a workgroup.
-pub(super) const TILE_SIDE: u32 = 16;
-
 /// Where the numbers stand that are chosen from the whole picture.
 pub(super) const GAIN: u32 = 0;
 pub(super) const WHITE: u32 = 1;
@@ -302,7 +299,6 @@ fn constants() -> String {
         ("GAIN", GAIN),
         ("WHITE", WHITE),
         ("FRAC_1_SQRT_2_BITS", consts::FRAC_1_SQRT_2.to_bits()),
-        ("TILE_SIDE", TILE_SIDE),
         ("HASH_ROUNDS", paper::HASH_ROUNDS),
         ("HASH_FACTOR_LOW", paper::HASH_FACTOR as u32),
         ("HASH_FACTOR_HIGH", (paper::HASH_FACTOR >> 32) as u32),

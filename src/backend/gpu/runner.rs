@@ -170,10 +170,25 @@ impl Runner {
             self.buffers.forget();
             self.programs.forget();
             self.maps.forget();
+            self.texture.forget();
             // Memory is free when nothing uses it any more; that a lost device does not answer was told.
             let _ = wait_for(&self.device.device, None);
         }
         done
+    }
+
+    /// How many rows of a frame go on the device at a time, with planes of no more than so many bytes.
+    ///
+    /// # Errors
+    /// Where they are too long for it.
+    pub(super) fn most_rows(&self, plan: &Plan, frame: &Frame, plane_bytes: u64) -> Result<u64> {
+        let width = frame.mask.width();
+        let [most_columns, most_rows] = self.device.most_pixels;
+        if width as u64 > most_columns {
+            let found = format_args!("takes {most_columns} columns at a time, not {width}");
+            return Err(self.device.error(found));
+        }
+        Ok(most_rows.min(plane_bytes / row_bytes(plan, frame).max(1)))
     }
 
     fn run_parts(
@@ -183,13 +198,8 @@ impl Runner {
         light: Option<&Light>,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
-        let (width, height) = (frame.mask.width(), frame.mask.height());
-        let [most_columns, most_rows] = self.device.most_pixels;
-        if width as u64 > most_columns {
-            let found = format_args!("takes {most_columns} columns at a time, not {width}");
-            return Err(self.device.error(found).into());
-        }
-        let most_rows = most_rows.min(plane_bytes / row_bytes(plan, frame).max(1));
+        let height = frame.mask.height();
+        let most_rows = self.most_rows(plan, frame, plane_bytes)?;
         if most_rows >= height as u64 {
             return Ok(self.run_whole(plan, frame, light, 0..height)?);
         }
@@ -366,7 +376,7 @@ fn describe(
 }
 
 /// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, only of layers wider ones.
-pub(super) fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
+fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
     let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
     let widest = match plan.goal == Goal::Layers || has_layers {
         true => WIDEST,

@@ -9,7 +9,7 @@
 
 override IN_GRAPHITE: bool;
 
-@compute @workgroup_size(TILE_SIDE, TILE_SIDE)
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(workgroup_id) group: vec3<u32>,
