@@ -47,6 +47,24 @@ impl Engine {
         })
     }
 
+    /// The same for a window, in which the CPU does what the device has no kernels for, whatever was asked for.
+    ///
+    /// # Errors
+    /// As [`Engine::new`].
+    #[cfg(feature = "view")]
+    pub(super) fn for_window(backend: BackendArg) -> Result<Self> {
+        let engine = Self::new(backend)?;
+        #[cfg(feature = "gpu")]
+        let engine = Self {
+            device: match engine.device {
+                OnDevice::Only(gpu) => OnDevice::Maybe(gpu),
+                other => other,
+            },
+            ..engine
+        };
+        Ok(engine)
+    }
+
     /// Runs `plan` on `frame`.
     ///
     /// # Errors

@@ -257,7 +257,7 @@ impl Opening {
             input: args.input.clone(),
             frames: args.frames.numbers(),
             look,
-            engine: Engine::new(args.backend)?.into(),
+            engine: Engine::for_window(args.backend)?.into(),
         })
     }
 }
