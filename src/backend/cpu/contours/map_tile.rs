@@ -110,7 +110,36 @@ impl MapTile {
             usize::try_from(y - self.top).ok()?,
         );
         let inside = x < self.width && row < self.rows;
-        let value = inside.then(|| self.values[row * self.width + x])?;
+        // Rows beyond the picture are never made: what stands there is of another band.
+        let blocks = self.width.div_ceil(BLOCK);
+        let is_made = inside && self.is_made[row * blocks + x / BLOCK];
+        let value = is_made.then(|| self.values[row * self.width + x])?;
         value.is_finite().then_some(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Mask, Vector3Planes};
+    use glam::DVec3;
+
+    #[test]
+    fn nothing_is_told_of_rows_beyond_the_picture_whatever_was_held_before() {
+        let (width, height) = (70, 20);
+        let normal = Vector3Planes::from_fn(width, height, |_, _| DVec3::Z);
+        let mut frame = Frame::of_normals(normal, Mask::full(width, height));
+        frame.depth = Some(Plane::filled(width, height, 5.0));
+        let map = Map::of(&frame, &ShapeParams::default()).unwrap();
+        let mut tile = MapTile::new(width, 16);
+        for (band, inside, beyond) in [(0, 0, -1), (16, 19, 20), (0, 0, -2)] {
+            tile.move_to(band);
+            for y in band..(band + 16).min(height + 1) {
+                (0..2).for_each(|block| tile.make(&map, &frame, y, block));
+            }
+            assert_eq!(tile.value([69, inside]), Some(ln(5.0)));
+            assert_eq!(tile.value([69, beyond]), None);
+            assert_eq!(tile.value([70, inside]), None);
+        }
     }
 }
