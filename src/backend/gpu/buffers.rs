@@ -11,22 +11,33 @@ pub(super) struct Buffers {
     /// What is copied to the device. Copies come before all kernels of a run, so none of it may have been a kernel's
     /// before in the same run.
     copied: Pool,
+    /// What is read after a run.
+    readable: Pool,
 }
 
-/// What a buffer is used for.
-const USAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
+/// What a buffer of kernels is used for.
+const OF_KERNELS: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
     .union(wgpu::BufferUsages::COPY_SRC)
     .union(wgpu::BufferUsages::COPY_DST);
+
+/// What one that is read is used for.
+const TO_READ: wgpu::BufferUsages =
+    wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
 
 impl Buffers {
     /// A buffer of this many bytes for kernels to write, whose contents mean nothing.
     pub(super) fn take(&self, device: &Device, bytes: u64) -> wgpu::Buffer {
-        self.work.take(device, bytes)
+        self.work.take(device, bytes, OF_KERNELS)
     }
 
     /// A buffer of this many bytes to be copied to.
     pub(super) fn take_to_copy(&self, device: &Device, bytes: u64) -> wgpu::Buffer {
-        self.copied.take(device, bytes)
+        self.copied.take(device, bytes, OF_KERNELS)
+    }
+
+    /// A buffer of this many bytes to be copied to on the device, and read.
+    pub(super) fn take_to_read(&self, device: &Device, bytes: u64) -> wgpu::Buffer {
+        self.readable.take(device, bytes, TO_READ)
     }
 
     /// Takes buffers that [`Buffers::take`] gave and that no kernel recorded later needs.
@@ -39,16 +50,22 @@ impl Buffers {
         self.copied.take_back(buffers);
     }
 
+    /// Takes buffers that [`Buffers::take_to_read`] gave, read and unmapped.
+    pub(super) fn take_back_read(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
+        self.readable.take_back(buffers);
+    }
+
     /// Forgets all: what a run that failed gave back may be no buffers.
     pub(super) fn forget(&self) {
-        self.work.keep(|_| false);
-        self.copied.keep(|_| false);
+        let pools = [&self.work, &self.copied, &self.readable];
+        pools.into_iter().for_each(|pool| pool.keep(|_| false));
     }
 
     /// Whether there is none to be used again.
     #[cfg(test)]
     pub(super) fn is_empty(&self) -> bool {
-        [&self.work, &self.copied].into_iter().all(|pool| {
+        let pools = [&self.work, &self.copied, &self.readable];
+        pools.into_iter().all(|pool| {
             pool.0
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
@@ -64,8 +81,8 @@ impl Buffers {
                 .any(|samples| size == 4 * samples * pixels);
             size < pixels || is_plane
         };
-        self.work.keep(is_of_use);
-        self.copied.keep(is_of_use);
+        let pools = [&self.work, &self.copied, &self.readable];
+        pools.into_iter().for_each(|pool| pool.keep(is_of_use));
     }
 }
 
@@ -73,7 +90,7 @@ impl Buffers {
 struct Pool(Mutex<Vec<wgpu::Buffer>>);
 
 impl Pool {
-    fn take(&self, device: &Device, bytes: u64) -> wgpu::Buffer {
+    fn take(&self, device: &Device, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let bytes = bytes.max(4).next_multiple_of(4);
         let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(at) = spare.iter().position(|buffer| buffer.size() == bytes) {
@@ -83,7 +100,7 @@ impl Pool {
         device.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: bytes,
-            usage: USAGE,
+            usage,
             mapped_at_creation: false,
         })
     }

@@ -1,5 +1,6 @@
 //! Kernels in the order in which they run, and what they take.
 
+use super::buffers::Buffers;
 use super::device::Device;
 use super::kernels::{GROUP, Kernel, STRIP_ROWS};
 use super::uniforms::Uniforms;
@@ -72,6 +73,7 @@ const MAX_TIMED: u32 = wgpu::QUERY_SET_MAX_QUERIES / 2;
 pub(super) struct Recorder<'d> {
     device: &'d Device,
     programs: &'d Programs,
+    buffers: &'d Buffers,
     encoder: wgpu::CommandEncoder,
     /// The clock, and the stage of each pair of its readings.
     clock: Option<(wgpu::QuerySet, Vec<&'static str>)>,
@@ -82,7 +84,7 @@ pub(super) struct Recorder<'d> {
 }
 
 impl<'d> Recorder<'d> {
-    pub(super) fn new(device: &'d Device, programs: &'d Programs) -> Self {
+    pub(super) fn new(device: &'d Device, programs: &'d Programs, buffers: &'d Buffers) -> Self {
         let clock = device.tick_ns.map(|_| {
             let set = device.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: None,
@@ -94,6 +96,7 @@ impl<'d> Recorder<'d> {
         Self {
             device,
             programs,
+            buffers,
             encoder: device.device.create_command_encoder(&Default::default()),
             clock,
             start: Instant::now(),
@@ -244,14 +247,7 @@ impl<'d> Recorder<'d> {
     /// Has the device begin with what was recorded, and records on from there; what `wanted` then hold can be read.
     pub(super) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
         let device = &self.device.device;
-        let readable = |size: u64| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size,
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
+        let readable = |size: u64| self.buffers.take_to_read(self.device, size);
         let mut to_read: Vec<wgpu::Buffer> = Vec::new();
         for buffer in wanted {
             let target = readable(buffer.size());
@@ -276,11 +272,12 @@ impl<'d> Recorder<'d> {
             to_read.push(target);
             timed = Some(stages);
         }
-        let next = Self::new(self.device, self.programs);
+        let next = Self::new(self.device, self.programs, self.buffers);
         let recorded = std::mem::replace(self, next);
         let submission = self.device.queue.submit([recorded.encoder.finish()]);
         Submitted {
             device: self.device,
+            buffers: self.buffers,
             submission,
             to_read,
             timed,
@@ -292,6 +289,7 @@ impl<'d> Recorder<'d> {
 /// What a device works on.
 pub(super) struct Submitted<'d> {
     device: &'d Device,
+    buffers: &'d Buffers,
     submission: wgpu::SubmissionIndex,
     /// Copies of what is wanted, and the readings of the clock last.
     to_read: Vec<wgpu::Buffer>,
@@ -316,13 +314,16 @@ impl Submitted<'_> {
             Some((stages, tick_ns)) => {
                 let clock = self.to_read.pop().expect("the clock is read last");
                 let readings = contents(self.device, &clock)?;
+                self.buffers.take_back_read([clock]);
                 Some(times(&stages, &readings, tick_ns))
             }
             None => None,
         };
         let numbers = self.to_read.iter();
         let numbers = numbers.map(|buffer| contents(self.device, buffer));
-        Ok((numbers.collect::<Result<_>>()?, times))
+        let numbers = numbers.collect::<Result<_>>()?;
+        self.buffers.take_back_read(self.to_read);
+        Ok((numbers, times))
     }
 }
 
@@ -351,11 +352,14 @@ fn wait(
     Ok(())
 }
 
-/// What a buffer holds that can be read.
+/// What a buffer holds that can be read, once.
 fn contents<T: bytemuck::Pod>(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
     let range = buffer.slice(..).get_mapped_range();
     let range = range.map_err(|error| device.error(error))?;
-    Ok(bytemuck::pod_collect_to_vec(&range))
+    let numbers = bytemuck::pod_collect_to_vec(&range);
+    drop(range);
+    buffer.unmap();
+    Ok(numbers)
 }
 
 /// Adds times to those of the same stages.

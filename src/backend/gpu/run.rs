@@ -33,7 +33,7 @@ impl<'a> Run<'a> {
         Self {
             device,
             buffers,
-            recorder: Recorder::new(device, programs),
+            recorder: Recorder::new(device, programs, buffers),
             surface,
             chosen: upload.bytes(bytemuck::cast_slice(&chosen)),
             held: Vec::new(),
