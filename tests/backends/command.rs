@@ -75,7 +75,7 @@ fn what_has_no_kernels_is_refused_by_name_and_done_otherwise() {
     let desk = tempfile::tempdir().unwrap();
     for words in [
         "relight --light 30,40 --material ashikhmin-shirley --coat 10,200 -o lit.png",
-        "hatch --light 30,40 -o lit.png",
+        "hatch --light 30,40 --material ashikhmin-shirley --coat 10,200 -o lit.png",
         "hatch --style lines -o lit.png",
     ] {
         on_gpu(|_| {

@@ -8,21 +8,23 @@ use relievo::frame::{Frame, Mask, Plane, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Goal, Stage};
 
+/// What no renderer means by a colour.
+pub(super) const HOSTILE: [f32; 7] = [
+    f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::MAX,
+    -3.0,
+    0.0,
+    1e-40,
+];
+
 #[test]
 fn colors_that_are_no_numbers() {
     on_gpu(|runner| {
         let mut frame = waves(70, 50);
         let color = frame.color.as_mut().unwrap();
-        let hostile = [
-            f32::NAN,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-            f32::MAX,
-            -3.0,
-            0.0,
-            1e-40,
-        ];
-        for (i, value) in hostile.into_iter().enumerate() {
+        for (i, value) in HOSTILE.into_iter().enumerate() {
             color.r.row_mut(10)[5 * i] = value;
             color.b.row_mut(20)[5 * i] = value;
             color.g.row_mut(20)[5 * i] = value;

@@ -7,6 +7,7 @@ use super::hatching::Texture;
 use super::kernels::{GAIN, WHITE};
 use super::light_layers::TermWhites;
 use super::recorder::add_timings;
+use super::relight::frame_lit;
 use super::run::Run;
 use super::runner::{Runner, SCALES, apart};
 use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, Shape, contour_lines, contour_pieces};
@@ -54,21 +55,40 @@ impl Runner {
             )));
         }
         let mut outcome = Outcome::default();
+        let light = (plan.goal == Goal::Relight)
+            .then(|| {
+                let illumination = inputs.illumination;
+                let illumination = illumination.expect("new light is planned with its lights");
+                self.light(plan, frame, illumination)
+            })
+            .transpose()?;
+        if let Some(light) = &light {
+            outcome.timings.extend(&light.timings);
+            outcome.environment_gain = light.around.gain();
+        }
         // Edges first: all that is left to the CPU asks for them.
         let start = Instant::now();
         let mut run = self.start(plan, frame);
         let edges = run.edges(plan, frame);
         let wanted = std::iter::once(&edges.conductance).chain(&edges.weights);
         let of_edges = run.recorder.submit(&wanted.collect::<Vec<_>>());
-        let picture = self.upload().picture(frame);
-        let picture = picture.expect("a drawing is planned with its tone");
+        let rows = 0..frame.mask.height();
+        let copied = match &light {
+            Some(light) => light.albedo(self.upload(), plan, frame, &rows),
+            None => self.upload().picture(frame),
+        };
+        let is_copied = copied.is_some();
         outcome.timings.push((UPLOAD, start.elapsed()));
 
         // Tone, while the CPU finds directions.
         let shape = run.shape_along(plan, edges);
+        run.choose_gain(plan, &shape);
+        let picture = match &light {
+            Some(light) => run.relight(plan, frame, light, Some(&shape), copied),
+            None => copied.expect("a drawing is planned with its tone"),
+        };
         let mut term_whites = TermWhites::new();
         if plan.goal == Goal::Enhance {
-            run.choose_gain(plan, &shape);
             run.scale(plan, frame, &shape, &picture);
             term_whites = run.scale_layers(plan, frame, &shape, &picture);
         }
@@ -102,7 +122,7 @@ impl Runner {
         for times in [of_tone.read()?.1, of_strokes.read()?.1] {
             add_timings(&mut outcome.timings, &times.unwrap_or_default());
         }
-        let is_made = SCALES.iter().any(|&stage| plan.has(stage));
+        let is_made = light.is_some() || SCALES.iter().any(|&stage| plan.has(stage));
         let chosen = run.chosen.clone();
         let mut wanted = vec![&chosen, &paper, &ink];
         wanted.extend(&contours);
@@ -122,6 +142,9 @@ impl Runner {
                 b: plane_of(frame, read.next()),
             });
         }
+        if let (Some(color), true) = (&mut outcome.color, light.is_some()) {
+            frame_lit(color, frame);
+        }
         let term_whites = term_whites.iter().zip(read);
         let term_whites = term_whites.map(|((name, _), chosen)| (*name, chosen[WHITE as usize]));
         outcome.term_white_levels = term_whites.collect();
@@ -129,7 +152,10 @@ impl Runner {
         self.buffers
             .take_back(contours.into_iter().chain([densities, ink]));
         self.buffers.take_back(shape.into_buffers());
-        self.buffers.take_back_copied(picture);
+        match is_copied {
+            true => self.buffers.take_back_copied(picture),
+            false => self.buffers.take_back(picture),
+        }
         Ok(outcome)
     }
 

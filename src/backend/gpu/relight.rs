@@ -14,7 +14,7 @@ use crate::frame::{ColorPlanes, DepthKind, Frame};
 use crate::light::brdf::AshikhminShirley;
 use crate::light::sum::{Lobes, Power};
 use crate::params::{Material, Quantisation, Tangent};
-use crate::plan::{Albedo, Plan, Stage};
+use crate::plan::{Albedo, Plan};
 
 impl Run<'_> {
     /// Lights a frame whose albedo is in `albedo`, where it is not white: what the covered pixels then show.
@@ -221,5 +221,4 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
 pub(super) fn can_relight(plan: &Plan) -> bool {
     let relighting = plan.relighting.as_ref();
     relighting.is_some_and(|relighting| !relighting.traced && !relighting.grain)
-        && !plan.has(Stage::NormalRays)
 }

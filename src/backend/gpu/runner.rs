@@ -81,7 +81,7 @@ impl Runner {
             Goal::Layers | Goal::Display => plan.drawing.is_none(),
             Goal::Enhance => true,
             Goal::Picture => plan.drawing.is_some(),
-            Goal::Relight => plan.drawing.is_none() && can_relight(plan),
+            Goal::Relight => can_relight(plan),
         };
         is_known && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
     }

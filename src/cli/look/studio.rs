@@ -549,10 +549,6 @@ mod tests {
         let shown = Look::commands().iter().map(|command| {
             let mut look = Look::default();
             look.set_command(command);
-            if *command == "hatch" {
-                // Drawings of the picture as it is have kernels.
-                look.set("light", None);
-            }
             studio.make(&look, &reading, What::Picture, 1).unwrap();
             studio.picture().unwrap()
         });

@@ -2,6 +2,7 @@
 
 use super::super::common::poisoned;
 use super::super::common::scenes::{Scene, Surface};
+use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
 use super::{Asked, sky, torus, torus_from_near, with_layers};
 use glam::Vec3;
@@ -35,19 +36,10 @@ fn albedo_alpha_and_occlusion() {
 #[test]
 fn colors_that_are_no_numbers() {
     on_gpu(|runner| {
-        let hostile = [
-            f32::NAN,
-            f32::INFINITY,
-            f32::NEG_INFINITY,
-            f32::MAX,
-            -3.0,
-            0.0,
-            1e-40,
-        ];
         let mut frame = torus();
         let spoiled = |plane: &Plane, of: usize| {
             Plane::from_fn(97, 94, |x, y| match (x * 31 + y * 17 + of) % 11 {
-                k if k < hostile.len() => hostile[k],
+                k if k < HOSTILE.len() => HOSTILE[k],
                 _ => plane.at(x, y),
             })
         };
