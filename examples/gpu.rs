@@ -1,7 +1,7 @@
 //! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH HEIGHT]`.
 //!
 //! Prints, for each size of features, for new light and for drawings, how far what is made is from the CPU's and what each stage
-//! takes.
+//! takes, with the bytes that an ideal pass would move in that time.
 //! Without a file, waves of that size, 1920x1080 where none is given.
 
 use relievo::backend::cpu::{self, DrawingInputs};
@@ -17,6 +17,7 @@ use relievo::params::{
     ScalingParams, ShapeParams, Solver, Style,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use relievo::report::work::of_stage;
 use std::time::{Duration, Instant};
 
 /// Runs of which the quickest counts.
@@ -185,7 +186,15 @@ fn measure(
         ms(whole[1])
     );
     for (stage, time) in stages {
-        println!("  {stage:20} {:9.3} ms", ms(time));
+        // What an ideal pass moves, of stages that have a model: to be held against the device's bandwidth.
+        let work = of_stage(stage, &plan.shape, &plan.sweeps);
+        let moved = work.map(|work| work.bytes * frame.mask.count() as f64);
+        let rate = moved.map(|bytes| format!("{:9.1} GB/s", 1e-9 * bytes / time.as_secs_f64()));
+        println!(
+            "  {stage:20} {:9.3} ms{}",
+            ms(time),
+            rate.unwrap_or_default()
+        );
     }
     Ok(())
 }
