@@ -2,14 +2,13 @@
 
 mod common;
 
-use common::poisoned;
 use common::scenes::{Scene, Surface};
+use common::{poisoned, through_a_file};
 use glam::Vec3;
 use relievo::backend::cpu::{self, Outcome};
-use relievo::frame::{ColorPlanes, Frame, Mask, NormalSpace, Plane, Vector3Planes, Window};
-use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
-use relievo::io::inputs::Inputs;
-use relievo::io::{self, Loaded};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
+use relievo::io::Loaded;
+use relievo::io::exr::OutputType;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
 use relievo::plan::{Available, Goal, Plan};
 
@@ -457,42 +456,11 @@ impl Render {
             ("N.z", Some(&normal.z)),
             ("Z", depth.as_ref()),
         ];
-        let channels = layers.into_iter().filter_map(|(name, plane)| {
-            Some(OutputChannel {
-                name: name.into(),
-                plane: plane?,
-                sample_type,
-            })
-        });
-        let window = Window::from_size(color.r.width(), color.r.height());
-        let part = OutputPart {
-            name: "main".into(),
-            data_window: window,
-            display_window: window,
-            pixel_aspect: 1.0,
-            channels: channels.collect(),
-            attributes: Vec::new(),
-            chromaticities: None,
-            compression: Default::default(),
-        };
-        let directory = tempfile::tempdir().unwrap();
-        let picture = directory.path().join("render.exr");
-        let mut file = std::fs::File::create(&picture).unwrap();
-        write_results(&mut file, &picture, &part).unwrap();
-        let inputs = Inputs {
-            picture,
-            normal_space: Some(NormalSpace::View),
-            ..Inputs::default()
-        };
-        io::load(
-            &inputs,
-            io::Needs {
-                color: true,
-                projection: true,
-                ..io::Needs::default()
-            },
-        )
-        .unwrap()
+        let there = layers.into_iter();
+        let there: Vec<_> = there
+            .filter_map(|(name, plane)| Some((name, plane?)))
+            .collect();
+        through_a_file(&there, sample_type)
     }
 }
 

@@ -63,6 +63,14 @@ impl Mask {
         })
     }
 
+    /// What lies before, between and after the runs of row `y`, left to right; some may be empty.
+    pub fn gaps(&self, y: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        let width = self.width();
+        let mut from = 0;
+        let runs = self.runs(y).chain(std::iter::once(width..width));
+        runs.map(move |run| std::mem::replace(&mut from, run.end)..run.start)
+    }
+
     /// Whether the pixel at column `x` of row `y` is covered.
     pub fn at(&self, x: usize, y: usize) -> bool {
         self.covered.at(x, y)
@@ -125,6 +133,13 @@ mod tests {
                     found[run].fill(true);
                 }
                 assert_eq!(found, row);
+                // Gaps are all the rest, once each.
+                mask.gaps(0).for_each(|gap| {
+                    for covered in &mut found[gap] {
+                        assert!(!std::mem::replace(covered, true));
+                    }
+                });
+                assert!(found.iter().all(|&told| told));
             }
         }
         assert_eq!(Mask::new(Plane::filled(5, 1, false)).runs(0).count(), 0);

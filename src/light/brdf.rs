@@ -36,6 +36,9 @@ pub struct Cosines {
 /// Below this neither light nor eye is seen from the surface.
 pub(crate) const GRAZING: f32 = 1e-6;
 
+/// What makes the base reflect all that the coat lets pass, of light from all sides.
+pub(crate) const BASE_SCALE: f32 = 28.0 / 23.0;
+
 impl AshikhminShirley {
     /// The model with these exponents and reflectance.
     pub fn new(params: &MaterialParams) -> Self {
@@ -53,7 +56,7 @@ impl AshikhminShirley {
     #[inline(always)]
     pub fn diffuse(&self, nl: f32, ne: f32) -> f32 {
         let passed = |cosine: f32| 1.0 - fifth_power(1.0 - 0.5 * cosine);
-        28.0 / 23.0 * (1.0 - self.reflectance) * passed(nl) * passed(ne) * nl
+        BASE_SCALE * (1.0 - self.reflectance) * passed(nl) * passed(ne) * nl
     }
 
     /// The coat.

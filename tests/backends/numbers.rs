@@ -1,11 +1,10 @@
 //! Numbers at the ends of what single precision holds: what is none is left out on reading, and both backends make the
 //! same of the rest.
 
+use super::common::through_a_file;
 use super::{assert_same, on_gpu, plan, waves};
-use relievo::frame::{Frame, NormalSpace, Plane, Vector3Planes, Window};
-use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
-use relievo::io::inputs::Inputs;
-use relievo::io::{Needs, load};
+use relievo::frame::{Frame, Plane, Vector3Planes};
+use relievo::io::exr::OutputType;
 use relievo::params::{Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 
@@ -43,7 +42,7 @@ fn unit(vectors: &Vector3Planes) -> Vector3Planes {
 }
 
 /// The frame as it is after it was written to a file and read.
-fn through_a_file(frame: &Frame) -> Frame {
+fn as_read(frame: &Frame) -> Frame {
     let color = frame.color.as_ref().unwrap();
     let layers = [
         ("R", &color.r),
@@ -54,37 +53,7 @@ fn through_a_file(frame: &Frame) -> Frame {
         ("N.z", &frame.normal.z),
         ("Z", frame.depth.as_ref().unwrap()),
     ];
-    let channels = layers.map(|(name, plane)| OutputChannel {
-        name: name.into(),
-        plane,
-        sample_type: OutputType::Float,
-    });
-    let window = Window::from_size(color.r.width(), color.r.height());
-    let part = OutputPart {
-        name: "main".into(),
-        data_window: window,
-        display_window: window,
-        pixel_aspect: 1.0,
-        channels: channels.into(),
-        attributes: Vec::new(),
-        chromaticities: None,
-        compression: Default::default(),
-    };
-    let desk = tempfile::tempdir().unwrap();
-    let picture = desk.path().join("render.exr");
-    let mut file = std::fs::File::create(&picture).unwrap();
-    write_results(&mut file, &picture, &part).unwrap();
-    let inputs = Inputs {
-        picture,
-        normal_space: Some(NormalSpace::View),
-        ..Inputs::default()
-    };
-    let needs = Needs {
-        color: true,
-        projection: true,
-        ..Needs::default()
-    };
-    load(&inputs, needs).unwrap().frame
+    through_a_file(&layers, OutputType::Float).frame
 }
 
 #[test]
@@ -108,7 +77,7 @@ fn what_is_no_number_in_a_file() {
     let color = frame.color.as_mut().unwrap();
     // Beside the largest number there is no telling others apart.
     color.g = scattered(&color.g, 83, &hostile[..3]);
-    let read = through_a_file(&frame);
+    let read = as_read(&frame);
     let covered = read.mask.count();
     assert!(covered < 90 * 70 && covered > 80 * 70, "{covered}");
     on_gpu(|runner| {

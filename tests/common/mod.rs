@@ -6,7 +6,48 @@
 pub mod scenes;
 
 use glam::{DAffine3, DMat3, DVec3};
-use relievo::frame::{Camera, ColorPlanes, Frame, Mask, Plane, Projection, Vector3Planes, Window};
+use relievo::frame::{
+    Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window,
+};
+use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
+use relievo::io::inputs::Inputs;
+use relievo::io::{self, Loaded};
+
+/// Layers with view-space normals and a picture, written to a file with samples of `sample_type`, and loaded.
+pub fn through_a_file(layers: &[(&str, &Plane)], sample_type: OutputType) -> Loaded {
+    let channels = layers.iter().map(|&(name, plane)| OutputChannel {
+        name: name.into(),
+        plane,
+        sample_type,
+    });
+    let (_, plane) = layers[0];
+    let window = Window::from_size(plane.width(), plane.height());
+    let part = OutputPart {
+        name: "main".into(),
+        data_window: window,
+        display_window: window,
+        pixel_aspect: 1.0,
+        channels: channels.collect(),
+        attributes: Vec::new(),
+        chromaticities: None,
+        compression: Default::default(),
+    };
+    let desk = tempfile::tempdir().unwrap();
+    let picture = desk.path().join("render.exr");
+    let mut file = std::fs::File::create(&picture).unwrap();
+    write_results(&mut file, &picture, &part).unwrap();
+    let inputs = Inputs {
+        picture,
+        normal_space: Some(NormalSpace::View),
+        ..Inputs::default()
+    };
+    let needs = io::Needs {
+        color: true,
+        projection: true,
+        ..io::Needs::default()
+    };
+    io::load(&inputs, needs).unwrap()
+}
 
 /// The frame as seen in a mirror that stands to its left: columns reversed, x of vectors negated.
 ///

@@ -1,13 +1,15 @@
-//! What other backends leave to the CPU: what takes double precision, and what follows lines from pixel to pixel.
+//! What other backends leave to the CPU: what takes double precision, what follows lines from pixel to pixel, and what
+//! is chosen from a frame that a device takes in strips.
 
 use super::contours::{self, DrawnLine};
 use super::memory::Memory;
-use super::{Runner, direction_field, normal_rays};
-use crate::frame::{Frame, Plane, Vector2Planes};
+use super::{Runner, direction_field, light, light_layers, normal_rays, relight};
+use crate::backend::light_terms::light_terms;
+use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::line::contours::Contour;
 use crate::line::contours::round_stroke::RoundStroke;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::{ContourParams, LineParams, StrokeParams};
+use crate::params::{ContourParams, LineParams, ScalingParams, StrokeParams};
 use crate::plan::Plan;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -20,6 +22,21 @@ pub(in crate::backend) fn surface_directions(
     conductance: &Plane,
 ) -> Vector2Planes {
     normal_rays::directions(plan, frame, conductance, &Memory::default())
+}
+
+/// The albedo of a frame, estimated from its picture.
+pub(in crate::backend) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
+    let weights = light::luminance_weights(frame);
+    relight::estimated(frame, weights, &Memory::default())
+}
+
+/// The white levels of the terms that the light of a frame is scaled by.
+pub(in crate::backend) fn term_white_levels(
+    frame: &Frame,
+    params: &ScalingParams,
+) -> Vec<(&'static str, f32)> {
+    let terms = light_terms(&frame.light.lobes, params);
+    light_layers::white_levels(&terms, frame, params, &Memory::default())
 }
 
 /// The contours of a frame with these silhouette and crease weights, silhouettes first.

@@ -34,19 +34,21 @@ use crate::fast_math::Function;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::params::Adaptive;
-#[cfg(feature = "gpu")]
-use crate::params::ScalingParams;
 use crate::plan::{Goal, Plan, Stage};
 pub use drawing::TextureCoordinates;
 use edges::Weights;
 #[cfg(feature = "gpu")]
-pub(in crate::backend) use for_devices::{contour_lines, contour_pieces, surface_directions};
+pub(in crate::backend) use for_devices::{
+    contour_lines, contour_pieces, estimated_albedo, surface_directions, term_white_levels,
+};
 use kept::Kept;
 pub(in crate::backend) use light::luminance;
 use light_layers::Curvature;
 pub use live::LiveRunner;
 pub use outcome::{CurvaturePlanes, Drawing, Outcome, ScaleShape, Shape};
 use rayon::prelude::*;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use relight::{SHORTEST_TANGENT, light_rims};
 pub use runner::{DrawingInputs, Runner, SequenceInputs};
 use std::time::Instant;
 pub use strips::{StripChoice, StripSearch};
@@ -66,27 +68,6 @@ pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
 /// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.
 pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     simd::Simd::widest().map_row(function, out, x);
-}
-
-/// What the light of other backends shares with the CPU's.
-#[cfg(feature = "gpu")]
-pub(in crate::backend) use relight::{SHORTEST_TANGENT, light_rims};
-
-/// The albedo of a frame, estimated from its picture, for other backends.
-#[cfg(feature = "gpu")]
-pub(in crate::backend) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
-    let weights = light::luminance_weights(frame);
-    relight::estimated(frame, weights, &memory::Memory::default())
-}
-
-/// The white levels of the terms that the light of a frame is scaled by, for other backends.
-#[cfg(feature = "gpu")]
-pub(in crate::backend) fn term_white_levels(
-    frame: &Frame,
-    params: &ScalingParams,
-) -> Vec<(&'static str, f32)> {
-    let terms = light_terms(&frame.light.lobes, params);
-    light_layers::white_levels(&terms, frame, params, &memory::Memory::default())
 }
 
 /// Bits of the widest vectors that this machine has.

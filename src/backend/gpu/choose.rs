@@ -48,7 +48,8 @@ impl Searching {
         u32::BITS.saturating_sub((pass + 1) * SEARCH_BITS)
     }
 
-    /// Counts the numbers in some rows of three planes: of a trace, the conductance and either again, or of a picture.
+    /// Counts the numbers in some rows of three planes: a trace, the conductance and either again; a picture; or
+    /// luminance, three times over.
     pub(super) fn count(
         &self,
         run: &mut Run,

@@ -169,6 +169,16 @@ impl Device {
     }
 }
 
+/// What tests run on; `None` where there is no device, which is said, and is an error on a machine that has to have one.
+#[cfg(test)]
+pub(crate) fn to_test_on<T>(opened: Result<T>) -> Option<T> {
+    if let Err(error) = &opened {
+        assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
+        println!("SKIPPED: {error}");
+    }
+    opened.ok()
+}
+
 /// The order in which adapters are tried.
 fn rank(info: &wgpu::AdapterInfo) -> u32 {
     match info.device_type {

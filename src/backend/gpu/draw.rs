@@ -5,7 +5,7 @@
 use super::fault::Fault;
 use super::hatching::Texture;
 use super::kernels::{GAIN, WHITE};
-use super::light_layers::TermWhites;
+use super::light_layers::{TermWhites, levels_of};
 use super::recorder::add_timings;
 use super::relight::frame_lit;
 use super::run::Run;
@@ -145,9 +145,7 @@ impl Runner {
         if let (Some(color), true) = (&mut outcome.color, light.is_some()) {
             frame_lit(color, frame);
         }
-        let term_whites = term_whites.iter().zip(read);
-        let term_whites = term_whites.map(|((name, _), chosen)| (*name, chosen[WHITE as usize]));
-        outcome.term_white_levels = term_whites.collect();
+        outcome.term_white_levels = levels_of(&term_whites, read);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
         self.buffers
             .take_back(contours.into_iter().chain([densities, ink]));

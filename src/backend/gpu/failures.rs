@@ -1,6 +1,6 @@
 //! Tests: devices that are lost, have too little memory, or absurd limits.
 
-use super::device::{Choice, Device};
+use super::device::{Choice, Device, to_test_on};
 use super::fault::{Fault, in_memory, watched};
 use super::limits;
 use super::runner::Runner;
@@ -16,15 +16,7 @@ use std::time::{Duration, Instant};
 
 /// The device of this machine, if any, as if it had no more than some limits.
 fn device(change: fn(&mut wgpu::Limits)) -> Option<Device> {
-    match pollster::block_on(Device::opened(Choice::Any, change)) {
-        Ok(device) => Some(device),
-        Err(error) => {
-            // A machine that has to have a device says so.
-            assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
-            println!("SKIPPED: {error}");
-            None
-        }
-    }
+    to_test_on(pollster::block_on(Device::opened(Choice::Any, change)))
 }
 
 fn waves(width: usize, height: usize) -> (Plan, Frame) {

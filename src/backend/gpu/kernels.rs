@@ -9,7 +9,7 @@ use crate::backend::cpu::SHORTEST_TANGENT;
 use crate::backend::palette;
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
-use crate::light::brdf::GRAZING;
+use crate::light::brdf::{BASE_SCALE, GRAZING};
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
 use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::light_warping::{self, MOST_BRIGHTENED};
@@ -53,7 +53,7 @@ pub(super) const SEARCH_BINS: u32 = 1 << SEARCH_BITS;
 pub(super) const GAIN: u32 = 0;
 pub(super) const WHITE: u32 = 1;
 
-/// A kernel, named after its file.
+/// A kernel, named after its file; both kinds of strokes are of `hatching.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Kernel {
     LogDepth,
@@ -331,6 +331,7 @@ fn constants() -> String {
         ("SHORTEST", SHORTEST),
         ("SHORTEST_TANGENT", SHORTEST_TANGENT),
         ("GRAZING", GRAZING),
+        ("BASE_SCALE", BASE_SCALE),
         ("RIM_PX", RIM_PX),
         ("LEAST_RADIUS", LEAST_RADIUS),
         ("MAX_RADIANCE", MAX_RADIANCE),

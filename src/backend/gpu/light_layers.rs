@@ -4,6 +4,7 @@ use super::choose::{Search, Searching};
 use super::enhance::luminance_weights;
 use super::kernels::{Kernel, WHITE};
 use super::run::Run;
+use super::runner::WIDEST;
 use super::shape::{Hessian, Shape};
 use super::surface::Picture;
 use super::uniforms::{SizeParams, TermParams};
@@ -15,8 +16,16 @@ use crate::plan::{Plan, Stage};
 /// The white level of each term, in a buffer like that of what is chosen.
 pub(super) type TermWhites = Vec<(&'static str, wgpu::Buffer)>;
 
-/// Samples of a pixel in the widest buffers that light layers take.
-pub(super) const WIDEST: u64 = 4;
+/// The white levels of terms, of the numbers that were read of their buffers.
+pub(super) fn levels_of(
+    whites: &TermWhites,
+    read: impl Iterator<Item = Vec<f32>>,
+) -> Vec<(&'static str, f32)> {
+    let pairs = whites.iter().zip(read);
+    pairs
+        .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
+        .collect()
+}
 
 /// What the terms so far change of the picture, and the light that they tell of.
 struct Changes {

@@ -30,6 +30,8 @@ mod surface;
 mod uniforms;
 mod wait;
 
+#[cfg(test)]
+pub(crate) use device::to_test_on;
 pub use device::{Choice, Device};
 pub use kernels::kernel_sources;
 pub use runner::Runner;

@@ -116,11 +116,7 @@ pub(super) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
     for (k, plane) in planes.into_iter().enumerate() {
         for y in 0..mask.height() {
             let row = plane.row_mut(y);
-            let mut end = 0;
-            // What lies before each run, and after the last.
-            for run in mask.runs(y).chain(std::iter::once(row.len()..row.len())) {
-                let gap = end..run.start;
-                end = run.end;
+            for gap in mask.gaps(y) {
                 match kept {
                     Some(kept) => row[gap.clone()].copy_from_slice(&kept[k].row(y)[gap]),
                     None => row[gap].fill(0.0),

@@ -7,7 +7,7 @@ use super::fault::{Fault, in_memory, watched};
 use super::hatching::KeptTexture;
 use super::kernels::{GAIN, WHITE};
 use super::light::{KeptMaps, Light};
-use super::light_layers::{TermWhites, WIDEST};
+use super::light_layers::{TermWhites, levels_of};
 use super::recorder::{Programs, add_timings};
 use super::relight::{can_relight, frame_lit};
 use super::run::Run;
@@ -33,6 +33,9 @@ const ON_THE_CPU: [Stage; 3] = [
     Stage::TextureCoordinates,
     Stage::Streamlines,
 ];
+
+/// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
+pub(super) const WIDEST: u64 = 4;
 
 /// Stages that change the picture.
 pub(super) const SCALES: [Stage; 4] = [
@@ -300,11 +303,7 @@ impl Runner {
             if let (Some(color), Goal::Relight) = (&mut outcome.color, plan.goal) {
                 frame_lit(color, frame);
             }
-            outcome.term_white_levels = term_whites
-                .iter()
-                .zip(read.by_ref())
-                .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
-                .collect();
+            outcome.term_white_levels = levels_of(&term_whites, read.by_ref());
         }
         if plan.goal == Goal::Layers {
             describe(&mut outcome, plan, frame, read);

@@ -274,11 +274,7 @@ fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
     for (k, rows) in rows.iter_mut().enumerate() {
         for (i, row) in rows.chunks_mut(width).enumerate() {
             let y = first + i;
-            let mut end = 0;
-            // What lies before each run, and after the last.
-            for run in mask.runs(y).chain(std::iter::once(width..width)) {
-                let gap = end..run.start;
-                end = run.end;
+            for gap in mask.gaps(y) {
                 match planes {
                     Some(planes) => row[gap.clone()].copy_from_slice(&planes[k].row(y)[gap]),
                     None => row[gap].fill(0.0),

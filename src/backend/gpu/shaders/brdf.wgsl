@@ -20,7 +20,7 @@ fn passed(cosine: f32) -> f32 {
 
 // The base under the coat, of albedo 1.
 fn base_of(nl: f32, ne: f32) -> f32 {
-    return 28.0 / 23.0 * (1.0 - params.reflectance) * passed(nl) * passed(ne) * nl;
+    return BASE_SCALE * (1.0 - params.reflectance) * passed(nl) * passed(ne) * nl;
 }
 
 // The coat.

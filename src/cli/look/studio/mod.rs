@@ -1,31 +1,26 @@
 //! The frame in hand, and pictures made of it by one look after another.
 
-use super::super::args::{Command, OutputArgs, WorkArgs};
-use super::super::chosen::Chosen;
-use super::super::engine::Engine;
-use super::super::enhance;
-use super::super::hatch;
-use super::super::job::Job;
-use super::super::line_args::HatchArgs;
-use super::super::message;
-use super::super::recipe::RecipeText;
-use super::super::relight_args::{LightFlags, RelightArgs};
-use super::super::strips::refuse_too_large;
-use super::super::told::Told;
-use super::super::{relight, shape};
+mod reading;
+
 use super::{Look, Said};
 use crate::backend::cpu::{DrawingInputs, LiveRunner, Outcome, StripChoice};
+use crate::cli::args::{Command, OutputArgs, WorkArgs};
+use crate::cli::chosen::Chosen;
+use crate::cli::engine::Engine;
+use crate::cli::enhance;
+use crate::cli::hatch;
+use crate::cli::line_args::HatchArgs;
+use crate::cli::message;
+use crate::cli::recipe::RecipeText;
+use crate::cli::relight_args::RelightArgs;
+use crate::cli::{relight, shape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
-use crate::io::inputs::Inputs;
+use crate::io::Loaded;
 use crate::io::picture::{Picture, ViewTransform, pixels};
-use crate::io::{self, Loaded, Needs, SpecularInputs, load_specular};
-use crate::light::environment::Environment;
-use crate::light::lights::Illumination;
-use crate::light::lit_sphere::LitSphere;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::Material;
 use crate::plan::{Goal, LightKinds, Plan};
+use reading::{Around, Source};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -65,14 +60,6 @@ pub(crate) enum What {
     Curvature,
     /// All layers of the descriptor.
     Layers,
-}
-
-/// Everything that is read for a picture.
-#[derive(Debug, Clone, PartialEq)]
-struct Source {
-    inputs: Inputs,
-    needs: Needs,
-    specular: Option<(SpecularInputs, Material)>,
 }
 
 /// What holds a frame.
@@ -117,14 +104,6 @@ impl Sitter {
             Held::Reduced(_) => unreachable!("step 1 is the whole"),
         }
     }
-}
-
-/// Light that comes from files, and which.
-#[derive(Default)]
-struct Around {
-    files: (Option<PathBuf>, f32, Vec<PathBuf>),
-    environment: Option<Arc<Environment>>,
-    lit_spheres: Vec<LitSphere>,
 }
 
 /// What was made last.
@@ -316,95 +295,6 @@ impl Studio {
         Pixels::of(&output.picture(color, alpha, 8))
     }
 
-    /// Reads what the command takes, unless it is in hand.
-    fn read(&mut self, command: &Command, recipe: &RecipeText, reading: &Reading) -> Result<()> {
-        let told = Told::default();
-        let work = work_of(command);
-        work.shape.params().validate()?;
-        work.shape.refuse_more_scales()?;
-        let job = match reading.frame {
-            Some(frame) => Job::to_choose(work.of_frame(frame), frame, &told, recipe),
-            None => Job::new(work.clone(), &told, recipe),
-        };
-        let source = self.source(command, &job)?;
-        if self.sitter.as_ref().is_some_and(|s| s.source == source) {
-            return Ok(());
-        }
-        refuse_too_large(&job)?;
-        // The last frame goes before the next one comes.
-        self.sitter = None;
-        let mut loaded = io::load(&source.inputs, source.needs)?;
-        let scene = match (&source.specular, command) {
-            (Some((inputs, _)), Command::Relight(args)) => {
-                let scene = relight::specular_scene(inputs, &args.params(), &mut loaded)?;
-                Some(scene)
-            }
-            (Some((inputs, _)), _) => {
-                let mut scene = load_specular(inputs, &loaded, None)?;
-                scene.fill_from_behind(&mut loaded.frame);
-                Some(scene)
-            }
-            (None, _) => None,
-        };
-        let whole = LiveRunner::new(Held::Whole(Box::new(loaded)));
-        self.sitter = Some(Sitter {
-            source,
-            scene,
-            runners: [(1, whole)].into(),
-        });
-        Ok(())
-    }
-
-    fn source(&mut self, command: &Command, job: &Job) -> Result<Source> {
-        let specular = |args: &RelightArgs| {
-            let inputs = args.specular.of_frame(job.frame).inputs();
-            let material = args.params().material.material;
-            (!inputs.is_empty()).then_some((inputs, material))
-        };
-        let ((inputs, needs), specular) = match command {
-            Command::Shape(work) => (work.reading(Goal::Display, job), None),
-            Command::Enhance(args) => (args.reading(job), None),
-            Command::Relight(args) => {
-                let illumination = self.illumination(&args.light)?;
-                let foreshortening = args.work.shape.params().foreshortening;
-                let needs = relight::needs(&args.params(), foreshortening, &illumination);
-                ((args.inputs(job), needs), specular(args))
-            }
-            Command::Hatch(args) => {
-                let illumination = self.illumination(&args.relight.light)?;
-                let reading = args.reading(&args.looks()?, &illumination, job);
-                (reading, specular(&args.relight))
-            }
-            _ => unreachable!("{A_COMMAND}"),
-        };
-        Ok(Source {
-            inputs,
-            needs,
-            specular,
-        })
-    }
-
-    /// All the light that flags tell of; files are read once.
-    fn illumination(&mut self, flags: &LightFlags) -> Result<Illumination> {
-        let files = (
-            flags.environment.clone(),
-            flags.environment_rotate,
-            flags.lit_sphere.clone(),
-        );
-        if self.around.files != files {
-            self.around = Around {
-                environment: relight::environment(flags)?,
-                lit_spheres: relight::lit_spheres(flags)?,
-                files,
-            };
-        }
-        Ok(Illumination {
-            environment: self.around.environment.clone(),
-            lit_spheres: self.around.lit_spheres.clone(),
-            ..relight::lights(flags)?
-        })
-    }
-
     /// Has a device make it, or else the runner of the frame, which then holds it.
     fn run(&mut self, command: &Command, what: What, step: usize) -> Result<Option<Outcome>> {
         let work = work_of(command);
@@ -499,21 +389,6 @@ impl Studio {
         sitter.scene = scene;
         made
     }
-
-    /// Reads the texture of strokes from the folder that is named, unless it is at hand.
-    fn read_art_map(&mut self, args: &HatchArgs, looks: &hatch::Looks) -> Result<()> {
-        let Some(folder) = args.pictures() else {
-            return Ok(());
-        };
-        let scale = looks.line.strokes.scale;
-        let is_known = self.art_map.as_ref();
-        if is_known.is_some_and(|(known, at, _)| known == folder && *at == scale) {
-            return Ok(());
-        }
-        let map = args.art_map(looks)?;
-        self.art_map = map.map(|map| (folder.to_path_buf(), scale, map));
-        Ok(())
-    }
 }
 
 /// Says a thing once.
@@ -537,6 +412,7 @@ fn work_of(command: &Command) -> &WorkArgs {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
+    use crate::backend::gpu::to_test_on;
     use crate::cli::args::BackendArg;
     use std::path::Path;
 
@@ -557,14 +433,9 @@ mod tests {
 
     #[test]
     fn a_device_shows_what_the_cpu_shows() {
-        let engine = match Engine::for_window(BackendArg::Gpu) {
-            Ok(engine) => engine,
-            Err(error) => {
-                // A machine that has to have a device says so.
-                assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
-                println!("SKIPPED: {error}");
-                return;
-            }
+        let opened = Engine::for_window(BackendArg::Gpu);
+        let Some(engine) = to_test_on(opened) else {
+            return;
         };
         let expected = pictures(&mut Studio::new(Arc::default()));
         let mut studio = Studio::new(engine.into());

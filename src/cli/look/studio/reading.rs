@@ -1,0 +1,150 @@
+//! What a look is made of: files, read again only when others are named.
+
+use super::{A_COMMAND, Held, Reading, Sitter, Studio, work_of};
+use crate::backend::cpu::LiveRunner;
+use crate::cli::args::Command;
+use crate::cli::hatch;
+use crate::cli::job::Job;
+use crate::cli::line_args::HatchArgs;
+use crate::cli::recipe::RecipeText;
+use crate::cli::relight;
+use crate::cli::relight_args::{LightFlags, RelightArgs};
+use crate::cli::strips::refuse_too_large;
+use crate::cli::told::Told;
+use crate::error::Result;
+use crate::io::inputs::Inputs;
+use crate::io::{self, Needs, SpecularInputs, load_specular};
+use crate::light::environment::Environment;
+use crate::light::lights::Illumination;
+use crate::light::lit_sphere::LitSphere;
+use crate::params::Material;
+use crate::plan::Goal;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Everything that is read for a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Source {
+    inputs: Inputs,
+    needs: Needs,
+    specular: Option<(SpecularInputs, Material)>,
+}
+
+/// Light that comes from files, and which.
+#[derive(Default)]
+pub(super) struct Around {
+    files: (Option<PathBuf>, f32, Vec<PathBuf>),
+    environment: Option<Arc<Environment>>,
+    lit_spheres: Vec<LitSphere>,
+}
+
+impl Studio {
+    /// Reads what the command takes, unless it is in hand.
+    pub(super) fn read(
+        &mut self,
+        command: &Command,
+        recipe: &RecipeText,
+        reading: &Reading,
+    ) -> Result<()> {
+        let told = Told::default();
+        let work = work_of(command);
+        work.shape.params().validate()?;
+        work.shape.refuse_more_scales()?;
+        let job = match reading.frame {
+            Some(frame) => Job::to_choose(work.of_frame(frame), frame, &told, recipe),
+            None => Job::new(work.clone(), &told, recipe),
+        };
+        let source = self.source(command, &job)?;
+        if self.sitter.as_ref().is_some_and(|s| s.source == source) {
+            return Ok(());
+        }
+        refuse_too_large(&job)?;
+        // The last frame goes before the next one comes.
+        self.sitter = None;
+        let mut loaded = io::load(&source.inputs, source.needs)?;
+        let scene = match (&source.specular, command) {
+            (Some((inputs, _)), Command::Relight(args)) => {
+                let scene = relight::specular_scene(inputs, &args.params(), &mut loaded)?;
+                Some(scene)
+            }
+            (Some((inputs, _)), _) => {
+                let mut scene = load_specular(inputs, &loaded, None)?;
+                scene.fill_from_behind(&mut loaded.frame);
+                Some(scene)
+            }
+            (None, _) => None,
+        };
+        let whole = LiveRunner::new(Held::Whole(Box::new(loaded)));
+        self.sitter = Some(Sitter {
+            source,
+            scene,
+            runners: [(1, whole)].into(),
+        });
+        Ok(())
+    }
+
+    fn source(&mut self, command: &Command, job: &Job) -> Result<Source> {
+        let specular = |args: &RelightArgs| {
+            let inputs = args.specular.of_frame(job.frame).inputs();
+            let material = args.params().material.material;
+            (!inputs.is_empty()).then_some((inputs, material))
+        };
+        let ((inputs, needs), specular) = match command {
+            Command::Shape(work) => (work.reading(Goal::Display, job), None),
+            Command::Enhance(args) => (args.reading(job), None),
+            Command::Relight(args) => {
+                let illumination = self.illumination(&args.light)?;
+                let foreshortening = args.work.shape.params().foreshortening;
+                let needs = relight::needs(&args.params(), foreshortening, &illumination);
+                ((args.inputs(job), needs), specular(args))
+            }
+            Command::Hatch(args) => {
+                let illumination = self.illumination(&args.relight.light)?;
+                let reading = args.reading(&args.looks()?, &illumination, job);
+                (reading, specular(&args.relight))
+            }
+            _ => unreachable!("{A_COMMAND}"),
+        };
+        Ok(Source {
+            inputs,
+            needs,
+            specular,
+        })
+    }
+
+    /// All the light that flags tell of; files are read once.
+    pub(super) fn illumination(&mut self, flags: &LightFlags) -> Result<Illumination> {
+        let files = (
+            flags.environment.clone(),
+            flags.environment_rotate,
+            flags.lit_sphere.clone(),
+        );
+        if self.around.files != files {
+            self.around = Around {
+                environment: relight::environment(flags)?,
+                lit_spheres: relight::lit_spheres(flags)?,
+                files,
+            };
+        }
+        Ok(Illumination {
+            environment: self.around.environment.clone(),
+            lit_spheres: self.around.lit_spheres.clone(),
+            ..relight::lights(flags)?
+        })
+    }
+
+    /// Reads the texture of strokes from the folder that is named, unless it is at hand.
+    pub(super) fn read_art_map(&mut self, args: &HatchArgs, looks: &hatch::Looks) -> Result<()> {
+        let Some(folder) = args.pictures() else {
+            return Ok(());
+        };
+        let scale = looks.line.strokes.scale;
+        let is_known = self.art_map.as_ref();
+        if is_known.is_some_and(|(known, at, _)| known == folder && *at == scale) {
+            return Ok(());
+        }
+        let map = args.art_map(looks)?;
+        self.art_map = map.map(|map| (folder.to_path_buf(), scale, map));
+        Ok(())
+    }
+}
