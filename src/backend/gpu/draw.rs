@@ -101,12 +101,16 @@ impl Runner {
         let directions = self.directions(plan, frame, params, &mut outcome);
 
         // Strokes, while the CPU follows lines.
+        let start = Instant::now();
+        let fields = directions.iter().map(|field| run.hold_field(field));
+        let fields: Vec<_> = fields.collect();
+        add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
         let ink = self.strokes(
             &mut run,
             (plan, params),
             frame,
             inputs,
-            (&densities, &directions),
+            (&densities, &fields),
             &mut outcome,
         );
         let of_strokes = run.recorder.submit(&[]);
@@ -164,7 +168,7 @@ impl Runner {
         (plan, params): (&Plan, &LineParams),
         frame: &Frame,
         inputs: DrawingInputs,
-        (densities, directions): (&wgpu::Buffer, &[Vector2Planes]),
+        (densities, directions): (&wgpu::Buffer, &[[wgpu::Buffer; 2]]),
         outcome: &mut Outcome,
     ) -> wgpu::Buffer {
         let strokes = &params.strokes;

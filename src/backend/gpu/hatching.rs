@@ -6,7 +6,7 @@ use super::kernels::{Kernel, WHITE};
 use super::run::Run;
 use super::surface::{Picture, Upload};
 use super::uniforms::{DensityParams, StrokeParams};
-use crate::frame::{Frame, Vector2Planes};
+use crate::frame::Frame;
 use crate::line::density::density_table;
 use crate::line::hatching::Hatching;
 use crate::line::tonal_art_map::{Texels, TonalArtMap};
@@ -125,13 +125,13 @@ impl Run<'_> {
         densities
     }
 
-    /// How much of the paper strokes cover, along one field of directions for each of their families.
+    /// How much of the paper strokes cover, along one field of directions, x and y, for each of their families.
     pub(super) fn hatched(
         &mut self,
         params: &params::StrokeParams,
         frame: &Frame,
         densities: &wgpu::Buffer,
-        directions: &[Vector2Planes],
+        directions: &[[wgpu::Buffer; 2]],
         (map, texture): (&TonalArtMap, &Texture),
     ) -> wgpu::Buffer {
         let [width, height] = self.surface.size;
@@ -141,10 +141,9 @@ impl Run<'_> {
             0 => Kernel::Strokes,
             _ => Kernel::PictureStrokes,
         };
-        for (family, direction) in directions.iter().enumerate() {
+        for (family, [x, y]) in directions.iter().enumerate() {
             let turned: Vec<[f32; 4]> = Hatching::new(map, params, family).turned().collect();
             let turned = self.hold(turned.as_flattened());
-            let [x, y] = [&direction.x, &direction.y].map(|plane| self.hold(plane.samples()));
             let switches = [
                 ("IS_FIRST", family == 0),
                 ("IS_LAST", family + 1 == directions.len()),
@@ -170,8 +169,8 @@ impl Run<'_> {
                 &[
                     &self.surface.covered,
                     densities,
-                    &x,
-                    &y,
+                    x,
+                    y,
                     &texture.thresholds,
                     &turned,
                     &texture.texels,

@@ -5,6 +5,7 @@ use super::device::Device;
 use super::recorder::{Programs, Recorder, Timings};
 use super::surface::{Surface, Upload};
 use crate::error::Result;
+use crate::frame::Vector2Planes;
 
 /// Bytes of a buffer that nothing is written to.
 pub(super) const NOWHERE: u64 = 16;
@@ -66,6 +67,14 @@ impl<'a> Run<'a> {
         .bytes(bytes);
         self.held.push(buffer.clone());
         buffer
+    }
+
+    /// Copies a field of vectors to the device, x and y.
+    pub(super) fn hold_field(
+        &mut self,
+        Vector2Planes { x, y }: &Vector2Planes,
+    ) -> [wgpu::Buffer; 2] {
+        [x, y].map(|plane| self.hold(plane.samples()))
     }
 
     /// Runs what was recorded, and hands out what `wanted` then hold, with the time of each stage.
