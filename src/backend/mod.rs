@@ -10,5 +10,6 @@ pub mod gpu;
 mod importance;
 mod light_terms;
 mod palette;
+mod stroke_field;
 
 pub use agreement::{Product, difference, ink_difference, products, relit_tolerance};

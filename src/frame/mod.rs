@@ -20,6 +20,8 @@ pub use plane::{
     ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };
 pub use ray::Ray;
+#[cfg(feature = "gpu")]
+pub(crate) use sight::MIN_SEEN;
 pub use sight::SightLines;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use specular::SpecularScene;

@@ -10,7 +10,7 @@ pub struct SightLines {
 }
 
 /// Share of a unit tangent that must be seen across the sight line: less points at the eye.
-const MIN_SEEN: f64 = 1e-4;
+pub(crate) const MIN_SEEN: f64 = 1e-4;
 
 impl SightLines {
     /// Those of a known projection.
@@ -98,6 +98,12 @@ impl SightLines {
         }
     }
 
+    /// Height of a pixel over its width, both with the sign of their axis.
+    pub(crate) fn pixel_shape(&self) -> f64 {
+        let (sx, sy) = self.pixels_per_unit();
+        sy / sx
+    }
+
     /// The projection.
     pub fn projection(&self) -> Projection {
         self.projection
@@ -119,8 +125,7 @@ impl SightLines {
         let across = (tangent + tangent.z * line).truncate();
         let least = MIN_SEEN * MIN_SEEN * line.length_squared();
         let is_seen = across.length_squared() > least;
-        let (sx, sy) = self.pixels_per_unit();
-        is_seen.then(|| (across * DVec2::new(1.0, sy / sx)).try_normalize())?
+        is_seen.then(|| (across * DVec2::new(1.0, self.pixel_shape())).try_normalize())?
     }
 }
 

@@ -24,7 +24,7 @@ pub fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Opti
 }
 
 /// What is left of a sum, as a share of its weights, below which nothing but rounding is.
-const CANCELLED: f32 = 1e-3;
+pub(crate) const CANCELLED: f32 = 1e-3;
 
 /// Pixels over which the direction of a plane turns from its neighbours' to the fixed one.
 pub const PLANE_MARGIN_PX: usize = 16;
@@ -59,7 +59,7 @@ pub fn fixed_tangents(normal: DVec3) -> impl Iterator<Item = DVec3> {
 }
 
 /// Sine of the angle to a normal, about a degree, below which an axis is along it: what is left is noise.
-const ALONG: f64 = 0.02;
+pub(crate) const ALONG: f64 = 0.02;
 
 /// The direction at right angles, on the surface, to [`fixed_direction`].
 #[inline]

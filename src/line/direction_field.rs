@@ -40,7 +40,7 @@ pub fn halved(doubled: [f32; 2]) -> [f32; 2] {
 }
 
 /// Below this a vector is 0: its square is not a number of full precision.
-const LEAST_LENGTH: f32 = 1e-18;
+pub(crate) const LEAST_LENGTH: f32 = 1e-18;
 
 /// Directions of a row, halved in place.
 #[inline(always)]
@@ -51,7 +51,7 @@ pub fn halve_row(x: &mut [f32], y: &mut [f32]) {
 }
 
 /// Difference of the curvatures over their sum up to which a surface is round: a mesh of a ball is no rounder.
-const ROUND: f64 = 0.1;
+pub(crate) const ROUND: f64 = 0.1;
 
 /// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
 /// the angle of the algebraically larger one, and their mean.
@@ -131,7 +131,7 @@ pub fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
 
 /// The length of a mean direction over what it would be if all agreed, from which on it counts, and from which
 /// on it leads alone: 0.8 is that of directions spread evenly over 65 degrees, 0.2 over 150.
-const AGREE: Range<f32> = 0.2..0.8;
+pub(crate) const AGREE: Range<f32> = 0.2..0.8;
 
 /// Three components and a weight, which is 1: what is summed along chains.
 pub type Weighted = [f32; 4];

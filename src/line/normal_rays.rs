@@ -93,10 +93,13 @@ pub const PARABOLIC: f64 = 1e-3;
 const CERTAINTY: f64 = 10.0;
 
 /// Cosine of the angle between two normals below which their rays are not compared: slopes run away.
-const MIN_COSINE: f64 = 0.1;
+pub(crate) const MIN_COSINE: f64 = 0.1;
 
 /// Least sine between the two differences of feet: below it the surface is seen along itself.
-const MIN_SINE: f64 = 1e-6;
+pub(crate) const MIN_SINE: f64 = 1e-6;
+
+/// How far before the plane of the picture a unit normal and the way to the viewer must point together.
+pub(crate) const MIN_UPRIGHT: f64 = 1e-6;
 
 /// Principal curvatures at a point with the normal `normal`, from the rays beside it along x and y.
 ///
@@ -181,7 +184,7 @@ pub fn curvature_tensor(normal: DVec3, [along_x, along_y]: [Sides; 2]) -> Option
 #[inline]
 pub fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
     let both = normal + DVec3::Z;
-    let faces = both.z > 1e-6;
+    let faces = both.z > MIN_UPRIGHT;
     faces.then(|| [DVec3::X, DVec3::Y].map(|axis| axis - axis.dot(normal) / both.z * both))
 }
 

@@ -42,8 +42,6 @@ fn assert_drawn(
     assert_alike(name, &found, &expected, |product| {
         let is_drawn = match product {
             Product::Picture | Product::Strokes | Product::Contours => true,
-            // Without contours each backend leaves out what it does not need.
-            Product::Weights => line.contours.is_some(),
             _ => false,
         };
         is_drawn.then(|| product.tolerance())

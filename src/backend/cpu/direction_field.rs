@@ -6,11 +6,14 @@ use super::chains::Cross;
 use super::direction_fill::fill_rest;
 use super::memory::Memory;
 use super::patches::{Patch, Patches};
-use crate::frame::{DepthKind, Frame, Plane, Projection, SightLines, Vector2Planes};
+use crate::backend::stroke_field::{
+    FACING, FALLBACK, FAR, FORM_REACH, FREE, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
+};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::direction::{fixed_direction, fixed_second_direction};
 use crate::line::direction_field::{Form, Weighted, calm, doubled};
 use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
-use crate::params::{Fallback, FieldParams, StrokeDirections};
+use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -62,97 +65,38 @@ struct Field<'a> {
     params: &'a FieldParams,
     frame: &'a Frame,
     patches: &'a Patches,
-    /// The fallback where it is the same everywhere, and at right angles to it.
-    fixed: Option<[Vec2; 2]>,
-    sight: SightLines,
-    /// Pixels per unit of length, at a distance of 1 in perspective.
-    pixels: f64,
-    perspective: bool,
-    /// Cells of the field per pixel of one of a quarter of the reference's size.
-    cells: f32,
-    doubt: f64,
+    setting: FieldSetting,
 }
-
-/// How far tensors of curvature are averaged before directions are told from them, in pixels of a field of
-/// a quarter of the picture's size: facets and the rounding of normals cancel there, with their signs.
-/// More rounds off forms of that size.
-const FORM_REACH: f32 = 2.5;
-
-/// Turn of the normal, in radians per pixel, that counts half: 17 degrees over a thousand pixels.
-const FLAT_TURN: f64 = 3e-4;
-
-/// Pixels over which the turn of normals is told, whatever the size of cells: as far as tensors are averaged.
-const TURN_PX: f64 = 8.0;
-
-/// Deviations of the noise of curvature, told over so many pixels, that count half.
-const NOISE: f64 = 3.0;
-
-/// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
-const DEVIATION: f64 = 0.577_350_269;
-
-/// Cosine between normal and sight line below which directions, foreshortened, count less.
-const FACING: f64 = 0.35;
-
-/// How sure the fallback is where curvature tells nothing, and how sure curvature must be for the fallback
-/// not to bend it. Higher values bend more; lower ones follow rounding over a ball.
-const FALLBACK: f32 = 0.005;
-const FREE: f32 = 4.0 * FALLBACK;
-
-/// How many times farther than a pass the surroundings reach that lead where directions disagree, and in how
-/// many passes.
-const SURROUNDINGS: f32 = 4.0;
-const SURROUNDING_PASSES: u32 = 2;
 
 /// A patch of which no curvature is known.
 const NO_FORM: Weighted = [0.0, 0.0, 0.0, 1.0];
 
-/// The most, and the least, that depth makes of the radius.
-const NEAR: f32 = 2.0;
-const FAR: f32 = 0.25;
-
 impl<'a> Field<'a> {
     fn new(plan: &Plan, params: &'a FieldParams, frame: &'a Frame, patches: &'a Patches) -> Self {
-        let (sight, pixels) = match frame.camera.map(|camera| camera.projection) {
-            Some(projection) => (SightLines::new(projection), scale(projection)),
-            None => (SightLines::parallel(frame.pixel_aspect), 1.0),
-        };
-        let is_parallel = |p| matches!(p, Projection::Orthographic { .. });
-        let cell_px = f64::from(params.cell_px);
-        let rounding = f64::from(frame.source.normal_rounding);
-        let factor = plan.resolution_factor;
-        let noise = NOISE * DEVIATION * rounding / TURN_PX;
-        let fixed = match params.fallback {
-            Fallback::Angle(degrees) => {
-                let first = Vec2::from_angle((degrees % 180.0).to_radians());
-                Some([first, first.perp()])
-            }
-            Fallback::Surface => None,
-        };
         Self {
             params,
             frame,
             patches,
-            fixed,
-            sight,
-            pixels,
-            perspective: !frame.camera.is_some_and(|c| is_parallel(c.projection)),
-            cells: (4.0 * factor / cell_px) as f32,
-            doubt: noise.hypot(FLAT_TURN / factor),
+            setting: FieldSetting::new(plan, params, frame),
         }
     }
 
     /// How far one pass reaches from each patch, in patches.
     fn reach(&self) -> Vec<f32> {
-        let radius = self.params.radius_px * self.cells;
+        let radius = self.params.radius_px * self.setting.cells;
         let all = &self.patches.all;
-        let known = self.perspective && self.frame.source.depth_kind != DepthKind::Relative;
-        let mut depths: Vec<f32> = all.iter().map(|p| p.depth).filter(|&d| d > 0.0).collect();
-        if !known || depths.is_empty() {
+        let is_known = |depth: f32| depth > 0.0 && depth.is_finite();
+        let mut depths: Vec<f32> = all
+            .iter()
+            .map(|p| p.depth)
+            .filter(|&d| is_known(d))
+            .collect();
+        if !self.setting.is_by_depth || depths.is_empty() {
             return vec![radius; all.len()];
         }
         let middle = depths.len() / 2;
         let (_, &mut median, _) = depths.select_nth_unstable_by(middle, f32::total_cmp);
-        let reach = |depth: f32| match depth > 0.0 {
+        let reach = |depth: f32| match is_known(depth) {
             true => radius * (median / depth).clamp(FAR, NEAR),
             false => radius,
         };
@@ -167,7 +111,7 @@ impl<'a> Field<'a> {
             .with_min_len(PATCHES_PER_TASK)
             .map(|i| self.form(i).unwrap_or(NO_FORM))
             .collect();
-        cross.mean(&forms, &vec![FORM_REACH * self.cells; all.len()])
+        cross.mean(&forms, &vec![FORM_REACH * self.setting.cells; all.len()])
     }
 
     /// The tensor of curvature of a patch, per pixel, from the patches around it.
@@ -176,6 +120,7 @@ impl<'a> Field<'a> {
         let ray = |links: &[u32]| {
             let there: &Patch = self.patches.all.get(links[i] as usize)?;
             let offset = self
+                .setting
                 .sight
                 .step(here.at, here.normal, there.at, there.normal)?;
             Some(NormalRay {
@@ -196,8 +141,8 @@ impl<'a> Field<'a> {
             sides(&down.after, &down.before),
         ];
         let tensor = curvature_tensor(here.normal, sides)?;
-        let [x, y] = (tensor.deviator / self.pixels).to_array();
-        let found = [x, y, tensor.mean / self.pixels, 1.0].map(|v| v as f32);
+        let [x, y] = (tensor.deviator / self.setting.pixels).to_array();
+        let found = [x, y, tensor.mean / self.setting.pixels, 1.0].map(|v| v as f32);
         found.iter().all(|v| v.is_finite()).then_some(found)
     }
 
@@ -212,7 +157,7 @@ impl<'a> Field<'a> {
                 };
                 let own = self.direction(patch, &form, family).unwrap_or_default();
                 let fallback = self.fallback(patch.at.x, patch.at.y, patch.normal, order);
-                let (sure, flat) = (own.length(), form.flatness(self.doubt) as f32);
+                let (sure, flat) = (own.length(), form.flatness(self.setting.doubt) as f32);
                 let sum = own + flat * doubled(fallback);
                 [sum.x, sum.y, sure + flat, 1.0]
             })
@@ -226,9 +171,9 @@ impl<'a> Field<'a> {
         let [a, b] = upright_tangents(patch.normal)?;
         let tangent = axis.x * a + axis.y * b;
         let [x, y] = patch.at.to_array();
-        let seen = self.sight.picture_direction(x, y, tangent)?;
-        let facing = (self.sight.facing(x, y, patch.normal) / FACING).clamp(0.0, 1.0);
-        let sure = form.confidence(self.doubt) * facing.powi(2);
+        let seen = self.setting.sight.picture_direction(x, y, tangent)?;
+        let facing = (self.setting.sight.facing(x, y, patch.normal) / FACING).clamp(0.0, 1.0);
+        let sure = form.confidence(self.setting.doubt) * facing.powi(2);
         Some(sure as f32 * doubled(seen.as_vec2()))
     }
 
@@ -273,10 +218,10 @@ impl<'a> Field<'a> {
 
     /// The fallback at a place, of the first field made or the second.
     fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
-        match (self.fixed, order) {
+        match (self.setting.fixed, order) {
             (Some(fixed), _) => fixed[order],
-            (None, 0) => fixed_direction(normal, &self.sight, x, y),
-            (None, _) => fixed_second_direction(normal, &self.sight, x, y),
+            (None, 0) => fixed_direction(normal, &self.setting.sight, x, y),
+            (None, _) => fixed_second_direction(normal, &self.setting.sight, x, y),
         }
     }
 
@@ -306,11 +251,3 @@ impl<'a> Field<'a> {
 
 /// Patches that one task takes at the least.
 const PATCHES_PER_TASK: usize = 1024;
-
-/// Pixels per unit of length, at a distance of 1 in perspective.
-fn scale(projection: Projection) -> f64 {
-    match projection {
-        Projection::Perspective { fx, fy, .. } => (fx * fy).abs().sqrt(),
-        Projection::Orthographic { sx, sy, .. } => (sx * sy).abs().sqrt(),
-    }
-}

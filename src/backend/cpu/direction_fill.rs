@@ -1,6 +1,7 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
 use super::ROWS_PER_TASK;
+use crate::backend::stroke_field::REST_REACH_PX;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX, mean_direction};
 use crate::shape::conductance::face_conductance;
@@ -64,8 +65,8 @@ pub(super) fn fill(
     field.fix(&closed, fixed);
 }
 
-/// Gives every covered pixel whose direction is 0 one, from whatever neighbours it has, wave after wave; the
-/// `fixed` one where no pixel it hangs together with has any.
+/// Gives every covered pixel whose direction is 0 one, from whatever neighbours it has, wave after wave, so far as
+/// [`REST_REACH_PX`]; the `fixed` one beyond.
 pub(super) fn fill_rest(
     directions: &mut Vector2Planes,
     mask: &Mask,
@@ -74,7 +75,7 @@ pub(super) fn fill_rest(
     let width = mask.width();
     let mut field = Field { directions, width };
     let lacking = field.lacking(mask);
-    field.spread(usize::MAX, &lacking, |_, _| 1.0, |_, mean, _| mean);
+    field.spread(REST_REACH_PX, &lacking, |_, _| 1.0, |_, mean, _| mean);
     field.fix(&lacking, |i| fixed(i % width, i / width));
 }
 

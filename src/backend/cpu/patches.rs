@@ -1,5 +1,6 @@
 //! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
 
+use crate::backend::stroke_field::OPEN;
 use crate::frame::{Frame, Plane};
 use crate::line::patches::{MAX_CELL_PX, NO_PATCH, joined, label_cell};
 use glam::{DVec2, DVec3};
@@ -109,9 +110,6 @@ pub(super) struct Patches {
     pub(super) across: Links,
     pub(super) down: Links,
 }
-
-/// Conductance from which on a pixel is open: the middle of the soft steps of silhouettes and creases.
-pub(super) const OPEN: f32 = 0.5;
 
 impl Patches {
     pub(super) fn new(frame: &Frame, conductance: &Plane, cell_px: usize) -> Self {

@@ -1,7 +1,7 @@
 //! Memory on the device: buffers of finished runs, used again.
 
 use super::device::Device;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Buffers to be used again.
 #[derive(Debug, Default)]
@@ -58,43 +58,40 @@ impl Buffers {
     /// Forgets all: what a run that failed gave back may be no buffers.
     pub(super) fn forget(&self) {
         let pools = [&self.work, &self.copied, &self.readable];
-        pools.into_iter().for_each(|pool| pool.keep(|_| false));
+        pools.into_iter().for_each(Pool::forget);
     }
 
     /// Whether there is none to be used again.
     #[cfg(test)]
     pub(super) fn is_empty(&self) -> bool {
         let pools = [&self.work, &self.copied, &self.readable];
-        pools.into_iter().all(|pool| {
-            pool.0
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .is_empty()
-        })
+        pools.into_iter().all(|pool| pool.spare().is_empty())
     }
 
-    /// Forgets buffers that a picture of this many pixels has no use for.
-    pub(super) fn keep_for(&self, pixels: u64) {
-        let is_of_use = |size: u64| {
-            let is_plane = [1, 2, 3, 4]
-                .iter()
-                .any(|samples| size == 4 * samples * pixels);
-            size < pixels || is_plane
-        };
+    /// Forgets what the last run had no use for: pictures, and lists along their lines, differ in size.
+    pub(super) fn begin_run(&self) {
         let pools = [&self.work, &self.copied, &self.readable];
-        pools.into_iter().for_each(|pool| pool.keep(is_of_use));
+        pools.into_iter().for_each(Pool::begin_run);
     }
 }
 
+/// A buffer that is not in use.
+#[derive(Debug)]
+struct Spare {
+    buffer: wgpu::Buffer,
+    /// Whether it was given back since the last run began.
+    is_fresh: bool,
+}
+
 #[derive(Debug, Default)]
-struct Pool(Mutex<Vec<wgpu::Buffer>>);
+struct Pool(Mutex<Vec<Spare>>);
 
 impl Pool {
     fn take(&self, device: &Device, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let bytes = bytes.max(4).next_multiple_of(4);
-        let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(at) = spare.iter().position(|buffer| buffer.size() == bytes) {
-            return spare.swap_remove(at);
+        let mut spare = self.spare();
+        if let Some(at) = spare.iter().position(|spare| spare.buffer.size() == bytes) {
+            return spare.swap_remove(at).buffer;
         }
         drop(spare);
         device.device.create_buffer(&wgpu::BufferDescriptor {
@@ -107,17 +104,28 @@ impl Pool {
 
     /// One that several hands held is kept only once.
     fn take_back(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
-        let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut spare = self.spare();
         for buffer in buffers {
-            if !spare.contains(&buffer) {
-                spare.push(buffer);
+            if !spare.iter().any(|spare| spare.buffer == buffer) {
+                spare.push(Spare {
+                    buffer,
+                    is_fresh: true,
+                });
             }
         }
     }
 
-    /// Keeps buffers of sizes of which that holds.
-    fn keep(&self, is_of_use: impl Fn(u64) -> bool) {
-        let mut spare = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        spare.retain(|buffer| is_of_use(buffer.size()));
+    fn begin_run(&self) {
+        let mut spare = self.spare();
+        spare.retain(|spare| spare.is_fresh);
+        spare.iter_mut().for_each(|spare| spare.is_fresh = false);
+    }
+
+    fn forget(&self) {
+        self.spare().clear();
+    }
+
+    fn spare(&self) -> MutexGuard<'_, Vec<Spare>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -20,6 +20,8 @@ pub(super) enum Search {
     White([f32; 3]),
     /// The white level of a term of the light, from its luminance.
     TermWhite,
+    /// The median depth of patches, of so many columns and rows; it takes the place of a white level.
+    Depth([u32; 2]),
 }
 
 /// A search, and its state on the device.
@@ -43,6 +45,14 @@ impl Searching {
         }
     }
 
+    /// Columns and rows of the planes.
+    fn size(&self, run: &Run) -> [u32; 2] {
+        match self.search {
+            Search::Depth(size) => size,
+            _ => run.surface.size,
+        }
+    }
+
     /// Where the bits begin that pass number `pass` finds.
     fn shift(pass: u32) -> u32 {
         u32::BITS.saturating_sub((pass + 1) * SEARCH_BITS)
@@ -57,11 +67,11 @@ impl Searching {
         [a, b, c]: [&wgpu::Buffer; 3],
         rows: Range<u32>,
     ) {
-        let [width, height] = run.surface.size;
+        let [width, height] = self.size(run);
         let (least, weights) = match self.search {
             Search::Gain { size, factor } => (flat_curvature(size, factor), [0.0; 3]),
             Search::White(weights) => (0.0, weights),
-            Search::TermWhite => (0.0, [0.0; 3]),
+            Search::TermWhite | Search::Depth(_) => (0.0, [0.0; 3]),
         };
         let params = CountParams {
             width,
@@ -80,7 +90,10 @@ impl Searching {
         };
         let switches = [
             ("OF_TRACE", matches!(self.search, Search::Gain { .. })),
-            ("OF_LIGHT", self.search == Search::TermWhite),
+            (
+                "OF_LIGHT",
+                matches!(self.search, Search::TermWhite | Search::Depth(_)),
+            ),
         ];
         let most = match run.device.is_software() {
             true => MOST_GROUPS_IN_SOFTWARE,
@@ -101,6 +114,7 @@ impl Searching {
         let (percent, is_gain) = match self.search {
             Search::Gain { .. } => (CURVATURE_PERCENT, true),
             Search::White(_) | Search::TermWhite => (WHITE_PERCENT, false),
+            Search::Depth(_) => (50, false),
         };
         let params = NarrowParams {
             is_first: u32::from(pass == 0),
@@ -120,7 +134,7 @@ impl Searching {
 
     /// All passes over planes that are there.
     pub(super) fn choose(self, run: &mut Run, planes: [&wgpu::Buffer; 3], chosen: &wgpu::Buffer) {
-        let rows = 0..run.surface.size[1];
+        let rows = 0..self.size(run)[1];
         for pass in 0..SEARCH_PASSES {
             self.count(run, pass, planes, rows.clone());
             self.narrow(run, pass, chosen);
@@ -137,6 +151,7 @@ impl Searching {
         match self.search {
             Search::Gain { .. } => "auto-gain",
             Search::White(_) | Search::TermWhite => "auto-white",
+            Search::Depth(_) => "direction-field",
         }
     }
 }

@@ -37,7 +37,8 @@ impl Runner {
             inputs.sequence.is_none(),
             "strokes lie still in the picture"
         );
-        let done = self.guarded(|| Ok(self.draw_whole(plan, frame, params, inputs)?));
+        let done =
+            self.guarded(|| Ok(self.draw_whole(plan, frame, params, inputs)?.expect("TODO")));
         done.map_err(Fault::into_error)
     }
 
@@ -47,7 +48,7 @@ impl Runner {
         frame: &Frame,
         params: &LineParams,
         inputs: DrawingInputs,
-    ) -> Result<Outcome> {
+    ) -> Result<Option<Outcome>> {
         let most_rows = self.most_rows(plan, frame, self.device().plane_bytes)?;
         if most_rows < frame.mask.height() as u64 {
             return Err(self.device().error(format_args!(
@@ -70,8 +71,8 @@ impl Runner {
         let start = Instant::now();
         let mut run = self.start(plan, frame);
         let edges = run.edges(plan, frame);
-        let wanted = std::iter::once(&edges.conductance).chain(&edges.weights);
-        let of_edges = run.recorder.submit(&wanted.collect::<Vec<_>>());
+        let weights: Vec<_> = edges.weights.iter().collect();
+        let of_edges = run.recorder.submit(&weights);
         let rows = 0..frame.mask.height();
         let copied = match &light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
@@ -80,7 +81,14 @@ impl Runner {
         let is_copied = copied.is_some();
         outcome.timings.push((UPLOAD, start.elapsed()));
 
-        // Tone, while the CPU finds directions.
+        // Strokes, while the CPU follows lines.
+        let fields = run.stroke_fields(
+            plan,
+            &params.field,
+            params.directions,
+            frame,
+            &edges.conductance,
+        );
         let shape = run.shape_along(plan, edges);
         run.choose_gain(plan, &shape);
         let picture = match &light {
@@ -94,41 +102,29 @@ impl Runner {
         }
         let paper = run.choose_paper_white(&params.tone, frame, &picture);
         let densities = run.densities(&params.tone, frame, &picture, &paper);
-        let of_tone = run.recorder.submit(&[]);
-        let (read, times) = of_edges.read()?;
-        add_timings(&mut outcome.timings, &times.unwrap_or_default());
-        put_edges(&mut outcome.shape, read, frame);
-        let directions = self.directions(plan, frame, params, &mut outcome);
-
-        // Strokes, while the CPU follows lines.
-        let start = Instant::now();
-        let fields = directions.iter().map(|field| run.hold_field(field));
-        let fields: Vec<_> = fields.collect();
-        add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
         let ink = self.strokes(
             &mut run,
             (plan, params),
             frame,
             inputs,
-            (&densities, &fields),
+            (&densities, &fields.directions),
             &mut outcome,
         );
         let of_strokes = run.recorder.submit(&[]);
-        let directions = directions.into_iter();
-        self.host
-            .take_back_planes(directions.flat_map(|Vector2Planes { x, y }| [x, y]));
+        let (read, times) = of_edges.read()?;
+        add_timings(&mut outcome.timings, &times.unwrap_or_default());
+        put_edges(&mut outcome.shape, read, frame);
         let lines = self.contour_lines(plan, frame, params, &mut outcome);
         let contours = lines.as_ref().map(|lines| {
             let graphite = (params.strokes.style == Style::Pencil).then_some(params.strokes.seed);
             run.covered_by_lines(frame, &contour_pieces(lines), graphite)
         });
 
-        for times in [of_tone.read()?.1, of_strokes.read()?.1] {
-            add_timings(&mut outcome.timings, &times.unwrap_or_default());
-        }
+        let times = of_strokes.read()?.1;
+        add_timings(&mut outcome.timings, &times.unwrap_or_default());
         let is_made = light.is_some() || SCALES.iter().any(|&stage| plan.has(stage));
         let chosen = run.chosen.clone();
-        let mut wanted = vec![&chosen, &paper, &ink];
+        let mut wanted = vec![&fields.further, &chosen, &paper, &ink];
         wanted.extend(&contours);
         wanted.extend(picture.iter().filter(|_| is_made));
         wanted.extend(term_whites.iter().map(|(_, white)| white));
@@ -138,6 +134,10 @@ impl Runner {
         add_timings(&mut outcome.timings, &times);
         let start = Instant::now();
         let mut read = read.into_iter();
+        let further = read.next().expect("all that is wanted is read");
+        if further[0].to_bits() > fields.room {
+            return Ok(None);
+        }
         put_drawing(&mut outcome, plan, frame, &mut read, lines);
         if is_made {
             outcome.color = Some(ColorPlanes {
@@ -151,14 +151,18 @@ impl Runner {
         }
         outcome.term_white_levels = levels_of(&term_whites, read);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        self.buffers
-            .take_back(contours.into_iter().chain([densities, ink]));
+        self.buffers.take_back(
+            contours
+                .into_iter()
+                .chain([densities, ink])
+                .chain(fields.into_buffers()),
+        );
         self.buffers.take_back(shape.into_buffers());
         match is_copied {
             true => self.buffers.take_back_copied(picture),
             false => self.buffers.take_back(picture),
         }
-        Ok(outcome)
+        Ok(Some(outcome))
     }
 
     /// How much of the paper strokes cover, by the texture that the style asks for.
@@ -191,22 +195,6 @@ impl Runner {
         ink
     }
 
-    /// The directions of strokes, along the edges that were read.
-    fn directions(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        params: &LineParams,
-        outcome: &mut Outcome,
-    ) -> Vec<Vector2Planes> {
-        let start = Instant::now();
-        let conductance = outcome.shape.conductance.as_ref();
-        let conductance = conductance.expect("edges are read first");
-        let directions = self.host.drawn_directions(plan, frame, params, conductance);
-        outcome.timings.push(("direction-field", start.elapsed()));
-        directions
-    }
-
     /// The lines along the edges that were read, where they are wanted.
     fn contour_lines(
         &self,
@@ -235,10 +223,9 @@ fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
     Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
 }
 
-/// Puts what was read of edges into the shape: conductance, and the weights where contours ask for them.
+/// Puts what was read of edges into the shape: their weights, where contours ask for them.
 fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
     let mut read = read.into_iter();
-    shape.conductance = Some(plane_of(frame, read.next()));
     if let Some(weights) = read.next() {
         let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
         let [silhouette, crease] = weights;

@@ -1,14 +1,16 @@
 //! The kernels: their WGSL, put together of shared parts, and the numbers that they share with Rust.
 
 use super::uniforms::{
-    ContourParams, CountParams, DensityParams, DiffusionParams, EdgeParams, HessianParams,
-    LightParams, NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
+    ContourParams, CountParams, DensityParams, DiffusionParams, DirectionParams, EdgeParams,
+    HessianParams, LightParams, NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams,
+    Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
 use crate::backend::cpu::SHORTEST_TANGENT;
-use crate::backend::palette;
+use crate::backend::{palette, stroke_field};
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
+use crate::frame::MIN_SEEN;
 use crate::light::brdf::{BASE_SCALE, GRAZING};
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
 use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
@@ -19,6 +21,7 @@ use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::CROSSED_FROM;
 use crate::line::paper;
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY};
+use crate::line::{direction, direction_field, normal_rays};
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
 use std::f32::consts;
@@ -38,6 +41,12 @@ pub(super) const REGION_GROUP_ROWS: u32 = REGION[1] / ROWS_PER_INVOCATION;
 
 /// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
 pub(super) const STRIP_ROWS: u32 = 16;
+
+/// Cells of a run, along which chains of patches are summed up at a time.
+pub(super) const RUN_CELLS: u32 = 16;
+
+/// Invocations of a workgroup that goes through a list of pixels.
+pub(super) const LIST_INVOCATIONS: u32 = 64;
 
 /// Invocations of a workgroup that searches for a percentile.
 pub(super) const SEARCH_INVOCATIONS: u32 = 256;
@@ -74,6 +83,16 @@ pub(super) enum Kernel {
     ChangePicture,
     Occlude,
     CurvatureDisplay,
+    FindPatches,
+    LinkPatches,
+    FindRuns,
+    SumRuns,
+    ChainMeans,
+    PatchForms,
+    PatchDirections,
+    SettlePatches,
+    BetweenPatches,
+    FillDirections,
     Density,
     Strokes,
     PictureStrokes,
@@ -89,7 +108,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 23] = [
+    const ALL: [Self; 33] = [
         Self::LogDepth,
         Self::Edges,
         Self::Diffusion,
@@ -108,6 +127,16 @@ impl Kernel {
         Self::ChangePicture,
         Self::Occlude,
         Self::CurvatureDisplay,
+        Self::FindPatches,
+        Self::LinkPatches,
+        Self::FindRuns,
+        Self::SumRuns,
+        Self::ChainMeans,
+        Self::PatchForms,
+        Self::PatchDirections,
+        Self::SettlePatches,
+        Self::BetweenPatches,
+        Self::FillDirections,
         Self::Density,
         Self::Strokes,
         Self::PictureStrokes,
@@ -124,6 +153,10 @@ impl Kernel {
         let plane_fit = wgsl!("plane_fit");
         let scaling = wgsl!("radiance_scaling");
         let term_scaling = wgsl!("term_scaling");
+        let patches = wgsl!("patches");
+        let (runs, sums) = (wgsl!("runs"), wgsl!("sums"));
+        let (sight_lines, patch_lines) = (wgsl!("sight_lines"), wgsl!("patch_lines"));
+        let doubled = wgsl!("doubled");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
@@ -230,6 +263,52 @@ impl Kernel {
                 SizeParams::WGSL,
                 &[index, covered, mapped, wgsl!("curvature_display")],
             ),
+            Self::FindPatches => (
+                DirectionParams::WGSL,
+                &[index, patches, wgsl!("find_patches")],
+            ),
+            Self::LinkPatches => (DirectionParams::WGSL, &[patches, wgsl!("link_patches")]),
+            Self::FindRuns => (DirectionParams::WGSL, &[patches, runs, wgsl!("find_runs")]),
+            Self::SumRuns => (
+                DirectionParams::WGSL,
+                &[patches, runs, sums, wgsl!("sum_runs")],
+            ),
+            Self::ChainMeans => (
+                DirectionParams::WGSL,
+                &[patches, sums, wgsl!("chain_means")],
+            ),
+            Self::PatchForms => (
+                DirectionParams::WGSL,
+                &[patches, sight_lines, patch_lines, wgsl!("patch_forms")],
+            ),
+            Self::PatchDirections => (
+                DirectionParams::WGSL,
+                &[
+                    patches,
+                    sight_lines,
+                    patch_lines,
+                    doubled,
+                    wgsl!("patch_directions"),
+                ],
+            ),
+            Self::SettlePatches => (
+                DirectionParams::WGSL,
+                &[
+                    patches,
+                    sight_lines,
+                    patch_lines,
+                    doubled,
+                    wgsl!("settle_patches"),
+                ],
+            ),
+            Self::BetweenPatches => (
+                DirectionParams::WGSL,
+                &[index, covered, patches, doubled, wgsl!("between_patches")],
+            ),
+            Self::FillDirections => (
+                DirectionParams::WGSL,
+                &[index, sight_lines, doubled, wgsl!("fill_directions")],
+            ),
             Self::Density => (DensityParams::WGSL, &[index, covered, wgsl!("density")]),
             Self::Strokes => (
                 StrokeParams::WGSL,
@@ -296,6 +375,8 @@ fn constants() -> String {
         ("STRIP_ROWS", STRIP_ROWS),
         ("SEARCH_INVOCATIONS", SEARCH_INVOCATIONS),
         ("SEARCH_BINS", SEARCH_BINS),
+        ("RUN_CELLS", RUN_CELLS),
+        ("LIST_INVOCATIONS", LIST_INVOCATIONS),
         ("GAIN", GAIN),
         ("WHITE", WHITE),
         ("FRAC_1_SQRT_2_BITS", consts::FRAC_1_SQRT_2.to_bits()),
@@ -336,6 +417,22 @@ fn constants() -> String {
         ("LEAST_RADIUS", LEAST_RADIUS),
         ("MAX_RADIANCE", MAX_RADIANCE),
         ("MIN_ALBEDO", MIN_ALBEDO),
+        ("OPEN", stroke_field::OPEN),
+        ("FACING", stroke_field::FACING as f32),
+        ("FALLBACK", stroke_field::FALLBACK),
+        ("FREE", stroke_field::FREE),
+        ("NEAR", stroke_field::NEAR),
+        ("FAR", stroke_field::FAR),
+        ("ROUND", direction_field::ROUND as f32),
+        ("AGREE_FROM", direction_field::AGREE.start),
+        ("AGREE_TO", direction_field::AGREE.end),
+        ("LEAST_LENGTH", direction_field::LEAST_LENGTH),
+        ("CANCELLED", direction::CANCELLED),
+        ("ALONG", direction::ALONG as f32),
+        ("MIN_SEEN", MIN_SEEN as f32),
+        ("MIN_COSINE", normal_rays::MIN_COSINE as f32),
+        ("MIN_SINE", normal_rays::MIN_SINE as f32),
+        ("MIN_UPRIGHT", normal_rays::MIN_UPRIGHT as f32),
         ("DENSITY_STEPS", STEPS as f32),
         ("LEAST_ALPHA", LEAST_ALPHA),
         ("MAX_DENSITY", MAX_DENSITY),

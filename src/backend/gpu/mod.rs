@@ -9,6 +9,7 @@ mod choose;
 mod contours;
 mod device;
 mod diffusion;
+mod direction_field;
 mod draw;
 mod enhance;
 #[cfg(test)]

@@ -224,8 +224,7 @@ impl Runner {
 
     /// Copies what `plan` takes of `frame` to the device, and begins to record.
     pub(super) fn start(&self, plan: &Plan, frame: &Frame) -> Run<'_> {
-        let pixels = frame.mask.width() * frame.mask.height();
-        self.buffers.keep_for(pixels as u64);
+        self.buffers.begin_run();
         let mut chosen = [0.0; 2];
         chosen[WHITE as usize] = known_white_level(plan, frame).unwrap_or(1.0);
         if let Adaptive::Fixed(gain) = plan.scaling.curvature_gain {

@@ -1,7 +1,7 @@
 //! Sight lines as kernels are told of them.
 
 use crate::frame::{Frame, Projection, SightLines};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// A vector that is linear in column and row: at the first of both, and what each further one adds.
 pub(super) struct Linear {
@@ -42,6 +42,20 @@ pub(super) fn starts(frame: &Frame) -> Linear {
             .map(|camera| SightLines::new(camera.projection));
         lines.map_or(DVec2::ZERO, |lines| lines.line(x, y).0.truncate())
     })
+}
+
+/// The direction of sight lines, scaled to z = -1.
+pub(super) fn lines(frame: &Frame, sight: &SightLines) -> Linear {
+    Linear::of(frame, |x, y| sight.line(x, y).1.truncate())
+}
+
+/// How far apart points at a depth of 1 are that are a column, or a row, apart.
+pub(super) fn apart(frame: &Frame, sight: &SightLines) -> [f32; 2] {
+    let point = |x, y| {
+        let (start, line): (DVec3, DVec3) = sight.line(x, y);
+        (start + line).truncate()
+    };
+    Linear::of(frame, point).step
 }
 
 /// Whether the eye is far away, along z at every pixel.

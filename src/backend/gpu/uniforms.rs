@@ -223,6 +223,47 @@ uniforms! {
         weight_b: f32,
     }
 
+    /// Of the kernels of the field of stroke directions.
+    DirectionParams {
+        width: u32,
+        height: u32,
+        /// Pixels along the side of a cell, and how many of the first one lie before the picture.
+        cell_px: u32,
+        cut_x: u32,
+        cut_y: u32,
+        columns: u32,
+        rows: u32,
+        /// Room for patches after the first one of each cell.
+        room: u32,
+        /// Of kernels that go along one axis: 0 across, 1 down.
+        axis: u32,
+        /// How far a mean reaches, in cells.
+        reach: f32,
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        line_x: f32,
+        line_x_step: f32,
+        line_y: f32,
+        line_y_step: f32,
+        /// How far apart points at a depth of 1 are that are a pixel apart.
+        apart_x_step: f32,
+        apart_y_step: f32,
+        /// Height of a pixel over its width.
+        pixel_shape: f32,
+        /// From curvature per unit of length to that per pixel.
+        per_pixel: f32,
+        /// Turn of normals per pixel that counts half.
+        doubt: f32,
+        /// 0 for the curvature larger in size, 1 for the other.
+        family: u32,
+        /// Number of the field, in the order in which they are made.
+        order: u32,
+        is_fixed: u32,
+        fixed_x: f32,
+        fixed_y: f32,
+        /// Number of the wave, from 1 on.
+        wave: u32,
+    }
+
     /// Of `hatching.wgsl`.
     StrokeParams {
         width: u32,

@@ -1,0 +1,597 @@
+//! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
+
+use super::choose::{Search, Searching};
+use super::kernels::{Kernel, RUN_CELLS};
+use super::run::Run;
+use super::sight::{apart, lines};
+use super::uniforms::DirectionParams;
+use crate::backend::stroke_field::{
+    FORM_REACH, FieldSetting, NEAR, REST_REACH_PX, SURROUNDING_PASSES, SURROUNDINGS,
+};
+use crate::frame::Frame;
+use crate::params::{FieldParams, StrokeDirections};
+use crate::plan::{Plan, Stage};
+
+/// Workgroups that go through the pixels that lack a direction.
+const LIST_GROUPS: u32 = 256;
+
+/// Bytes of a patch.
+const PATCH_BYTES: u64 = 32;
+
+/// What is recorded as the time of the whole field.
+const STAGE: &str = "direction-field";
+
+/// Directions of strokes on the device.
+pub(super) struct StrokeFields {
+    /// Unit directions in the picture, x right and y up, of each family: their x, and their y.
+    pub(super) directions: Vec<[wgpu::Buffer; 2]>,
+    /// How many patches there are after the first ones of all cells.
+    pub(super) further: wgpu::Buffer,
+    /// For how many there is room: where there are more, directions are missing.
+    pub(super) room: u32,
+}
+
+impl StrokeFields {
+    /// All of its buffers.
+    pub(super) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
+        let directions = self.directions.into_iter().flatten();
+        directions.chain([self.further])
+    }
+}
+
+/// The patches of a frame, and how they hang together.
+struct Patches {
+    params: DirectionParams,
+    held: wgpu::Buffer,
+    further: wgpu::Buffer,
+    all: wgpu::Buffer,
+    depths: wgpu::Buffer,
+    /// The median of the depths, among the numbers that are chosen, where the radius goes by it.
+    median: Option<wgpu::Buffer>,
+    links: wgpu::Buffer,
+    /// Across and down.
+    runs: [wgpu::Buffer; 2],
+    sums: [wgpu::Buffer; 2],
+}
+
+impl Patches {
+    fn count(&self) -> u64 {
+        slots(&self.params)
+    }
+
+    fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
+        [self.held, self.all, self.depths, self.links]
+            .into_iter()
+            .chain(self.median)
+            .chain(self.runs)
+            .chain(self.sums)
+    }
+}
+
+/// For how many patches there is room.
+fn slots(params: &DirectionParams) -> u64 {
+    u64::from(params.columns) * u64::from(params.rows) + u64::from(params.room)
+}
+
+/// Samples of a pixel in the widest buffers of a field: every patch has four numbers, and a cell one patch more than
+/// there is in most.
+pub(super) fn widest(params: &FieldParams) -> u64 {
+    let of_patches = 4 * 2_u64;
+    of_patches.div_ceil(u64::from(params.cell_px).pow(2)) + 1
+}
+
+fn direction_params(
+    setting: &FieldSetting,
+    params: &FieldParams,
+    frame: &Frame,
+) -> DirectionParams {
+    let window = frame.data_window;
+    let cell_px = params.cell_px;
+    let cut = [window.x0, window.y0].map(|c| c.rem_euclid(cell_px as i32) as u32);
+    let size = [frame.mask.width(), frame.mask.height()].map(|side| side as u32);
+    let [columns, rows] = [0, 1].map(|axis| (size[axis] + cut[axis]).div_ceil(cell_px));
+    let (line, apart) = (lines(frame, &setting.sight), apart(frame, &setting.sight));
+    let [fixed_x, fixed_y] = setting
+        .fixed
+        .map_or([0.0; 2], |[first, _]| first.to_array());
+    DirectionParams {
+        width: size[0],
+        height: size[1],
+        cell_px,
+        cut_x: cut[0],
+        cut_y: cut[1],
+        columns,
+        rows,
+        // Cells of one pixel hold one patch.
+        room: if cell_px > 1 { columns * rows } else { 0 },
+        axis: 0,
+        reach: 0.0,
+        line_x: line.first[0],
+        line_x_step: line.step[0],
+        line_y: line.first[1],
+        line_y_step: line.step[1],
+        apart_x_step: apart[0],
+        apart_y_step: apart[1],
+        pixel_shape: setting.sight.pixel_shape() as f32,
+        per_pixel: setting.pixels.recip() as f32,
+        doubt: setting.doubt as f32,
+        family: 0,
+        order: 0,
+        is_fixed: u32::from(setting.fixed.is_some()),
+        fixed_x,
+        fixed_y,
+        wave: 0,
+    }
+}
+
+impl Run<'_> {
+    /// One field for each of the directions wanted.
+    pub(super) fn stroke_fields(
+        &mut self,
+        plan: &Plan,
+        params: &FieldParams,
+        directions: StrokeDirections,
+        frame: &Frame,
+        conductance: &wgpu::Buffer,
+    ) -> StrokeFields {
+        let setting = FieldSetting::new(plan, params, frame);
+        let patches = self.patches(plan, params, &setting, frame, conductance);
+        let forms = self.patch_forms(&patches, FORM_REACH * setting.cells);
+        let wanted = directions.wanted();
+        let families = (0..).zip(wanted).filter(|(_, is_wanted)| *is_wanted);
+        let directions = (0..).zip(families).map(|(order, (family, _))| {
+            let mut of_family = DirectionParams {
+                family,
+                order,
+                ..patches.params
+            };
+            if let Some(fixed) = setting.fixed {
+                [of_family.fixed_x, of_family.fixed_y] = fixed[order as usize].to_array();
+            }
+            let settled = self.settled(&patches, &of_family, params, &setting, &forms);
+            let directions = self.between_patches(&patches, &of_family, &settled);
+            self.buffers.take_back([settled]);
+            directions
+        });
+        let directions = directions.collect();
+        let (further, room) = (patches.further.clone(), patches.params.room);
+        self.buffers
+            .take_back(patches.into_buffers().chain([forms]));
+        StrokeFields {
+            directions,
+            further,
+            room,
+        }
+    }
+
+    /// Records a kernel over all patches, or over the cells.
+    fn over_cells(
+        &mut self,
+        kernel: (Kernel, &[(&'static str, bool)]),
+        params: &DirectionParams,
+        buffers: &[&wgpu::Buffer],
+    ) {
+        let cells = [params.columns, params.rows];
+        self.recorder
+            .over_pixels(STAGE, kernel, params, buffers, cells);
+    }
+
+    /// Records a kernel over the runs along one axis.
+    fn over_runs(&mut self, kernel: Kernel, params: &DirectionParams, buffers: &[&wgpu::Buffer]) {
+        let DirectionParams { columns, rows, .. } = *params;
+        let runs = match params.axis {
+            0 => [columns.div_ceil(RUN_CELLS), rows],
+            _ => [rows.div_ceil(RUN_CELLS), columns],
+        };
+        self.recorder
+            .over_pixels(STAGE, (kernel, &[]), params, buffers, runs);
+    }
+
+    /// The patches of the frame.
+    fn patches(
+        &mut self,
+        plan: &Plan,
+        field: &FieldParams,
+        setting: &FieldSetting,
+        frame: &Frame,
+        conductance: &wgpu::Buffer,
+    ) -> Patches {
+        let params = direction_params(setting, field, frame);
+        let (cells, count) = (
+            u64::from(params.columns) * u64::from(params.rows),
+            slots(&params),
+        );
+        let depth = frame.depth.as_ref().filter(|_| setting.is_by_depth);
+        let depth = depth.map(|plane| match plan.has(Stage::DepthSilhouettes) {
+            true => self.surface.map.clone().expect("silhouettes are of depth"),
+            false => self.hold(plane.samples()),
+        });
+        let found = Patches {
+            held: self.take(8 * cells),
+            further: self.take(4),
+            all: self.take(PATCH_BYTES * count),
+            depths: self.take(4 * count),
+            median: depth.is_some().then(|| self.copy_of(&self.chosen.clone())),
+            links: self.take(16 * count),
+            runs: [(); 2].map(|()| self.take(16 * count)),
+            sums: [(); 2].map(|()| self.take(64 * count)),
+            params,
+        };
+        self.recorder.clear(&found.further);
+        // Where no patch comes to stand there is no depth.
+        self.recorder.clear(&found.depths);
+        let [x, y, z] = self.surface.normal.clone();
+        self.over_cells(
+            (Kernel::FindPatches, &[("HAS_DEPTH", depth.is_some())]),
+            &params,
+            &[
+                conductance,
+                &x,
+                &y,
+                &z,
+                depth.as_ref().unwrap_or(&x),
+                &found.held,
+                &found.all,
+                &found.depths,
+                &found.further,
+            ],
+        );
+        self.over_cells(
+            (Kernel::LinkPatches, &[]),
+            &params,
+            &[&found.held, &found.all, &found.links],
+        );
+        for (axis, runs) in (0..).zip(&found.runs) {
+            let along = DirectionParams { axis, ..params };
+            self.over_runs(Kernel::FindRuns, &along, &[&found.held, &found.links, runs]);
+        }
+        if let Some(median) = &found.median {
+            let rows = count / u64::from(params.columns);
+            let search = Search::Depth([params.columns, rows as u32]);
+            let depths = &found.depths;
+            Searching::new(self, search).choose(self, [depths; 3], median);
+        }
+        found
+    }
+
+    /// The means of `values` around each patch, as far as `reach`, by depth where patches know it and it
+    /// `is_radius` of strokes.
+    fn chain_means(
+        &mut self,
+        patches: &Patches,
+        values: &wgpu::Buffer,
+        reach: f32,
+        is_radius: bool,
+    ) -> wgpu::Buffer {
+        let median = patches.median.as_ref().filter(|_| is_radius);
+        let farthest = reach * if median.is_some() { NEAR } else { 1.0 };
+        let is_near = farthest <= RUN_CELLS as f32;
+        for (axis, sums) in (0..).zip(&patches.sums).filter(|_| !is_near) {
+            let along = DirectionParams {
+                axis,
+                ..patches.params
+            };
+            let buffers = [&patches.held, &patches.links, values, sums];
+            self.over_runs(Kernel::SumRuns, &along, &buffers);
+        }
+        let means = self.take(16 * patches.count());
+        let chosen = self.chosen.clone();
+        let [runs_across, runs_down] = &patches.runs;
+        let [sums_across, sums_down] = &patches.sums;
+        self.over_cells(
+            (
+                Kernel::ChainMeans,
+                &[("IS_BY_DEPTH", median.is_some()), ("IS_NEAR", is_near)],
+            ),
+            &DirectionParams {
+                reach,
+                ..patches.params
+            },
+            &[
+                &patches.held,
+                &patches.further,
+                &patches.all,
+                &patches.links,
+                runs_across,
+                runs_down,
+                sums_across,
+                sums_down,
+                &patches.depths,
+                median.unwrap_or(&chosen),
+                values,
+                &means,
+            ],
+        );
+        means
+    }
+
+    /// The curvature of every patch, averaged nearby.
+    fn patch_forms(&mut self, patches: &Patches, reach: f32) -> wgpu::Buffer {
+        let forms = self.take(16 * patches.count());
+        self.over_cells(
+            (Kernel::PatchForms, &[]),
+            &patches.params,
+            &[
+                &patches.held,
+                &patches.further,
+                &patches.all,
+                &patches.links,
+                &forms,
+            ],
+        );
+        let means = self.chain_means(patches, &forms, reach, false);
+        self.buffers.take_back([forms]);
+        means
+    }
+
+    /// What leads strokes of one family in each patch, as twice an angle.
+    fn settled(
+        &mut self,
+        patches: &Patches,
+        params: &DirectionParams,
+        field: &FieldParams,
+        setting: &FieldSetting,
+        forms: &wgpu::Buffer,
+    ) -> wgpu::Buffer {
+        let mut own = self.take(16 * patches.count());
+        self.over_cells(
+            (Kernel::PatchDirections, &[]),
+            params,
+            &[&patches.held, &patches.further, &patches.all, forms, &own],
+        );
+        let reach = field.radius_px * setting.cells;
+        let averaged = |run: &mut Self, values: wgpu::Buffer, reach: f32| {
+            let means = run.chain_means(patches, &values, reach, true);
+            run.buffers.take_back([values]);
+            means
+        };
+        for _ in 0..field.passes {
+            own = averaged(self, own, reach);
+        }
+        let is_calmed = field.passes > 0;
+        let around = is_calmed.then(|| {
+            let wide = SURROUNDINGS * reach;
+            let first = self.chain_means(patches, &own, wide, true);
+            (1..SURROUNDING_PASSES).fold(first, |around, _| averaged(self, around, wide))
+        });
+        let settled = self.take(8 * patches.count());
+        self.over_cells(
+            (Kernel::SettlePatches, &[("IS_CALMED", is_calmed)]),
+            params,
+            &[
+                &patches.held,
+                &patches.further,
+                &patches.all,
+                &patches.links,
+                &own,
+                around.as_ref().unwrap_or(&own),
+                &settled,
+            ],
+        );
+        self.buffers.take_back(around.into_iter().chain([own]));
+        settled
+    }
+
+    /// Directions of pixels, between those of the patches around them; of covered ones that are in none, from their
+    /// neighbours.
+    fn between_patches(
+        &mut self,
+        patches: &Patches,
+        params: &DirectionParams,
+        settled: &wgpu::Buffer,
+    ) -> [wgpu::Buffer; 2] {
+        let plane = self.surface.plane_bytes();
+        let [x, y, filled, lacking] = [(); 4].map(|()| self.take(plane));
+        let lacking_count = self.take(4);
+        self.recorder.clear(&lacking_count);
+        let covered = self.surface.covered.clone();
+        self.over_cells(
+            (Kernel::BetweenPatches, &[]),
+            params,
+            &[
+                &covered,
+                &patches.held,
+                &patches.all,
+                &patches.links,
+                settled,
+                &x,
+                &y,
+                &filled,
+                &lacking,
+                &lacking_count,
+            ],
+        );
+        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
+        for wave in 1..=REST_REACH_PX as u32 + 1 {
+            let is_last = wave > REST_REACH_PX as u32;
+            self.recorder.dispatch(
+                STAGE,
+                (Kernel::FillDirections, &[("IS_LAST", is_last)]),
+                &DirectionParams { wave, ..*params },
+                &[
+                    &lacking,
+                    &lacking_count,
+                    &normal_x,
+                    &normal_y,
+                    &normal_z,
+                    &x,
+                    &y,
+                    &filled,
+                ],
+                [LIST_GROUPS, 1],
+            );
+        }
+        self.buffers.take_back([filled, lacking, lacking_count]);
+        [x, y]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::cpu;
+    use crate::backend::gpu::{Choice, Device, Runner, to_test_on};
+    use crate::frame::{Camera, Plane, Projection};
+    use crate::params::{Fallback, LineParams, ScalingParams, ShapeParams};
+    use crate::plan::{Available, ToneFrom};
+    use crate::report::scenes::Scene;
+    use glam::{DAffine3, DVec2};
+
+    fn runner() -> Option<Runner> {
+        to_test_on(Device::open(Choice::Any)).map(Runner::new)
+    }
+
+    fn plan_of(frame: &Frame, field: FieldParams) -> Plan {
+        let line = LineParams {
+            field,
+            directions: StrokeDirections::Both,
+            ..LineParams::default()
+        };
+        let available = Available {
+            color: true,
+            ..Available::in_frame(frame)
+        };
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
+    }
+
+    /// The sine of the angle between both backends' directions along the same edges: its mean over covered pixels, and the share of these
+    /// where it is more than a hundredth; and how many patches follow after the first ones.
+    fn apart_from_the_cpu(runner: &Runner, frame: &Frame, field: FieldParams) -> [f64; 3] {
+        let plan = plan_of(frame, field);
+        let line = plan.drawing.as_ref().unwrap();
+        let mut run = runner.start(&plan, frame);
+        let edges = run.edges(&plan, frame);
+        let fields = run.stroke_fields(&plan, &field, line.directions, frame, &edges.conductance);
+        let planes = fields.directions.iter().flatten();
+        let mut wanted = vec![&fields.further, &edges.conductance];
+        wanted.extend(planes);
+        let (mut read, _) = run.finish(&wanted).unwrap();
+        let planes = read.split_off(2);
+        let [further, conductance] = read.try_into().unwrap();
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        let conductance = Plane::from_samples(width, height, conductance);
+        let host = cpu::Runner::default();
+        let expected = host.drawn_directions(&plan, frame, line, &conductance);
+        let (mut sum, mut wide, mut count) = (0.0, 0, 0);
+        for (found, expected) in planes.chunks(2).zip(&expected) {
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let at = |plane: &[f32]| f64::from(plane[y * width + x]);
+                let found = DVec2::new(at(&found[0]), at(&found[1]));
+                let expected = DVec2::new(expected.x.at(x, y).into(), expected.y.at(x, y).into());
+                if !frame.mask.at(x, y) {
+                    assert_eq!([found, expected], [DVec2::ZERO; 2], "({x}, {y})");
+                    continue;
+                }
+                assert!((found.length() - 1.0).abs() < 1e-5, "({x}, {y}): {found}");
+                let sine = found.perp_dot(expected).abs();
+                sum += sine;
+                wide += i32::from(sine > 0.01);
+                count += 1;
+            }
+        }
+        let count = f64::from(count.max(1));
+        [
+            sum / count,
+            f64::from(wide) / count,
+            further[0].to_bits().into(),
+        ]
+    }
+
+    /// A frame whose depths are in two steps, seen from near.
+    fn from_near(mut frame: Frame) -> Frame {
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        frame.camera = Some(Camera {
+            projection: Projection::Perspective {
+                fx: 130.0,
+                fy: 110.0,
+                cx: 0.4 * width as f64,
+                cy: 0.6 * height as f64,
+            },
+            view_from_world: DAffine3::IDENTITY,
+        });
+        frame.depth = Some(Plane::from_fn(width, height, |x, y| {
+            let step = if x + y > width { 9.0 } else { 3.0 };
+            if (x * 31 + y * 17) % 97 == 0 {
+                f32::NAN
+            } else {
+                step
+            }
+        }));
+        frame
+    }
+
+    /// Pixels that are open, each shut in by closed ones: filtered normals tell edges pixel by pixel.
+    fn crowded(width: usize, height: usize) -> Frame {
+        let mut frame = Scene::waves(width, height).frame;
+        frame.normal_length = Some(Plane::from_fn(width, height, |x, y| {
+            if (x + y) % 2 == 0 { 1.0 } else { 0.2 }
+        }));
+        frame
+    }
+
+    #[test]
+    fn directions_are_those_of_the_cpu() {
+        let Some(runner) = runner() else { return };
+        let usual = FieldParams::default();
+        let scenes = [
+            ("waves", Scene::waves(211, 157).frame),
+            ("ellipsoid", Scene::ellipsoid(190, 140).frame),
+            ("barriers", Scene::barriers(150, 130).frame),
+            ("ball", Scene::ball(131, 131).frame),
+            ("from near", from_near(Scene::waves(230, 170).frame)),
+        ];
+        let fields = [
+            ("usual", usual),
+            (
+                "fallback",
+                FieldParams {
+                    fallback: Fallback::Surface,
+                    ..usual
+                },
+            ),
+            (
+                "wide",
+                FieldParams {
+                    radius_px: 64.0,
+                    passes: 1,
+                    ..usual
+                },
+            ),
+            ("as found", FieldParams { passes: 0, ..usual }),
+            (
+                "pixels",
+                FieldParams {
+                    cell_px: 1,
+                    passes: 6,
+                    ..usual
+                },
+            ),
+            (
+                "small cells",
+                FieldParams {
+                    cell_px: 3,
+                    radius_px: 1.0,
+                    ..usual
+                },
+            ),
+            (
+                "large cells",
+                FieldParams {
+                    cell_px: 8,
+                    ..usual
+                },
+            ),
+        ];
+        for (scene, frame) in &scenes {
+            for (name, field) in fields {
+                let [mean, wide, _] = apart_from_the_cpu(&runner, frame, field);
+                println!("{scene}, {name}: {mean:.1e}, {wide:.1e}");
+                assert!(
+                    mean < 1e-5 && wide < 1e-4,
+                    "{scene}, {name}: {mean:e}, {wide:e}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,73 @@
+// Of each patch twice the angle of the direction of one of its curvatures, as long as it is sure and with the fallback
+// as far as the surface is flat; how sure both are; and 1.
+
+@group(0) @binding(0) var<uniform> params: DirectionParams;
+@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> further: u32;
+@group(0) @binding(3) var<storage, read> patches: array<Patch>;
+@group(0) @binding(4) var<storage, read> forms: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read_write> directions: array<vec4<f32>>;
+
+// The unit direction of the curvature larger in size, in the frame of the tensor; 0 where there is none.
+fn larger(form: vec4<f32>) -> vec2<f32> {
+    let d = select(-form.xy, form.xy, form.z >= 0.0);
+    let length = sqrt(dot(d, d));
+    let axis = select(vec2<f32>(d.y, length - d.x), vec2<f32>(d.x + length, d.y), d.x >= 0.0);
+    let size = sqrt(dot(axis, axis));
+    return select(vec2<f32>(0.0), axis / size, size > 0.0);
+}
+
+// How sure directions are, 0..1.
+fn confidence(form: vec4<f32>) -> f32 {
+    let difference = sqrt(dot(form.xy, form.xy));
+    let mean = abs(form.z);
+    let lesser = min(difference, mean);
+    let apart = 4.0 * lesser * lesser;
+    if !(apart > 0.0) {
+        return 0.0;
+    }
+    let share = max((lesser / max(difference, mean) - ROUND) / (1.0 - ROUND), 0.0);
+    return share * share * apart / (apart + params.doubt * params.doubt);
+}
+
+// How much the surface is a plane, 0..1.
+fn flatness(form: vec4<f32>) -> f32 {
+    let curvature = sqrt(dot(form.xy, form.xy)) + abs(form.z);
+    let square = params.doubt * params.doubt;
+    let share = square / (square + curvature * curvature);
+    return select(0.0, share * share, square > 0.0);
+}
+
+// Twice the angle of the own direction, as long as it is sure.
+fn own_direction(form: vec4<f32>, line: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
+    let most = larger(form);
+    let axis = select(vec2<f32>(-most.y, most.x), most, params.family == 0u);
+    let tangents = upright_tangents(normal);
+    if all(axis == vec2<f32>(0.0)) || !tangents.are_there {
+        return vec2<f32>(0.0);
+    }
+    let seen = picture_direction(line, axis.x * tangents.x + axis.y * tangents.y);
+    let facing = clamp(-dot(normal, line) / (sqrt(dot(line, line)) * FACING), 0.0, 1.0);
+    return confidence(form) * facing * facing * doubled(seen);
+}
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= params.columns || id.y >= params.rows {
+        return;
+    }
+    let end = patches_end(further);
+    for (var i = id.y * params.columns + id.x; i < end; i += cell_count()) {
+        if i < cell_count() && held[i].x == 0u {
+            continue;
+        }
+        let here = patches[i];
+        let line = line_at(middle_of(here.cell, here.offset));
+        let form = forms[i];
+        let own = own_direction(form, line, here.normal);
+        let sure = sqrt(dot(own, own));
+        let flat_share = flatness(form);
+        let sum = own + flat_share * doubled(fallback(line, here.normal));
+        directions[i] = vec4<f32>(sum, sure + flat_share, 1.0);
+    }
+}

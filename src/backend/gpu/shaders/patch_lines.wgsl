@@ -1,0 +1,21 @@
+// Where a patch lies: columns and rows from the corner of the picture.
+fn middle_of(cell: u32, offset: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(corner_of(cell)) + 0.5 * f32(params.cell_px) + offset;
+}
+
+// The tangents that become the picture's x and y when the unit normal is turned to the viewer by the shortest way,
+// where it does not point straight away.
+struct Tangents {
+    are_there: bool,
+    x: vec3<f32>,
+    y: vec3<f32>,
+}
+
+fn upright_tangents(normal: vec3<f32>) -> Tangents {
+    let both = normal + vec3<f32>(0.0, 0.0, 1.0);
+    return Tangents(
+        both.z > MIN_UPRIGHT,
+        vec3<f32>(1.0, 0.0, 0.0) - normal.x / both.z * both,
+        vec3<f32>(0.0, 1.0, 0.0) - normal.y / both.z * both,
+    );
+}

@@ -1,0 +1,51 @@
+// What leads strokes in each patch, as twice an angle: the mean of its own directions, or, as far as those disagree, of
+// those around it, with the fallback, of length 1. Specks are 0.
+
+@group(0) @binding(0) var<uniform> params: DirectionParams;
+@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> further: u32;
+@group(0) @binding(3) var<storage, read> patches: array<Patch>;
+@group(0) @binding(4) var<storage, read> links: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read> own: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> around: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> settled: array<vec2<f32>>;
+
+// Whether directions were averaged at all.
+override IS_CALMED: bool;
+
+fn calm(own: vec4<f32>, around: vec4<f32>) -> vec2<f32> {
+    let length = sqrt(dot(own.xy, own.xy));
+    let agreement = select(0.0, length / own.z, own.z > 0.0);
+    let share = clamp((agreement - AGREE_FROM) / (AGREE_TO - AGREE_FROM), 0.0, 1.0);
+    let lead = share * share * (3.0 - 2.0 * share);
+    return lead * own.xy + (1.0 - lead) * around.xy;
+}
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= params.columns || id.y >= params.rows {
+        return;
+    }
+    let end = patches_end(further);
+    for (var i = id.y * params.columns + id.x; i < end; i += cell_count()) {
+        if i < cell_count() && held[i].x == 0u {
+            continue;
+        }
+        let here = patches[i];
+        var led = own[i].xy;
+        if IS_CALMED {
+            led = calm(own[i], around[i]);
+        }
+        let last = doubled(fallback(line_at(middle_of(here.cell, here.offset)), here.normal));
+        let sure = sqrt(dot(led, led));
+        let sum = led + FALLBACK * max(1.0 - sure / FREE, 0.0) * last;
+        let length = sqrt(dot(sum, sum));
+        let is_alone = all(links[i] == vec4<u32>(NO_PATCH));
+        let is_speck = is_alone && 2u * pixel_count(here.pixels) < params.cell_px * params.cell_px;
+        var direction = last;
+        if is_finite(length) && length > 0.0 {
+            direction = sum / length;
+        }
+        settled[i] = select(direction, vec2<f32>(0.0), is_speck);
+    }
+}

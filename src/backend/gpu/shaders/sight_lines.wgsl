@@ -1,0 +1,46 @@
+// Sight lines, and how tangents are seen along them.
+
+// The direction of the sight line at a place in pixels from the corner of the picture, y down, scaled to z = -1.
+fn line_at(place: vec2<f32>) -> vec3<f32> {
+    let first = vec2<f32>(params.line_x, params.line_y);
+    let step = vec2<f32>(params.line_x_step, params.line_y_step);
+    return vec3<f32>(first + step * (place - 0.5), -1.0);
+}
+
+// The unit direction in the picture, y up, of a unit tangent; 0 where it points at the eye.
+fn picture_direction(line: vec3<f32>, tangent: vec3<f32>) -> vec2<f32> {
+    // Moving along the sight line changes nothing: what is left of z is 0.
+    let across = tangent.xy + tangent.z * line.xy;
+    if !(dot(across, across) > MIN_SEEN * MIN_SEEN * dot(line, line)) {
+        return vec2<f32>(0.0);
+    }
+    let seen = across * vec2<f32>(1.0, params.pixel_shape);
+    return seen / sqrt(dot(seen, seen));
+}
+
+// The direction where curvature leads nowhere, of the first field made or the second.
+fn fallback(line: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
+    if params.is_fixed == 1u {
+        return vec2<f32>(params.fixed_x, params.fixed_y);
+    }
+    for (var axis = 0u; axis < 3u; axis++) {
+        var unit = vec3<f32>(0.0);
+        unit[axis] = 1.0;
+        var tangent = cross(unit, normal);
+        let length = sqrt(dot(tangent, tangent));
+        if !(length > ALONG) {
+            continue;
+        }
+        tangent /= length;
+        let seen = picture_direction(line, tangent);
+        if all(seen == vec2<f32>(0.0)) {
+            continue;
+        }
+        if params.order == 0u {
+            return seen;
+        }
+        let second = picture_direction(line, cross(normal, tangent));
+        return select(second, vec2<f32>(1.0, 0.0), all(second == vec2<f32>(0.0)));
+    }
+    return vec2<f32>(1.0, 0.0);
+}
