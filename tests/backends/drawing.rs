@@ -7,9 +7,9 @@ use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
 use glam::DVec3;
 use relievo::backend::Product;
-use relievo::backend::cpu::{self, DrawingInputs};
+use relievo::backend::cpu::{self, DrawingInputs, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::backend::gpu::{Choice, Device, Runner};
-use relievo::frame::{Frame, Mask, Plane, Window};
+use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{
@@ -39,11 +39,19 @@ fn assert_drawn(
     };
     let expected = cpu::Runner::default().draw(&plan, frame, inputs);
     let found = runner.draw(&plan, frame, inputs).unwrap();
+    assert_is_drawing(name, found, expected)
+}
+
+/// Asserts that a drawing is that of the CPU, and gives the ink of its strokes and contours in all.
+#[track_caller]
+fn assert_is_drawing(name: &str, found: Outcome, expected: Outcome) -> [f32; 2] {
+    let drawing = expected.drawing.as_ref().unwrap();
+    let has_contours = drawing.contours.is_some();
     assert_alike(name, &found, &expected, |product| {
         let is_drawn = match product {
             Product::Picture | Product::Strokes | Product::Contours => true,
             // Without contours each backend leaves out what it does not need.
-            Product::Weights => line.contours.is_some(),
+            Product::Weights => has_contours,
             _ => false,
         };
         is_drawn.then(|| product.tolerance())
@@ -264,36 +272,138 @@ fn a_texture_that_was_copied_is_not_taken_for_another() {
 }
 
 #[test]
-fn a_picture_too_large_for_the_device_is_an_error_that_says_so() {
+fn a_picture_too_large_for_the_device_is_drawn_in_strips() {
     let Ok(device) = Device::open(Choice::Any) else {
         return;
     };
-    let frame = waves(90, 400);
-    let runner = Runner::new(device.limited_to(72_000));
-    let available = Available::in_frame(&frame);
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    // 147 columns of vectors of two are 1176 bytes a row: 50 rows at a time.
+    let runner = Runner::new(device.limited_to(59_000));
+    let mut frame = torus();
+    frame.data_window = Window::at(-40, 1000, 147, 131);
+    for (name, line) in settings() {
+        for (tone_name, tone) in tones() {
+            let name = format!("strips, {name}, {tone_name}");
+            assert_drawn(&name, &runner, &frame, line, tone);
+        }
+    }
+    let lobes = with_lobes(waves(60, 150));
     let line = LineParams::default();
-    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
-    let error = runner.draw(&plan, &frame, DrawingInputs::default());
-    let error = error.unwrap_err().to_string();
-    assert!(error.contains("100 rows"), "{error}");
+    assert_drawn("strips, lobes", &runner, &lobes, line, ToneFrom::Enhanced);
+    let nothing = Frame {
+        mask: Mask::new(Plane::filled(147, 131, false)),
+        ..torus()
+    };
+    assert_drawn(
+        "strips, nothing",
+        &runner,
+        &nothing,
+        line,
+        ToneFrom::Enhanced,
+    );
+}
+
+/// A surface that comes nearer and turns: its texture is laid anew now and then, and several drawings share in it.
+#[test]
+fn strokes_move_with_the_surface() {
+    let Ok(device) = Device::open(Choice::Any) else {
+        return;
+    };
+    let in_strips = Runner::new(device.limited_to(59_000));
+    on_gpu(|runner| {
+        let whole = torus();
+        let motion = Vector2Planes {
+            x: Plane::from_fn(147, 131, |x, y| {
+                0.07 * (x as f32 - 70.0) + 0.03 * (y as f32 - 60.0)
+            }),
+            y: Plane::from_fn(147, 131, |x, y| {
+                0.05 * (60.0 - y as f32) + 0.03 * (x as f32 - 70.0)
+            }),
+        };
+        let mut holed = motion.clone();
+        for (i, value) in HOSTILE.into_iter().enumerate() {
+            holed.x.row_mut(9 * i + 30)[30..60].fill(value);
+            holed.y.row_mut(9 * i + 31)[50..90].fill(-value);
+        }
+        // Steps just below what parts surfaces, and just above.
+        let mut stepped = whole.clone();
+        for (i, depth) in stepped
+            .depth
+            .iter_mut()
+            .flat_map(Plane::samples_mut)
+            .enumerate()
+        {
+            *depth *= [1.0, 1.06, 1.15][i / 40 % 3];
+        }
+        let flat = Frame {
+            depth: None,
+            ..whole.clone()
+        };
+        let pen = LineParams {
+            directions: StrokeDirections::Both,
+            ..LineParams::default()
+        };
+        let mut of_pictures = LineParams::default();
+        of_pictures.strokes.style = Style::Pictures;
+        let map = pictures();
+        for (name, frame, motion, line) in [
+            ("with depth", &whole, &motion, pen),
+            ("with steps of depth", &stepped, &motion, pen),
+            ("without depth", &flat, &motion, pen),
+            ("motion that is no number", &flat, &holed, pen),
+            ("pictures", &whole, &motion, of_pictures),
+        ] {
+            let plan = moving_plan(frame, line);
+            let mut before: Option<TextureCoordinates> = None;
+            let mut most_sheets = 0;
+            for number in 0..9 {
+                let sequence = SequenceInputs {
+                    before: before.as_ref(),
+                    motion: Some(motion),
+                };
+                let inputs = DrawingInputs {
+                    art_map: Some(&map),
+                    sequence: Some(sequence),
+                    ..DrawingInputs::default()
+                };
+                let expected = cpu::Runner::default().draw(&plan, frame, inputs);
+                let drawing = expected.drawing.as_ref().unwrap();
+                let coordinates = drawing.coordinates.clone().unwrap();
+                most_sheets = coordinates.mean_shares().len().max(most_sheets);
+                for (place, runner) in [("whole", runner), ("in strips", &in_strips)] {
+                    let found = runner.draw(&plan, frame, inputs).unwrap();
+                    let handed_on = found.drawing.as_ref().unwrap().coordinates.as_ref();
+                    let shares = handed_on.unwrap().mean_shares();
+                    assert_eq!(shares, coordinates.mean_shares());
+                    let name = format!("{name}, {place}, frame {number}");
+                    assert_is_drawing(&name, found, expected.clone());
+                }
+                before = Some(coordinates);
+            }
+            assert!(most_sheets > 1, "{name}");
+        }
+    });
+}
+
+fn moving_plan(frame: &Frame, line: LineParams) -> Plan {
+    let available = Available {
+        moving: true,
+        ..Available::in_frame(frame)
+    };
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
 }
 
 #[test]
-fn lines_and_moving_strokes_have_no_kernels() {
+fn lines_have_no_kernels() {
     let frame = waves(20, 20);
-    let plan = |style, moving| {
-        let available = Available {
-            moving,
-            ..Available::in_frame(&frame)
-        };
+    let plan = |style| {
         let mut line = LineParams::default();
         line.strokes.style = style;
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let available = Available::in_frame(&frame);
         Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
     };
-    assert!(Runner::can_run(&plan(Style::Pen, false)));
-    let lines = plan(Style::Lines, false);
+    assert!(Runner::can_run(&plan(Style::Pen)));
+    let lines = plan(Style::Lines);
     assert!(lines.has(Stage::Streamlines) && !Runner::can_run(&lines));
-    assert!(!Runner::can_run(&plan(Style::Pen, true)));
 }

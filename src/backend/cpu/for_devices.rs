@@ -3,7 +3,10 @@
 
 use super::contours::{self, DrawnLine};
 use super::memory::Memory;
-use super::{Runner, direction_field, light, light_layers, normal_rays, relight};
+use super::{
+    Runner, SequenceInputs, TextureCoordinates, direction_field, light, light_layers, normal_rays,
+    relight,
+};
 use crate::backend::light_terms::light_terms;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::line::contours::Contour;
@@ -69,6 +72,15 @@ impl Runner {
     ) -> Vec<Vector2Planes> {
         let (field, wanted, memory) = (&params.field, params.directions, &self.memory);
         direction_field::stroke_fields(plan, field, wanted, frame, conductance, None, memory)
+    }
+
+    /// Where the texture of strokes lies on a frame of a sequence.
+    pub(in crate::backend) fn texture_coordinates(
+        &self,
+        frame: &Frame,
+        sequence: SequenceInputs,
+    ) -> TextureCoordinates {
+        TextureCoordinates::of(frame, sequence, &self.memory)
     }
 
     /// The texture of strokes, and how long it took to make where it was not kept.

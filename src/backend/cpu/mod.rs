@@ -36,6 +36,8 @@ use crate::light::layers::TermScaling;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 pub use drawing::TextureCoordinates;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use drawing::{DEPTH_STEP, MOTION_STEP, Sheet};
 use edges::Weights;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use for_devices::{

@@ -15,7 +15,8 @@ struct Tiles {
 }
 
 impl Tiles {
-    fn new(pieces: &[RoundStroke], size: [u32; 2]) -> Self {
+    /// The tiles of a picture of this size, or of a strip whose first row is `top`.
+    fn new(pieces: &[RoundStroke], size: [u32; 2], top: usize) -> Self {
         let size = [0, 1].map(|axis| size[axis].div_ceil(GROUP[axis]));
         let reached = |piece: &RoundStroke| {
             // Casts of what lies outside saturate.
@@ -25,7 +26,7 @@ impl Tiles {
                 (first / side).floor() as u32..end.min(size[axis])
             };
             let columns = tiles(0, piece.across());
-            let rows = tiles(1, piece.rows());
+            let rows = tiles(1, piece.rows().map(|y| y - top as f32));
             rows.flat_map(move |row| columns.clone().map(move |column| row * size[0] + column))
         };
         let mut starts = vec![0; (size[0] * size[1] + 1) as usize];
@@ -53,15 +54,16 @@ impl Tiles {
 
 impl Run<'_> {
     /// What pieces of lines cover of every pixel, also outside the mask; in graphite, with the seed of its grain, or
-    /// in ink.
+    /// in ink. The first row of a strip is the row `top` of the picture that lines were found in.
     pub(super) fn covered_by_lines(
         &mut self,
         frame: &Frame,
+        top: usize,
         pieces: &[RoundStroke],
         graphite: Option<u64>,
     ) -> wgpu::Buffer {
         let [width, height] = self.surface.size;
-        let tiles = Tiles::new(pieces, [width, height]);
+        let tiles = Tiles::new(pieces, [width, height], top);
         let mut numbers: Vec<[f32; 8]> = pieces.iter().map(RoundStroke::numbers).collect();
         // A kernel is given one at the least, of which no tile knows.
         numbers.resize(pieces.len().max(1), [0.0; 8]);
@@ -78,6 +80,7 @@ impl Run<'_> {
                 height,
                 x0: frame.data_window.x0,
                 y0: frame.data_window.y0,
+                top: top as u32,
                 seed_low: seed as u32,
                 seed_high: (seed >> 32) as u32,
             },

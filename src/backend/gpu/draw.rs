@@ -2,15 +2,16 @@
 //! precision, and lines along edges, which are followed from pixel to pixel, are found on the CPU while the device
 //! makes what they do not touch.
 
-use super::fault::Fault;
-use super::hatching::Texture;
+use super::hatching::{Strokes, Texture};
 use super::kernels::{GAIN, WHITE};
+use super::light::Light;
 use super::light_layers::{TermWhites, levels_of};
 use super::recorder::add_timings;
 use super::relight::frame_lit;
-use super::run::Run;
 use super::runner::{Runner, SCALES, apart};
-use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, Shape, contour_lines, contour_pieces};
+use crate::backend::cpu::{
+    Drawing, DrawingInputs, Outcome, Shape, TextureCoordinates, contour_lines, contour_pieces,
+};
 use crate::backend::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
@@ -23,49 +24,29 @@ impl Runner {
     /// Runs `plan`, made by [`Plan::hatch`], on `frame`: its drawing, the tone that was drawn where it was made, and
     /// the edges.
     ///
-    /// The directions of strokes and the lines along edges are found on the CPU.
+    /// The directions of strokes, the lines along edges, and where strokes of a sequence have moved to are found on the
+    /// CPU. Where the whole frame is too much for the device's memory it is drawn in strips, the same.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device is lost, has too little memory, or takes no picture so large whole.
+    /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
     ///
     /// # Panics
     /// If the plan was made for other inputs, or [`Runner::can_run`] is false.
     pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Result<Outcome> {
-        let params = plan.drawing.as_ref().expect("a drawing is planned");
-        assert!(Self::can_run(plan), "every stage has a kernel");
-        assert!(
-            inputs.sequence.is_none(),
-            "strokes lie still in the picture"
-        );
-        let done = self.guarded(|| Ok(self.draw_whole(plan, frame, params, inputs)?));
-        done.map_err(Fault::into_error)
+        assert!(plan.drawing.is_some(), "a drawing is planned");
+        self.run_in_memory(plan, frame, inputs)
     }
 
-    fn draw_whole(
+    /// Draws a frame whose planes the device takes.
+    pub(super) fn draw_whole(
         &self,
         plan: &Plan,
         frame: &Frame,
         params: &LineParams,
+        light: Option<&Light>,
         inputs: DrawingInputs,
     ) -> Result<Outcome> {
-        let most_rows = self.most_rows(plan, frame, self.device().plane_bytes)?;
-        if most_rows < frame.mask.height() as u64 {
-            return Err(self.device().error(format_args!(
-                "takes {most_rows} rows of this picture at a time, and a drawing takes all of it"
-            )));
-        }
         let mut outcome = Outcome::default();
-        let light = (plan.goal == Goal::Relight)
-            .then(|| {
-                let illumination = inputs.illumination;
-                let illumination = illumination.expect("new light is planned with its lights");
-                self.light(plan, frame, illumination)
-            })
-            .transpose()?;
-        if let Some(light) = &light {
-            outcome.timings.extend(&light.timings);
-            outcome.environment_gain = light.around.gain();
-        }
         // Edges first: all that is left to the CPU asks for them.
         let start = Instant::now();
         let mut run = self.start(plan, frame);
@@ -73,7 +54,7 @@ impl Runner {
         let wanted = std::iter::once(&edges.conductance).chain(&edges.weights);
         let of_edges = run.recorder.submit(&wanted.collect::<Vec<_>>());
         let rows = 0..frame.mask.height();
-        let copied = match &light {
+        let copied = match light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
             None => self.upload().picture(frame),
         };
@@ -83,7 +64,7 @@ impl Runner {
         // Tone, while the CPU finds directions.
         let shape = run.shape_along(plan, edges);
         run.choose_gain(plan, &shape);
-        let picture = match &light {
+        let picture = match light {
             Some(light) => run.relight(plan, frame, light, Some(&shape), copied),
             None => copied.expect("a drawing is planned with its tone"),
         };
@@ -101,27 +82,29 @@ impl Runner {
         let directions = self.directions(plan, frame, params, &mut outcome);
 
         // Strokes, while the CPU follows lines.
+        let strokes = self.strokes(plan, params, inputs, &mut outcome);
+        let coordinates = self.coordinates(frame, inputs, &mut outcome);
         let start = Instant::now();
-        let fields = directions.iter().map(|field| run.hold_field(field));
+        let fields = directions.iter().map(|field| run.hold_field(field, &rows));
         let fields: Vec<_> = fields.collect();
-        add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
-        let ink = self.strokes(
-            &mut run,
-            (plan, params),
+        let sheets = run.sheets(coordinates.as_ref(), &rows);
+        let ink = run.hatched(
+            &params.strokes,
             frame,
-            inputs,
-            (&densities, &fields),
-            &mut outcome,
+            &densities,
+            &fields,
+            &strokes,
+            &sheets,
         );
+        add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
         let of_strokes = run.recorder.submit(&[]);
         let directions = directions.into_iter();
         self.host
             .take_back_planes(directions.flat_map(|Vector2Planes { x, y }| [x, y]));
         let lines = self.contour_lines(plan, frame, params, &mut outcome);
-        let contours = lines.as_ref().map(|lines| {
-            let graphite = (params.strokes.style == Style::Pencil).then_some(params.strokes.seed);
-            run.covered_by_lines(frame, &contour_pieces(lines), graphite)
-        });
+        let contours = lines
+            .as_ref()
+            .map(|lines| run.covered_by_lines(frame, 0, &contour_pieces(lines), graphite(params)));
 
         for times in [of_tone.read()?.1, of_strokes.read()?.1] {
             add_timings(&mut outcome.timings, &times.unwrap_or_default());
@@ -138,7 +121,7 @@ impl Runner {
         add_timings(&mut outcome.timings, &times);
         let start = Instant::now();
         let mut read = read.into_iter();
-        put_drawing(&mut outcome, plan, frame, &mut read, lines);
+        put_drawing(&mut outcome, plan, frame, &mut read, lines, coordinates);
         if is_made {
             outcome.color = Some(ColorPlanes {
                 r: plane_of(frame, read.next()),
@@ -161,16 +144,14 @@ impl Runner {
         Ok(outcome)
     }
 
-    /// How much of the paper strokes cover, by the texture that the style asks for.
-    fn strokes(
+    /// The strokes that the style asks for, on the device.
+    pub(super) fn strokes(
         &self,
-        run: &mut Run,
-        (plan, params): (&Plan, &LineParams),
-        frame: &Frame,
+        plan: &Plan,
+        params: &LineParams,
         inputs: DrawingInputs,
-        (densities, directions): (&wgpu::Buffer, &[[wgpu::Buffer; 2]]),
         outcome: &mut Outcome,
-    ) -> wgpu::Buffer {
+    ) -> Strokes {
         let strokes = &params.strokes;
         let made = (strokes.style != Style::Pictures).then(|| {
             let (map, time) = self.host.drawn_art_map(plan, strokes);
@@ -186,13 +167,28 @@ impl Runner {
                 (map, Texture::new(map, self.upload()))
             }
         };
-        let ink = run.hatched(strokes, frame, densities, directions, (map, &texture));
         add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
-        ink
+        Strokes::new(map, texture, strokes)
+    }
+
+    /// Where the texture of strokes lies, for a frame of a sequence.
+    pub(super) fn coordinates(
+        &self,
+        frame: &Frame,
+        inputs: DrawingInputs,
+        outcome: &mut Outcome,
+    ) -> Option<TextureCoordinates> {
+        let sequence = inputs.sequence?;
+        let start = Instant::now();
+        let coordinates = self.host.texture_coordinates(frame, sequence);
+        outcome
+            .timings
+            .push(("texture-coordinates", start.elapsed()));
+        Some(coordinates)
     }
 
     /// The directions of strokes, along the edges that were read.
-    fn directions(
+    pub(super) fn directions(
         &self,
         plan: &Plan,
         frame: &Frame,
@@ -208,7 +204,7 @@ impl Runner {
     }
 
     /// The lines along the edges that were read, where they are wanted.
-    fn contour_lines(
+    pub(super) fn contour_lines(
         &self,
         plan: &Plan,
         frame: &Frame,
@@ -229,14 +225,19 @@ impl Runner {
     }
 }
 
+/// The seed of the grain under lines in graphite; `None` in ink.
+pub(super) fn graphite(params: &LineParams) -> Option<u64> {
+    (params.strokes.style == Style::Pencil).then_some(params.strokes.seed)
+}
+
 /// A plane of what was read, which is there.
-fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
+pub(super) fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
     let samples = read.expect("all that is wanted is read");
     Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
 }
 
 /// Puts what was read of edges into the shape: conductance, and the weights where contours ask for them.
-fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
+pub(super) fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
     let mut read = read.into_iter();
     shape.conductance = Some(plane_of(frame, read.next()));
     if let Some(weights) = read.next() {
@@ -254,6 +255,7 @@ fn put_drawing(
     frame: &Frame,
     read: &mut impl Iterator<Item = Vec<f32>>,
     lines: Option<Vec<Contour>>,
+    coordinates: Option<TextureCoordinates>,
 ) {
     let mut numbers = || read.next().expect("all that is wanted is read");
     let (chosen, of_paper) = (numbers(), numbers());
@@ -263,7 +265,7 @@ fn put_drawing(
         contours: lines.is_some().then(|| plane_of(frame, read.next())),
         contour_lines: lines.unwrap_or_default(),
         white_point: of_paper[WHITE as usize],
-        coordinates: None,
+        coordinates,
     });
     if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
         outcome.gain = Some(chosen[GAIN as usize]);

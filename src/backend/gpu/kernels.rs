@@ -5,7 +5,7 @@ use super::uniforms::{
     LightParams, NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
-use crate::backend::cpu::SHORTEST_TANGENT;
+use crate::backend::cpu::{DEPTH_STEP, MOTION_STEP, SHORTEST_TANGENT};
 use crate::backend::palette;
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
@@ -18,6 +18,7 @@ use crate::light::sum::terms::SHORTEST;
 use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::CROSSED_FROM;
 use crate::line::paper;
+use crate::line::texture_coordinates::JUMP;
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY};
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
@@ -121,9 +122,11 @@ impl Kernel {
         let around = wgsl!("around");
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
+        let places = wgsl!("places");
         let plane_fit = wgsl!("plane_fit");
         let scaling = wgsl!("radiance_scaling");
         let term_scaling = wgsl!("term_scaling");
+        let texture_coordinates = wgsl!("texture_coordinates");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
@@ -233,11 +236,25 @@ impl Kernel {
             Self::Density => (DensityParams::WGSL, &[index, covered, wgsl!("density")]),
             Self::Strokes => (
                 StrokeParams::WGSL,
-                &[index, covered, wgsl!("stroke_texture"), wgsl!("hatching")],
+                &[
+                    index,
+                    covered,
+                    texture_coordinates,
+                    places,
+                    wgsl!("stroke_texture"),
+                    wgsl!("hatching"),
+                ],
             ),
             Self::PictureStrokes => (
                 StrokeParams::WGSL,
-                &[index, covered, wgsl!("slice_texture"), wgsl!("hatching")],
+                &[
+                    index,
+                    covered,
+                    texture_coordinates,
+                    places,
+                    wgsl!("slice_texture"),
+                    wgsl!("hatching"),
+                ],
             ),
             Self::Contours => (
                 ContourParams::WGSL,
@@ -342,6 +359,10 @@ fn constants() -> String {
         ("RESPONSE_ENTRIES", ENTRIES as f32),
         ("ENTRIES_PER_DENSITY", ENTRIES as f32 / MAX_DENSITY),
         ("CROSSED_FROM", CROSSED_FROM),
+        ("JUMP", JUMP),
+        ("DEPTH_STEP", DEPTH_STEP),
+        ("MOTION_STEP_PX", MOTION_STEP[0]),
+        ("MOTION_STEP_SHARE", MOTION_STEP[1]),
         ("GRAIN_HERE", paper::HERE),
         ("GRAIN_BESIDE", paper::BESIDE),
         ("GRAIN_SPREAD", paper::SPREAD),

@@ -10,6 +10,7 @@ mod contours;
 mod device;
 mod diffusion;
 mod draw;
+mod draw_strips;
 mod enhance;
 #[cfg(test)]
 mod failures;
@@ -24,6 +25,7 @@ mod relight;
 mod run;
 mod runner;
 mod shape;
+mod sheets;
 mod sight;
 mod strips;
 mod surface;

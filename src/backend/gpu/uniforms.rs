@@ -227,7 +227,7 @@ uniforms! {
     StrokeParams {
         width: u32,
         height: u32,
-        /// Coordinates of the middle of the first pixel.
+        /// Where the middle of the first pixel lies in a texture that lies still.
         first_x: f32,
         first_y: f32,
         levels: u32,
@@ -251,6 +251,8 @@ uniforms! {
         /// Coordinates of the first pixel.
         x0: i32,
         y0: i32,
+        /// How many rows of the picture come before.
+        top: u32,
         /// Of the grain, where there is any.
         seed_low: u32,
         seed_high: u32,

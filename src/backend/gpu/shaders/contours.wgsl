@@ -19,7 +19,7 @@ fn main(
         return;
     }
     let tile = group.y * groups.x + group.x;
-    let middle = vec2<f32>(f32(id.x) + 0.5, f32(id.y) + 0.5);
+    let middle = vec2<f32>(f32(id.x) + 0.5, f32(params.top + id.y) + 0.5);
     var most = 0.0;
     for (var k = tile_starts[tile]; k < tile_starts[tile + 1u]; k++) {
         most = max(most, coverage_by(pieces[tile_pieces[k]], middle));
