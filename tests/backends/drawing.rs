@@ -13,10 +13,10 @@ use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{
-    Adaptive, LineParams, Method, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
-    StrokeScale, Style,
+    Adaptive, Bend, LineParams, Material, Method, RelightParams, ScalingParams, SearchParams,
+    ShapeParams, SpecularParams, StrokeDirections, StrokeScale, Style, Tangent,
 };
-use relievo::plan::{Available, LightKinds, Plan, Stage, ToneFrom};
+use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 
 /// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
 #[track_caller]
@@ -62,7 +62,8 @@ fn assert_is_drawing(name: &str, found: Outcome, expected: Outcome) -> [f32; 2] 
         (white[0] / white[1] - 1.0).abs() < 1e-5,
         "{name}: {white:?}"
     );
-    let lines = [&found, &expected].map(|drawing| drawing.contour_lines.len());
+    let lines =
+        [&found, &expected].map(|drawing| [drawing.contour_lines.len(), drawing.lines.len()]);
     assert_eq!(lines[0], lines[1], "{name}");
     let ink = |plane: &Plane| plane.samples().iter().sum::<f32>();
     [
@@ -159,6 +160,15 @@ fn settings() -> Vec<(&'static str, LineParams)> {
             "pictures",
             with(|line| line.strokes.style = Style::Pictures),
         ),
+        ("lines", with(|line| line.strokes.style = Style::Lines)),
+        (
+            "lines both ways",
+            with(|line| {
+                line.strokes.style = Style::Lines;
+                line.directions = StrokeDirections::Both;
+                line.contours = None;
+            }),
+        ),
     ]
 }
 
@@ -177,8 +187,14 @@ fn styles_families_and_scales() {
                     } else {
                         0.95
                     };
+                    // Where tones are light no line is laid.
+                    let least = if line.strokes.style == Style::Lines {
+                        0.01
+                    } else {
+                        0.05
+                    };
                     assert!(
-                        strokes > 0.05 * pixels && strokes < most * pixels,
+                        strokes > least * pixels && strokes < most * pixels,
                         "{name}: {strokes} of {pixels}"
                     );
                     let lined = scene == "torus" && line.contours.is_some();
@@ -394,16 +410,50 @@ fn moving_plan(frame: &Frame, line: LineParams) -> Plan {
 }
 
 #[test]
-fn lines_have_no_kernels() {
-    let frame = waves(20, 20);
-    let plan = |style| {
-        let mut line = LineParams::default();
-        line.strokes.style = style;
-        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let available = Available::in_frame(&frame);
+fn what_has_no_kernels_is_named() {
+    let frame = torus();
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let seen = Available {
+        specular: Some(SpecularParams {
+            bend: Bend::Mirror,
+            search: SearchParams::default(),
+        }),
+        ..Available::in_frame(&frame)
+    };
+    let drawn = |available| {
+        let line = LineParams::default();
         Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
     };
-    assert!(Runner::can_run(&plan(Style::Pen)));
-    let lines = plan(Style::Lines);
-    assert!(lines.has(Stage::Streamlines) && !Runner::can_run(&lines));
+    let lit = |material, available| {
+        let mut relight = RelightParams::default();
+        relight.material.material = material;
+        relight.material.tangent = Tangent::Curvature;
+        relight.material.coat = [10.0, 200.0];
+        let mut kinds = LightKinds::in_light(&lamp());
+        // A mirror shows no light that is no larger than a point.
+        (kinds.directional, kinds.environment) = match material {
+            Material::Mirror => (false, true),
+            _ => (true, false),
+        };
+        Plan::relight(available, shape, scaling, relight, kinds).unwrap()
+    };
+    let known = Available::in_frame(&frame);
+    for (plan, expected) in [
+        (drawn(known), None),
+        (drawn(seen), Some("that show what is traced")),
+        (lit(Material::Lambert, known), None),
+        (
+            lit(Material::Mirror, seen),
+            Some("that show what is traced"),
+        ),
+        (
+            lit(Material::AshikhminShirley, known),
+            Some("a grain along the curvature"),
+        ),
+    ] {
+        let lacks = Runner::lacks(&plan);
+        assert_eq!(lacks.is_some(), expected.is_some(), "{lacks:?}");
+        assert_eq!(Runner::can_run(&plan), lacks.is_none());
+        assert!(lacks.is_none_or(|what| what.contains(expected.unwrap())));
+    }
 }

@@ -6,6 +6,7 @@ use super::hatching::{Strokes, Texture};
 use super::kernels::{GAIN, WHITE};
 use super::light::Light;
 use super::light_layers::{TermWhites, levels_of};
+use super::line_coverage::Medium;
 use super::recorder::add_timings;
 use super::relight::frame_lit;
 use super::runner::{Runner, SCALES, apart};
@@ -24,8 +25,8 @@ impl Runner {
     /// Runs `plan`, made by [`Plan::hatch`], on `frame`: its drawing, the tone that was drawn where it was made, and
     /// the edges.
     ///
-    /// The directions of strokes, the lines along edges, and where strokes of a sequence have moved to are found on the
-    /// CPU. Where the whole frame is too much for the device's memory it is drawn in strips, the same.
+    /// The directions of strokes, strokes that are lines, the lines along edges, and where strokes of a sequence have
+    /// moved to are found on the CPU. Where the whole frame is too much for the device's memory it is drawn in strips, the same.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
@@ -104,7 +105,7 @@ impl Runner {
         let lines = self.contour_lines(plan, frame, params, &mut outcome);
         let contours = lines
             .as_ref()
-            .map(|lines| run.covered_by_lines(frame, 0, &contour_pieces(lines), graphite(params)));
+            .map(|lines| run.covered_by_lines(frame, 0, &contour_pieces(lines), medium(params)));
 
         for times in [of_tone.read()?.1, of_strokes.read()?.1] {
             add_timings(&mut outcome.timings, &times.unwrap_or_default());
@@ -225,9 +226,12 @@ impl Runner {
     }
 }
 
-/// The seed of the grain under lines in graphite; `None` in ink.
-pub(super) fn graphite(params: &LineParams) -> Option<u64> {
-    (params.strokes.style == Style::Pencil).then_some(params.strokes.seed)
+/// What contours are drawn in.
+pub(super) fn medium(params: &LineParams) -> Medium {
+    match params.strokes.style {
+        Style::Pencil => Medium::Graphite(params.strokes.seed),
+        Style::Pen | Style::Pictures | Style::Lines => Medium::Ink,
+    }
 }
 
 /// A plane of what was read, which is there.

@@ -1,22 +1,28 @@
-//! Drawings of pictures whose planes are larger than a device takes: strip by strip, with what is chosen from all of
-//! the picture, and what the CPU finds on all of it.
+//! Drawings strip by strip, with what is chosen from all of the picture and what the CPU finds on all of it: those of
+//! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use super::choose::Search;
-use super::draw::{graphite, plane_of, put_edges};
+use super::draw::{medium, plane_of, put_edges};
 use super::enhance::luminance_weights;
 use super::hatching::Strokes;
 use super::kernels::WHITE;
 use super::light::Light;
+use super::line_coverage::Medium;
 use super::recorder::add_timings;
+use super::run::Run;
 use super::runner::{Runner, SCALES};
 use super::strips::Strips;
-use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, TextureCoordinates, contour_pieces};
+use crate::backend::cpu::{
+    Drawing, DrawingInputs, Outcome, Piece, TextureCoordinates, contour_pieces, streamline_pieces,
+};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
-use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::contours::Contour;
+use crate::line::streamlines::Streamline;
 use crate::params::{Adaptive, LineParams};
-use crate::plan::Plan;
+use crate::plan::{Plan, Stage};
 use std::ops::Range;
+use std::time::Instant;
 
 /// What is drawn in every strip, of the whole picture.
 struct Drawn<'a> {
@@ -25,11 +31,33 @@ struct Drawn<'a> {
     white_point: f32,
     tone: &'a ColorPlanes,
     directions: &'a [Vector2Planes],
-    strokes: &'a Strokes,
-    /// Where the texture lies, where it moves.
-    coordinates: Option<&'a TextureCoordinates>,
-    /// The pieces of its contours, where they are wanted.
-    pieces: Option<&'a [RoundStroke]>,
+    ink: Ink,
+    contours: Option<Lines<Contour>>,
+}
+
+/// What strokes are made of.
+enum Ink {
+    /// A texture, and where it lies where it moves.
+    Texture(Strokes, Option<TextureCoordinates>),
+    Lines(Lines<Streamline>),
+}
+
+/// Lines, and the pieces that they are drawn in.
+struct Lines<T> {
+    lines: Vec<T>,
+    pieces: Vec<Piece>,
+}
+
+impl<T> Lines<T> {
+    /// The pieces that reach some rows.
+    fn reaching(&self, rows: &Range<usize>) -> Vec<Piece> {
+        let [top, end] = [rows.start, rows.end].map(|row| row as f32);
+        let reaching = self.pieces.iter().filter(|(_, piece)| {
+            let [first, last] = piece.rows();
+            first < end && last > top
+        });
+        reaching.copied().collect()
+    }
 }
 
 impl Runner {
@@ -58,33 +86,48 @@ impl Runner {
         let strips = strips.reaching(1);
         let white_point = self.paper_white(plan, frame, params, tone, &strips)?;
         let directions = self.directions(plan, frame, params, &mut outcome);
-        let lines = self.contour_lines(plan, frame, params, &mut outcome);
-        let pieces = lines.as_deref().map(contour_pieces);
-        let strokes = self.strokes(plan, params, inputs, &mut outcome);
-        let coordinates = self.coordinates(frame, inputs, &mut outcome);
-        let mut drawn = Drawn {
-            params: *params,
+        let contours = self.contour_lines(plan, frame, params, &mut outcome);
+        let mut params = *params;
+        params.tone.white_point = Adaptive::Fixed(white_point);
+        let ink = match plan.has(Stage::Streamlines) {
+            true => {
+                let tone = (tone, white_point);
+                Ink::Lines(self.streamlines(plan, frame, &params, tone, &directions, &mut outcome))
+            }
+            false => Ink::Texture(
+                self.strokes(plan, &params, inputs, &mut outcome),
+                self.coordinates(frame, inputs, &mut outcome),
+            ),
+        };
+        let drawn = Drawn {
+            params,
             white_point,
             tone,
             directions: &directions,
-            strokes: &strokes,
-            coordinates: coordinates.as_ref(),
-            pieces: pieces.as_deref(),
+            ink,
+            contours: contours.map(|lines| Lines {
+                pieces: contour_pieces(&lines),
+                lines,
+            }),
         };
-        drawn.params.tone.white_point = Adaptive::Fixed(white_point);
-        let drawing = strips.run(frame, |strip, rows| {
+        let strip_by_strip = strips.run(frame, |strip, rows| {
             self.draw_strip(plan, strip, rows, &drawn)
         })?;
-        add_timings(&mut outcome.timings, &drawing.timings);
-        let drawing = drawing.drawing.map(|drawing| Drawing {
-            contour_lines: lines.unwrap_or_default(),
+        add_timings(&mut outcome.timings, &strip_by_strip.timings);
+        let (lines, coordinates) = match drawn.ink {
+            Ink::Lines(drawn) => (drawn.lines, None),
+            Ink::Texture(_, coordinates) => (Vec::new(), coordinates),
+        };
+        let contours = drawn.contours.map(|contours| contours.lines);
+        outcome.drawing = strip_by_strip.drawing.map(|drawing| Drawing {
+            lines,
+            contour_lines: contours.unwrap_or_default(),
             coordinates,
             ..drawing
         });
         let directions = directions.into_iter();
         self.host
             .take_back_planes(directions.flat_map(|Vector2Planes { x, y }| [x, y]));
-        outcome.drawing = drawing;
         outcome.color = made;
         Ok(outcome)
     }
@@ -122,7 +165,30 @@ impl Runner {
         Ok(found[WHITE as usize])
     }
 
-    /// Draws a strip: these rows of the picture.
+    /// The strokes of a tone, and its paper white, as lines between the edges that were read.
+    fn streamlines(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &LineParams,
+        tone: (&ColorPlanes, f32),
+        directions: &[Vector2Planes],
+        outcome: &mut Outcome,
+    ) -> Lines<Streamline> {
+        let start = Instant::now();
+        let conductance = outcome.shape.conductance.as_ref();
+        let conductance = conductance.expect("edges are read first");
+        let lines = self
+            .host
+            .streamlines(plan, frame, params, tone, directions, conductance);
+        outcome.timings.push(("streamlines", start.elapsed()));
+        Lines {
+            pieces: streamline_pieces(&lines),
+            lines,
+        }
+    }
+
+    /// Draws a strip: these rows of the picture. What of a drawing is of the whole is left out.
     fn draw_strip(
         &self,
         plan: &Plan,
@@ -130,30 +196,19 @@ impl Runner {
         rows: &Range<usize>,
         drawn: &Drawn,
     ) -> Result<Outcome> {
-        let params = &drawn.params;
-        let picture = self.upload().rows(drawn.tone, rows);
         let mut run = self.start(plan, strip);
-        let paper = run.choose_paper_white(&params.tone, strip, &picture);
-        let densities = run.densities(&params.tone, strip, &picture, &paper);
-        let fields = drawn.directions.iter();
-        let fields: Vec<_> = fields.map(|field| run.hold_field(field, rows)).collect();
-        let sheets = run.sheets(drawn.coordinates, rows);
-        let ink = run.hatched(
-            &params.strokes,
-            strip,
-            &densities,
-            &fields,
-            drawn.strokes,
-            &sheets,
-        );
-        let contours = drawn.pieces.map(|pieces| {
-            let [top, end] = [rows.start, rows.end].map(|row| row as f32);
-            let reaching = pieces.iter().copied().filter(|piece| {
-                let [first, last] = piece.rows();
-                first < end && last > top
-            });
-            let reaching: Vec<_> = reaching.collect();
-            run.covered_by_lines(strip, rows.start, &reaching, graphite(params))
+        let ink = match &drawn.ink {
+            Ink::Lines(lines) => {
+                let pieces = lines.reaching(rows);
+                run.covered_by_lines(strip, rows.start, &pieces, Medium::InkWithin)
+            }
+            Ink::Texture(strokes, coordinates) => {
+                run.textured(strip, rows, drawn, (strokes, coordinates.as_ref()))
+            }
+        };
+        let contours = drawn.contours.as_ref().map(|contours| {
+            let pieces = contours.reaching(rows);
+            run.covered_by_lines(strip, rows.start, &pieces, medium(&drawn.params))
         });
         let wanted = std::iter::once(&ink).chain(&contours);
         let (read, timings) = run.finish(&wanted.collect::<Vec<_>>())?;
@@ -166,13 +221,34 @@ impl Runner {
             white_point: drawn.white_point,
             coordinates: None,
         };
-        let buffers = contours.into_iter().chain([densities, ink]);
-        self.buffers.take_back(buffers);
-        self.buffers.take_back_copied(picture);
+        self.buffers.take_back(contours.into_iter().chain([ink]));
         Ok(Outcome {
             drawing: Some(drawing),
             timings,
             ..Outcome::default()
         })
+    }
+}
+
+impl Run<'_> {
+    /// How much of a strip strokes of a texture cover.
+    fn textured(
+        &mut self,
+        strip: &Frame,
+        rows: &Range<usize>,
+        drawn: &Drawn,
+        (strokes, coordinates): (&Strokes, Option<&TextureCoordinates>),
+    ) -> wgpu::Buffer {
+        let (tone, params) = (&drawn.params.tone, &drawn.params.strokes);
+        let color = [&drawn.tone.r, &drawn.tone.g, &drawn.tone.b];
+        let picture = color.map(|plane| self.hold_rows(plane, rows));
+        let paper = self.choose_paper_white(tone, strip, &picture);
+        let densities = self.densities(tone, strip, &picture, &paper);
+        let fields = drawn.directions.iter();
+        let fields: Vec<_> = fields.map(|field| self.hold_field(field, rows)).collect();
+        let sheets = self.sheets(coordinates, rows);
+        let ink = self.hatched(params, strip, &densities, &fields, strokes, &sheets);
+        self.buffers.take_back([densities]);
+        ink
     }
 }

@@ -1,8 +1,8 @@
 //! The kernels: their WGSL, put together of shared parts, and the numbers that they share with Rust.
 
 use super::uniforms::{
-    ContourParams, CountParams, DensityParams, DiffusionParams, EdgeParams, HessianParams,
-    LightParams, NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
+    CountParams, DensityParams, DiffusionParams, EdgeParams, HessianParams, LightParams,
+    LineCoverageParams, NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
 use crate::backend::cpu::{DEPTH_STEP, MOTION_STEP, SHORTEST_TANGENT};
@@ -78,7 +78,7 @@ pub(super) enum Kernel {
     Density,
     Strokes,
     PictureStrokes,
-    Contours,
+    LineCoverage,
     Relight,
 }
 
@@ -112,7 +112,7 @@ impl Kernel {
         Self::Density,
         Self::Strokes,
         Self::PictureStrokes,
-        Self::Contours,
+        Self::LineCoverage,
         Self::Relight,
     ];
 
@@ -256,13 +256,14 @@ impl Kernel {
                     wgsl!("hatching"),
                 ],
             ),
-            Self::Contours => (
-                ContourParams::WGSL,
+            Self::LineCoverage => (
+                LineCoverageParams::WGSL,
                 &[
                     index,
+                    covered,
                     wgsl!("round_stroke"),
                     wgsl!("paper"),
-                    wgsl!("contours"),
+                    wgsl!("line_coverage"),
                 ],
             ),
             Self::Relight => (

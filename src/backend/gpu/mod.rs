@@ -2,11 +2,10 @@
 //!
 //! A kernel in `shaders` does what the file of the same name in [`crate::shape`], [`crate::light`] or [`crate::line`] does,
 //! by the same statements in the same order; numbers and structs come from Rust. Between the stages nothing is read back,
-//! but for the edges of a drawing: directions and lines along edges are found on the CPU.
+//! but for the edges of a drawing, and its tone where strokes are lines: directions and lines are found on the CPU.
 
 mod buffers;
 mod choose;
-mod contours;
 mod device;
 mod diffusion;
 mod draw;
@@ -20,6 +19,7 @@ mod kernels;
 mod light;
 mod light_layers;
 mod limits;
+mod line_coverage;
 mod recorder;
 mod relight;
 mod run;

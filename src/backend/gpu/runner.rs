@@ -9,7 +9,7 @@ use super::kernels::{GAIN, WHITE};
 use super::light::{KeptMaps, Light};
 use super::light_layers::{TermWhites, levels_of};
 use super::recorder::{Programs, add_timings};
-use super::relight::{can_relight, frame_lit};
+use super::relight::frame_lit;
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
@@ -28,9 +28,6 @@ use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
-
-/// Stages that have no kernels.
-const ON_THE_CPU: [Stage; 2] = [Stage::SpecularTrace, Stage::Streamlines];
 
 /// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
 pub(super) const WIDEST: u64 = 4;
@@ -78,13 +75,20 @@ impl Runner {
 
     /// Whether all stages of `plan` have kernels.
     pub fn can_run(plan: &Plan) -> bool {
-        let is_known = match plan.goal {
-            Goal::Layers | Goal::Display => plan.drawing.is_none(),
-            Goal::Enhance => true,
-            Goal::Picture => plan.drawing.is_some(),
-            Goal::Relight => can_relight(plan),
-        };
-        is_known && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
+        Self::lacks(plan).is_none()
+    }
+
+    /// What of `plan` has no kernels, in a few words; `None` where all of it has.
+    pub fn lacks(plan: &Plan) -> Option<&'static str> {
+        let relighting = plan.relighting.as_ref();
+        let is_traced = relighting.is_some_and(|relighting| relighting.traced);
+        if is_traced || plan.has(Stage::SpecularTrace) {
+            Some("mirrors and lenses that show what is traced")
+        } else if relighting.is_some_and(|relighting| relighting.grain) {
+            Some("a grain along the curvature")
+        } else {
+            None
+        }
     }
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
@@ -210,27 +214,30 @@ impl Runner {
     ) -> std::result::Result<Outcome, Fault> {
         let height = frame.mask.height();
         let most_rows = self.most_rows(plan, frame, plane_bytes)?;
+        let is_whole = most_rows >= height as u64;
         let drawing = plan.drawing.as_ref();
-        if most_rows >= height as u64 {
-            return Ok(match drawing {
-                Some(params) => self.draw_whole(plan, frame, params, light, inputs)?,
-                None => self.run_whole(plan, frame, light, 0..height)?,
-            });
+        match drawing {
+            // Lines are placed when all of the tone is there, as that of a drawing in strips is.
+            Some(params) if is_whole && !plan.has(Stage::Streamlines) => {
+                return Ok(self.draw_whole(plan, frame, params, light, inputs)?);
+            }
+            None if is_whole => return Ok(self.run_whole(plan, frame, light, 0..height)?),
+            _ => {}
         }
         let reach = match drawing {
             // The directions of a drawing are found on the whole.
             Some(_) => plan.clone().without_directions().reach(),
             None => plan.reach(),
         };
-        match (Strips::new(reach, height, most_rows as usize), drawing) {
-            (Some(strips), Some(params)) => {
-                Ok(self.draw_strips(plan, frame, params, light, inputs, &strips)?)
-            }
-            (Some(strips), None) => Ok(self.run_strips(plan, frame, light, &strips)?),
-            (None, _) => Err(Fault::Strips(self.device.error(format_args!(
+        let Some(strips) = Strips::new(reach, height, most_rows as usize) else {
+            return Err(Fault::Strips(self.device.error(format_args!(
                 "takes {most_rows} rows of this picture at a time, and its scale asks for {reach} to each side"
-            )))),
-        }
+            ))));
+        };
+        Ok(match drawing {
+            Some(params) => self.draw_strips(plan, frame, params, light, inputs, &strips)?,
+            None => self.run_strips(plan, frame, light, &strips)?,
+        })
     }
 
     pub(super) fn upload(&self) -> Upload<'_> {

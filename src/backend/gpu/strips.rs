@@ -23,8 +23,15 @@ pub(super) struct Strips {
 
 impl Strips {
     /// Strips of which none has more than so many rows, `reach` above and below included; `None` where not even one
-    /// row would be left to give.
+    /// row would be left to give. All of them are one strip where that is no more.
     pub(super) fn new(reach: usize, height: usize, most_rows: usize) -> Option<Self> {
+        if most_rows >= height {
+            return Some(Self {
+                height,
+                rows: height.max(1),
+                reach: 0,
+            });
+        }
         let rows = most_rows.checked_sub(2 * reach).filter(|&rows| rows > 0)?;
         Some(Self {
             height,

@@ -244,8 +244,8 @@ uniforms! {
         slices: u32,
     }
 
-    /// Of `contours.wgsl`.
-    ContourParams {
+    /// Of `line_coverage.wgsl`.
+    LineCoverageParams {
         width: u32,
         height: u32,
         /// Coordinates of the first pixel.

@@ -13,6 +13,8 @@ pub use coordinates::TextureCoordinates;
 pub(in crate::backend) use coordinates::{DEPTH_STEP, MOTION_STEP};
 pub(super) use hatching::hatch_batch;
 #[cfg(feature = "gpu")]
+pub(super) use lines::lines;
+#[cfg(feature = "gpu")]
 pub(in crate::backend) use sheet::Sheet;
 pub(super) use tone::{Densities, density_row};
 
