@@ -152,8 +152,12 @@ impl Engine {
         run: impl FnOnce(&gpu::Runner) -> Result<Outcome>,
     ) -> Result<Option<Outcome>> {
         let gpu = match &self.device {
-            OnDevice::Only(gpu) if gpu::Runner::can_run(plan) => return run(gpu).map(Some),
-            OnDevice::Only(_) => return Err(no_kernels()),
+            OnDevice::Only(gpu) => {
+                return match gpu::Runner::lacks(plan) {
+                    None => run(gpu).map(Some),
+                    Some(what) => Err(no_kernels(what)),
+                };
+            }
             OnDevice::Maybe(gpu) => gpu,
             OnDevice::No(Some(why)) => {
                 warn(&format!("{why}; the CPU does it"));
@@ -254,10 +258,10 @@ pub(super) fn built_without_gpu() -> Error {
 }
 
 #[cfg(feature = "gpu")]
-fn no_kernels() -> Error {
+fn no_kernels(what: &str) -> Error {
     Error::BadParameter {
         name: "--backend",
-        found: "is gpu, which has no kernels for this".into(),
+        found: format!("is gpu, which has no kernels for {what}").into(),
         remedy: "leave it out: auto takes the GPU for what it can do, and the CPU for the rest"
             .into(),
     }

@@ -16,7 +16,7 @@ use super::random::Random;
 
 /// Places further apart than this, between pixels next to each other, are of different surfaces. Twice what
 /// the worst distortion that is ever drawn makes of a pixel's width.
-const JUMP: f32 = 2.0 * OUTWORN;
+pub(crate) const JUMP: f32 = 2.0 * OUTWORN;
 
 /// Distortion up to which a map serves alone.
 const WORN: f32 = 1.2;

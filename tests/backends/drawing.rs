@@ -7,16 +7,16 @@ use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
 use glam::DVec3;
 use relievo::backend::Product;
-use relievo::backend::cpu::{self, DrawingInputs};
+use relievo::backend::cpu::{self, DrawingInputs, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::backend::gpu::{Choice, Device, Runner};
-use relievo::frame::{Frame, Mask, Plane, Window};
+use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{
-    Adaptive, LineParams, Method, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
-    StrokeScale, Style,
+    Adaptive, Bend, LineParams, Material, Method, RelightParams, ScalingParams, SearchParams,
+    ShapeParams, SpecularParams, StrokeDirections, StrokeScale, Style, Tangent,
 };
-use relievo::plan::{Available, LightKinds, Plan, Stage, ToneFrom};
+use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 
 /// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
 #[track_caller]
@@ -39,11 +39,17 @@ fn assert_drawn(
     };
     let expected = cpu::Runner::default().draw(&plan, frame, inputs);
     let found = runner.draw(&plan, frame, inputs).unwrap();
+    assert_is_drawing(name, found, expected)
+}
+
+/// Asserts that a drawing is that of the CPU, and gives the ink of its strokes and contours in all.
+#[track_caller]
+fn assert_is_drawing(name: &str, found: Outcome, expected: Outcome) -> [f32; 2] {
     assert_alike(name, &found, &expected, |product| {
-        let is_drawn = match product {
-            Product::Picture | Product::Strokes | Product::Contours => true,
-            _ => false,
-        };
+        let is_drawn = matches!(
+            product,
+            Product::Picture | Product::Strokes | Product::Contours
+        );
         is_drawn.then(|| product.tolerance())
     });
     let [found, expected] = [found, expected].map(|outcome| outcome.drawing.unwrap());
@@ -52,7 +58,8 @@ fn assert_drawn(
         (white[0] / white[1] - 1.0).abs() < 1e-5,
         "{name}: {white:?}"
     );
-    let lines = [&found, &expected].map(|drawing| drawing.contour_lines.len());
+    let lines =
+        [&found, &expected].map(|drawing| [drawing.contour_lines.len(), drawing.lines.len()]);
     assert_eq!(lines[0], lines[1], "{name}");
     let ink = |plane: &Plane| plane.samples().iter().sum::<f32>();
     [
@@ -149,6 +156,15 @@ fn settings() -> Vec<(&'static str, LineParams)> {
             "pictures",
             with(|line| line.strokes.style = Style::Pictures),
         ),
+        ("lines", with(|line| line.strokes.style = Style::Lines)),
+        (
+            "lines both ways",
+            with(|line| {
+                line.strokes.style = Style::Lines;
+                line.directions = StrokeDirections::Both;
+                line.contours = None;
+            }),
+        ),
     ]
 }
 
@@ -167,8 +183,14 @@ fn styles_families_and_scales() {
                     } else {
                         0.95
                     };
+                    // Where tones are light no line is laid.
+                    let least = if line.strokes.style == Style::Lines {
+                        0.01
+                    } else {
+                        0.05
+                    };
                     assert!(
-                        strokes > 0.05 * pixels && strokes < most * pixels,
+                        strokes > least * pixels && strokes < most * pixels,
                         "{name}: {strokes} of {pixels}"
                     );
                     let lined = scene == "torus" && line.contours.is_some();
@@ -262,36 +284,172 @@ fn a_texture_that_was_copied_is_not_taken_for_another() {
 }
 
 #[test]
-fn a_picture_too_large_for_the_device_is_an_error_that_says_so() {
+fn a_picture_too_large_for_the_device_is_drawn_in_strips() {
     let Ok(device) = Device::open(Choice::Any) else {
         return;
     };
-    let frame = waves(90, 400);
-    let runner = Runner::new(device.limited_to(72_000));
-    let available = Available::in_frame(&frame);
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    // 147 columns of vectors of two are 1176 bytes a row: 50 rows at a time.
+    let runner = Runner::new(device.limited_to(59_000));
+    let mut frame = torus();
+    frame.data_window = Window::at(-40, 1000, 147, 131);
+    for (name, line) in settings() {
+        for (tone_name, tone) in tones() {
+            let name = format!("strips, {name}, {tone_name}");
+            assert_drawn(&name, &runner, &frame, line, tone);
+        }
+    }
+    let lobes = with_lobes(waves(60, 150));
     let line = LineParams::default();
-    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
-    let error = runner.draw(&plan, &frame, DrawingInputs::default());
-    let error = error.unwrap_err().to_string();
-    assert!(error.contains("100 rows"), "{error}");
+    assert_drawn("strips, lobes", &runner, &lobes, line, ToneFrom::Enhanced);
+    let nothing = Frame {
+        mask: Mask::new(Plane::filled(147, 131, false)),
+        ..torus()
+    };
+    assert_drawn(
+        "strips, nothing",
+        &runner,
+        &nothing,
+        line,
+        ToneFrom::Enhanced,
+    );
+}
+
+/// A surface that comes nearer and turns: its texture is laid anew now and then, and several drawings share in it.
+#[test]
+fn strokes_move_with_the_surface() {
+    let Ok(device) = Device::open(Choice::Any) else {
+        return;
+    };
+    let in_strips = Runner::new(device.limited_to(59_000));
+    on_gpu(|runner| {
+        let whole = torus();
+        let motion = Vector2Planes {
+            x: Plane::from_fn(147, 131, |x, y| {
+                0.07 * (x as f32 - 70.0) + 0.03 * (y as f32 - 60.0)
+            }),
+            y: Plane::from_fn(147, 131, |x, y| {
+                0.05 * (60.0 - y as f32) + 0.03 * (x as f32 - 70.0)
+            }),
+        };
+        let mut holed = motion.clone();
+        for (i, value) in HOSTILE.into_iter().enumerate() {
+            holed.x.row_mut(9 * i + 30)[30..60].fill(value);
+            holed.y.row_mut(9 * i + 31)[50..90].fill(-value);
+        }
+        // Steps just below what parts surfaces, and just above.
+        let mut stepped = whole.clone();
+        for (i, depth) in stepped
+            .depth
+            .iter_mut()
+            .flat_map(Plane::samples_mut)
+            .enumerate()
+        {
+            *depth *= [1.0, 1.06, 1.15][i / 40 % 3];
+        }
+        let flat = Frame {
+            depth: None,
+            ..whole.clone()
+        };
+        let pen = LineParams {
+            directions: StrokeDirections::Both,
+            ..LineParams::default()
+        };
+        let mut of_pictures = LineParams::default();
+        of_pictures.strokes.style = Style::Pictures;
+        let map = pictures();
+        for (name, frame, motion, line) in [
+            ("with depth", &whole, &motion, pen),
+            ("with steps of depth", &stepped, &motion, pen),
+            ("without depth", &flat, &motion, pen),
+            ("motion that is no number", &flat, &holed, pen),
+            ("pictures", &whole, &motion, of_pictures),
+        ] {
+            let plan = moving_plan(frame, line);
+            let mut before: Option<TextureCoordinates> = None;
+            let mut most_sheets = 0;
+            for number in 0..9 {
+                let sequence = SequenceInputs {
+                    before: before.as_ref(),
+                    motion: Some(motion),
+                };
+                let inputs = DrawingInputs {
+                    art_map: Some(&map),
+                    sequence: Some(sequence),
+                    ..DrawingInputs::default()
+                };
+                let expected = cpu::Runner::default().draw(&plan, frame, inputs);
+                let drawing = expected.drawing.as_ref().unwrap();
+                let coordinates = drawing.coordinates.clone().unwrap();
+                most_sheets = coordinates.mean_shares().len().max(most_sheets);
+                for (place, runner) in [("whole", runner), ("in strips", &in_strips)] {
+                    let found = runner.draw(&plan, frame, inputs).unwrap();
+                    let handed_on = found.drawing.as_ref().unwrap().coordinates.as_ref();
+                    let shares = handed_on.unwrap().mean_shares();
+                    assert_eq!(shares, coordinates.mean_shares());
+                    let name = format!("{name}, {place}, frame {number}");
+                    assert_is_drawing(&name, found, expected.clone());
+                }
+                before = Some(coordinates);
+            }
+            assert!(most_sheets > 1, "{name}");
+        }
+    });
+}
+
+fn moving_plan(frame: &Frame, line: LineParams) -> Plan {
+    let available = Available {
+        moving: true,
+        ..Available::in_frame(frame)
+    };
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
 }
 
 #[test]
-fn lines_and_moving_strokes_have_no_kernels() {
-    let frame = waves(20, 20);
-    let plan = |style, moving| {
-        let available = Available {
-            moving,
-            ..Available::in_frame(&frame)
-        };
-        let mut line = LineParams::default();
-        line.strokes.style = style;
-        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+fn what_has_no_kernels_is_named() {
+    let frame = torus();
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let seen = Available {
+        specular: Some(SpecularParams {
+            bend: Bend::Mirror,
+            search: SearchParams::default(),
+        }),
+        ..Available::in_frame(&frame)
+    };
+    let drawn = |available| {
+        let line = LineParams::default();
         Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
     };
-    assert!(Runner::can_run(&plan(Style::Pen, false)));
-    let lines = plan(Style::Lines, false);
-    assert!(lines.has(Stage::Streamlines) && !Runner::can_run(&lines));
-    assert!(!Runner::can_run(&plan(Style::Pen, true)));
+    let lit = |material, available| {
+        let mut relight = RelightParams::default();
+        relight.material.material = material;
+        relight.material.tangent = Tangent::Curvature;
+        relight.material.coat = [10.0, 200.0];
+        let mut kinds = LightKinds::in_light(&lamp());
+        // A mirror shows no light that is no larger than a point.
+        (kinds.directional, kinds.environment) = match material {
+            Material::Mirror => (false, true),
+            _ => (true, false),
+        };
+        Plan::relight(available, shape, scaling, relight, kinds).unwrap()
+    };
+    let known = Available::in_frame(&frame);
+    for (plan, expected) in [
+        (drawn(known), None),
+        (drawn(seen), Some("that show what is traced")),
+        (lit(Material::Lambert, known), None),
+        (
+            lit(Material::Mirror, seen),
+            Some("that show what is traced"),
+        ),
+        (
+            lit(Material::AshikhminShirley, known),
+            Some("a grain along the curvature"),
+        ),
+    ] {
+        let lacks = Runner::lacks(&plan);
+        assert_eq!(lacks.is_some(), expected.is_some(), "{lacks:?}");
+        assert_eq!(Runner::can_run(&plan), lacks.is_none());
+        assert!(lacks.is_none_or(|what| what.contains(expected.unwrap())));
+    }
 }

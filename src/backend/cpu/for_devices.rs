@@ -1,13 +1,17 @@
 //! What other backends leave to the CPU: what takes double precision, what follows lines from pixel to pixel, and what
 //! is chosen from a frame that a device takes in strips.
 
-use super::contours::{self, DrawnLine};
+use super::contours::{self, DrawnLine, Piece};
+use super::drawing::{self, Densities};
 use super::memory::Memory;
-use super::{Runner, direction_field, light, light_layers, normal_rays, relight};
+use super::{
+    Runner, SequenceInputs, TextureCoordinates, direction_field, light, light_layers, normal_rays,
+    relight,
+};
 use crate::backend::light_terms::light_terms;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::line::contours::Contour;
-use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::streamlines::Streamline;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{ContourParams, LineParams, ScalingParams, StrokeParams};
 use crate::plan::Plan;
@@ -50,12 +54,24 @@ pub(in crate::backend) fn contour_lines(
     contours::contours(&weights, frame, &plan.shape, params)
 }
 
-/// The pieces that contours are drawn in.
-pub(in crate::backend) fn contour_pieces(lines: &[Contour]) -> Vec<RoundStroke> {
+/// The pieces that contours are drawn in: lines that meet are one.
+pub(in crate::backend) fn contour_pieces(lines: &[Contour]) -> Vec<Piece> {
     let pieces = lines
         .par_iter()
-        .map(|line| contours::strokes(&DrawnLine::from(line)));
-    pieces.flatten().collect()
+        .flat_map_iter(|line| contours::strokes(&DrawnLine::from(line)));
+    pieces.map(|piece| (0, piece)).collect()
+}
+
+/// The pieces that strokes are drawn in which are lines.
+pub(in crate::backend) fn streamline_pieces(lines: &[Streamline]) -> Vec<Piece> {
+    let pieces = lines
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(number, line)| {
+            let pieces = contours::strokes(&DrawnLine::from(line)).into_iter();
+            pieces.map(move |piece| (number as u32, piece))
+        });
+    pieces.collect()
 }
 
 impl Runner {
@@ -69,6 +85,15 @@ impl Runner {
     ) -> Vec<Vector2Planes> {
         let (field, wanted, memory) = (&params.field, params.directions, &self.memory);
         direction_field::stroke_fields(plan, field, wanted, frame, conductance, None, memory)
+    }
+
+    /// Where the texture of strokes lies on a frame of a sequence.
+    pub(in crate::backend) fn texture_coordinates(
+        &self,
+        frame: &Frame,
+        sequence: SequenceInputs,
+    ) -> TextureCoordinates {
+        TextureCoordinates::of(frame, sequence, &self.memory)
     }
 
     /// The texture of strokes, and how long it took to make where it was not kept.
@@ -87,6 +112,31 @@ impl Runner {
                 map
             });
         (map, made)
+    }
+
+    /// The strokes of a tone as lines along fields of directions, where luminance `white` is paper white.
+    pub(in crate::backend) fn streamlines(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &LineParams,
+        (tone, white): (&ColorPlanes, f32),
+        directions: &[Vector2Planes],
+        conductance: &Plane,
+    ) -> Vec<Streamline> {
+        let weights = light::luminance_weights(frame);
+        let densities = Densities::new(tone, frame, weights, white, &params.tone);
+        let factor = plan.resolution_factor as f32;
+        let (strokes, memory) = (&params.strokes, &self.memory);
+        drawing::lines(
+            &densities,
+            directions,
+            conductance,
+            strokes,
+            factor,
+            frame,
+            memory,
+        )
     }
 
     /// Takes planes that are no longer needed.

@@ -24,6 +24,13 @@ pub(super) enum Search {
     Depth([u32; 2]),
 }
 
+impl Search {
+    /// Whether it looks at a picture, not at the shape.
+    pub(super) fn is_of_picture(&self) -> bool {
+        matches!(self, Self::White(_))
+    }
+}
+
 /// A search, and its state on the device.
 pub(super) struct Searching {
     search: Search,

@@ -15,8 +15,9 @@ use crate::plan::{Plan, Stage};
 /// Workgroups that go through the pixels that lack a direction.
 const LIST_GROUPS: u32 = 256;
 
-/// Bytes of a patch.
+/// Bytes of a patch, and of its sums along one axis.
 const PATCH_BYTES: u64 = 32;
+const SUMS_BYTES: u64 = 64;
 
 /// What is recorded as the time of the whole field.
 const STAGE: &str = "direction-field";
@@ -73,11 +74,39 @@ fn slots(params: &DirectionParams) -> u64 {
     u64::from(params.columns) * u64::from(params.rows) + u64::from(params.room)
 }
 
-/// Samples of a pixel in the widest buffers of a field: every patch has four numbers, and a cell one patch more than
-/// there is in most.
-pub(super) fn widest(params: &FieldParams) -> u64 {
-    let of_patches = 4 * 2_u64;
-    of_patches.div_ceil(u64::from(params.cell_px).pow(2)) + 1
+/// Bytes of the largest buffer that the field of a frame takes.
+pub(super) fn largest_buffer(params: &FieldParams, frame: &Frame) -> u64 {
+    let grid = Grid::new(params, frame);
+    SUMS_BYTES * (grid.cells() + u64::from(grid.room))
+}
+
+/// The cells of a frame. They lie at multiples of their size in the picture's coordinates.
+struct Grid {
+    cut: [u32; 2],
+    columns: u32,
+    rows: u32,
+    /// For how many patches there is room after the first ones of all cells.
+    room: u32,
+}
+
+impl Grid {
+    fn new(params: &FieldParams, frame: &Frame) -> Self {
+        let (window, cell_px) = (frame.data_window, params.cell_px);
+        let cut = [window.x0, window.y0].map(|c| c.rem_euclid(cell_px as i32) as u32);
+        let size = [frame.mask.width(), frame.mask.height()].map(|side| side as u32);
+        let [columns, rows] = [0, 1].map(|axis| (size[axis] + cut[axis]).div_ceil(cell_px));
+        Self {
+            cut,
+            columns,
+            rows,
+            // Cells of one pixel hold one patch.
+            room: if cell_px > 1 { columns * rows } else { 0 },
+        }
+    }
+
+    fn cells(&self) -> u64 {
+        u64::from(self.columns) * u64::from(self.rows)
+    }
 }
 
 fn direction_params(
@@ -85,25 +114,20 @@ fn direction_params(
     params: &FieldParams,
     frame: &Frame,
 ) -> DirectionParams {
-    let window = frame.data_window;
-    let cell_px = params.cell_px;
-    let cut = [window.x0, window.y0].map(|c| c.rem_euclid(cell_px as i32) as u32);
-    let size = [frame.mask.width(), frame.mask.height()].map(|side| side as u32);
-    let [columns, rows] = [0, 1].map(|axis| (size[axis] + cut[axis]).div_ceil(cell_px));
+    let grid = Grid::new(params, frame);
     let (line, apart) = (lines(frame, &setting.sight), apart(frame, &setting.sight));
     let [fixed_x, fixed_y] = setting
         .fixed
         .map_or([0.0; 2], |[first, _]| first.to_array());
     DirectionParams {
-        width: size[0],
-        height: size[1],
-        cell_px,
-        cut_x: cut[0],
-        cut_y: cut[1],
-        columns,
-        rows,
-        // Cells of one pixel hold one patch.
-        room: if cell_px > 1 { columns * rows } else { 0 },
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        cell_px: params.cell_px,
+        cut_x: grid.cut[0],
+        cut_y: grid.cut[1],
+        columns: grid.columns,
+        rows: grid.rows,
+        room: grid.room,
         axis: 0,
         reach: 0.0,
         line_x: line.first[0],
@@ -214,7 +238,7 @@ impl Run<'_> {
             median: depth.is_some().then(|| self.copy_of(&self.chosen.clone())),
             links: self.take(16 * count),
             runs: [(); 2].map(|()| self.take(16 * count)),
-            sums: [(); 2].map(|()| self.take(64 * count)),
+            sums: [(); 2].map(|()| self.take(SUMS_BYTES * count)),
             params,
         };
         self.recorder.clear(&found.further);
@@ -429,9 +453,10 @@ impl Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::cpu;
+    use crate::backend::cpu::{self, DrawingInputs};
     use crate::backend::gpu::{Choice, Device, Runner, to_test_on};
-    use crate::frame::{Camera, Plane, Projection};
+    use crate::backend::{Product, products};
+    use crate::frame::{Camera, ColorPlanes, Plane, Projection};
     use crate::params::{Fallback, LineParams, ScalingParams, ShapeParams};
     use crate::plan::{Available, ToneFrom};
     use crate::report::scenes::Scene;
@@ -455,14 +480,25 @@ mod tests {
         Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
     }
 
-    /// The sine of the angle between both backends' directions along the same edges: its mean over covered pixels, and the share of these
-    /// where it is more than a hundredth; and how many patches follow after the first ones.
-    fn apart_from_the_cpu(runner: &Runner, frame: &Frame, field: FieldParams) -> [f64; 3] {
-        let plan = plan_of(frame, field);
+    /// A field as the device finds it.
+    struct Found {
+        conductance: Plane,
+        planes: Vec<Vec<f32>>,
+        /// Patches after the first ones of all cells, and for how many there is room.
+        further: [u32; 2],
+    }
+
+    fn found(runner: &Runner, plan: &Plan, frame: &Frame) -> Found {
         let line = plan.drawing.as_ref().unwrap();
-        let mut run = runner.start(&plan, frame);
-        let edges = run.edges(&plan, frame);
-        let fields = run.stroke_fields(&plan, &field, line.directions, frame, &edges.conductance);
+        let mut run = runner.start(plan, frame);
+        let edges = run.edges(plan, frame);
+        let fields = run.stroke_fields(
+            plan,
+            &line.field,
+            line.directions,
+            frame,
+            &edges.conductance,
+        );
         let planes = fields.directions.iter().flatten();
         let mut wanted = vec![&fields.further, &edges.conductance];
         wanted.extend(planes);
@@ -470,11 +506,25 @@ mod tests {
         let planes = read.split_off(2);
         let [further, conductance] = read.try_into().unwrap();
         let (width, height) = (frame.mask.width(), frame.mask.height());
-        let conductance = Plane::from_samples(width, height, conductance);
+        Found {
+            conductance: Plane::from_samples(width, height, conductance),
+            planes,
+            further: [further[0].to_bits(), fields.room],
+        }
+    }
+
+    /// The sine of the angle between both backends' directions along the same edges: its mean over covered pixels, and
+    /// the share of these where it is more than a hundredth.
+    fn apart_from_the_cpu(runner: &Runner, frame: &Frame, field: FieldParams) -> [f64; 2] {
+        let plan = plan_of(frame, field);
+        let line = plan.drawing.as_ref().unwrap();
+        let found = found(runner, &plan, frame);
+        assert!(found.further[0] <= found.further[1]);
         let host = cpu::Runner::default();
-        let expected = host.drawn_directions(&plan, frame, line, &conductance);
+        let expected = host.drawn_directions(&plan, frame, line, &found.conductance);
+        let (width, height) = (frame.mask.width(), frame.mask.height());
         let (mut sum, mut wide, mut count) = (0.0, 0, 0);
-        for (found, expected) in planes.chunks(2).zip(&expected) {
+        for (found, expected) in found.planes.chunks(2).zip(&expected) {
             for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                 let at = |plane: &[f32]| f64::from(plane[y * width + x]);
                 let found = DVec2::new(at(&found[0]), at(&found[1]));
@@ -491,11 +541,7 @@ mod tests {
             }
         }
         let count = f64::from(count.max(1));
-        [
-            sum / count,
-            f64::from(wide) / count,
-            further[0].to_bits().into(),
-        ]
+        [sum / count, f64::from(wide) / count]
     }
 
     /// A frame whose depths are in two steps, seen from near.
@@ -585,13 +631,37 @@ mod tests {
         ];
         for (scene, frame) in &scenes {
             for (name, field) in fields {
-                let [mean, wide, _] = apart_from_the_cpu(&runner, frame, field);
+                let [mean, wide] = apart_from_the_cpu(&runner, frame, field);
                 println!("{scene}, {name}: {mean:.1e}, {wide:.1e}");
                 assert!(
                     mean < 1e-5 && wide < 1e-4,
                     "{scene}, {name}: {mean:e}, {wide:e}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn what_falls_apart_into_more_patches_than_there_is_room_for_is_drawn_all_the_same() {
+        let Some(runner) = runner() else { return };
+        let mut frame = crowded(90, 70);
+        let grey = Plane::filled(90, 70, 0.3);
+        frame.color = Some(ColorPlanes {
+            r: grey.clone(),
+            g: grey.clone(),
+            b: grey,
+        });
+        let plan = plan_of(&frame, FieldParams::default());
+        let [further, room] = found(&runner, &plan, &frame).further;
+        assert!(further > room, "{further} of {room}");
+        let inputs = DrawingInputs::default();
+        let found = runner.draw(&plan, &frame, inputs).unwrap();
+        let expected = cpu::Runner::default().draw(&plan, &frame, inputs);
+        let of = |outcome| products(outcome).filter(|(product, _)| *product == Product::Strokes);
+        let planes: Vec<_> = of(&found).zip(of(&expected)).collect();
+        assert_eq!(planes.len(), 1);
+        for ((product, found), (_, expected)) in planes {
+            assert!(product.apart(found, expected) <= product.tolerance());
         }
     }
 }

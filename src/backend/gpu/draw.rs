@@ -2,15 +2,17 @@
 //! precision, and lines along edges, which are followed from pixel to pixel, are found on the CPU while the device
 //! makes what they do not touch.
 
-use super::fault::Fault;
-use super::hatching::Texture;
+use super::hatching::{Strokes, Texture};
 use super::kernels::{GAIN, WHITE};
+use super::light::Light;
 use super::light_layers::{TermWhites, levels_of};
+use super::line_coverage::Medium;
 use super::recorder::add_timings;
 use super::relight::frame_lit;
-use super::run::Run;
 use super::runner::{Runner, SCALES, apart};
-use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, Shape, contour_lines, contour_pieces};
+use crate::backend::cpu::{
+    Drawing, DrawingInputs, Outcome, Shape, TextureCoordinates, contour_lines, contour_pieces,
+};
 use crate::backend::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
@@ -23,50 +25,31 @@ impl Runner {
     /// Runs `plan`, made by [`Plan::hatch`], on `frame`: its drawing, the tone that was drawn where it was made, and
     /// the edges.
     ///
-    /// The directions of strokes and the lines along edges are found on the CPU.
+    /// Strokes that are lines, the lines along edges, and where strokes of a sequence have moved to are found on the CPU.
+    /// Where the whole frame is too much for the device's memory it is drawn in strips, the same, and the CPU finds the
+    /// directions of strokes too.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device is lost, has too little memory, or takes no picture so large whole.
+    /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
     ///
     /// # Panics
     /// If the plan was made for other inputs, or [`Runner::can_run`] is false.
     pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Result<Outcome> {
-        let params = plan.drawing.as_ref().expect("a drawing is planned");
-        assert!(Self::can_run(plan), "every stage has a kernel");
-        assert!(
-            inputs.sequence.is_none(),
-            "strokes lie still in the picture"
-        );
-        let done =
-            self.guarded(|| Ok(self.draw_whole(plan, frame, params, inputs)?.expect("TODO")));
-        done.map_err(Fault::into_error)
+        assert!(plan.drawing.is_some(), "a drawing is planned");
+        self.run_in_memory(plan, frame, inputs)
     }
 
-    fn draw_whole(
+    /// Draws a frame whose planes the device takes; `None` where surfaces fall apart into more patches than there is room
+    /// for.
+    pub(super) fn draw_whole(
         &self,
         plan: &Plan,
         frame: &Frame,
         params: &LineParams,
+        light: Option<&Light>,
         inputs: DrawingInputs,
     ) -> Result<Option<Outcome>> {
-        let most_rows = self.most_rows(plan, frame, self.device().plane_bytes)?;
-        if most_rows < frame.mask.height() as u64 {
-            return Err(self.device().error(format_args!(
-                "takes {most_rows} rows of this picture at a time, and a drawing takes all of it"
-            )));
-        }
         let mut outcome = Outcome::default();
-        let light = (plan.goal == Goal::Relight)
-            .then(|| {
-                let illumination = inputs.illumination;
-                let illumination = illumination.expect("new light is planned with its lights");
-                self.light(plan, frame, illumination)
-            })
-            .transpose()?;
-        if let Some(light) = &light {
-            outcome.timings.extend(&light.timings);
-            outcome.environment_gain = light.around.gain();
-        }
         // Edges first: all that is left to the CPU asks for them.
         let start = Instant::now();
         let mut run = self.start(plan, frame);
@@ -74,7 +57,7 @@ impl Runner {
         let weights: Vec<_> = edges.weights.iter().collect();
         let of_edges = run.recorder.submit(&weights);
         let rows = 0..frame.mask.height();
-        let copied = match &light {
+        let copied = match light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
             None => self.upload().picture(frame),
         };
@@ -91,7 +74,7 @@ impl Runner {
         );
         let shape = run.shape_along(plan, edges);
         run.choose_gain(plan, &shape);
-        let picture = match &light {
+        let picture = match light {
             Some(light) => run.relight(plan, frame, light, Some(&shape), copied),
             None => copied.expect("a drawing is planned with its tone"),
         };
@@ -102,23 +85,27 @@ impl Runner {
         }
         let paper = run.choose_paper_white(&params.tone, frame, &picture);
         let densities = run.densities(&params.tone, frame, &picture, &paper);
-        let ink = self.strokes(
-            &mut run,
-            (plan, params),
+        let strokes = self.strokes(plan, params, inputs, &mut outcome);
+        let coordinates = self.coordinates(frame, inputs, &mut outcome);
+        let start = Instant::now();
+        let sheets = run.sheets(coordinates.as_ref(), &rows);
+        let ink = run.hatched(
+            &params.strokes,
             frame,
-            inputs,
-            (&densities, &fields.directions),
-            &mut outcome,
+            &densities,
+            &fields.directions,
+            &strokes,
+            &sheets,
         );
+        add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
         let of_strokes = run.recorder.submit(&[]);
         let (read, times) = of_edges.read()?;
         add_timings(&mut outcome.timings, &times.unwrap_or_default());
-        put_edges(&mut outcome.shape, read, frame);
+        put_weights(&mut outcome.shape, read.into_iter().next(), frame);
         let lines = self.contour_lines(plan, frame, params, &mut outcome);
-        let contours = lines.as_ref().map(|lines| {
-            let graphite = (params.strokes.style == Style::Pencil).then_some(params.strokes.seed);
-            run.covered_by_lines(frame, &contour_pieces(lines), graphite)
-        });
+        let contours = lines
+            .as_ref()
+            .map(|lines| run.covered_by_lines(frame, 0, &contour_pieces(lines), medium(params)));
 
         let times = of_strokes.read()?.1;
         add_timings(&mut outcome.timings, &times.unwrap_or_default());
@@ -138,7 +125,7 @@ impl Runner {
         if further[0].to_bits() > fields.room {
             return Ok(None);
         }
-        put_drawing(&mut outcome, plan, frame, &mut read, lines);
+        put_drawing(&mut outcome, plan, frame, &mut read, lines, coordinates);
         if is_made {
             outcome.color = Some(ColorPlanes {
                 r: plane_of(frame, read.next()),
@@ -165,16 +152,14 @@ impl Runner {
         Ok(Some(outcome))
     }
 
-    /// How much of the paper strokes cover, by the texture that the style asks for.
-    fn strokes(
+    /// The strokes that the style asks for, on the device.
+    pub(super) fn strokes(
         &self,
-        run: &mut Run,
-        (plan, params): (&Plan, &LineParams),
-        frame: &Frame,
+        plan: &Plan,
+        params: &LineParams,
         inputs: DrawingInputs,
-        (densities, directions): (&wgpu::Buffer, &[[wgpu::Buffer; 2]]),
         outcome: &mut Outcome,
-    ) -> wgpu::Buffer {
+    ) -> Strokes {
         let strokes = &params.strokes;
         let made = (strokes.style != Style::Pictures).then(|| {
             let (map, time) = self.host.drawn_art_map(plan, strokes);
@@ -190,13 +175,44 @@ impl Runner {
                 (map, Texture::new(map, self.upload()))
             }
         };
-        let ink = run.hatched(strokes, frame, densities, directions, (map, &texture));
         add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
-        ink
+        Strokes::new(map, texture, strokes)
+    }
+
+    /// Where the texture of strokes lies, for a frame of a sequence.
+    pub(super) fn coordinates(
+        &self,
+        frame: &Frame,
+        inputs: DrawingInputs,
+        outcome: &mut Outcome,
+    ) -> Option<TextureCoordinates> {
+        let sequence = inputs.sequence?;
+        let start = Instant::now();
+        let coordinates = self.host.texture_coordinates(frame, sequence);
+        outcome
+            .timings
+            .push(("texture-coordinates", start.elapsed()));
+        Some(coordinates)
+    }
+
+    /// The directions of strokes, along the edges that were read.
+    pub(super) fn directions(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &LineParams,
+        outcome: &mut Outcome,
+    ) -> Vec<Vector2Planes> {
+        let start = Instant::now();
+        let conductance = outcome.shape.conductance.as_ref();
+        let conductance = conductance.expect("edges are read first");
+        let directions = self.host.drawn_directions(plan, frame, params, conductance);
+        outcome.timings.push(("direction-field", start.elapsed()));
+        directions
     }
 
     /// The lines along the edges that were read, where they are wanted.
-    fn contour_lines(
+    pub(super) fn contour_lines(
         &self,
         plan: &Plan,
         frame: &Frame,
@@ -217,16 +233,30 @@ impl Runner {
     }
 }
 
+/// What contours are drawn in.
+pub(super) fn medium(params: &LineParams) -> Medium {
+    match params.strokes.style {
+        Style::Pencil => Medium::Graphite(params.strokes.seed),
+        Style::Pen | Style::Pictures | Style::Lines => Medium::Ink,
+    }
+}
+
 /// A plane of what was read, which is there.
-fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
+pub(super) fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
     let samples = read.expect("all that is wanted is read");
     Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
 }
 
-/// Puts what was read of edges into the shape: their weights, where contours ask for them.
-fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
+/// Puts what was read of edges into the shape: conductance, and the weights where contours ask for them.
+pub(super) fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
     let mut read = read.into_iter();
-    if let Some(weights) = read.next() {
+    shape.conductance = Some(plane_of(frame, read.next()));
+    put_weights(shape, read.next(), frame);
+}
+
+/// Puts the weights of silhouettes and creases into the shape, where they were read.
+fn put_weights(shape: &mut Shape, read: Option<Vec<f32>>, frame: &Frame) {
+    if let Some(weights) = read {
         let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
         let [silhouette, crease] = weights;
         (shape.silhouette, shape.crease) = (Some(silhouette), Some(crease));
@@ -241,6 +271,7 @@ fn put_drawing(
     frame: &Frame,
     read: &mut impl Iterator<Item = Vec<f32>>,
     lines: Option<Vec<Contour>>,
+    coordinates: Option<TextureCoordinates>,
 ) {
     let mut numbers = || read.next().expect("all that is wanted is read");
     let (chosen, of_paper) = (numbers(), numbers());
@@ -250,7 +281,7 @@ fn put_drawing(
         contours: lines.is_some().then(|| plane_of(frame, read.next())),
         contour_lines: lines.unwrap_or_default(),
         white_point: of_paper[WHITE as usize],
-        coordinates: None,
+        coordinates,
     });
     if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
         outcome.gain = Some(chosen[GAIN as usize]);

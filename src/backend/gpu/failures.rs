@@ -4,7 +4,7 @@ use super::device::{Choice, Device, to_test_on};
 use super::fault::{Fault, in_memory, watched};
 use super::limits;
 use super::runner::Runner;
-use crate::backend::cpu::{self, Outcome};
+use crate::backend::cpu::{self, DrawingInputs, Outcome};
 use crate::backend::{difference, products};
 use crate::error::Error;
 use crate::frame::Frame;
@@ -165,7 +165,7 @@ fn where_memory_is_wanting_the_same_picture_comes_in_strips() {
     let made = in_memory(8 * 64 * 400, |bytes| {
         attempts += 1;
         match bytes {
-            0..=60_000 => runner.attempt(&plan, &frame, None, bytes),
+            0..=60_000 => runner.attempt(&plan, &frame, DrawingInputs::default(), bytes),
             _ => Err(Fault::Memory(runner.device().error("is full"))),
         }
     });

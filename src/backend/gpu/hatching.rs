@@ -4,6 +4,7 @@ use super::choose::{Search, Searching};
 use super::enhance::luminance_weights;
 use super::kernels::{Kernel, WHITE};
 use super::run::Run;
+use super::sheets::Sheets;
 use super::surface::{Picture, Upload};
 use super::uniforms::{DensityParams, StrokeParams};
 use crate::frame::Frame;
@@ -40,6 +41,24 @@ impl Texture {
             thresholds: upload.bytes(bytemuck::cast_slice(map.thresholds())),
             size: size.map(|texels| texels as u32),
             slices,
+        }
+    }
+}
+
+/// A texture on the device, and how it lies at every level.
+pub(super) struct Strokes {
+    texture: Texture,
+    /// Of each family.
+    turned: [Vec<[f32; 4]>; 2],
+}
+
+impl Strokes {
+    /// Strokes of `texture`, which is a copy of `map`.
+    pub(super) fn new(map: &TonalArtMap, texture: Texture, params: &params::StrokeParams) -> Self {
+        let turned = |family| Hatching::new(map, params, family).turned().collect();
+        Self {
+            texture,
+            turned: [turned(0), turned(1)],
         }
     }
 }
@@ -132,53 +151,88 @@ impl Run<'_> {
         frame: &Frame,
         densities: &wgpu::Buffer,
         directions: &[[wgpu::Buffer; 2]],
-        (map, texture): (&TonalArtMap, &Texture),
+        strokes: &Strokes,
+        sheets: &Sheets,
     ) -> wgpu::Buffer {
-        let [width, height] = self.surface.size;
-        let window = frame.data_window;
         let paper = self.take(self.surface.plane_bytes());
-        let kernel = match texture.slices {
-            0 => Kernel::Strokes,
-            _ => Kernel::PictureStrokes,
-        };
-        for (family, [x, y]) in directions.iter().enumerate() {
-            let turned: Vec<[f32; 4]> = Hatching::new(map, params, family).turned().collect();
-            let turned = self.hold(turned.as_flattened());
+        let Strokes { texture, turned } = strokes;
+        let turned = turned
+            .each_ref()
+            .map(|turned| self.hold(turned.as_flattened()));
+        let families = directions.len();
+        let layers = sheets.each.iter().flat_map(|sheet| {
+            let families = directions.iter().zip(&turned).enumerate();
+            families.map(move |family| (sheet, family))
+        });
+        let count = sheets.each.len() * families;
+        for (layer, (sheet, (family, ([x, y], turned)))) in layers.enumerate() {
+            let kernel = match texture.slices {
+                0 => Kernel::Strokes,
+                _ => Kernel::PictureStrokes,
+            };
             let switches = [
-                ("IS_FIRST", family == 0),
-                ("IS_LAST", family + 1 == directions.len()),
+                ("MOVES", sheet.place.is_some()),
+                ("HAS_DEPTH", sheets.depth.is_some()),
+                ("HAS_MOTION", sheets.motion.is_some()),
+                ("HAS_SHARE", sheet.share.is_some()),
+                ("IS_FIRST", layer == 0),
+                ("IS_LAST", layer + 1 == count),
             ];
+            let [place_x, place_y] = sheet
+                .place
+                .as_ref()
+                .map_or([x, y], |place| place.each_ref());
+            let motion = sheets.motion.as_ref();
+            let [motion_x, motion_y] = motion.map_or([x, y], |motion| motion.each_ref());
             self.recorder.over_pixels(
                 "hatching",
                 (kernel, &switches),
-                &StrokeParams {
-                    width,
-                    height,
-                    first_x: window.x0 as f32 + 0.5,
-                    first_y: window.y0 as f32 + 0.5,
-                    levels: params.levels,
-                    levels_per_radian: params.levels as f32 / PI,
-                    sets: params.sets,
-                    share_of_set: 1.0 / params.sets as f32,
-                    family: family as u32,
-                    families: directions.len() as u32,
-                    texture_width: texture.size[0],
-                    texture_height: texture.size[1],
-                    slices: texture.slices,
-                },
+                &stroke_params(params, frame, texture, sheet.origin, [family, families]),
                 &[
                     &self.surface.covered,
                     densities,
                     x,
                     y,
                     &texture.thresholds,
-                    &turned,
+                    turned,
                     &texture.texels,
                     &paper,
+                    place_x,
+                    place_y,
+                    sheets.depth.as_ref().unwrap_or(x),
+                    motion_x,
+                    motion_y,
+                    sheet.share.as_ref().unwrap_or(x),
                 ],
-                [width, height],
+                self.surface.size,
             );
         }
         paper
+    }
+}
+
+/// What is told of one of several families of strokes, of a texture that is moved by `origin` where it lies still.
+fn stroke_params(
+    params: &params::StrokeParams,
+    frame: &Frame,
+    texture: &Texture,
+    origin: [f32; 2],
+    [family, families]: [usize; 2],
+) -> StrokeParams {
+    let window = frame.data_window;
+    StrokeParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        first_x: window.x0 as f32 + 0.5 + origin[0],
+        first_y: window.y0 as f32 + 0.5 + origin[1],
+        levels: params.levels,
+        levels_per_radian: params.levels as f32 / PI,
+        sets: params.sets,
+        share_of_set: 1.0 / params.sets as f32,
+        family: family as u32,
+        families: families as u32,
+        texture_width: texture.size[0],
+        texture_height: texture.size[1],
+        slices: texture.slices,
     }
 }

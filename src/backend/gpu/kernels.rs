@@ -1,12 +1,12 @@
 //! The kernels: their WGSL, put together of shared parts, and the numbers that they share with Rust.
 
 use super::uniforms::{
-    ContourParams, CountParams, DensityParams, DiffusionParams, DirectionParams, EdgeParams,
-    HessianParams, LightParams, NarrowParams, ScaleParams, SizeParams, StrokeParams, TermParams,
-    Uniforms,
+    CountParams, DensityParams, DiffusionParams, DirectionParams, EdgeParams, HessianParams,
+    LightParams, LineCoverageParams, NarrowParams, ScaleParams, SizeParams, StrokeParams,
+    TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
-use crate::backend::cpu::SHORTEST_TANGENT;
+use crate::backend::cpu::{DEPTH_STEP, MOTION_STEP, SHORTEST_TANGENT};
 use crate::backend::{palette, stroke_field};
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
@@ -20,6 +20,7 @@ use crate::light::sum::terms::SHORTEST;
 use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::CROSSED_FROM;
 use crate::line::paper;
+use crate::line::texture_coordinates::JUMP;
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY};
 use crate::line::{direction, direction_field, normal_rays};
 use crate::shape::curvature::UMBILIC;
@@ -96,7 +97,7 @@ pub(super) enum Kernel {
     Density,
     Strokes,
     PictureStrokes,
-    Contours,
+    LineCoverage,
     Relight,
 }
 
@@ -140,7 +141,7 @@ impl Kernel {
         Self::Density,
         Self::Strokes,
         Self::PictureStrokes,
-        Self::Contours,
+        Self::LineCoverage,
         Self::Relight,
     ];
 
@@ -150,6 +151,7 @@ impl Kernel {
         let around = wgsl!("around");
         let covered = wgsl!("coverage");
         let mapped = wgsl!("mapped_curvature");
+        let places = wgsl!("places");
         let plane_fit = wgsl!("plane_fit");
         let scaling = wgsl!("radiance_scaling");
         let term_scaling = wgsl!("term_scaling");
@@ -157,6 +159,7 @@ impl Kernel {
         let (runs, sums) = (wgsl!("runs"), wgsl!("sums"));
         let (sight_lines, patch_lines) = (wgsl!("sight_lines"), wgsl!("patch_lines"));
         let doubled = wgsl!("doubled");
+        let texture_coordinates = wgsl!("texture_coordinates");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
             Self::Edges => (
@@ -312,19 +315,34 @@ impl Kernel {
             Self::Density => (DensityParams::WGSL, &[index, covered, wgsl!("density")]),
             Self::Strokes => (
                 StrokeParams::WGSL,
-                &[index, covered, wgsl!("stroke_texture"), wgsl!("hatching")],
+                &[
+                    index,
+                    covered,
+                    texture_coordinates,
+                    places,
+                    wgsl!("stroke_texture"),
+                    wgsl!("hatching"),
+                ],
             ),
             Self::PictureStrokes => (
                 StrokeParams::WGSL,
-                &[index, covered, wgsl!("slice_texture"), wgsl!("hatching")],
-            ),
-            Self::Contours => (
-                ContourParams::WGSL,
                 &[
                     index,
+                    covered,
+                    texture_coordinates,
+                    places,
+                    wgsl!("slice_texture"),
+                    wgsl!("hatching"),
+                ],
+            ),
+            Self::LineCoverage => (
+                LineCoverageParams::WGSL,
+                &[
+                    index,
+                    covered,
                     wgsl!("round_stroke"),
                     wgsl!("paper"),
-                    wgsl!("contours"),
+                    wgsl!("line_coverage"),
                 ],
             ),
             Self::Relight => (
@@ -439,6 +457,10 @@ fn constants() -> String {
         ("RESPONSE_ENTRIES", ENTRIES as f32),
         ("ENTRIES_PER_DENSITY", ENTRIES as f32 / MAX_DENSITY),
         ("CROSSED_FROM", CROSSED_FROM),
+        ("JUMP", JUMP),
+        ("DEPTH_STEP", DEPTH_STEP),
+        ("MOTION_STEP_PX", MOTION_STEP[0]),
+        ("MOTION_STEP_SHARE", MOTION_STEP[1]),
         ("GRAIN_HERE", paper::HERE),
         ("GRAIN_BESIDE", paper::BESIDE),
         ("GRAIN_SPREAD", paper::SPREAD),

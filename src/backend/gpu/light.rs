@@ -203,12 +203,7 @@ impl Light<'_> {
             Albedo::White => return None,
             Albedo::Estimate => {
                 let whole = self.estimate.as_ref().expect("it was estimated");
-                let planes = [&whole.r, &whole.g, &whole.b];
-                return Some(planes.map(|plane| {
-                    let width = plane.width();
-                    let samples = &plane.samples()[rows.start * width..rows.end * width];
-                    upload.bytes(bytemuck::cast_slice(samples))
-                }));
+                return Some(upload.rows(whole, rows));
             }
         };
         let color = color.expect("the plan found it in the frame");

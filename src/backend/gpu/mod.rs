@@ -2,15 +2,15 @@
 //!
 //! A kernel in `shaders` does what the file of the same name in [`crate::shape`], [`crate::light`] or [`crate::line`] does,
 //! by the same statements in the same order; numbers and structs come from Rust. Between the stages nothing is read back,
-//! but for the edges of a drawing: directions and lines along edges are found on the CPU.
+//! but for the edges of a drawing, and its tone where strokes are lines: directions and lines are found on the CPU.
 
 mod buffers;
 mod choose;
-mod contours;
 mod device;
 mod diffusion;
 mod direction_field;
 mod draw;
+mod draw_strips;
 mod enhance;
 #[cfg(test)]
 mod failures;
@@ -20,11 +20,13 @@ mod kernels;
 mod light;
 mod light_layers;
 mod limits;
+mod line_coverage;
 mod recorder;
 mod relight;
 mod run;
 mod runner;
 mod shape;
+mod sheets;
 mod sight;
 mod strips;
 mod surface;

@@ -212,9 +212,3 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
         nan_bits: f32::NAN.to_bits(),
     }
 }
-
-/// Whether all stages of a plan for new light have kernels.
-pub(super) fn can_relight(plan: &Plan) -> bool {
-    let relighting = plan.relighting.as_ref();
-    relighting.is_some_and(|relighting| !relighting.traced && !relighting.grain)
-}

@@ -5,7 +5,8 @@ use super::device::Device;
 use super::recorder::{Programs, Recorder, Timings};
 use super::surface::{Surface, Upload};
 use crate::error::Result;
-use crate::frame::Vector2Planes;
+use crate::frame::{Plane, Vector2Planes};
+use std::ops::Range;
 
 /// Bytes of a buffer that nothing is written to.
 pub(super) const NOWHERE: u64 = 16;
@@ -59,22 +60,32 @@ impl<'a> Run<'a> {
 
     /// Copies whatever it is to the device.
     pub(super) fn hold_bytes(&mut self, bytes: &[u8]) -> wgpu::Buffer {
-        let device = self.device;
-        let buffer = Upload {
-            device,
-            buffers: self.buffers,
-        }
-        .bytes(bytes);
+        let buffer = self.upload().bytes(bytes);
         self.held.push(buffer.clone());
         buffer
     }
 
-    /// Copies a field of vectors to the device, x and y.
+    /// Copies rows of a plane to the device.
+    pub(super) fn hold_rows(&mut self, plane: &Plane, rows: &Range<usize>) -> wgpu::Buffer {
+        let buffer = self.upload().rows_of(plane, rows);
+        self.held.push(buffer.clone());
+        buffer
+    }
+
+    fn upload(&self) -> Upload<'_> {
+        Upload {
+            device: self.device,
+            buffers: self.buffers,
+        }
+    }
+
+    /// Copies rows of a field of vectors to the device, x and y.
     pub(super) fn hold_field(
         &mut self,
         Vector2Planes { x, y }: &Vector2Planes,
+        rows: &Range<usize>,
     ) -> [wgpu::Buffer; 2] {
-        [x, y].map(|plane| self.hold(plane.samples()))
+        [x, y].map(|plane| self.hold_rows(plane, rows))
     }
 
     /// Runs what was recorded, and hands out what `wanted` then hold, with the time of each stage.

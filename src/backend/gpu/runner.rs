@@ -2,6 +2,7 @@
 
 use super::buffers::Buffers;
 use super::device::Device;
+use super::direction_field::largest_buffer;
 use super::enhance::known_white_level;
 use super::fault::{Fault, in_memory, watched};
 use super::hatching::KeptTexture;
@@ -9,14 +10,16 @@ use super::kernels::{GAIN, WHITE};
 use super::light::{KeptMaps, Light};
 use super::light_layers::{TermWhites, levels_of};
 use super::recorder::{Programs, add_timings};
-use super::relight::{can_relight, frame_lit};
+use super::relight::frame_lit;
 use super::run::Run;
 use super::shape::{Curvatures, Shape};
 use super::strips::Strips;
 use super::surface::Upload;
 use super::wait::wait_for;
 use crate::backend::around::KeptEnvironment;
-use crate::backend::cpu::{self, CurvaturePlanes, Outcome, ScaleShape, surface_directions};
+use crate::backend::cpu::{
+    self, CurvaturePlanes, DrawingInputs, Outcome, ScaleShape, surface_directions,
+};
 use crate::backend::device_times::{READ_BACK, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
@@ -26,13 +29,6 @@ use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
-
-/// Stages that have no kernels.
-const ON_THE_CPU: [Stage; 3] = [
-    Stage::SpecularTrace,
-    Stage::TextureCoordinates,
-    Stage::Streamlines,
-];
 
 /// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
 pub(super) const WIDEST: u64 = 4;
@@ -80,13 +76,20 @@ impl Runner {
 
     /// Whether all stages of `plan` have kernels.
     pub fn can_run(plan: &Plan) -> bool {
-        let is_known = match plan.goal {
-            Goal::Layers | Goal::Display => plan.drawing.is_none(),
-            Goal::Enhance => true,
-            Goal::Picture => plan.drawing.is_some(),
-            Goal::Relight => can_relight(plan),
-        };
-        is_known && !ON_THE_CPU.iter().any(|&stage| plan.has(stage))
+        Self::lacks(plan).is_none()
+    }
+
+    /// What of `plan` has no kernels, in a few words; `None` where all of it has.
+    pub fn lacks(plan: &Plan) -> Option<&'static str> {
+        let relighting = plan.relighting.as_ref();
+        let is_traced = relighting.is_some_and(|relighting| relighting.traced);
+        if is_traced || plan.has(Stage::SpecularTrace) {
+            Some("mirrors and lenses that show what is traced")
+        } else if relighting.is_some_and(|relighting| relighting.grain) {
+            Some("a grain along the curvature")
+        } else {
+            None
+        }
     }
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
@@ -105,7 +108,8 @@ impl Runner {
             plan.goal != Goal::Relight,
             "new light is run by Runner::relight"
         );
-        self.run_in_memory(plan, frame, None)
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
+        self.run_in_memory(plan, frame, DrawingInputs::default())
     }
 
     /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`. What is made of an
@@ -122,21 +126,26 @@ impl Runner {
         frame: &Frame,
         illumination: &Illumination,
     ) -> Result<Outcome> {
-        self.run_in_memory(plan, frame, Some(illumination))
+        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
+        let inputs = DrawingInputs {
+            illumination: Some(illumination),
+            ..DrawingInputs::default()
+        };
+        self.run_in_memory(plan, frame, inputs)
     }
 
-    /// A run with planes as large as there is memory for.
-    fn run_in_memory(
+    /// A run with planes as large as there is memory for; of what a drawing takes, one that draws nothing takes the
+    /// light alone.
+    pub(super) fn run_in_memory(
         &self,
         plan: &Plan,
         frame: &Frame,
-        illumination: Option<&Illumination>,
+        inputs: DrawingInputs,
     ) -> Result<Outcome> {
         assert!(Self::can_run(plan), "every stage has a kernel");
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
         let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
         in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
-            self.attempt(plan, frame, illumination, plane_bytes)
+            self.attempt(plan, frame, inputs, plane_bytes)
         })
     }
 
@@ -145,23 +154,25 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
-        illumination: Option<&Illumination>,
+        inputs: DrawingInputs,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
-        self.guarded(|| match illumination {
-            Some(illumination) => {
-                let light = self.light(plan, frame, illumination)?;
-                let mut outcome = self.run_parts(plan, frame, Some(&light), plane_bytes)?;
-                outcome.environment_gain = light.around.gain();
-                outcome.timings.splice(0..0, light.timings);
-                Ok(outcome)
+        self.guarded(|| {
+            if plan.goal != Goal::Relight {
+                return self.run_parts(plan, frame, None, inputs, plane_bytes);
             }
-            None => self.run_parts(plan, frame, None, plane_bytes),
+            let illumination = inputs.illumination;
+            let illumination = illumination.expect("new light is planned with its lights");
+            let light = self.light(plan, frame, illumination)?;
+            let mut outcome = self.run_parts(plan, frame, Some(&light), inputs, plane_bytes)?;
+            outcome.environment_gain = light.around.gain();
+            outcome.timings.splice(0..0, light.timings);
+            Ok(outcome)
         })
     }
 
     /// Does `work` on a device that is there; where it fails nothing of it is kept.
-    pub(super) fn guarded<T>(
+    fn guarded<T>(
         &self,
         work: impl FnOnce() -> std::result::Result<T, Fault>,
     ) -> std::result::Result<T, Fault> {
@@ -184,7 +195,7 @@ impl Runner {
     ///
     /// # Errors
     /// Where they are too long for it.
-    pub(super) fn most_rows(&self, plan: &Plan, frame: &Frame, plane_bytes: u64) -> Result<u64> {
+    fn most_rows(&self, plan: &Plan, frame: &Frame, plane_bytes: u64) -> Result<u64> {
         let width = frame.mask.width();
         let [most_columns, most_rows] = self.device.most_pixels;
         if width as u64 > most_columns {
@@ -199,20 +210,42 @@ impl Runner {
         plan: &Plan,
         frame: &Frame,
         light: Option<&Light>,
+        inputs: DrawingInputs,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
         let height = frame.mask.height();
         let most_rows = self.most_rows(plan, frame, plane_bytes)?;
-        if most_rows >= height as u64 {
-            return Ok(self.run_whole(plan, frame, light, 0..height)?);
+        let is_whole = most_rows >= height as u64;
+        let drawing = plan.drawing.as_ref();
+        match drawing {
+            // Lines are placed when all of the tone is there, as that of a drawing in strips is.
+            Some(params)
+                if is_whole
+                    && !plan.has(Stage::Streamlines)
+                    && largest_buffer(&params.field, frame) <= plane_bytes =>
+            {
+                let drawn = self.draw_whole(plan, frame, params, light, inputs)?;
+                if let Some(outcome) = drawn {
+                    return Ok(outcome);
+                }
+            }
+            None if is_whole => return Ok(self.run_whole(plan, frame, light, 0..height)?),
+            _ => {}
         }
-        match Strips::new(plan, height, most_rows as usize) {
-            Some(strips) => Ok(self.run_strips(plan, frame, light, &strips)?),
-            None => Err(Fault::Strips(self.device.error(format_args!(
-                "takes {most_rows} rows of this picture at a time, and its scale asks for {} to each side",
-                plan.reach()
-            )))),
-        }
+        let reach = match drawing {
+            // The directions of a drawing are found on the whole.
+            Some(_) => plan.clone().without_directions().reach(),
+            None => plan.reach(),
+        };
+        let Some(strips) = Strips::new(reach, height, most_rows as usize) else {
+            return Err(Fault::Strips(self.device.error(format_args!(
+                "takes {most_rows} rows of this picture at a time, and its scale asks for {reach} to each side"
+            ))));
+        };
+        Ok(match drawing {
+            Some(params) => self.draw_strips(plan, frame, params, light, inputs, &strips)?,
+            None => self.run_strips(plan, frame, light, &strips)?,
+        })
     }
 
     pub(super) fn upload(&self) -> Upload<'_> {

@@ -22,15 +22,57 @@ pub(super) struct Strips {
 }
 
 impl Strips {
-    /// Strips of which none has more than so many rows; `None` where not even one row would be left to give.
-    pub(super) fn new(plan: &Plan, height: usize, most_rows: usize) -> Option<Self> {
-        let reach = plan.reach();
+    /// Strips of which none has more than so many rows, `reach` above and below included; `None` where not even one
+    /// row would be left to give. All of them are one strip where that is no more.
+    pub(super) fn new(reach: usize, height: usize, most_rows: usize) -> Option<Self> {
+        if most_rows >= height {
+            return Some(Self {
+                height,
+                rows: height.max(1),
+                reach: 0,
+            });
+        }
         let rows = most_rows.checked_sub(2 * reach).filter(|&rows| rows > 0)?;
         Some(Self {
             height,
             rows,
             reach,
         })
+    }
+
+    /// The same strips, taking no more rows above and below than so many.
+    pub(super) fn reaching(&self, reach: usize) -> Self {
+        Self { reach, ..*self }
+    }
+
+    /// What `run` makes of every strip of a frame, which is told with its rows: put together.
+    pub(super) fn run(
+        &self,
+        frame: &Frame,
+        mut run: impl FnMut(&Frame, &Range<usize>) -> Result<Outcome>,
+    ) -> Result<Outcome> {
+        let mut whole: Option<Outcome> = None;
+        for (takes, gives) in self.each() {
+            let mut part = run(&strip_of(frame, &takes), &takes)?;
+            let start = takes.start + gives.start;
+            match &mut whole {
+                None => {
+                    for plane in planes_mut(&mut part) {
+                        let size = (frame.mask.width(), frame.mask.height());
+                        let all = Plane::filled(size.0, size.1, 0.0);
+                        let strip = std::mem::replace(plane, all);
+                        paste(&strip, &gives, plane, start);
+                    }
+                    whole = Some(part);
+                }
+                Some(whole) => {
+                    let pairs = planes_mut(&mut part).into_iter().zip(planes_mut(whole));
+                    pairs.for_each(|(strip, whole)| paste(strip, &gives, whole, start));
+                    add_timings(&mut whole.timings, &part.timings);
+                }
+            }
+        }
+        Ok(whole.unwrap_or_default())
     }
 
     /// The rows that each strip takes of the picture, and those of these that it gives.
@@ -75,28 +117,9 @@ impl Runner {
             let known = plan.scaling.term_white_levels;
             plan.scaling.term_white_levels = known.or(levels.into_iter());
         }
-        let mut whole: Option<Outcome> = None;
-        for (takes, gives) in strips.each() {
-            let mut part = self.run_whole(&plan, &strip_of(frame, &takes), light, takes.clone())?;
-            let start = takes.start + gives.start;
-            match &mut whole {
-                None => {
-                    for plane in planes_mut(&mut part) {
-                        let size = (frame.mask.width(), frame.mask.height());
-                        let all = Plane::filled(size.0, size.1, 0.0);
-                        let strip = std::mem::replace(plane, all);
-                        paste(&strip, &gives, plane, start);
-                    }
-                    whole = Some(part);
-                }
-                Some(whole) => {
-                    let pairs = planes_mut(&mut part).into_iter().zip(planes_mut(whole));
-                    pairs.for_each(|(strip, whole)| paste(strip, &gives, whole, start));
-                    add_timings(&mut whole.timings, &part.timings);
-                }
-            }
-        }
-        Ok(whole.unwrap_or_default())
+        strips.run(frame, |strip, rows| {
+            self.run_whole(&plan, strip, light, rows.clone())
+        })
     }
 
     /// Gain and white level of the whole picture, as far as they are left open.
@@ -110,11 +133,25 @@ impl Runner {
             && known_white_level(plan, frame).is_none();
         let white = is_open.then(|| Search::White(luminance_weights(frame)));
         let searches: Vec<Search> = gain.into_iter().chain(white).collect();
-        let mut searching: Vec<Searching> = Vec::new();
+        self.search(plan, frame, frame.color.as_ref(), &searches, strips)
+    }
+
+    /// What searches in the shape of a frame and in a picture come to; 1 where nothing is searched for.
+    pub(super) fn search(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        picture: Option<&ColorPlanes>,
+        searches: &[Search],
+        strips: &Strips,
+    ) -> Result<[f32; 2]> {
         let mut found = vec![1.0; 2];
         if searches.is_empty() {
             return Ok([1.0; 2]);
         }
+        let of_shape = searches.iter().any(|search| !search.is_of_picture());
+        let picture = picture.filter(|_| searches.iter().any(Search::is_of_picture));
+        let mut searching: Vec<Searching> = Vec::new();
         for pass in 0..SEARCH_PASSES {
             for (takes, gives) in strips.each() {
                 let strip = strip_of(frame, &takes);
@@ -123,13 +160,13 @@ impl Runner {
                 let fresh = fresh.map(|&search| Searching::new(&mut run, search));
                 let fresh: Vec<_> = fresh.collect();
                 searching.extend(fresh);
-                let shape = gain.map(|_| run.find_shape(plan, &strip));
-                let picture = white.and_then(|_| self.upload().picture(&strip));
+                let shape = of_shape.then(|| run.find_shape(plan, &strip));
+                let picture = picture.map(|picture| self.upload().rows(picture, &takes));
                 let rows = gives.start as u32..gives.end as u32;
-                for (search, kind) in searching.iter().zip(&searches) {
-                    let planes = match (kind, &shape, &picture) {
-                        (Search::Gain { .. }, Some(shape), _) => shape.of_gain(),
-                        (Search::White(_), _, Some(picture)) => picture.each_ref(),
+                for (search, kind) in searching.iter().zip(searches) {
+                    let planes = match (kind.is_of_picture(), &shape, &picture) {
+                        (false, Some(shape), _) => shape.of_gain(),
+                        (true, _, Some(picture)) => picture.each_ref(),
                         _ => continue,
                     };
                     search.count(&mut run, pass, planes, rows.clone());
@@ -197,6 +234,10 @@ fn planes_mut(outcome: &mut Outcome) -> Vec<&mut Plane> {
     planes.extend(mapped);
     if let Some(ColorPlanes { r, g, b }) = &mut outcome.color {
         planes.extend([r, g, b]);
+    }
+    if let Some(drawing) = &mut outcome.drawing {
+        planes.push(&mut drawing.hatching);
+        planes.extend(&mut drawing.contours);
     }
     planes
 }

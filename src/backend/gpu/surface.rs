@@ -3,8 +3,9 @@
 use super::buffers::Buffers;
 use super::device::Device;
 use crate::backend::importance::Levels;
-use crate::frame::{Frame, Mask, Plane};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::plan::{Plan, Stage, Sweeps};
+use std::ops::Range;
 
 /// A picture on the device: red, green and blue.
 pub(super) type Picture = [wgpu::Buffer; 3];
@@ -55,6 +56,18 @@ impl Upload<'_> {
     pub(super) fn picture(self, frame: &Frame) -> Option<Picture> {
         let color = frame.color.as_ref()?;
         Some([&color.r, &color.g, &color.b].map(|plane| self.plane(plane)))
+    }
+
+    /// These rows of a picture.
+    pub(super) fn rows(self, picture: &ColorPlanes, rows: &Range<usize>) -> Picture {
+        [&picture.r, &picture.g, &picture.b].map(|plane| self.rows_of(plane, rows))
+    }
+
+    /// These rows of a plane.
+    pub(super) fn rows_of(self, plane: &Plane, rows: &Range<usize>) -> wgpu::Buffer {
+        let width = plane.width();
+        let samples = &plane.samples()[rows.start * width..rows.end * width];
+        self.bytes(bytemuck::cast_slice(samples))
     }
 
     fn coverage(self, mask: &Mask) -> wgpu::Buffer {

@@ -268,7 +268,7 @@ uniforms! {
     StrokeParams {
         width: u32,
         height: u32,
-        /// Coordinates of the middle of the first pixel.
+        /// Where the middle of the first pixel lies in a texture that lies still.
         first_x: f32,
         first_y: f32,
         levels: u32,
@@ -285,13 +285,15 @@ uniforms! {
         slices: u32,
     }
 
-    /// Of `contours.wgsl`.
-    ContourParams {
+    /// Of `line_coverage.wgsl`.
+    LineCoverageParams {
         width: u32,
         height: u32,
         /// Coordinates of the first pixel.
         x0: i32,
         y0: i32,
+        /// How many rows of the picture come before.
+        top: u32,
         /// Of the grain, where there is any.
         seed_low: u32,
         seed_high: u32,

@@ -11,7 +11,7 @@ use relievo::backend::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::PointLight;
-use relievo::params::{AlbedoSource, Material, Method, Quantisation, Samples, Tangent};
+use relievo::params::{AlbedoSource, Material, Method, Quantisation, Samples};
 
 #[test]
 fn albedo_alpha_and_occlusion() {
@@ -134,12 +134,4 @@ fn a_device_that_takes_small_planes_lights_strips() {
     let asked = asked.around(blank, Samples::Auto);
     let plan = asked.plan(&frame);
     assert!(runner.relight(&plan, &frame, &asked.light).is_err());
-}
-
-#[test]
-fn what_takes_double_precision_stays_with_the_cpu() {
-    let frame = torus();
-    let grain = Asked::of(Material::AshikhminShirley, Method::Plain)
-        .with(|asked| asked.relight.material.tangent = Tangent::Curvature);
-    assert!(!Runner::can_run(&grain.plan(&frame)));
 }

@@ -49,8 +49,8 @@ pub(in crate::backend::cpu) enum Overlap {
     Beside,
 }
 
-/// A piece of a line, by its number.
-type Piece = (u32, RoundStroke);
+/// A piece of a line, with the number of the line.
+pub(in crate::backend) type Piece = (u32, RoundStroke);
 
 /// The share of every pixel that is covered, 0..1, also outside the mask.
 pub(in crate::backend::cpu) fn coverage(

@@ -7,6 +7,8 @@ mod map_tile;
 mod silhouettes;
 
 #[cfg(feature = "gpu")]
+pub(in crate::backend) use coverage::Piece;
+#[cfg(feature = "gpu")]
 pub(super) use coverage::strokes;
 pub(super) use coverage::{DrawnLine, Overlap, coverage};
 

@@ -13,7 +13,7 @@ use crate::params::StrokeParams;
 use rayon::prelude::*;
 
 /// The lines of every family in turn.
-pub(super) fn lines(
+pub(in crate::backend::cpu) fn lines(
     densities: &Densities,
     directions: &[Vector2Planes],
     conductance: &Plane,

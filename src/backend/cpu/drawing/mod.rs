@@ -9,7 +9,13 @@ mod tone;
 
 pub(super) use art_map::KeptArtMap;
 pub use coordinates::TextureCoordinates;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use coordinates::{DEPTH_STEP, MOTION_STEP};
 pub(super) use hatching::hatch_batch;
+#[cfg(feature = "gpu")]
+pub(super) use lines::lines;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use sheet::Sheet;
 pub(super) use tone::{Densities, density_row};
 
 use super::contours::{DrawnLine, Overlap};
@@ -88,11 +94,7 @@ impl Run<'_> {
         };
         let coordinates = inputs.sequence.map(|sequence| {
             self.timed("texture-coordinates", || {
-                let carried = sequence.before.zip(sequence.motion);
-                carried.map_or_else(
-                    || TextureCoordinates::new(frame),
-                    |(before, motion)| before.advanced_in(frame, motion, memory),
-                )
+                TextureCoordinates::of(frame, sequence, memory)
             })
         });
         let densities = Densities::new(color, frame, weights, white, &params.tone);

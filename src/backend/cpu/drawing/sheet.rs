@@ -8,13 +8,13 @@ use std::ops::Range;
 
 /// A map of places and its share of the drawing.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sheet<'a> {
+pub(in crate::backend) struct Sheet<'a> {
     /// Places, and the surface that has them; `None` lies still in the picture.
-    pub(super) place: Option<(&'a Vector2Planes, Surface<'a>)>,
+    pub(in crate::backend) place: Option<(&'a Vector2Planes, Surface<'a>)>,
     /// Where in the texture what lies still is laid.
-    pub(super) origin: [f32; 2],
+    pub(in crate::backend) origin: [f32; 2],
     /// Share of the optical density, 0..1; `None` is all.
-    pub(super) share: Option<&'a Plane>,
+    pub(in crate::backend) share: Option<&'a Plane>,
 }
 
 /// How the texture came to lie at the pixels of a batch.
@@ -34,7 +34,7 @@ impl Default for Lie {
 
 impl Sheet<'_> {
     /// All of a drawing that lies still in the picture.
-    pub(super) const STILL: Self = Self {
+    pub(in crate::backend) const STILL: Self = Self {
         place: None,
         origin: [0.0; 2],
         share: None,

@@ -20,7 +20,7 @@ pub(in crate::backend::cpu) struct Densities<'a> {
 }
 
 impl<'a> Densities<'a> {
-    pub(super) fn new(
+    pub(in crate::backend::cpu) fn new(
         color: &'a ColorPlanes,
         frame: &'a Frame,
         weights: [f32; 3],

@@ -13,8 +13,13 @@
 @group(0) @binding(7) var<storage, read> texels: array<u32>;
 // How much of the paper stays white; of the last family, how much is inked.
 @group(0) @binding(8) var<storage, read_write> paper: array<f32>;
+// What of the drawing is this sheet's; any buffer where it is all.
+@group(0) @binding(14) var<storage, read> shares: array<f32>;
 
-// Whether no family was drawn before, and whether none comes after.
+// Whether the texture lies at places of its own, or still in the picture.
+override MOVES: bool;
+override HAS_SHARE: bool;
+// Whether nothing was drawn before, and whether nothing comes after.
 override IS_FIRST: bool;
 override IS_LAST: bool;
 
@@ -63,9 +68,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         white = paper[i];
     }
     let wanted = densities[i];
-    let density = share(wanted);
-    let place = vec2<f32>(params.first_x + f32(id.x), params.first_y + f32(id.y));
-    var angle = atan2_of(direction_y[i], direction_x[i]);
+    var density = share(wanted);
+    if HAS_SHARE {
+        density *= shares[i];
+    }
+    var place = vec2<f32>(params.first_x + f32(id.x), params.first_y + f32(id.y));
+    var direction = vec2<f32>(direction_x[i], direction_y[i]);
+    if MOVES {
+        place = place_at(i);
+        direction = in_texture(jacobian_at(id.x, id.y), direction);
+    }
+    var angle = atan2_of(direction.y, direction.x);
     if angle < 0.0 {
         angle += PI;
     }

@@ -11,9 +11,12 @@ mod places;
 mod shares;
 mod step;
 
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use places::{DEPTH_STEP, MOTION_STEP};
 pub(super) use places::{Surface, jacobian_at};
 
 use super::sheet::Sheet;
+use crate::backend::cpu::SequenceInputs;
 use crate::backend::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use crate::line::texture_coordinates::origin;
@@ -77,6 +80,18 @@ impl TextureCoordinates {
         }
     }
 
+    /// Those of a frame of a sequence.
+    pub(in crate::backend::cpu) fn of(
+        frame: &Frame,
+        sequence: SequenceInputs,
+        memory: &Memory,
+    ) -> Self {
+        match sequence.before.zip(sequence.motion) {
+            Some((before, motion)) => before.advanced_in(frame, motion, memory),
+            None => Self::new(frame),
+        }
+    }
+
     /// Those of the next frame, whose surface has come by `motion` since: pixels, x right, y up.
     ///
     /// # Panics
@@ -85,12 +100,7 @@ impl TextureCoordinates {
         self.advanced_in(frame, motion, &Memory::default())
     }
 
-    pub(super) fn advanced_in(
-        &self,
-        frame: &Frame,
-        motion: &Vector2Planes,
-        memory: &Memory,
-    ) -> Self {
+    fn advanced_in(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
         let step = Step::new(self, frame, motion);
         let origins = step.origins();
         let hidden = Hidden::find(&origins, Surface::of(frame, Some(motion)));
@@ -135,7 +145,7 @@ impl TextureCoordinates {
     }
 
     /// What the drawing is made of.
-    pub(super) fn sheets(&self) -> Vec<Sheet<'_>> {
+    pub(in crate::backend) fn sheets(&self) -> Vec<Sheet<'_>> {
         let surface = self.surface();
         let moving = self.maps.iter().map(|map| Sheet {
             place: Some((&map.place, surface)),

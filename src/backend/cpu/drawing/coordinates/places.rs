@@ -6,10 +6,10 @@ use crate::line::texture_coordinates::{Jacobian, calmed, jacobian};
 /// Largest step of depth, as a share of it, between pixels of one surface, and between frames, once the
 /// median of all is taken out. A surface that comes nearer by more in a frame is laid anew; behind an edge
 /// that is nearer than this to its background the background keeps strokes of what covered it.
-const DEPTH_STEP: f32 = 0.08;
+pub(in crate::backend) const DEPTH_STEP: f32 = 0.08;
 
 /// Without depth: largest difference of their motions, in pixels and as a share of the lesser.
-const MOTION_STEP: [f32; 2] = [1.5, 0.5];
+pub(in crate::backend) const MOTION_STEP: [f32; 2] = [1.5, 0.5];
 
 /// The place that a map gives the pixel of an index.
 #[inline(always)]
@@ -19,12 +19,12 @@ pub(super) fn place_at(map: &Vector2Planes, at: usize) -> [f32; 2] {
 
 /// Which pixels belong together.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Surface<'a> {
+pub(in crate::backend) struct Surface<'a> {
     /// The pixels that have a place.
     pub(super) covered: &'a Plane<bool>,
-    pub(super) depth: Option<&'a Plane>,
+    pub(in crate::backend) depth: Option<&'a Plane>,
     /// How it has moved; looked at where there is no depth.
-    pub(super) motion: Option<&'a Vector2Planes>,
+    pub(in crate::backend) motion: Option<&'a Vector2Planes>,
 }
 
 impl<'a> Surface<'a> {

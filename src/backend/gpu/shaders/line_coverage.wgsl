@@ -1,0 +1,52 @@
+// How much of every pixel lines cover: a group makes a tile of pixels from the pieces of lines that reach it.
+
+@group(0) @binding(0) var<uniform> params: LineCoverageParams;
+@group(0) @binding(1) var<storage, read> covered: array<u32>;
+// Where the pieces of each tile begin in their list, and where the last end.
+@group(0) @binding(2) var<storage, read> tile_starts: array<u32>;
+@group(0) @binding(3) var<storage, read> tile_pieces: array<u32>;
+@group(0) @binding(4) var<storage, read> pieces: array<Piece>;
+// The line of each piece.
+@group(0) @binding(5) var<storage, read> lines: array<u32>;
+@group(0) @binding(6) var<storage, read_write> covered_by_lines: array<f32>;
+
+override IN_GRAPHITE: bool;
+// Whether nothing is drawn outside the mask.
+override WITHIN: bool;
+
+@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
+fn main(
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+) {
+    if id.x >= width() || id.y >= height() {
+        return;
+    }
+    let i = index_of(id.x, id.y);
+    if WITHIN && !is_covered(id.x, id.y) {
+        covered_by_lines[i] = 0.0;
+        return;
+    }
+    let tile = group.y * groups.x + group.x;
+    let middle = vec2<f32>(f32(id.x) + 0.5, f32(params.top + id.y) + 0.5);
+    // What lines cover together, and what the one at hand does.
+    var sum = 0.0;
+    var own = 0.0;
+    var line = 0u;
+    for (var k = tile_starts[tile]; k < tile_starts[tile + 1u]; k++) {
+        let piece = tile_pieces[k];
+        if lines[piece] != line {
+            sum = min(sum + own, 1.0);
+            own = 0.0;
+            line = lines[piece];
+        }
+        own = max(own, coverage_by(pieces[piece], middle));
+    }
+    sum = min(sum + own, 1.0);
+    if IN_GRAPHITE && sum > 0.0 {
+        // Coordinates wrap as those of the CPU do.
+        sum = graphite(sum, grain(bitcast<u32>(params.x0) + id.x, bitcast<u32>(params.y0) + id.y));
+    }
+    covered_by_lines[i] = sum;
+}

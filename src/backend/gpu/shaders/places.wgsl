@@ -1,0 +1,59 @@
+// A map of places: what lies next to what in it.
+
+// Any buffers where there are none.
+@group(0) @binding(9) var<storage, read> place_x: array<f32>;
+@group(0) @binding(10) var<storage, read> place_y: array<f32>;
+@group(0) @binding(11) var<storage, read> depth: array<f32>;
+@group(0) @binding(12) var<storage, read> motion_x: array<f32>;
+@group(0) @binding(13) var<storage, read> motion_y: array<f32>;
+
+override HAS_DEPTH: bool;
+override HAS_MOTION: bool;
+
+fn place_at(at: u32) -> vec2<f32> {
+    return vec2<f32>(place_x[at], place_y[at]);
+}
+
+// Whether two depths, of neighbours, can be of one surface.
+fn is_one_depth(a: f32, b: f32) -> bool {
+    // Depths that are no numbers part nothing, nor do two without end.
+    let least = min(abs(a), abs(b));
+    if is_nan(a) || is_nan(b) || least > F32_MAX {
+        return true;
+    }
+    return abs(a - b) <= DEPTH_STEP * least;
+}
+
+// Whether two motions, of neighbours, can be of one surface.
+fn is_one_motion(a: vec2<f32>, b: vec2<f32>) -> bool {
+    let change = length(a - b);
+    return !is_nan(change) && change <= MOTION_STEP_PX + MOTION_STEP_SHARE * min(length(a), length(b));
+}
+
+// The pixel next to the one at `at`, where it is one of the picture.
+fn neighbour(at: u32, is_inside: bool, x: u32, y: u32) -> Neighbour {
+    if !is_inside || !is_covered(x, y) {
+        return Neighbour(vec2<f32>(0.0), false);
+    }
+    let next = index_of(x, y);
+    var joins = true;
+    if HAS_DEPTH {
+        joins = is_one_depth(depth[at], depth[next]);
+    } else if HAS_MOTION {
+        let here = vec2<f32>(motion_x[at], motion_y[at]);
+        joins = is_one_motion(here, vec2<f32>(motion_x[next], motion_y[next]));
+    }
+    return Neighbour(place_at(next), joins);
+}
+
+// The Jacobian of the map at a pixel.
+fn jacobian_at(x: u32, y: u32) -> Jacobian {
+    let at = index_of(x, y);
+    return jacobian(
+        place_at(at),
+        neighbour(at, x > 0u, x - 1u, y),
+        neighbour(at, x + 1u < width(), x + 1u, y),
+        neighbour(at, y > 0u, x, y - 1u),
+        neighbour(at, y + 1u < height(), x, y + 1u),
+    );
+}
