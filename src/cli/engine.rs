@@ -261,7 +261,7 @@ pub(super) fn built_without_gpu() -> Error {
 fn no_kernels(what: &str) -> Error {
     Error::BadParameter {
         name: "--backend",
-        found: format!("is gpu, which has no kernels for {what}").into(),
+        found: format!("is gpu, which has no kernels for {what}"),
         remedy: "leave it out: auto takes the GPU for what it can do, and the CPU for the rest"
             .into(),
     }

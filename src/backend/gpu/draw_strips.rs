@@ -32,13 +32,14 @@ struct Drawn<'a> {
     tone: &'a ColorPlanes,
     directions: &'a [Vector2Planes],
     ink: Ink,
+    /// Where its texture lies, where that moves.
+    coordinates: Option<TextureCoordinates>,
     contours: Option<Lines<Contour>>,
 }
 
 /// What strokes are made of.
 enum Ink {
-    /// A texture, and where it lies where it moves.
-    Texture(Strokes, Option<TextureCoordinates>),
+    Texture(Strokes),
     Lines(Lines<Streamline>),
 }
 
@@ -94,10 +95,7 @@ impl Runner {
                 let tone = (tone, white_point);
                 Ink::Lines(self.streamlines(plan, frame, &params, tone, &directions, &mut outcome))
             }
-            false => Ink::Texture(
-                self.strokes(plan, &params, inputs, &mut outcome),
-                self.coordinates(frame, inputs, &mut outcome),
-            ),
+            false => Ink::Texture(self.strokes(plan, &params, inputs, &mut outcome)),
         };
         let drawn = Drawn {
             params,
@@ -105,6 +103,7 @@ impl Runner {
             tone,
             directions: &directions,
             ink,
+            coordinates: self.coordinates(frame, inputs, &mut outcome),
             contours: contours.map(|lines| Lines {
                 pieces: contour_pieces(&lines),
                 lines,
@@ -114,15 +113,15 @@ impl Runner {
             self.draw_strip(plan, strip, rows, &drawn)
         })?;
         add_timings(&mut outcome.timings, &strip_by_strip.timings);
-        let (lines, coordinates) = match drawn.ink {
-            Ink::Lines(drawn) => (drawn.lines, None),
-            Ink::Texture(_, coordinates) => (Vec::new(), coordinates),
+        let lines = match drawn.ink {
+            Ink::Lines(drawn) => drawn.lines,
+            Ink::Texture(_) => Vec::new(),
         };
         let contours = drawn.contours.map(|contours| contours.lines);
         outcome.drawing = strip_by_strip.drawing.map(|drawing| Drawing {
             lines,
             contour_lines: contours.unwrap_or_default(),
-            coordinates,
+            coordinates: drawn.coordinates,
             ..drawing
         });
         let directions = directions.into_iter();
@@ -202,9 +201,7 @@ impl Runner {
                 let pieces = lines.reaching(rows);
                 run.covered_by_lines(strip, rows.start, &pieces, Medium::InkWithin)
             }
-            Ink::Texture(strokes, coordinates) => {
-                run.textured(strip, rows, drawn, (strokes, coordinates.as_ref()))
-            }
+            Ink::Texture(strokes) => run.textured(strip, rows, drawn, strokes),
         };
         let contours = drawn.contours.as_ref().map(|contours| {
             let pieces = contours.reaching(rows);
@@ -237,7 +234,7 @@ impl Run<'_> {
         strip: &Frame,
         rows: &Range<usize>,
         drawn: &Drawn,
-        (strokes, coordinates): (&Strokes, Option<&TextureCoordinates>),
+        strokes: &Strokes,
     ) -> wgpu::Buffer {
         let (tone, params) = (&drawn.params.tone, &drawn.params.strokes);
         let color = [&drawn.tone.r, &drawn.tone.g, &drawn.tone.b];
@@ -246,7 +243,7 @@ impl Run<'_> {
         let densities = self.densities(tone, strip, &picture, &paper);
         let fields = drawn.directions.iter();
         let fields: Vec<_> = fields.map(|field| self.hold_field(field, rows)).collect();
-        let sheets = self.sheets(coordinates, rows);
+        let sheets = self.sheets(drawn.coordinates.as_ref(), rows);
         let ink = self.hatched(params, strip, &densities, &fields, strokes, &sheets);
         self.buffers.take_back([densities]);
         ink

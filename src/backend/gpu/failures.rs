@@ -5,11 +5,11 @@ use super::fault::{Fault, in_memory, watched};
 use super::limits;
 use super::runner::Runner;
 use crate::backend::cpu::{self, DrawingInputs, Outcome};
-use crate::backend::{difference, products};
+use crate::backend::{Product, difference, products};
 use crate::error::Error;
-use crate::frame::Frame;
-use crate::params::{Scale, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, Plan};
+use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::params::{LineParams, Scale, ScalingParams, ShapeParams};
+use crate::plan::{Available, Goal, Plan, ToneFrom};
 use crate::report::scenes::Scene;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -171,6 +171,35 @@ fn where_memory_is_wanting_the_same_picture_comes_in_strips() {
     });
     assert_eq!(attempts, 3);
     assert_is_of_the_cpu(&made.unwrap(), &plan, &frame);
+}
+
+#[test]
+fn where_memory_is_wanting_the_same_drawing_comes_in_strips() {
+    let Some(device) = device(|_| ()) else { return };
+    let runner = Runner::new(device);
+    let mut frame = Scene::waves(64, 400).frame;
+    let gray = Plane::from_fn(64, 400, |x, y| 0.2 + 0.01 * ((x + y) % 50) as f32);
+    frame.color = Some(ColorPlanes {
+        r: gray.clone(),
+        g: gray.clone(),
+        b: gray,
+    });
+    let plan = Plan::hatch(
+        Available::in_frame(&frame),
+        ShapeParams::default(),
+        ScalingParams::default(),
+        ToneFrom::Enhanced,
+        LineParams::default(),
+    );
+    let (plan, inputs) = (plan.unwrap(), DrawingInputs::default());
+    let made = in_memory(8 * 64 * 400, |bytes| match bytes {
+        0..=60_000 => runner.attempt(&plan, &frame, inputs, bytes),
+        _ => Err(Fault::Memory(runner.device().error("is full"))),
+    });
+    let expected = cpu::Runner::default().draw(&plan, &frame, inputs);
+    let drawn = |outcome: &Outcome| outcome.drawing.as_ref().unwrap().hatching.clone();
+    let apart = Product::Strokes.apart(&drawn(&made.unwrap()), &drawn(&expected));
+    assert!(apart <= Product::Strokes.tolerance(), "{apart:e}");
 }
 
 #[test]
