@@ -35,11 +35,14 @@ use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::layers::TermScaling;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use contours::{FoundCrack, FoundEdges, LEAST_STEP};
 pub use drawing::TextureCoordinates;
 use edges::Weights;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use for_devices::{
-    contour_lines, contour_pieces, estimated_albedo, surface_directions, term_white_levels,
+    contour_lines, contour_pieces, contours_along, estimated_albedo, surface_directions,
+    term_white_levels,
 };
 use kept::Kept;
 pub(in crate::backend) use light::luminance;
