@@ -1,7 +1,8 @@
-//! Drawings. Strokes, and what lines cover, are made on the device. The field of directions, which takes double
-//! precision, and lines along edges, which are followed from pixel to pixel, are found on the CPU while the device
+//! Drawings. Strokes, and what lines cover, are made on the device, and edges are found there. The field of directions,
+//! which takes double precision, and lines, which follow edges from pixel to pixel, are found on the CPU while the device
 //! makes what they do not touch.
 
+use super::edge_lists::Coming;
 use super::fault::Fault;
 use super::hatching::Texture;
 use super::kernels::{GAIN, WHITE};
@@ -9,19 +10,19 @@ use super::light_layers::{TermWhites, levels_of};
 use super::recorder::add_timings;
 use super::relight::frame_lit;
 use super::run::Run;
-use super::runner::{Runner, SCALES, apart};
-use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, Shape, contour_lines, contour_pieces};
+use super::runner::{Runner, SCALES};
+use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, contour_pieces};
 use crate::backend::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::line::contours::Contour;
-use crate::params::{LineParams, Style};
+use crate::params::{ContourParams, LineParams, Style};
 use crate::plan::{Goal, Plan, Stage};
 use std::time::Instant;
 
 impl Runner {
     /// Runs `plan`, made by [`Plan::hatch`], on `frame`: its drawing, the tone that was drawn where it was made, and
-    /// the edges.
+    /// the conductance.
     ///
     /// The directions of strokes and the lines along edges are found on the CPU.
     ///
@@ -70,7 +71,12 @@ impl Runner {
         let start = Instant::now();
         let mut run = self.start(plan, frame);
         let edges = run.edges(plan, frame);
-        let wanted = std::iter::once(&edges.conductance).chain(&edges.weights);
+        let contours = params
+            .contours
+            .map(|contours| contours.scaled(params.strokes.factor(plan.resolution_factor as f32)));
+        let lists = contours.map(|contours| run.edge_lists(plan, frame, &edges, &contours));
+        let counts = lists.iter().map(|lists| &lists.counts);
+        let wanted = std::iter::once(&edges.conductance).chain(counts);
         let of_edges = run.recorder.submit(&wanted.collect::<Vec<_>>());
         let rows = 0..frame.mask.height();
         let copied = match &light {
@@ -97,7 +103,10 @@ impl Runner {
         let of_tone = run.recorder.submit(&[]);
         let (read, times) = of_edges.read()?;
         add_timings(&mut outcome.timings, &times.unwrap_or_default());
-        put_edges(&mut outcome.shape, read, frame);
+        let mut read = read.into_iter();
+        outcome.shape.conductance = Some(plane_of(frame, read.next()));
+        let edges = lists.zip(shape.weights.as_ref()).zip(read.next());
+        let edges = edges.map(|((lists, weights), counts)| run.hand_out(lists, &counts, weights));
         let directions = self.directions(plan, frame, params, &mut outcome);
 
         // Strokes, while the CPU follows lines.
@@ -113,7 +122,10 @@ impl Runner {
         let directions = directions.into_iter();
         self.host
             .take_back_planes(directions.flat_map(|Vector2Planes { x, y }| [x, y]));
-        let lines = self.contour_lines(plan, frame, params, &mut outcome);
+        let lines = edges
+            .zip(contours)
+            .map(|(edges, contours)| contour_lines(edges, plan, frame, &contours, &mut outcome));
+        let lines = lines.transpose()?;
         let contours = lines.as_ref().map(|lines| {
             let graphite = (params.strokes.style == Style::Pencil).then_some(params.strokes.seed);
             run.covered_by_lines(frame, &contour_pieces(lines), graphite)
@@ -202,44 +214,26 @@ impl Runner {
         outcome.timings.push(("direction-field", start.elapsed()));
         directions
     }
+}
 
-    /// The lines along the edges that were read, where they are wanted.
-    fn contour_lines(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        params: &LineParams,
-        outcome: &mut Outcome,
-    ) -> Option<Vec<Contour>> {
-        let start = Instant::now();
-        let scale = params.strokes.factor(plan.resolution_factor as f32);
-        let params = params.contours?.scaled(scale);
-        let shape = &outcome.shape;
-        let weights = [&shape.silhouette, &shape.crease].map(|weights| {
-            let weights = weights.as_ref();
-            weights.expect("contours are planned with their weights")
-        });
-        let lines = contour_lines(plan, frame, weights, &params);
-        outcome.timings.push(("contour-lines", start.elapsed()));
-        Some(lines)
-    }
+/// The lines along edges.
+fn contour_lines(
+    edges: Coming,
+    plan: &Plan,
+    frame: &Frame,
+    params: &ContourParams,
+    outcome: &mut Outcome,
+) -> Result<Vec<Contour>> {
+    let start = Instant::now();
+    let lines = edges.lines(plan, frame, params)?;
+    outcome.timings.push(("contour-lines", start.elapsed()));
+    Ok(lines)
 }
 
 /// A plane of what was read, which is there.
 fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
     let samples = read.expect("all that is wanted is read");
     Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
-}
-
-/// Puts what was read of edges into the shape: conductance, and the weights where contours ask for them.
-fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
-    let mut read = read.into_iter();
-    shape.conductance = Some(plane_of(frame, read.next()));
-    if let Some(weights) = read.next() {
-        let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
-        let [silhouette, crease] = weights;
-        (shape.silhouette, shape.crease) = (Some(silhouette), Some(crease));
-    }
 }
 
 /// Puts into the outcome what was read of a drawing: the numbers chosen for its tone and for its paper, strokes, and

@@ -10,6 +10,7 @@ mod contours;
 mod device;
 mod diffusion;
 mod draw;
+mod edge_lists;
 mod enhance;
 #[cfg(test)]
 mod failures;
