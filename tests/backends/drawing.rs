@@ -20,7 +20,7 @@ use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 
 /// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
 #[track_caller]
-fn assert_drawn(
+pub(super) fn assert_drawn(
     name: &str,
     runner: &Runner,
     frame: &Frame,

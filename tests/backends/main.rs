@@ -4,6 +4,7 @@
 mod common;
 
 mod command;
+mod contours;
 mod drawing;
 mod hostile;
 mod kernels;

@@ -1,7 +1,7 @@
 //! What other backends leave to the CPU: what takes double precision, what follows lines from pixel to pixel, and what
 //! is chosen from a frame that a device takes in strips.
 
-use super::contours::{self, DrawnLine, Piece};
+use super::contours::{self, DrawnLine, FoundEdges, Piece};
 use super::drawing::{self, Densities};
 use super::memory::Memory;
 use super::{
@@ -52,6 +52,16 @@ pub(in crate::backend) fn contour_lines(
 ) -> Vec<Contour> {
     let weights = contours::Weights { silhouette, crease };
     contours::contours(&weights, frame, &plan.shape, params)
+}
+
+/// The contours of a frame along edges that a device found, silhouettes first.
+pub(in crate::backend) fn contours_along(
+    plan: &Plan,
+    frame: &Frame,
+    edges: &FoundEdges,
+    params: &ContourParams,
+) -> Vec<Contour> {
+    edges.contours(frame, &plan.shape, params)
 }
 
 /// The pieces that contours are drawn in: lines that meet are one.

@@ -36,15 +36,15 @@ use crate::light::layers::TermScaling;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 #[cfg(feature = "gpu")]
-pub(in crate::backend) use contours::Piece;
+pub(in crate::backend) use contours::{FoundCrack, FoundEdges, LEAST_STEP, Piece};
 pub use drawing::TextureCoordinates;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use drawing::{DEPTH_STEP, MOTION_STEP, Sheet};
 use edges::Weights;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use for_devices::{
-    contour_lines, contour_pieces, estimated_albedo, streamline_pieces, surface_directions,
-    term_white_levels,
+    contour_lines, contour_pieces, contours_along, estimated_albedo, streamline_pieces,
+    surface_directions, term_white_levels,
 };
 use kept::Kept;
 pub(in crate::backend) use light::luminance;

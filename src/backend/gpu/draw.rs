@@ -1,7 +1,7 @@
-//! Drawings. Strokes, and what lines cover, are made on the device. The field of directions, which takes double
-//! precision, and lines along edges, which are followed from pixel to pixel, are found on the CPU while the device
-//! makes what they do not touch.
+//! Drawings. Edges, directions, strokes, and what lines cover, are made on the device; lines, which follow edges from
+//! pixel to pixel, are found on the CPU while the device makes the strokes.
 
+use super::edge_lists::Coming;
 use super::hatching::{Strokes, Texture};
 use super::kernels::{GAIN, WHITE};
 use super::light::Light;
@@ -9,15 +9,13 @@ use super::light_layers::{TermWhites, levels_of};
 use super::line_coverage::Medium;
 use super::recorder::add_timings;
 use super::relight::frame_lit;
-use super::runner::{Runner, SCALES, apart};
-use crate::backend::cpu::{
-    Drawing, DrawingInputs, Outcome, Shape, TextureCoordinates, contour_lines, contour_pieces,
-};
+use super::runner::{Runner, SCALES};
+use crate::backend::cpu::{Drawing, DrawingInputs, Outcome, TextureCoordinates, contour_pieces};
 use crate::backend::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
+use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::contours::Contour;
-use crate::params::{LineParams, Style};
+use crate::params::{ContourParams, LineParams, Style};
 use crate::plan::{Goal, Plan, Stage};
 use std::time::Instant;
 
@@ -50,12 +48,16 @@ impl Runner {
         inputs: DrawingInputs,
     ) -> Result<Option<Outcome>> {
         let mut outcome = Outcome::default();
-        // Edges first: all that is left to the CPU asks for them.
+        // Edges first: lines along them are left to the CPU.
         let start = Instant::now();
         let mut run = self.start(plan, frame);
         let edges = run.edges(plan, frame);
-        let weights: Vec<_> = edges.weights.iter().collect();
-        let of_edges = run.recorder.submit(&weights);
+        let contours = params
+            .contours
+            .map(|contours| contours.scaled(params.strokes.factor(plan.resolution_factor as f32)));
+        let lists = contours.map(|contours| run.edge_lists(plan, frame, &edges, &contours));
+        let counts: Vec<_> = lists.iter().map(|lists| &lists.counts).collect();
+        let of_edges = run.recorder.submit(&counts);
         let rows = 0..frame.mask.height();
         let copied = match light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
@@ -63,6 +65,11 @@ impl Runner {
         };
         let is_copied = copied.is_some();
         outcome.timings.push((UPLOAD, start.elapsed()));
+
+        let (read, times) = of_edges.read()?;
+        add_timings(&mut outcome.timings, &times.unwrap_or_default());
+        let listed = lists.zip(edges.weights.as_ref()).zip(read.first());
+        let listed = listed.map(|((lists, weights), counts)| run.hand_out(lists, counts, weights));
 
         // Strokes, while the CPU follows lines.
         let fields = run.stroke_fields(
@@ -99,10 +106,10 @@ impl Runner {
         );
         add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
         let of_strokes = run.recorder.submit(&[]);
-        let (read, times) = of_edges.read()?;
-        add_timings(&mut outcome.timings, &times.unwrap_or_default());
-        put_weights(&mut outcome.shape, read.into_iter().next(), frame);
-        let lines = self.contour_lines(plan, frame, params, &mut outcome);
+        let lines = listed
+            .zip(contours)
+            .map(|(edges, contours)| lines_along(edges, plan, frame, &contours, &mut outcome));
+        let lines = lines.transpose()?;
         let contours = lines
             .as_ref()
             .map(|lines| run.covered_by_lines(frame, 0, &contour_pieces(lines), medium(params)));
@@ -194,43 +201,20 @@ impl Runner {
             .push(("texture-coordinates", start.elapsed()));
         Some(coordinates)
     }
+}
 
-    /// The directions of strokes, along the edges that were read.
-    pub(super) fn directions(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        params: &LineParams,
-        outcome: &mut Outcome,
-    ) -> Vec<Vector2Planes> {
-        let start = Instant::now();
-        let conductance = outcome.shape.conductance.as_ref();
-        let conductance = conductance.expect("edges are read first");
-        let directions = self.host.drawn_directions(plan, frame, params, conductance);
-        outcome.timings.push(("direction-field", start.elapsed()));
-        directions
-    }
-
-    /// The lines along the edges that were read, where they are wanted.
-    pub(super) fn contour_lines(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        params: &LineParams,
-        outcome: &mut Outcome,
-    ) -> Option<Vec<Contour>> {
-        let start = Instant::now();
-        let scale = params.strokes.factor(plan.resolution_factor as f32);
-        let params = params.contours?.scaled(scale);
-        let shape = &outcome.shape;
-        let weights = [&shape.silhouette, &shape.crease].map(|weights| {
-            let weights = weights.as_ref();
-            weights.expect("contours are planned with their weights")
-        });
-        let lines = contour_lines(plan, frame, weights, &params);
-        outcome.timings.push(("contour-lines", start.elapsed()));
-        Some(lines)
-    }
+/// The lines along edges.
+fn lines_along(
+    edges: Coming,
+    plan: &Plan,
+    frame: &Frame,
+    params: &ContourParams,
+    outcome: &mut Outcome,
+) -> Result<Vec<Contour>> {
+    let start = Instant::now();
+    let lines = edges.lines(plan, frame, params)?;
+    outcome.timings.push(("contour-lines", start.elapsed()));
+    Ok(lines)
 }
 
 /// What contours are drawn in.
@@ -245,22 +229,6 @@ pub(super) fn medium(params: &LineParams) -> Medium {
 pub(super) fn plane_of(frame: &Frame, read: Option<Vec<f32>>) -> Plane {
     let samples = read.expect("all that is wanted is read");
     Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
-}
-
-/// Puts what was read of edges into the shape: conductance, and the weights where contours ask for them.
-pub(super) fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
-    let mut read = read.into_iter();
-    shape.conductance = Some(plane_of(frame, read.next()));
-    put_weights(shape, read.next(), frame);
-}
-
-/// Puts the weights of silhouettes and creases into the shape, where they were read.
-fn put_weights(shape: &mut Shape, read: Option<Vec<f32>>, frame: &Frame) {
-    if let Some(weights) = read {
-        let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
-        let [silhouette, crease] = weights;
-        (shape.silhouette, shape.crease) = (Some(silhouette), Some(crease));
-    }
 }
 
 /// Puts into the outcome what was read of a drawing: the numbers chosen for its tone and for its paper, strokes, and

@@ -2,7 +2,7 @@
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use super::choose::Search;
-use super::draw::{medium, plane_of, put_edges};
+use super::draw::{medium, plane_of};
 use super::enhance::luminance_weights;
 use super::hatching::Strokes;
 use super::kernels::WHITE;
@@ -10,10 +10,11 @@ use super::light::Light;
 use super::line_coverage::Medium;
 use super::recorder::add_timings;
 use super::run::Run;
-use super::runner::{Runner, SCALES};
+use super::runner::{Runner, SCALES, apart};
 use super::strips::Strips;
 use crate::backend::cpu::{
-    Drawing, DrawingInputs, Outcome, Piece, TextureCoordinates, contour_pieces, streamline_pieces,
+    Drawing, DrawingInputs, Outcome, Piece, Shape, TextureCoordinates, contour_lines,
+    contour_pieces, streamline_pieces,
 };
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
@@ -147,6 +148,43 @@ impl Runner {
         Ok(outcome)
     }
 
+    /// The directions of strokes, along the edges that were read.
+    fn directions(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &LineParams,
+        outcome: &mut Outcome,
+    ) -> Vec<Vector2Planes> {
+        let start = Instant::now();
+        let conductance = outcome.shape.conductance.as_ref();
+        let conductance = conductance.expect("edges are read first");
+        let directions = self.host.drawn_directions(plan, frame, params, conductance);
+        outcome.timings.push(("direction-field", start.elapsed()));
+        directions
+    }
+
+    /// The lines along the edges that were read, where they are wanted.
+    fn contour_lines(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &LineParams,
+        outcome: &mut Outcome,
+    ) -> Option<Vec<Contour>> {
+        let start = Instant::now();
+        let scale = params.strokes.factor(plan.resolution_factor as f32);
+        let params = params.contours?.scaled(scale);
+        let shape = &outcome.shape;
+        let weights = [&shape.silhouette, &shape.crease].map(|weights| {
+            let weights = weights.as_ref();
+            weights.expect("contours are planned with their weights")
+        });
+        let lines = contour_lines(plan, frame, weights, &params);
+        outcome.timings.push(("contour-lines", start.elapsed()));
+        Some(lines)
+    }
+
     /// The luminance of paper white for the whole of a tone.
     fn paper_white(
         &self,
@@ -224,6 +262,17 @@ impl Runner {
             timings,
             ..Outcome::default()
         })
+    }
+}
+
+/// Puts what was read of edges into the shape: conductance, and the weights where contours ask for them.
+fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
+    let mut read = read.into_iter();
+    shape.conductance = Some(plane_of(frame, read.next()));
+    if let Some(weights) = read.next() {
+        let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
+        let [silhouette, crease] = weights;
+        (shape.silhouette, shape.crease) = (Some(silhouette), Some(crease));
     }
 }
 

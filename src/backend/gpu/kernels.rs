@@ -1,12 +1,12 @@
 //! The kernels: their WGSL, put together of shared parts, and the numbers that they share with Rust.
 
 use super::uniforms::{
-    CountParams, DensityParams, DiffusionParams, DirectionParams, EdgeParams, HessianParams,
-    LightParams, LineCoverageParams, NarrowParams, ScaleParams, SizeParams, StrokeParams,
-    TermParams, Uniforms,
+    CountParams, CrackParams, DensityParams, DiffusionParams, DirectionParams, EdgeParams,
+    HessianParams, LightParams, LineCoverageParams, NarrowParams, ScaleParams, SizeParams,
+    StrokeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
-use crate::backend::cpu::{DEPTH_STEP, MOTION_STEP, SHORTEST_TANGENT};
+use crate::backend::cpu::{DEPTH_STEP, LEAST_STEP, MOTION_STEP, SHORTEST_TANGENT};
 use crate::backend::{palette, stroke_field};
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
@@ -17,6 +17,8 @@ use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::light_warping::{self, MOST_BRIGHTENED};
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
 use crate::light::sum::terms::SHORTEST;
+use crate::line::contours::HALF_PLAIN_JUMP;
+use crate::line::contours::crack::KINK;
 use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::CROSSED_FROM;
 use crate::line::paper;
@@ -63,11 +65,18 @@ pub(super) const SEARCH_BINS: u32 = 1 << SEARCH_BITS;
 pub(super) const GAIN: u32 = 0;
 pub(super) const WHITE: u32 = 1;
 
+/// Where the numbers stand of cracks that silhouettes may pass, of those they do, and of creases.
+pub(super) const CANDIDATES: u32 = 0;
+pub(super) const CRACKS: u32 = 1;
+pub(super) const CREASES: u32 = 2;
+
 /// A kernel, named after its file; both kinds of strokes are of `hatching.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Kernel {
     LogDepth,
     Edges,
+    EdgeLists,
+    Cracks,
     Diffusion,
     Faces,
     Sweep,
@@ -109,9 +118,11 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 33] = [
+    const ALL: [Self; 35] = [
         Self::LogDepth,
         Self::Edges,
+        Self::EdgeLists,
+        Self::Cracks,
         Self::Diffusion,
         Self::Faces,
         Self::Sweep,
@@ -171,6 +182,11 @@ impl Kernel {
                     wgsl!("soft_threshold"),
                     wgsl!("edges"),
                 ],
+            ),
+            Self::EdgeLists => (SizeParams::WGSL, &[index, wgsl!("edge_lists")]),
+            Self::Cracks => (
+                CrackParams::WGSL,
+                &[index, covered, wgsl!("crack"), wgsl!("cracks")],
             ),
             Self::Diffusion => (
                 DiffusionParams::WGSL,
@@ -401,6 +417,9 @@ fn constants() -> String {
         ("HASH_ROUNDS", paper::HASH_ROUNDS),
         ("HASH_FACTOR_LOW", paper::HASH_FACTOR as u32),
         ("HASH_FACTOR_HIGH", (paper::HASH_FACTOR >> 32) as u32),
+        ("CANDIDATES", CANDIDATES),
+        ("CRACKS", CRACKS),
+        ("CREASES", CREASES),
         // No key of a finite number.
         ("NOTHING", u32::MAX),
     ];
@@ -457,6 +476,9 @@ fn constants() -> String {
         ("RESPONSE_ENTRIES", ENTRIES as f32),
         ("ENTRIES_PER_DENSITY", ENTRIES as f32 / MAX_DENSITY),
         ("CROSSED_FROM", CROSSED_FROM),
+        ("KINK", KINK),
+        ("HALF_PLAIN_JUMP", HALF_PLAIN_JUMP),
+        ("LEAST_STEP", LEAST_STEP),
         ("JUMP", JUMP),
         ("DEPTH_STEP", DEPTH_STEP),
         ("MOTION_STEP_PX", MOTION_STEP[0]),

@@ -11,6 +11,7 @@ mod diffusion;
 mod direction_field;
 mod draw;
 mod draw_strips;
+mod edge_lists;
 mod enhance;
 #[cfg(test)]
 mod failures;

@@ -246,12 +246,22 @@ impl<'d> Recorder<'d> {
 
     /// Has the device begin with what was recorded, and records on from there; what `wanted` then hold can be read.
     pub(super) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
+        let whole = wanted.iter().map(|&buffer| (buffer, buffer.size()));
+        self.submit_for_parts(whole)
+    }
+
+    /// The same for as many bytes from the start of each.
+    pub(super) fn submit_for_parts<'a>(
+        &mut self,
+        wanted: impl IntoIterator<Item = (&'a wgpu::Buffer, u64)>,
+    ) -> Submitted<'d> {
         let device = &self.device.device;
         let readable = |size: u64| self.buffers.take_to_read(self.device, size);
         let mut to_read: Vec<wgpu::Buffer> = Vec::new();
-        for buffer in wanted {
-            let target = readable(buffer.size());
-            self.copy(buffer, &target);
+        for (buffer, size) in wanted {
+            let target = readable(size);
+            self.encoder
+                .copy_buffer_to_buffer(buffer, 0, &target, 0, size);
             to_read.push(target);
         }
         let mut timed = None;

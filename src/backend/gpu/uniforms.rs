@@ -63,6 +63,22 @@ uniforms! {
         to_eye_y_step: f32,
     }
 
+    /// Of `cracks.wgsl`.
+    CrackParams {
+        width: u32,
+        height: u32,
+        /// Jumps up to this are none.
+        least_jump: f32,
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        to_eye_x: f32,
+        to_eye_x_step: f32,
+        to_eye_y: f32,
+        to_eye_y_step: f32,
+        /// What each further column and row adds to where parallel sight lines begin.
+        start_x_step: f32,
+        start_y_step: f32,
+    }
+
     /// Of `diffusion.wgsl` and `sweep.wgsl`.
     DiffusionParams {
         width: u32,

@@ -7,6 +7,10 @@
 /// side: the crack lies between the third and the fourth. `None` where uncovered or beyond the picture.
 pub type Across = [Option<f32>; 6];
 
+/// A jump that is spread counts if it is so many times the steepest slope beside it: a kink alone leaves up to twice
+/// its slope.
+pub const KINK: f32 = 2.5;
+
 /// By how much a map jumps at the crack, beyond what its slopes to either side explain.
 ///
 /// A slope, however steep, and a kink between two slopes are no jumps: on one side at least the slope goes
@@ -33,8 +37,7 @@ pub fn unexplained_jump(a: &Across) -> f32 {
         .fold(0.0, |a: f32, b| a.max(b.abs()));
     let spread = difference(1, 4)
         .and_then(|jump| beyond(jump, 3.0, slopes))
-        // A kink alone leaves up to twice its slope.
-        .filter(|&spread| spread > 2.5 * steepest);
+        .filter(|&spread| spread > KINK * steepest);
     sharp.max(spread.unwrap_or(0.0))
 }
 

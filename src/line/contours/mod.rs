@@ -144,10 +144,12 @@ fn taper(widths: &mut [f32], points: &[Vec2], ends: [End; 2], over_px: f32) {
     }
 }
 
-/// The strength of a jump of this size of the logarithm of depth, 0..1: half at a fifth of the distance.
+/// The jump of the logarithm of depth whose strength is a half: a fifth of the distance.
+pub const HALF_PLAIN_JUMP: f32 = 0.2;
+
+/// The strength of a jump of this size of the logarithm of depth, 0..1.
 pub fn strength_of_jump(jump: f32) -> f32 {
-    const HALF: f32 = 0.2;
-    jump / (jump + HALF)
+    jump / (jump + HALF_PLAIN_JUMP)
 }
 
 #[cfg(test)]

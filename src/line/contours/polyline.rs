@@ -26,10 +26,22 @@ pub fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2
         return points.to_vec();
     }
     let line = Wrapped::new(points, closed, REACHES[allowed - 1]);
-    let fits = |i: usize, level: usize| line.fits(i, REACHES[level], smoothing.tolerance_px);
-    let mut levels: Vec<usize> = (0..points.len())
-        .map(|i| largest(allowed, |level| fits(i, level)))
-        .collect();
+    let mut levels = Vec::with_capacity(points.len());
+    for first in (0..points.len()).step_by(LANES) {
+        // Neighbours mostly ask for the same levels.
+        let mut told: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
+        for lane in 0..LANES.min(points.len() - first) {
+            levels.push(largest(allowed, |level| {
+                let reach = REACHES[level];
+                match line.has_whole_windows(first, reach) {
+                    true => told[level].get_or_insert_with(|| {
+                        line.fit_together(first, reach, smoothing.tolerance_px)
+                    })[lane],
+                    false => line.fits(first + lane, reach, smoothing.tolerance_px),
+                }
+            }));
+        }
+    }
     let n = levels.len();
     // Twice around, so that a closed line has no first point.
     for i in 1..n * (1 + usize::from(closed)) {
@@ -46,7 +58,7 @@ pub fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2
 }
 
 /// The largest number up to `all` of levels that hold, if every level below one that holds does.
-fn largest(all: usize, holds: impl Fn(usize) -> bool) -> usize {
+fn largest(all: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
     let (mut least, mut most) = (0, all);
     while least < most {
         let level = usize::midpoint(least, most);
@@ -59,26 +71,29 @@ fn largest(all: usize, holds: impl Fn(usize) -> bool) -> usize {
     least
 }
 
+/// Points that are looked at together.
+const LANES: usize = 8;
+
 /// The points of a line, a closed one continued beyond its ends.
 struct Wrapped {
     points: Vec<Vec2>,
+    /// Their coordinates apart.
+    x: Vec<f32>,
+    y: Vec<f32>,
     /// Where the line's own points start.
     start: usize,
 }
 
 impl Wrapped {
     fn new(points: &[Vec2], closed: bool, reach: usize) -> Self {
-        if !closed {
-            return Self {
-                points: points.to_vec(),
-                start: 0,
-            };
-        }
         let n = points.len();
-        let start = reach.min(n);
+        let start = if closed { reach.min(n) } else { 0 };
         let wrapped = (0..n + 2 * start).map(|i| points[(i + n - start) % n]);
+        let points: Vec<Vec2> = wrapped.collect();
         Self {
-            points: wrapped.collect(),
+            x: points.iter().map(|point| point.x).collect(),
+            y: points.iter().map(|point| point.y).collect(),
+            points,
             start,
         }
     }
@@ -97,6 +112,37 @@ impl Wrapped {
         Parabola::through(&self.points[from..to], from)
     }
 
+    /// Whether so many points lie to either side of each of those looked at together from point `first` on.
+    fn has_whole_windows(&self, first: usize, reach: usize) -> bool {
+        let at = self.start + first;
+        at >= reach && at + LANES + reach <= self.points.len()
+    }
+
+    /// [`Wrapped::fits`] of those looked at together from point `first` on, which have whole windows.
+    fn fit_together(&self, first: usize, reach: usize, tolerance: f32) -> [bool; LANES] {
+        let at = self.start + first;
+        let (x, y) = (&self.x[at - reach..], &self.y[at - reach..]);
+        let axes = [x, y].map(|samples| Parabolas::through(samples, reach));
+        let mean_square = Sums::of(2 * reach + 1).mean_square;
+        let mut fit = [true; LANES];
+        for k in 0..2 * reach + 1 {
+            let t = k as f32 - reach as f32;
+            let (x, y): (&[f32; LANES], &[f32; LANES]) = (
+                x[k..][..LANES].try_into().expect("of this length"),
+                y[k..][..LANES].try_into().expect("of this length"),
+            );
+            for lane in 0..LANES {
+                let middle = |axis: usize| axes[axis].at(lane, t, mean_square);
+                let slope = |axis: usize| axes[axis].slope(lane, t);
+                let (slope_x, slope_y) = (slope(0), slope(1));
+                let across = slope_x * (y[lane] - middle(1)) - slope_y * (x[lane] - middle(0));
+                let squared = slope_x * slope_x + slope_y * slope_y;
+                fit[lane] &= across * across <= tolerance * tolerance * squared;
+            }
+        }
+        fit
+    }
+
     /// Whether all points within `reach` of point `i` lie within the tolerance of their parabola.
     fn fits(&self, i: usize, reach: usize, tolerance: f32) -> bool {
         let [from, to] = self.window(i, reach);
@@ -106,6 +152,69 @@ impl Wrapped {
             across * across <= tolerance * tolerance * parabola.slope(j).length_squared()
         };
         (from..to).all(near)
+    }
+}
+
+/// Sums over t = -half, -half + 1, ... half, of so many points: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
+/// n (n^2 - 1)(n^2 - 4)/180.
+struct Sums {
+    squares: f32,
+    fourths: f32,
+    mean_square: f32,
+}
+
+impl Sums {
+    fn of(points: usize) -> Self {
+        let n = points as f32;
+        let squares = n * (n * n - 1.0) / 12.0;
+        Self {
+            squares,
+            fourths: n * (n * n - 1.0) * (n * n - 4.0) / 180.0,
+            mean_square: squares / n,
+        }
+    }
+}
+
+/// One coordinate of parabolas through as many windows, each a point further, as [`Parabola`] has both: by the same
+/// operations.
+struct Parabolas([[f32; LANES]; 3]);
+
+impl Parabolas {
+    fn through(samples: &[f32], reach: usize) -> Self {
+        let window = |k: usize| -> &[f32; LANES] {
+            samples[k..][..LANES].try_into().expect("of this length")
+        };
+        let count = 2 * reach + 1;
+        let sums = Sums::of(count);
+        let origin = window(0);
+        let (mut constant, mut linear, mut bent) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..count {
+            let t = k as f32 - reach as f32;
+            let samples = window(k);
+            for lane in 0..LANES {
+                let p = samples[lane] - origin[lane];
+                constant[lane] += p;
+                linear[lane] += t * p;
+                bent[lane] += (t * t - sums.mean_square) * p;
+            }
+        }
+        let n = count as f32;
+        Self([
+            std::array::from_fn(|lane| origin[lane] + constant[lane] / n),
+            linear.map(|sum| sum / sums.squares),
+            bent.map(|sum| sum / sums.fourths),
+        ])
+    }
+
+    #[inline]
+    fn at(&self, lane: usize, t: f32, mean_square: f32) -> f32 {
+        let [a, b, c] = &self.0;
+        a[lane] + t * b[lane] + (t * t - mean_square) * c[lane]
+    }
+
+    #[inline]
+    fn slope(&self, lane: usize, t: f32) -> f32 {
+        self.0[1][lane] + 2.0 * t * self.0[2][lane]
     }
 }
 
@@ -122,11 +231,11 @@ impl Parabola {
     fn through(points: &[Vec2], from: usize) -> Self {
         let n = points.len() as f32;
         let half = 0.5 * (n - 1.0);
-        // Sums over t = -half, -half + 1, ... half: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
-        // n (n^2 - 1)(n^2 - 4)/180.
-        let squares = n * (n * n - 1.0) / 12.0;
-        let fourths = n * (n * n - 1.0) * (n * n - 4.0) / 180.0;
-        let mean_square = squares / n;
+        let Sums {
+            squares,
+            fourths,
+            mean_square,
+        } = Sums::of(points.len());
         // From the first point: differences keep their digits far from the origin.
         let origin = points[0];
         let (mut constant, mut linear, mut bent) = (Vec2::ZERO, Vec2::ZERO, Vec2::ZERO);
@@ -291,6 +400,33 @@ mod tests {
             .map(|p| p.distance(Vec2::new(20.0, 0.0)))
             .fold(f32::INFINITY, f32::min);
         assert!(nearest < 1.0, "{nearest}");
+    }
+
+    #[test]
+    fn neighbours_told_together_fit_as_each_alone() {
+        let points: Vec<Vec2> = (0..400)
+            .map(|i| {
+                let t = i as f32 / 40.0;
+                300.0 * Vec2::new(t.cos(), t.sin())
+                    + 0.7 * Vec2::new((9.1 * t).sin(), (7.3 * t).cos())
+            })
+            .collect();
+        let line = Wrapped::new(&points, false, 100);
+        let mut found = [0; 2];
+        for reach in REACHES {
+            for first in reach..points.len() - reach - LANES {
+                assert!(line.has_whole_windows(first, reach));
+                let together = line.fit_together(first, reach, SMOOTHING.tolerance_px);
+                let alone = |lane| line.fits(first + lane, reach, SMOOTHING.tolerance_px);
+                assert_eq!(
+                    together,
+                    std::array::from_fn(alone),
+                    "{reach} around {first}"
+                );
+                found[usize::from(together[0])] += 1;
+            }
+        }
+        assert!(found.iter().all(|&count| count > 100), "{found:?}");
     }
 
     #[test]

@@ -54,6 +54,11 @@ impl ContourParams {
         }
     }
 
+    /// Whether lines run along creases.
+    pub fn has_creases(&self) -> bool {
+        self.crease_share > 0.0
+    }
+
     /// Refuses values outside their ranges.
     ///
     /// # Errors

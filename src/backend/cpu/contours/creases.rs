@@ -3,7 +3,7 @@
 use super::ground::Ground;
 use super::{SHORTEST_BRANCH, smooth};
 use crate::fast_math::ln;
-use crate::frame::{Frame, Plane};
+use crate::frame::{Frame, Mask, Plane};
 use crate::line::contours::lattice::Path;
 use crate::line::contours::network::{self, Line, Spot};
 use crate::line::contours::ridge::Bands;
@@ -17,27 +17,30 @@ const RIM: usize = 2;
 /// How far beside a crease the middle of its weights lies.
 const MIDDLE_PX: f32 = 0.5;
 
-/// The lines along creases that keep away from silhouettes.
+/// The pixels that have a weight, in order.
+pub(super) fn pixels(weight: &Plane, mask: &Mask) -> Vec<u32> {
+    let pixels: Vec<Vec<u32>> = (0..mask.height())
+        .into_par_iter()
+        .with_min_len(16)
+        .map(|y| {
+            let row = weight.row(y);
+            let covered = mask.span(y).filter(|&x| row[x] > 0.0);
+            covered.map(|x| (y * mask.width() + x) as u32).collect()
+        })
+        .collect();
+    pixels.concat()
+}
+
+/// The lines along creases that keep away from silhouettes: through `pixels`, all those that have a weight, in order.
 pub(super) fn lines(
+    mut pixels: Vec<u32>,
     weight: &Plane,
     silhouettes: &Ground,
     frame: &Frame,
     params: &ContourParams,
 ) -> Vec<Line> {
     let (width, height) = (frame.mask.width(), frame.mask.height());
-    let pixels: Vec<Vec<u32>> = (0..height)
-        .into_par_iter()
-        .with_min_len(16)
-        .map(|y| {
-            let row = weight.row(y);
-            let covered = frame.mask.span(y).filter(|&x| row[x] > 0.0);
-            let free = covered
-                .map(|x| y * width + x)
-                .filter(|&i| silhouettes.is_free(i));
-            free.map(|i| i as u32).collect()
-        })
-        .collect();
-    let pixels = pixels.concat();
+    pixels.retain(|&pixel| silhouettes.is_free(pixel as usize));
     if pixels.is_empty() {
         return Vec::new();
     }

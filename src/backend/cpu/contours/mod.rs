@@ -1,7 +1,10 @@
 //! Lines along silhouettes and creases: found, joined, and drawn.
 
 mod coverage;
+mod cracks;
 mod creases;
+#[cfg(feature = "gpu")]
+mod found;
 mod ground;
 mod map_tile;
 mod silhouettes;
@@ -11,6 +14,10 @@ pub(in crate::backend) use coverage::Piece;
 #[cfg(feature = "gpu")]
 pub(super) use coverage::strokes;
 pub(super) use coverage::{DrawnLine, Overlap, coverage};
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use cracks::LEAST_STEP;
+#[cfg(feature = "gpu")]
+pub(in crate::backend) use found::{FoundCrack, FoundEdges};
 
 use crate::frame::{Frame, Plane};
 use crate::line::contours::gaps::close_gaps;
@@ -18,6 +25,7 @@ use crate::line::contours::network::{End, Line, Spot};
 use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
 use crate::params::{ContourParams, ShapeParams};
+use cracks::{Crack, cracks};
 use ground::Ground;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -41,6 +49,15 @@ const PLAIN_CREASE: f32 = 0.5;
 /// Branches of a line with fewer spots than this are remains of thinning, or of noise.
 const SHORTEST_BRANCH: usize = 4;
 
+/// Edges, as far as lines are made of them.
+struct Edges<'a> {
+    /// The cracks that silhouettes pass, by corner and step.
+    cracks: Vec<Crack>,
+    /// The pixels that have a crease weight, in order, and the weight of every pixel.
+    crease_pixels: Vec<u32>,
+    crease: &'a Plane,
+}
+
 /// The contours of a frame with these edges, silhouettes first. The same for any number of threads.
 pub(super) fn contours(
     weights: &Weights,
@@ -48,7 +65,25 @@ pub(super) fn contours(
     shape: &ShapeParams,
     params: &ContourParams,
 ) -> Vec<Contour> {
-    let mut silhouettes = silhouettes::lines(weights.silhouette, frame, shape, params);
+    let edges = Edges {
+        cracks: cracks(weights.silhouette, frame, shape),
+        crease_pixels: match params.has_creases() {
+            true => creases::pixels(weights.crease, &frame.mask),
+            false => Vec::new(),
+        },
+        crease: weights.crease,
+    };
+    contours_along(edges, frame, shape, params)
+}
+
+/// The contours of a frame along these edges, silhouettes first.
+fn contours_along(
+    edges: Edges,
+    frame: &Frame,
+    shape: &ShapeParams,
+    params: &ContourParams,
+) -> Vec<Contour> {
+    let mut silhouettes = silhouettes::lines(edges.cracks, frame, shape, params);
     close_gaps(&mut silhouettes, GAP_PX);
     let least = Least {
         length_px: params.shortest_px,
@@ -60,8 +95,8 @@ pub(super) fn contours(
     let ground = Ground::new(&silhouettes, frame, params);
     ground.join_ends(&mut silhouettes, true);
     let mut creases = Vec::new();
-    if params.crease_share > 0.0 {
-        creases = creases::lines(weights.crease, &ground, frame, params);
+    if params.has_creases() {
+        creases = creases::lines(edges.crease_pixels, edges.crease, &ground, frame, params);
         close_gaps(&mut creases, GAP_PX);
         let least = Least {
             length_px: CREASE_LENGTHS * params.shortest_px,

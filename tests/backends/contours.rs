@@ -1,0 +1,130 @@
+//! Lines along edges that the device lists, or hands out in planes where there are too many.
+
+use super::common::poisoned;
+use super::common::scenes::{DISTANCE, Scene, Surface};
+use super::drawing::assert_drawn;
+use super::{on_gpu, with_color};
+use glam::{DVec2, DVec3};
+use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
+use relievo::params::LineParams;
+use relievo::plan::ToneFrom;
+
+/// A wall, square to the view axis.
+fn wall(width: usize, height: usize) -> Frame {
+    let scene = Scene::orthographic(Surface::plane(DVec3::Z), 80.0, 60.0);
+    with_color(scene.frame(width, height))
+}
+
+/// What a disc covers of pixels, by the distance of its border from their middles.
+fn disc(width: usize, height: usize) -> Plane {
+    let middle = DVec2::new(0.48 * width as f64, 0.53 * height as f64);
+    Plane::from_fn(width, height, |x, y| {
+        let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let inside = 0.4 * height as f64 - at.distance(middle);
+        (0.5 + inside).clamp(0.0, 1.0) as f32
+    })
+}
+
+/// A number in 0..1 for each pixel, like no other.
+fn noise(x: usize, y: usize) -> f32 {
+    let wave = (12.9898 * x as f32 + 78.233 * y as f32).sin();
+    (43758.547 * wave).rem_euclid(1.0)
+}
+
+/// Frames in which edges are found by all there is to find them by.
+fn edged() -> Vec<(&'static str, Frame)> {
+    let balls = Scene::two_balls(30.0, 38.0, 82.2, 70.4);
+    let near = with_color(balls.in_perspective().frame(165, 141));
+    let balls = Scene::two_balls(30.0, 38.0, 82.2, 70.4);
+    let far = with_color(balls.frame(165, 141));
+    let block = with_color(Scene::box_corner(true, 0.3, 80.3, 62.9).frame(163, 129));
+    let disc = disc(150, 131);
+    let steps = |[low, high]: [f32; 2]| disc.map(|share| low + share * (high - low));
+
+    let mut spread = wall(150, 131);
+    spread.depth = Some(steps([1.25 * DISTANCE as f32, DISTANCE as f32]));
+    let mut occluded = wall(150, 131);
+    occluded.depth = None;
+    occluded.occlusion = Some(steps([0.9, 0.2]));
+    let mut unmapped = wall(150, 131);
+    unmapped.depth = None;
+    unmapped.mask = Mask::new(disc.map(|share| share >= 0.5));
+
+    // A step of 80 from one column to the next, of which normals that lean by 20 to 1 explain 20, or tell the contrary.
+    let leaning = |scene: Scene| {
+        let mut frame = with_color(scene.frame(150, 120));
+        let depth = |x: usize| DISTANCE as f32 - if x < 70 { 0.0 } else { 80.0 };
+        frame.depth = Some(Plane::from_fn(150, 120, |x, _| depth(x)));
+        frame.normal = Vector3Planes::from_fn(150, 120, |x, y| match (x, y < 60) {
+            (69 | 70, true) => DVec3::new(1.0, 0.0, 0.05).normalize(),
+            (69 | 70, false) => DVec3::new(-1.0, 0.0, 0.05).normalize(),
+            _ => DVec3::Z,
+        });
+        frame
+    };
+    let plain = || Scene::orthographic(Surface::plane(DVec3::Z), 80.0, 60.0);
+    let mut beside = leaning(plain());
+    beside.mask = Mask::new(Plane::from_fn(150, 120, |x, _| x < 72));
+
+    let with_holes = |frame: &Frame| {
+        let mut frame = frame.clone();
+        frame.mask = Mask::new(Plane::from_fn(165, 141, |x, y| {
+            frame.mask.at(x, y) && !(x % 40 < 6 && y % 30 < 4)
+        }));
+        poisoned(&frame, f32::NAN)
+    };
+    let mut rim = unmapped.clone();
+    rim.alpha = Some(disc);
+    vec![
+        ("holes of no depth", with_holes(&near)),
+        ("holes of no depth, far", with_holes(&far)),
+        ("perspective", near),
+        ("orthographic", far),
+        ("creases", block),
+        ("leaning, perspective", leaning(plain().in_perspective())),
+        ("leaning, orthographic", leaning(plain())),
+        ("beside the border", beside),
+        ("spread by a filter", spread),
+        ("occlusion map", occluded),
+        ("border alone", unmapped),
+        ("alpha at the rim", rim),
+    ]
+}
+
+#[test]
+fn lines_along_listed_edges() {
+    on_gpu(|runner| {
+        for (name, frame) in edged() {
+            let line = LineParams::default();
+            let [_, contours] = assert_drawn(name, runner, &frame, line, ToneFrom::Picture);
+            assert!(contours > 100.0, "{name}: {contours}");
+        }
+    });
+}
+
+/// More than one crack for four pixels, more than one crease for two, or both: there is no room for them in lists.
+#[test]
+fn lines_along_edges_that_are_too_many_to_be_listed() {
+    on_gpu(|runner| {
+        // Bars of three rows, every other one nearer: of each column every third pixel has a crack.
+        let mut cracked = wall(90, 70);
+        cracked.depth = Some(Plane::from_fn(90, 70, |_, y| {
+            5.0 + 4.0 * (y / 3 % 2) as f32
+        }));
+        let mut rough = wall(90, 70);
+        rough.normal = Vector3Planes::from_fn(90, 70, |x, y| {
+            let [a, b] = [noise(x, y), noise(x + 300, y)].map(|v| f64::from(v) - 0.5);
+            DVec3::new(a, b, 0.6).normalize()
+        });
+        let both = Frame {
+            depth: cracked.depth.clone(),
+            ..rough.clone()
+        };
+        for (name, frame) in [("cracks", cracked), ("creases", rough), ("both", both)] {
+            let mut line = LineParams::default();
+            line.contours.as_mut().unwrap().shortest_px = 0.0;
+            let [_, contours] = assert_drawn(name, runner, &frame, line, ToneFrom::Picture);
+            assert!(contours > 100.0, "{name}: {contours}");
+        }
+    });
+}
