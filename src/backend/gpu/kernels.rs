@@ -170,6 +170,7 @@ impl Kernel {
         let (runs, sums) = (wgsl!("runs"), wgsl!("sums"));
         let (sight_lines, patch_lines) = (wgsl!("sight_lines"), wgsl!("patch_lines"));
         let doubled = wgsl!("doubled");
+        let over_patches = wgsl!("over_patches");
         let texture_coordinates = wgsl!("texture_coordinates");
         let (uniforms, parts): (&str, &[&str]) = match self {
             Self::LogDepth => (SizeParams::WGSL, &[index, covered, wgsl!("log_depth")]),
@@ -294,11 +295,17 @@ impl Kernel {
             ),
             Self::ChainMeans => (
                 DirectionParams::WGSL,
-                &[patches, sums, wgsl!("chain_means")],
+                &[patches, sums, over_patches, wgsl!("chain_means")],
             ),
             Self::PatchForms => (
                 DirectionParams::WGSL,
-                &[patches, sight_lines, patch_lines, wgsl!("patch_forms")],
+                &[
+                    patches,
+                    sight_lines,
+                    patch_lines,
+                    over_patches,
+                    wgsl!("patch_forms"),
+                ],
             ),
             Self::PatchDirections => (
                 DirectionParams::WGSL,
@@ -307,6 +314,7 @@ impl Kernel {
                     sight_lines,
                     patch_lines,
                     doubled,
+                    over_patches,
                     wgsl!("patch_directions"),
                 ],
             ),
@@ -317,6 +325,7 @@ impl Kernel {
                     sight_lines,
                     patch_lines,
                     doubled,
+                    over_patches,
                     wgsl!("settle_patches"),
                 ],
             ),

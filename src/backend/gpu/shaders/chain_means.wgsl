@@ -138,8 +138,8 @@ fn sum_before(start: u32, axis: u32, own: i32, far: i32, slope: f32) -> vec4<f32
     return total;
 }
 
-// The weighted sum around a patch in a cell of this column and row, as far as `far`.
-fn sum_around(i: u32, places: vec2<u32>, far: i32, slope: f32) -> vec4<f32> {
+// The weighted sum around a patch, as far as `far`.
+fn sum_around(i: u32, far: i32, slope: f32) -> vec4<f32> {
     var sum = values[i];
     if IS_NEAR {
         for (var side = 0u; side < 4u; side++) {
@@ -147,6 +147,7 @@ fn sum_around(i: u32, places: vec2<u32>, far: i32, slope: f32) -> vec4<f32> {
         }
         return sum;
     }
+    let places = column_and_row(patches[i].cell);
     for (var axis = 0u; axis < 2u; axis++) {
         let own = i32(places[axis]);
         sum += sum_before(i, axis, own, far, slope) + sum_after(i, axis, own, far, slope);
@@ -154,26 +155,13 @@ fn sum_around(i: u32, places: vec2<u32>, far: i32, slope: f32) -> vec4<f32> {
     return sum;
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= params.columns || id.y >= params.rows {
-        return;
+fn visit(i: u32) {
+    var reach = params.reach;
+    if IS_BY_DEPTH && depths[i] > 0.0 {
+        reach *= clamp(chosen[WHITE] / depths[i], FAR, NEAR);
     }
-    let end = patches_end(further);
-    var places = id.xy;
-    for (var i = id.y * params.columns + id.x; i < end; i += cell_count()) {
-        if i >= cell_count() {
-            places = column_and_row(patches[i].cell);
-        } else if held[i].x == 0u {
-            continue;
-        }
-        var reach = params.reach;
-        if IS_BY_DEPTH && depths[i] > 0.0 {
-            reach *= clamp(chosen[WHITE] / depths[i], FAR, NEAR);
-        }
-        // The last place whose weight is above 0.
-        let far = i32(ceil(reach)) - 1;
-        let sum = sum_around(i, places, far, 1.0 / reach);
-        means[i] = sum / sum.w;
-    }
+    // The last place whose weight is above 0.
+    let far = i32(ceil(reach)) - 1;
+    let sum = sum_around(i, far, 1.0 / reach);
+    means[i] = sum / sum.w;
 }

@@ -6,39 +6,22 @@
 // The first and the last patch of the run, and how many cells away they are.
 @group(0) @binding(3) var<storage, read_write> runs: array<vec4<u32>>;
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x * RUN_CELLS >= cells_along() || id.y >= cells_across() {
-        return;
+// The run up to a patch, which begins with it or goes on from the patch `before`.
+fn go_on(i: u32, before: u32, place: u32) {
+    var first = vec2<u32>(i, 0u);
+    if before != NO_PATCH {
+        first = runs[before].xz + vec2<u32>(0u, 1u);
     }
-    let begin = id.x * RUN_CELLS;
-    let end = min(begin + RUN_CELLS, cells_along());
-    for (var along = begin; along < end; along++) {
-        let cell = cell_at(along, id.y);
-        let own = held[cell];
-        for (var k = 0u; k < own.x; k++) {
-            let i = patch_of(cell, own, k);
-            let before = links[i][2u * params.axis];
-            var first = vec2<u32>(i, 0u);
-            if before != NO_PATCH && along > begin {
-                first = runs[before].xz + vec2<u32>(0u, 1u);
-            }
-            runs[i].x = first.x;
-            runs[i].z = first.y;
-        }
+    runs[i].x = first.x;
+    runs[i].z = first.y;
+}
+
+// The run from a patch on, which ends with it or goes on in the patch `after`.
+fn go_back(i: u32, after: u32, place: u32) {
+    var last = vec2<u32>(i, 0u);
+    if after != NO_PATCH {
+        last = runs[after].yw + vec2<u32>(0u, 1u);
     }
-    for (var along = end; along > begin; along--) {
-        let cell = cell_at(along - 1u, id.y);
-        let own = held[cell];
-        for (var k = 0u; k < own.x; k++) {
-            let i = patch_of(cell, own, k);
-            let after = links[i][2u * params.axis + 1u];
-            var last = vec2<u32>(i, 0u);
-            if after != NO_PATCH && along < end {
-                last = runs[after].yw + vec2<u32>(0u, 1u);
-            }
-            runs[i].y = last.x;
-            runs[i].w = last.y;
-        }
-    }
+    runs[i].y = last.x;
+    runs[i].w = last.y;
 }

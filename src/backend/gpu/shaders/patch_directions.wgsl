@@ -51,23 +51,13 @@ fn own_direction(form: vec4<f32>, line: vec3<f32>, normal: vec3<f32>) -> vec2<f3
     return confidence(form) * facing * facing * doubled(seen);
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= params.columns || id.y >= params.rows {
-        return;
-    }
-    let end = patches_end(further);
-    for (var i = id.y * params.columns + id.x; i < end; i += cell_count()) {
-        if i < cell_count() && held[i].x == 0u {
-            continue;
-        }
-        let here = patches[i];
-        let line = line_at(middle_of(here.cell, here.offset));
-        let form = forms[i];
-        let own = own_direction(form, line, here.normal);
-        let sure = sqrt(dot(own, own));
-        let flat_share = flatness(form);
-        let sum = own + flat_share * doubled(fallback(line, here.normal));
-        directions[i] = vec4<f32>(sum, sure + flat_share, 1.0);
-    }
+fn visit(i: u32) {
+    let here = patches[i];
+    let line = line_at(middle_of(here.cell, here.offset));
+    let form = forms[i];
+    let own = own_direction(form, line, here.normal);
+    let sure = sqrt(dot(own, own));
+    let flat_share = flatness(form);
+    let sum = own + flat_share * doubled(fallback(line, here.normal));
+    directions[i] = vec4<f32>(sum, sure + flat_share, 1.0);
 }

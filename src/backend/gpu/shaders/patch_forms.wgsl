@@ -81,18 +81,8 @@ fn form_of(i: u32) -> vec4<f32> {
     return vec4<f32>(params.per_pixel * deviator, params.per_pixel * mean, 1.0);
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= params.columns || id.y >= params.rows {
-        return;
-    }
-    let end = patches_end(further);
-    for (var i = id.y * params.columns + id.x; i < end; i += cell_count()) {
-        if i < cell_count() && held[i].x == 0u {
-            continue;
-        }
-        let form = form_of(i);
-        let is_known = is_finite(form.x) && is_finite(form.y) && is_finite(form.z);
-        forms[i] = select(vec4<f32>(0.0, 0.0, 0.0, 1.0), form, is_known && form.w == 1.0);
-    }
+fn visit(i: u32) {
+    let form = form_of(i);
+    let is_known = is_finite(form.x) && is_finite(form.y) && is_finite(form.z);
+    forms[i] = select(vec4<f32>(0.0, 0.0, 0.0, 1.0), form, is_known && form.w == 1.0);
 }

@@ -21,31 +21,21 @@ fn calm(own: vec4<f32>, around: vec4<f32>) -> vec2<f32> {
     return lead * own.xy + (1.0 - lead) * around.xy;
 }
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= params.columns || id.y >= params.rows {
-        return;
+fn visit(i: u32) {
+    let here = patches[i];
+    var led = own[i].xy;
+    if IS_CALMED {
+        led = calm(own[i], around[i]);
     }
-    let end = patches_end(further);
-    for (var i = id.y * params.columns + id.x; i < end; i += cell_count()) {
-        if i < cell_count() && held[i].x == 0u {
-            continue;
-        }
-        let here = patches[i];
-        var led = own[i].xy;
-        if IS_CALMED {
-            led = calm(own[i], around[i]);
-        }
-        let last = doubled(fallback(line_at(middle_of(here.cell, here.offset)), here.normal));
-        let sure = sqrt(dot(led, led));
-        let sum = led + FALLBACK * max(1.0 - sure / FREE, 0.0) * last;
-        let length = sqrt(dot(sum, sum));
-        let is_alone = all(links[i] == vec4<u32>(NO_PATCH));
-        let is_speck = is_alone && 2u * pixel_count(here.pixels) < params.cell_px * params.cell_px;
-        var direction = last;
-        if is_finite(length) && length > 0.0 {
-            direction = sum / length;
-        }
-        settled[i] = select(direction, vec2<f32>(0.0), is_speck);
+    let last = doubled(fallback(line_at(middle_of(here.cell, here.offset)), here.normal));
+    let sure = sqrt(dot(led, led));
+    let sum = led + FALLBACK * max(1.0 - sure / FREE, 0.0) * last;
+    let length = sqrt(dot(sum, sum));
+    let is_alone = all(links[i] == vec4<u32>(NO_PATCH));
+    let is_speck = is_alone && 2u * pixel_count(here.pixels) < params.cell_px * params.cell_px;
+    var direction = last;
+    if is_finite(length) && length > 0.0 {
+        direction = sum / length;
     }
+    settled[i] = select(direction, vec2<f32>(0.0), is_speck);
 }

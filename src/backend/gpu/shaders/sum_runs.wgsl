@@ -6,39 +6,20 @@
 @group(0) @binding(3) var<storage, read> values: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> sums: array<Sums>;
 
-@compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x * RUN_CELLS >= cells_along() || id.y >= cells_across() {
-        return;
+fn go_on(i: u32, before: u32, place: u32) {
+    var sum = Sum(values[i], f32(place) * values[i]);
+    if before != NO_PATCH {
+        sum.plain += sums[before].until.plain;
+        sum.placed += sums[before].until.placed;
     }
-    let begin = id.x * RUN_CELLS;
-    let end = min(begin + RUN_CELLS, cells_along());
-    for (var along = begin; along < end; along++) {
-        let cell = cell_at(along, id.y);
-        let own = held[cell];
-        for (var k = 0u; k < own.x; k++) {
-            let i = patch_of(cell, own, k);
-            let before = links[i][2u * params.axis];
-            var sum = Sum(values[i], f32(along - begin) * values[i]);
-            if before != NO_PATCH && along > begin {
-                sum.plain += sums[before].until.plain;
-                sum.placed += sums[before].until.placed;
-            }
-            sums[i].until = sum;
-        }
+    sums[i].until = sum;
+}
+
+fn go_back(i: u32, after: u32, place: u32) {
+    var sum = Sum(values[i], f32(place) * values[i]);
+    if after != NO_PATCH {
+        sum.plain += sums[after].since.plain;
+        sum.placed += sums[after].since.placed;
     }
-    for (var along = end; along > begin; along--) {
-        let cell = cell_at(along - 1u, id.y);
-        let own = held[cell];
-        for (var k = 0u; k < own.x; k++) {
-            let i = patch_of(cell, own, k);
-            let after = links[i][2u * params.axis + 1u];
-            var sum = Sum(values[i], f32(along - 1u - begin) * values[i]);
-            if after != NO_PATCH && along < end {
-                sum.plain += sums[after].since.plain;
-                sum.placed += sums[after].since.placed;
-            }
-            sums[i].since = sum;
-        }
-    }
+    sums[i].since = sum;
 }
