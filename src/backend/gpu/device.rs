@@ -149,6 +149,17 @@ impl Device {
         lost.clone()
     }
 
+    /// The same, as if it computed in software, or in hardware.
+    #[cfg(test)]
+    pub(crate) fn as_if(self, is_software: bool) -> Self {
+        let mut info = self.info;
+        info.device_type = match is_software {
+            true => wgpu::DeviceType::Cpu,
+            false => wgpu::DeviceType::Other,
+        };
+        Self { info, ..self }
+    }
+
     /// Loses the device, as a driver does that is reset.
     #[cfg(test)]
     pub(crate) fn lose(&self) {

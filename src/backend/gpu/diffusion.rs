@@ -135,6 +135,7 @@ impl Run<'_> {
                 sweeping.conductance,
                 &sweeping.term_weights,
                 importance.map_or(&self.surface.covered, |i| &i.levels),
+                &self.surface.covered,
                 &last[to],
                 &earlier[to],
                 &sums,
@@ -223,5 +224,65 @@ impl Run<'_> {
         self.buffers.take_back(other);
         self.buffers.take_back([faces]);
         result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::device::{Choice, Device, to_test_on};
+    use super::super::runner::Runner;
+    use crate::backend::Product;
+    use crate::frame::{Frame, Mask, Plane};
+    use crate::params::{Scale, ShapeParams, Solver};
+    use crate::plan::{Goal, Plan};
+    use crate::report::{scenes::Scene, timing};
+
+    fn plan(frame: &Frame, solver: Solver, steps: u32) -> Plan {
+        let shape = ShapeParams {
+            solver,
+            scale: Scale::Iterations(steps),
+            ..ShapeParams::default()
+        };
+        timing::plan(Goal::Layers, frame, shape).unwrap()
+    }
+
+    /// On a surface so small that most groups hold nothing of it, in memory that comes with what a whole frame left
+    /// there.
+    #[test]
+    fn tiles_make_what_sweeps_one_by_one_do() {
+        let open = |is_software| {
+            let device = to_test_on(Device::open(Choice::Any))?;
+            Some(Runner::new(device.as_if(is_software)))
+        };
+        let Some((one_by_one, in_tiles)) = open(true).zip(open(false)) else {
+            return;
+        };
+        let mut whole = Scene::waves(300, 140).frame;
+        for (solver, steps, by_level) in [
+            (Solver::Chebyshev, 40, false),
+            (Solver::Explicit, 9, false),
+            (Solver::Chebyshev, 40, true),
+            (Solver::Explicit, 9, true),
+        ] {
+            whole.importance = by_level.then(|| Plane::from_fn(300, 140, |x, _| x as f32 / 299.0));
+            let disc = |x: usize, y: usize| (x as f32 - 60.0).hypot(y as f32 - 50.0) < 30.0;
+            let small = Frame {
+                mask: Mask::new(Plane::from_fn(300, 140, disc)),
+                ..whole.clone()
+            };
+            let gradient = |runner: &Runner, frame: &Frame| {
+                let found = runner.run(&plan(frame, solver, steps), frame);
+                found.unwrap().shape.gradient.unwrap()
+            };
+            gradient(&in_tiles, &whole);
+            let found = gradient(&in_tiles, &small);
+            let expected = gradient(&one_by_one, &small);
+            for (found, expected) in [(&found.x, &expected.x), (&found.y, &expected.y)] {
+                let apart = Product::Gradient.apart(found, expected);
+                assert!(apart <= Product::Gradient.tolerance(), "{apart:e}");
+                let mut samples = found.samples().iter().zip(small.mask.plane().samples());
+                assert!(samples.all(|(&g, &is_covered)| is_covered || g == 0.0));
+            }
+        }
     }
 }

@@ -191,7 +191,12 @@ impl Kernel {
             ),
             Self::Diffusion => (
                 DiffusionParams::WGSL,
-                &[index, wgsl!("face_conductance"), wgsl!("diffusion")],
+                &[
+                    index,
+                    covered,
+                    wgsl!("face_conductance"),
+                    wgsl!("diffusion"),
+                ],
             ),
             Self::Faces => (
                 SizeParams::WGSL,

@@ -11,3 +11,13 @@ fn is_covered(x: u32, y: u32) -> bool {
 fn covered_around(columns: vec3<u32>, y: u32) -> vec3<bool> {
     return vec3<bool>(is_covered(columns.x, y), is_covered(columns.y, y), is_covered(columns.z, y));
 }
+
+// Whether any pixel of a column is, from one row to before another.
+fn is_any_covered(x: u32, first: u32, end: u32) -> bool {
+    for (var y = first; y < end; y++) {
+        if is_covered(x, y) {
+            return true;
+        }
+    }
+    return false;
+}

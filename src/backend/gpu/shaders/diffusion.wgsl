@@ -2,6 +2,7 @@
 //
 // A group loads a region, sweeps it, and gives out what lies at least as many pixels inside as there were sweeps: a
 // region loses a pixel per sweep at its rim. Earlier terms, sums and faces stay with the invocation that owns the pixel.
+// A region that no surface reaches has no slopes, and gets none.
 
 @group(0) @binding(0) var<uniform> params: DiffusionParams;
 @group(0) @binding(1) var<storage, read> last: array<vec2<f32>>;
@@ -11,17 +12,35 @@
 // Weights of the terms, those of all levels of importance together.
 @group(0) @binding(4) var<storage, read> term_weights: array<f32>;
 @group(0) @binding(5) var<storage, read> levels: array<u32>;
-@group(0) @binding(6) var<storage, read_write> next_last: array<vec2<f32>>;
-@group(0) @binding(7) var<storage, read_write> next_earlier: array<vec2<f32>>;
-@group(0) @binding(8) var<storage, read_write> sums: array<vec2<f32>>;
+@group(0) @binding(6) var<storage, read> covered: array<u32>;
+@group(0) @binding(7) var<storage, read_write> next_last: array<vec2<f32>>;
+@group(0) @binding(8) var<storage, read_write> next_earlier: array<vec2<f32>>;
+@group(0) @binding(9) var<storage, read_write> sums: array<vec2<f32>>;
 
 override IS_EXPANSION: bool;
 override BY_LEVEL: bool;
 
 var<workgroup> region: array<vec2<f32>, REGION_PIXELS>;
+// Whether any pixel of the region is covered.
+var<workgroup> is_reached: atomic<u32>;
+
+fn is_inside(x: i32, y: i32) -> bool {
+    return x >= 0 && y >= 0 && x < i32(width()) && y < i32(height());
+}
+
+// Whether an invocation holds a pixel that is covered.
+fn holds_surface(x: i32, top: i32) -> bool {
+    for (var k = 0u; k < ROWS_PER_INVOCATION; k++) {
+        let y = top + i32(k);
+        if is_inside(x, y) && is_covered(u32(x), u32(y)) {
+            return true;
+        }
+    }
+    return false;
+}
 
 fn conductance_at(x: i32, y: i32) -> f32 {
-    if x < 0 || y < 0 || x >= i32(width()) || y >= i32(height()) {
+    if !is_inside(x, y) {
         return 0.0;
     }
     return conductance[index_of(u32(x), u32(y))];
@@ -38,6 +57,19 @@ fn updated(g: vec2<f32>, lg: vec2<f32>, before: vec2<f32>, term: u32) -> vec2<f3
     return -0.5 * lg - (2.0 * g + before);
 }
 
+// Hands a pixel's terms and sum to the next pass, as far as it takes them.
+fn give_out(i: u32, g: vec2<f32>, before: vec2<f32>, sum: vec2<f32>) {
+    if IS_EXPANSION || BY_LEVEL {
+        sums[i] = sum;
+    }
+    if params.is_final == 0u || !(IS_EXPANSION || BY_LEVEL) {
+        next_last[i] = g;
+        if IS_EXPANSION {
+            next_earlier[i] = before;
+        }
+    }
+}
+
 @compute @workgroup_size(REGION_COLUMNS, REGION_GROUP_ROWS)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -50,6 +82,27 @@ fn main(
     let first_row = i32(local.y * ROWS_PER_INVOCATION);
     let x = i32(group.x) * inner_columns - rim + column;
     let top = i32(group.y) * inner_rows - rim + first_row;
+
+    // What lies inside the rim and inside the picture is given out: of its rows, an invocation gives these.
+    let is_given = column >= rim && column < rim + inner_columns && x < i32(width());
+    let first_given = select(i32(ROWS_PER_INVOCATION), rim - first_row, is_given);
+    let end_given = min(rim + inner_rows - first_row, i32(height()) - top);
+
+    if all(local.xy == vec2<u32>(0u)) {
+        atomicStore(&is_reached, 0u);
+    }
+    workgroupBarrier();
+    if holds_surface(x, top) {
+        atomicStore(&is_reached, 1u);
+    }
+    if workgroupUniformLoad(&is_reached) == 0u {
+        for (var k = 0; k < i32(ROWS_PER_INVOCATION); k++) {
+            if k >= first_given && k < end_given {
+                give_out(index_of(u32(x), u32(top + k)), vec2<f32>(0.0), vec2<f32>(0.0), vec2<f32>(0.0));
+            }
+        }
+        return;
+    }
 
     var before: array<vec2<f32>, ROWS_PER_INVOCATION>;
     var sum: array<vec2<f32>, ROWS_PER_INVOCATION>;
@@ -71,7 +124,7 @@ fn main(
         before[k] = vec2<f32>(0.0);
         sum[k] = vec2<f32>(0.0);
         level[k] = 0u;
-        if x >= 0 && y >= 0 && x < i32(width()) && y < i32(height()) {
+        if is_inside(x, y) {
             let i = index_of(u32(x), u32(y));
             g = last[i];
             if IS_EXPANSION && params.first_term > 0u {
@@ -129,24 +182,10 @@ fn main(
         workgroupBarrier();
     }
 
-    if column < rim || column >= rim + inner_columns || x >= i32(width()) {
-        return;
-    }
-    for (var k = 0u; k < ROWS_PER_INVOCATION; k++) {
-        let row = first_row + i32(k);
-        let y = top + i32(k);
-        if row < rim || row >= rim + inner_rows || y >= i32(height()) {
-            continue;
-        }
-        let i = index_of(u32(x), u32(y));
-        if IS_EXPANSION || BY_LEVEL {
-            sums[i] = sum[k];
-        }
-        if params.is_final == 0u || !(IS_EXPANSION || BY_LEVEL) {
-            next_last[i] = region[row * i32(REGION_COLUMNS) + column];
-            if IS_EXPANSION {
-                next_earlier[i] = before[k];
-            }
+    for (var k = 0; k < i32(ROWS_PER_INVOCATION); k++) {
+        if k >= first_given && k < end_given {
+            let at = (first_row + k) * i32(REGION_COLUMNS) + column;
+            give_out(index_of(u32(x), u32(top + k)), region[at], before[k], sum[k]);
         }
     }
 }

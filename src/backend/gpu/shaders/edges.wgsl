@@ -95,6 +95,14 @@ fn depth_gradient(n: vec3<f32>, to_eye: vec2<f32>) -> vec2<f32> {
     return -n.xy * steepness;
 }
 
+fn write(i: u32, open: f32, g: vec2<f32>, edges: vec2<f32>) {
+    conductance[i] = open;
+    gradient[i] = g;
+    if WEIGHTS_WANTED {
+        weights[i] = edges;
+    }
+}
+
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() {
@@ -104,6 +112,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let to_eye_x = params.to_eye_x + params.to_eye_x_step * f32(id.x);
     let first = id.y * STRIP_ROWS;
     let end = min(first + STRIP_ROWS, height());
+    if !is_any_covered(id.x, first, end) {
+        for (var y = first; y < end; y++) {
+            write(index_of(id.x, y), 0.0, vec2<f32>(0.0), vec2<f32>(0.0));
+        }
+        return;
+    }
     // What the next row takes of this one stays in registers.
     var covered_above = covered_around(columns, row_above(first));
     var covered_here = covered_around(columns, first);
@@ -128,11 +142,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let to_eye = vec2<f32>(to_eye_x, params.to_eye_y + params.to_eye_y_step * f32(y));
         let g = depth_gradient(normal, to_eye);
 
-        let is_here = covered_here.y;
-        conductance[i] = select(0.0, 1.0 - max(silhouette, crease), is_here);
-        gradient[i] = select(vec2<f32>(0.0), g, is_here);
-        if WEIGHTS_WANTED {
-            weights[i] = select(vec2<f32>(0.0), vec2<f32>(silhouette, crease), is_here);
+        if covered_here.y {
+            write(i, 1.0 - max(silhouette, crease), g, vec2<f32>(silhouette, crease));
+        } else {
+            write(i, 0.0, vec2<f32>(0.0), vec2<f32>(0.0));
         }
         covered_above = covered_here;
         covered_here = covered_below;

@@ -12,6 +12,18 @@
 // Whether the entries are wanted, or their trace alone.
 override ENTRIES_WANTED: bool;
 
+fn write(i: u32, entries: vec3<f32>) {
+    if ENTRIES_WANTED {
+        let scaled = params.resolution_factor * entries;
+        hessian_xx[i] = scaled.x;
+        hessian_xy[i] = scaled.y;
+        hessian_yy[i] = scaled.z;
+        trace[i] = scaled.x + scaled.z;
+    } else {
+        trace[i] = params.resolution_factor * (entries.x + entries.z);
+    }
+}
+
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() {
@@ -20,22 +32,19 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let columns = columns_around(id.x);
     let first = id.y * STRIP_ROWS;
     let end = min(first + STRIP_ROWS, height());
+    if !is_any_covered(id.x, first, end) {
+        for (var y = first; y < end; y++) {
+            write(index_of(id.x, y), vec3<f32>(0.0));
+        }
+        return;
+    }
     // What the next row takes of this one stays in registers.
     var above = row_around(columns, row_above(first));
     var here = row_around(columns, first);
     for (var y = first; y < end; y++) {
         let below = row_around(columns, row_below(y));
         let entries = select(vec3<f32>(0.0), entries_of(above, here, below), is_covered(id.x, y));
-        let i = index_of(id.x, y);
-        if ENTRIES_WANTED {
-            let scaled = params.resolution_factor * entries;
-            hessian_xx[i] = scaled.x;
-            hessian_xy[i] = scaled.y;
-            hessian_yy[i] = scaled.z;
-            trace[i] = scaled.x + scaled.z;
-        } else {
-            trace[i] = params.resolution_factor * (entries.x + entries.z);
-        }
+        write(index_of(id.x, y), entries);
         above = here;
         here = below;
     }

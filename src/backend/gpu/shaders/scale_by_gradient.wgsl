@@ -17,6 +17,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let columns = columns_around(id.x);
     let first = id.y * STRIP_ROWS;
     let end = min(first + STRIP_ROWS, height());
+    if !is_any_covered(id.x, first, end) {
+        return;
+    }
     // What the next row takes of this one stays in registers.
     var above = row_around(columns, row_above(first));
     var here = row_around(columns, first);
