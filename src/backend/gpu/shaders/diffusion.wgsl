@@ -21,8 +21,6 @@ override IS_EXPANSION: bool;
 override BY_LEVEL: bool;
 
 var<workgroup> region: array<vec2<f32>, REGION_PIXELS>;
-// Whether any pixel of the region is covered.
-var<workgroup> is_reached: atomic<u32>;
 
 fn is_inside(x: i32, y: i32) -> bool {
     return x >= 0 && y >= 0 && x < i32(width()) && y < i32(height());
@@ -37,6 +35,26 @@ fn holds_surface(x: i32, top: i32) -> bool {
         }
     }
     return false;
+}
+
+// Whether any invocation of the group holds surface. The region, which is not loaded yet, is all the memory that groups
+// are sure to have.
+fn is_reached(local: vec2<u32>, holds_surface: bool) -> bool {
+    let row = local.y * REGION_COLUMNS;
+    region[row + local.x].x = f32(holds_surface);
+    workgroupBarrier();
+    if local.x == 0u {
+        for (var k = 1u; k < REGION_COLUMNS; k++) {
+            region[row].x = max(region[row].x, region[row + k].x);
+        }
+    }
+    workgroupBarrier();
+    if all(local == vec2<u32>(0u)) {
+        for (var k = 1u; k < REGION_GROUP_ROWS; k++) {
+            region[0].x = max(region[0].x, region[k * REGION_COLUMNS].x);
+        }
+    }
+    return workgroupUniformLoad(&region[0]).x > 0.0;
 }
 
 fn conductance_at(x: i32, y: i32) -> f32 {
@@ -88,14 +106,7 @@ fn main(
     let first_given = select(i32(ROWS_PER_INVOCATION), rim - first_row, is_given);
     let end_given = min(rim + inner_rows - first_row, i32(height()) - top);
 
-    if all(local.xy == vec2<u32>(0u)) {
-        atomicStore(&is_reached, 0u);
-    }
-    workgroupBarrier();
-    if holds_surface(x, top) {
-        atomicStore(&is_reached, 1u);
-    }
-    if workgroupUniformLoad(&is_reached) == 0u {
+    if !is_reached(local.xy, holds_surface(x, top)) {
         for (var k = 0; k < i32(ROWS_PER_INVOCATION); k++) {
             if k >= first_given && k < end_given {
                 give_out(index_of(u32(x), u32(top + k)), vec2<f32>(0.0), vec2<f32>(0.0), vec2<f32>(0.0));
