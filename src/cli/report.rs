@@ -12,6 +12,7 @@ use crate::io::output::{refuse_overwriting_input, write_atomically};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
+use crate::report::gpu::GpuReport;
 use crate::report::{Extent, Report, advice, markdown, plots, run as measure};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -176,6 +177,10 @@ fn files(report: &Report) -> Vec<(String, String)> {
     files.push((markdown::STROKES_PLOT.into(), strokes));
     let mirrors = plots::error_of_mirrors(&report.mirrors);
     files.push((markdown::MIRRORS_PLOT.into(), mirrors));
+    if let Some(GpuReport::Measured { pictures, .. }) = &report.gpu {
+        let plot = plots::error_of_pictures(&report.frame.name, pictures);
+        files.push((markdown::PICTURES_PLOT.into(), plot));
+    }
     files.extend(report.coherence.as_ref().map(|coherence| {
         let plot = plots::difference_by_frame(coherence);
         (markdown::COHERENCE_PLOT.into(), plot)

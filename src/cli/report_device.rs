@@ -7,6 +7,8 @@ use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::frame::Frame;
 #[cfg(feature = "gpu")]
+use crate::light::lights::Illumination;
+#[cfg(feature = "gpu")]
 use crate::plan::{Goal, Plan};
 use crate::report::gpu;
 
@@ -72,11 +74,11 @@ impl ReportDevice {
                 is_required,
             } => {
                 let device = runner.device();
-                let run = |plan: &Plan, frame: &Frame| match plan.goal {
+                let run = |plan: &Plan, frame: &Frame, light: &Illumination| match plan.goal {
                     _ if plan.drawing.is_some() => {
                         runner.draw(plan, frame, DrawingInputs::default())
                     }
-                    Goal::Relight => runner.relight(plan, frame, &gpu::lamp()),
+                    Goal::Relight => runner.relight(plan, frame, light),
                     _ => runner.run(plan, frame),
                 };
                 measure(gpu::Device::Measured(gpu::Gpu::new(

@@ -1,6 +1,7 @@
 //! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
 //! products are from the CPU's.
 
+use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
 use crate::backend::cpu::{self, DrawingInputs, Outcome};
@@ -21,7 +22,7 @@ const MOST_UPDATES_IN_SOFTWARE: usize = 4_000_000;
 /// Goals whose products are compared; so are those of new light and of drawings.
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 
-/// The light of new light that is compared.
+/// The light that new light is compared in.
 pub fn lamp() -> Illumination {
     Illumination {
         directional: vec![DirectionalLight {
@@ -42,6 +43,9 @@ pub enum Device<'a> {
     Measured(Gpu<'a>),
 }
 
+/// What runs a plan, under these lights where it is for new light.
+pub type Run<'a> = &'a (dyn Fn(&Plan, &Frame, &Illumination) -> Result<Outcome> + 'a);
+
 /// A device to be measured.
 pub struct Gpu<'a> {
     /// Its name.
@@ -50,20 +54,21 @@ pub struct Gpu<'a> {
     pub is_software: bool,
     /// Whether a report without it is none: else one that fails is left out.
     pub is_required: bool,
-    run: &'a dyn Fn(&Plan, &Frame) -> Result<Outcome>,
+    run: Run<'a>,
     failed: RefCell<Option<Error>>,
 }
 
 /// Times of a plan that a device ran several times.
+#[derive(Debug, Clone, Serialize)]
 pub struct GpuTimed {
     /// Copies to it.
-    upload: Times,
+    pub upload: Times,
     /// Its kernels, stage by stage, in order; all together where it has no clock for each.
-    stages: Vec<StageTimes>,
+    pub stages: Vec<StageTimes>,
     /// All kernels.
-    compute: Times,
+    pub compute: Times,
     /// Copies from it.
-    read_back: Times,
+    pub read_back: Times,
     /// All of it, with the time of telling it what to run.
     pub whole: Times,
 }
@@ -122,17 +127,15 @@ pub enum GpuReport {
         is_software: bool,
         /// How far its products are from the CPU's.
         products: Vec<ProductRow>,
+        /// New light and drawings.
+        pictures: Vec<PictureRow>,
     },
 }
 
 impl<'a> Gpu<'a> {
-    /// A device of this name, on which `run` runs plans, those of new light under the [`lamp`]; an outcome's times are called as [`crate::backend::device_times`] says.
-    pub fn new(
-        name: String,
-        is_software: bool,
-        is_required: bool,
-        run: &'a dyn Fn(&Plan, &Frame) -> Result<Outcome>,
-    ) -> Self {
+    /// A device of this name, on which `run` runs plans; an outcome's times are called as
+    /// [`crate::backend::device_times`] says.
+    pub fn new(name: String, is_software: bool, is_required: bool, run: Run<'a>) -> Self {
         Self {
             name,
             is_software,
@@ -149,22 +152,28 @@ impl<'a> Gpu<'a> {
     }
 
     /// Runs `plan`; `None` once the device has failed.
-    pub fn run(&self, plan: &Plan, frame: &Frame) -> Option<Outcome> {
+    pub fn run(&self, plan: &Plan, frame: &Frame, light: &Illumination) -> Option<Outcome> {
         if self.failed.borrow().is_some() {
             return None;
         }
-        let ran = (self.run)(plan, frame);
+        let ran = (self.run)(plan, frame, light);
         ran.map_err(|error| *self.failed.borrow_mut() = Some(error))
             .ok()
     }
 
     /// Runs `plan` once to warm up, then as often as `effort` says.
-    pub fn measure(&self, plan: &Plan, frame: &Frame, effort: Effort) -> Option<GpuTimed> {
-        self.run(plan, frame)?;
+    pub fn measure(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        light: &Illumination,
+        effort: Effort,
+    ) -> Option<GpuTimed> {
+        self.run(plan, frame, light)?;
         let mut runs = Vec::new();
         let start = Instant::now();
         while runs.len() < 2 || runs.len() < effort.runs && start.elapsed() < effort.limit {
-            runs.push(self.run(plan, frame)?.timings);
+            runs.push(self.run(plan, frame, light)?.timings);
         }
         // A run that came in strips for want of memory is another run.
         let names = |run: &timing::Timings| run.iter().map(|(name, _)| *name).collect::<Vec<_>>();
@@ -182,7 +191,7 @@ impl<'a> Gpu<'a> {
         for (name, frame, shape) in frames {
             let frame = with_picture(frame);
             for plan in plans(&frame, *shape)? {
-                let Some(found) = self.run(&plan, &frame) else {
+                let Some(found) = self.run(&plan, &frame, &lamp()) else {
                     return Ok(rows);
                 };
                 let expected = run_on_cpu(&plan, &frame);
@@ -194,11 +203,15 @@ impl<'a> Gpu<'a> {
         Ok(rows)
     }
 
-    /// What is known of the device in the end, with `products` as found by [`Gpu::products`].
+    /// What is known of the device in the end, with `products` as found by [`Gpu::products`], and `pictures`.
     ///
     /// # Errors
     /// Why it failed, where it is required.
-    pub fn report(&self, products: Vec<ProductRow>) -> Result<GpuReport> {
+    pub fn report(
+        &self,
+        products: Vec<ProductRow>,
+        pictures: Vec<PictureRow>,
+    ) -> Result<GpuReport> {
         match self.failed.take() {
             Some(error) if self.is_required => Err(error),
             Some(error) => Ok(GpuReport::NotMeasured(error.to_string())),
@@ -206,6 +219,7 @@ impl<'a> Gpu<'a> {
                 device: self.name.clone(),
                 is_software: self.is_software,
                 products,
+                pictures,
             }),
         }
     }
@@ -264,7 +278,7 @@ impl GpuRow {
 }
 
 /// The frame with a picture to be enhanced: lit from the eye, in three colours.
-fn with_picture(frame: &Frame) -> Frame {
+pub(super) fn with_picture(frame: &Frame) -> Frame {
     let lit = |share: f32| frame.normal.z.map(|z| share * z.max(0.0));
     Frame {
         color: Some(ColorPlanes {
@@ -362,7 +376,7 @@ mod tests {
     }
 
     /// What runs plans on the CPU and tells times as a device does.
-    fn device(plan: &Plan, frame: &Frame) -> Result<Outcome> {
+    fn device(plan: &Plan, frame: &Frame, _: &Illumination) -> Result<Outcome> {
         let mut outcome = run_on_cpu(plan, frame);
         let times = [
             (UPLOAD, 1),
@@ -384,7 +398,9 @@ mod tests {
         let gpu = Gpu::new("test".into(), true, true, &device);
         let frame = frame();
         let plan = timing::plan(Goal::Display, &frame, ShapeParams::default()).unwrap();
-        let timed = gpu.measure(&plan, &frame, Effort::new(3, 1000)).unwrap();
+        let timed = gpu
+            .measure(&plan, &frame, &lamp(), Effort::new(3, 1000))
+            .unwrap();
         let least = [timed.upload, timed.compute, timed.read_back, timed.whole].map(|t| t.min);
         for (found, expected) in least.into_iter().zip([0.001, 0.012, 0.016, 0.031]) {
             assert!((found - expected).abs() < 1e-9, "{least:?}");
@@ -406,7 +422,7 @@ mod tests {
             rows.iter()
                 .all(|row| row.is_within && row.difference == 0.0)
         );
-        let off = |plan: &Plan, frame: &Frame| {
+        let off = |plan: &Plan, frame: &Frame, _: &Illumination| {
             let mut outcome = run_on_cpu(plan, frame);
             if let Some(gradient) = &mut outcome.shape.gradient {
                 gradient.y.row_mut(7)[9] += 0.5;
@@ -427,10 +443,10 @@ mod tests {
     fn a_device_that_fails_is_asked_no_more() {
         for is_required in [false, true] {
             let asked = Cell::new(0);
-            let fails = |plan: &Plan, frame: &Frame| {
+            let fails = |plan: &Plan, frame: &Frame, light: &Illumination| {
                 asked.set(asked.get() + 1);
                 match asked.get() {
-                    1 => device(plan, frame),
+                    1 => device(plan, frame, light),
                     _ => Err(Error::Gpu {
                         device: "test".into(),
                         found: "was lost".into(),
@@ -440,11 +456,14 @@ mod tests {
             let gpu = Gpu::new("test".into(), true, is_required, &fails);
             let frame = frame();
             let plan = timing::plan(Goal::Display, &frame, ShapeParams::default()).unwrap();
-            assert!(gpu.measure(&plan, &frame, Effort::new(3, 1000)).is_none());
+            assert!(
+                gpu.measure(&plan, &frame, &lamp(), Effort::new(3, 1000))
+                    .is_none()
+            );
             let frames = [("waves", &frame, ShapeParams::default())];
             assert!(gpu.products(&frames).unwrap().is_empty());
             assert_eq!(asked.get(), 2);
-            match gpu.report(Vec::new()) {
+            match gpu.report(Vec::new(), Vec::new()) {
                 Ok(GpuReport::NotMeasured(why)) => assert!(!is_required && why.contains("lost")),
                 Err(error) => assert!(is_required, "{error}"),
                 other => panic!("{other:?}"),

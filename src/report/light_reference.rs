@@ -11,9 +11,10 @@ use crate::error::Result;
 use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;
 use crate::light::lights::DirectionalLight;
-use crate::params::{Material, MaterialParams, Method, ScalingParams, ShapeParams};
+use crate::params::{Material, MaterialParams, Method, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
 use glam::{DMat2, DVec2, DVec3};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// What is known of a pixel.
@@ -250,6 +251,35 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
     Some(sum)
 }
 
+/// What some white pixels show of `lights`, seen as `params` say under this gain; those left out for which [`lit`] tells
+/// nothing.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn lit_at(
+    pixels: Vec<[usize; 2]>,
+    frame: &Frame,
+    shape: ShapeParams,
+    params: &RelightParams,
+    gain: f32,
+    lights: &[DirectionalLight],
+) -> Result<Vec<([usize; 2], [f64; 3])>> {
+    let scaling = ScalingParams::default();
+    let settings = Settings {
+        method: params.method,
+        alpha: f64::from(params.warping.warp * gain),
+        gain: gain.into(),
+        scaling: &scaling,
+        material: &params.material,
+    };
+    let hessian = hessian(frame, shape)?;
+    let shown = |at: [usize; 2]| {
+        let pixel = Pixel::of(frame, &hessian, at, 0.0);
+        Some((at, lit(&pixel, lights, &settings)?))
+    };
+    Ok(pixels.into_par_iter().filter_map(shown).collect())
+}
+
 /// Irradiance over pi at a surface with the unit normal `n`: every pixel of the map from its middle, by
 /// its solid angle.
 pub fn irradiance(environment: &Environment, n: DVec3) -> [f64; 3] {
@@ -271,7 +301,6 @@ pub fn irradiance(environment: &Environment, n: DVec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::RelightParams;
 
     fn pixel(normal: DVec3, hessian: [f64; 3]) -> Pixel {
         Pixel {

@@ -9,6 +9,7 @@ mod stability;
 
 pub use coherence::COHERENCE_PLOT;
 pub use drawing::{FIELD_PLOT, STROKES_PLOT};
+pub use gpu::PICTURES_PLOT;
 pub use light::plot_names as light_plot_names;
 pub use mirrors::MIRRORS_PLOT;
 

@@ -15,6 +15,7 @@ pub mod machine;
 pub mod markdown;
 pub mod mirrors;
 pub mod pareto;
+pub mod pictures;
 pub mod plots;
 pub mod reference;
 pub mod scenes;
@@ -151,9 +152,9 @@ pub fn run(
         progress,
     )?;
     if gpu.is_some() {
-        progress("the device's products beside the CPU's");
+        progress("the device's products and pictures beside the CPU's");
     }
-    let gpu = measured(&device, &subject, &scene_frames)?;
+    let gpu = measured(&device, &subject, &scene_frames, effort)?;
     drop(scene_frames);
     progress(&format!("{name}: threads"));
     let mut runs = run::threads(&lean, shape, effort)?;
@@ -251,6 +252,7 @@ fn measured(
     device: &Device,
     subject: &solver::Subject,
     scenes: &[Scene],
+    effort: Effort,
 ) -> Result<Option<GpuReport>> {
     let gpu = match device {
         Device::Unknown => return Ok(None),
@@ -264,7 +266,8 @@ fn measured(
     let own = (subject.name.as_str(), subject.frame, subject.shape);
     let frames: Vec<_> = std::iter::once(own).chain(scenes).collect();
     let products = gpu.products(&frames)?;
-    gpu.report(products).map(Some)
+    let pictures = pictures::rows(gpu, subject.frame, subject.shape, effort)?;
+    gpu.report(products, pictures).map(Some)
 }
 
 fn exact_scenes(

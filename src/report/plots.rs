@@ -209,12 +209,14 @@ mod coherence;
 mod drawing;
 mod light;
 mod mirrors;
+mod pictures;
 mod points;
 
 pub use coherence::difference_by_frame;
 pub use drawing::{error_of_directions, strokes_by_levels};
 pub use light::{both_equations, error_against_lights};
 pub use mirrors::error_of_mirrors;
+pub use pictures::error_of_pictures;
 
 fn solver_panel(area: &Area, sweep: &ScaleSweep, errors: Range<f64>) -> Drawn {
     let rows: Vec<_> = sweep.rows.iter().filter(|row| drawable(row)).collect();

@@ -84,6 +84,29 @@ fn a_device_has_rows_beside_the_cpu_and_its_products_are_within_the_table() {
                 }
             }
         }
+        let pictures = told["pictures"].as_array().unwrap();
+        assert_eq!(pictures.len(), 3);
+        for picture in pictures {
+            let on_gpu = &picture["on_gpu"];
+            let least = |name: &str| number(&on_gpu[name]["min"]);
+            let parts = [least("upload"), least("compute"), least("read_back")];
+            assert!(parts.iter().all(|&time| time > 0.0), "{parts:?}");
+            assert!(parts.iter().sum::<f64>() <= 1.001 * least("whole"));
+            assert!(number(&picture["on_cpu"]["whole"]["min"]) > 0.0);
+            let mean = |by: &str| &picture[by]["errors"]["mean"];
+            match picture["reference"].as_str().unwrap() {
+                // Both round as often, in other places.
+                "double-precision" => {
+                    let [found, expected] = [mean("on_gpu"), mean("on_cpu")].map(number);
+                    assert!(found > 0.0 && found < 2.0 * expected, "{picture}");
+                }
+                _ => assert!(number(mean("on_gpu")) <= Product::Strokes.tolerance()),
+            }
+        }
+        assert!(page.contains("| 54 lights, warped | GPU | double precision |"));
+        assert!(page.contains("| hatching with contours, pen | GPU | the CPU |"));
+        let plot = fs::read_to_string(desk.path().join("report/pictures.svg")).unwrap();
+        assert!(plot.contains("one lamp, scaled"));
         assert!(page.contains("## On a GPU") && page.contains("| Chebyshev, GPU |"));
         assert!(page.contains(&runner.device().name()) && page.contains("| mapped curvature |"));
         let plot = fs::read_to_string(desk.path().join("report/frame.svg")).unwrap();
@@ -103,7 +126,7 @@ fn without_a_device_the_report_says_that_none_was_measured() {
         .lines()
         .filter(|line| line.contains("None was measured"));
     assert_eq!(lines.count(), 1);
-    assert!(!page.contains(", GPU |"));
+    assert!(!page.contains(", GPU |") && !page.contains("pictures.svg"));
     for scale in scales(&json) {
         assert!(scale.get("on_gpu").is_none());
     }

@@ -12,9 +12,8 @@ use crate::params::{
 };
 use crate::plan::{Available, LightKinds, Plan};
 use crate::report::compare::{Errors, Tally, compare};
-use crate::report::light_reference::{Pixel, Settings, hessian, lit};
+use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -200,7 +199,7 @@ impl References {
             let picture = bench.timed(params, &light)?;
             let ColorPlanes { r, g, b } = &picture.color;
             let planes = [r, g, b].map(|plane| plane.map(f64::from));
-            let white = white(&planes, &bench.frame.mask);
+            let white = white_of(&planes, &bench.frame.mask);
             let off = rounding(bench, params, &light)?;
             Ok(Reference {
                 surface,
@@ -228,13 +227,18 @@ impl References {
 }
 
 /// The luminance that 98 covered pixels in 100 stay below; 1 where nothing is lit.
-fn white([r, g, b]: &[Plane<f64>; 3], mask: &Mask) -> f64 {
+fn white_of([r, g, b]: &[Plane<f64>; 3], mask: &Mask) -> f64 {
+    let rows = (0..mask.height()).flat_map(|y| mask.span(y).map(move |x| (x, y)));
+    let covered = rows.filter(|&(x, y)| mask.at(x, y));
+    white(covered.map(|(x, y)| [r, g, b].map(|plane| plane.at(x, y))))
+}
+
+/// The luminance that 98 colours in 100 stay below; 1 where nothing is lit.
+pub fn white(colors: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let [wr, wg, wb] = REC709_LUMINANCE.map(f64::from);
     let mut tally = Tally::default();
-    for y in 0..mask.height() {
-        for x in mask.span(y).filter(|&x| mask.at(x, y)) {
-            let [wr, wg, wb] = REC709_LUMINANCE.map(f64::from);
-            tally.add([x, y], wr * r.at(x, y) + wg * g.at(x, y) + wb * b.at(x, y));
-        }
+    for [r, g, b] in colors {
+        tally.add([0, 0], wr * r + wg * g + wb * b);
     }
     let white = tally.quantile(0.98);
     if white > 0.0 && white.is_finite() {
@@ -249,29 +253,20 @@ fn rounding(bench: &Bench, params: RelightParams, light: &Illumination) -> Resul
     let outcome = bench.outcome(params, light)?;
     let color = outcome.color.as_ref().expect("light makes a picture");
     let gain = outcome.gain.unwrap_or(0.0);
-    let (scaling, material) = (ScalingParams::default(), params.material);
-    let settings = Settings {
-        method: params.method,
-        alpha: f64::from(params.warping.warp * gain),
-        gain: gain.into(),
-        scaling: &scaling,
-        material: &material,
-    };
-    let hessian = hessian(bench.frame, bench.shape)?;
-    let off = |at: [usize; 2]| {
-        let pixel = Pixel::of(bench.frame, &hessian, at, 0.0);
-        // Of so many lights one may be on the horizon, where the glossy lobe ends in a step.
-        let exact = lit(&pixel, &light.directional, &settings)?;
-        let found = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(at[0], at[1])));
-        Some(
-            (0..3)
-                .map(|c| (found[c] - exact[c]).abs())
-                .fold(0.0, f64::max),
-        )
-    };
     let pixels = some_covered(&bench.frame.mask, CHECKED);
-    let largest = pixels.into_par_iter().filter_map(off);
-    Ok(largest.reduce(|| 0.0, f64::max))
+    // Of so many lights one may be on the horizon, where the glossy lobe ends in a step.
+    let lights = &light.directional;
+    let exact = lit_at(pixels, bench.frame, bench.shape, &params, gain, lights)?;
+    let off = exact.iter().map(|(at, exact)| off(color, *at, *exact));
+    Ok(off.fold(0.0, f64::max))
+}
+
+/// How far a picture is off at a pixel, in its worst channel.
+pub fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f64 {
+    let found = [&color.r, &color.g, &color.b].map(|plane| f64::from(plane.at(x, y)));
+    let errors = (0..3).map(|c| (found[c] - exact[c]).abs());
+    // Not f64::max, which would drop a NaN.
+    errors.fold(0.0, |a, b| if a > b || a.is_nan() { a } else { b })
 }
 
 /// Up to `count` covered pixels, spread evenly in the order of rows.

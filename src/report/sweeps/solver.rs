@@ -4,6 +4,7 @@ use super::{Measuring, named};
 use crate::Result;
 use crate::backend::cpu::{self, Outcome};
 use crate::frame::{Frame, Plane};
+use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::{Goal, Plan, Recurrence, Sweeps};
 use crate::report::compare::{Errors, Tally, compare};
@@ -291,8 +292,9 @@ impl Truth<'_> {
                 continue;
             }
             let display = timing::plan(Goal::Display, frame, shape)?;
-            let outcome = gpu.run(&layers, frame);
-            let timed = gpu.measure(&display, frame, effort);
+            let none = Illumination::default();
+            let outcome = gpu.run(&layers, frame, &none);
+            let timed = gpu.measure(&display, frame, &none, effort);
             if let Some((outcome, timed)) = outcome.zip(timed) {
                 let whole = timed.whole;
                 let mut row = self.row(&shape, &layers, &outcome, timed.diffusion(), whole);

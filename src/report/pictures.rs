@@ -1,0 +1,279 @@
+//! New light and drawings by a device beside the CPU: how far off they are, and what they take.
+//!
+//! New light has a reference in double precision ([`super::light_reference`]), which starts from the Hessian and the
+//! gain that the CPU found. A drawing has none: what the device draws is compared with what the CPU does.
+
+use super::compare::{Errors, Tally, compare_where};
+use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
+use super::light::lit::{off, some_covered, white};
+use super::light::{bare, environment};
+use super::light_reference::lit_at;
+use super::timing::{Effort, Times, measure_runs};
+use crate::backend::cpu::{DrawingInputs, Outcome, Runner};
+use crate::backend::{Product, products};
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::light::light_samples::uniform_lights;
+use crate::light::lights::Illumination;
+use crate::params::{
+    AUTO_SAMPLES, LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams, Style,
+    WarpBy,
+};
+use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use serde::Serialize;
+
+/// Pixels at which new light is compared, at the most.
+pub const COMPARED: usize = 4096;
+
+/// What errors are told from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reference {
+    /// Double precision.
+    DoublePrecision,
+    /// What the CPU makes.
+    Cpu,
+}
+
+/// A picture by the CPU.
+#[derive(Debug, Clone, Serialize)]
+pub struct OnCpu {
+    /// Its errors; `None` where it is the reference.
+    pub errors: Option<Errors>,
+    /// Time of all stages.
+    pub whole: Times,
+}
+
+/// A picture by a device.
+#[derive(Debug, Clone, Serialize)]
+pub struct OnGpu {
+    /// Its errors.
+    pub errors: Errors,
+    /// Times of copies, kernels and all of it.
+    #[serde(flatten)]
+    pub timed: GpuTimed,
+}
+
+/// A picture by both.
+#[derive(Debug, Clone, Serialize)]
+pub struct PictureRow {
+    /// What is made, in words.
+    pub picture: String,
+    /// What errors are told from. Those of new light are of the worst channel, relative to the luminance that 98 pixels
+    /// in 100 of the reference stay below; those of drawings are of ink, 0..1.
+    pub reference: Reference,
+    /// By the CPU.
+    pub on_cpu: OnCpu,
+    /// By the device.
+    pub on_gpu: OnGpu,
+}
+
+/// `frame` in new light and drawn, its shape found by `shape`; what the device failed at is left out.
+///
+/// # Errors
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub fn rows(
+    gpu: &Gpu,
+    frame: &Frame,
+    shape: ShapeParams,
+    effort: Effort,
+) -> Result<Vec<PictureRow>> {
+    let bench = Bench { gpu, shape, effort };
+    // What the reference knows: a white surface that hides all behind it.
+    let white = Frame {
+        color: None,
+        albedo: None,
+        alpha: None,
+        importance: None,
+        ..frame.clone()
+    };
+    let lights = AUTO_SAMPLES as usize;
+    let room = Illumination {
+        directional: uniform_lights(&environment(), lights),
+        ..Illumination::default()
+    };
+    let rows = [
+        bench.relit("one lamp, scaled".into(), &white, Method::Scale, &lamp())?,
+        bench.relit(
+            format!("{lights} lights, warped"),
+            &white,
+            Method::Warp,
+            &room,
+        )?,
+        bench.hatched(&with_picture(frame))?,
+    ];
+    Ok(rows.into_iter().flatten().collect())
+}
+
+struct Bench<'a> {
+    gpu: &'a Gpu<'a>,
+    shape: ShapeParams,
+    effort: Effort,
+}
+
+impl Bench<'_> {
+    /// A glossy surface under lights from one direction each.
+    fn relit(
+        &self,
+        picture: String,
+        frame: &Frame,
+        method: Method,
+        light: &Illumination,
+    ) -> Result<Option<PictureRow>> {
+        let params = RelightParams {
+            warp_by: WarpBy::Lights,
+            ..bare(Material::BlinnPhong, method)
+        };
+        let plan = Plan::relight(
+            Available::in_frame(frame),
+            self.shape,
+            ScalingParams::default(),
+            params,
+            LightKinds::in_light(light),
+        )?;
+        let runner = Runner::default();
+        let run = || runner.relight(&plan, frame, light);
+        let (expected, on_cpu) = measure_runs(&runner, self.effort, run);
+        let exact = lit_at(
+            some_covered(&frame.mask, COMPARED),
+            frame,
+            self.shape,
+            &params,
+            expected.gain.unwrap_or(0.0),
+            &light.directional,
+        )?;
+        let errors = |outcome: &Outcome| {
+            let color = outcome.color.as_ref().expect("light makes a picture");
+            errors_of_light(color, &exact).in_window(frame.data_window)
+        };
+        let on_gpu = self.on_gpu(&plan, frame, light, errors);
+        Ok(on_gpu.map(|on_gpu| PictureRow {
+            picture,
+            reference: Reference::DoublePrecision,
+            on_cpu: OnCpu {
+                errors: Some(errors(&expected)),
+                whole: on_cpu.whole,
+            },
+            on_gpu,
+        }))
+    }
+
+    /// Hatching and contours in pen.
+    fn hatched(&self, frame: &Frame) -> Result<Option<PictureRow>> {
+        let mut line = LineParams::default();
+        line.strokes.style = Style::Pen;
+        let (available, scaling) = (Available::in_frame(frame), ScalingParams::default());
+        let plan = Plan::hatch(available, self.shape, scaling, ToneFrom::Picture, line)?;
+        let runner = Runner::default();
+        let run = || runner.draw(&plan, frame, DrawingInputs::default());
+        let (expected, on_cpu) = measure_runs(&runner, self.effort, run);
+        let expected = ink(&expected).map(|plane| plane.map(f64::from));
+        let errors = |outcome: &Outcome| {
+            let exact = expected.each_ref();
+            // Contours lie outside the mask, too.
+            compare_where(ink(outcome), exact, 1.0, |_, _| true).in_window(frame.data_window)
+        };
+        let on_gpu = self.on_gpu(&plan, frame, &Illumination::default(), errors);
+        Ok(on_gpu.map(|on_gpu| PictureRow {
+            picture: "hatching with contours, pen".into(),
+            reference: Reference::Cpu,
+            on_cpu: OnCpu {
+                errors: None,
+                whole: on_cpu.whole,
+            },
+            on_gpu,
+        }))
+    }
+
+    fn on_gpu(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        light: &Illumination,
+        errors: impl Fn(&Outcome) -> Errors,
+    ) -> Option<OnGpu> {
+        let outcome = self.gpu.run(plan, frame, light)?;
+        let timed = self.gpu.measure(plan, frame, light, self.effort)?;
+        Some(OnGpu {
+            errors: errors(&outcome),
+            timed,
+        })
+    }
+}
+
+fn errors_of_light(color: &ColorPlanes, exact: &[([usize; 2], [f64; 3])]) -> Errors {
+    let white = white(exact.iter().map(|(_, color)| *color));
+    let mut tally = Tally::default();
+    for (at, exact) in exact {
+        tally.add(*at, off(color, *at, *exact) / white);
+    }
+    tally.errors()
+}
+
+/// Strokes and contours.
+fn ink(outcome: &Outcome) -> [&Plane; 2] {
+    [Product::Strokes, Product::Contours].map(|product| {
+        let mut planes = products(outcome).filter(|(kind, _)| *kind == product);
+        planes.next().expect("both are drawn").1
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::scenes::Scene;
+
+    fn on_cpu(plan: &Plan, frame: &Frame, light: &Illumination) -> Outcome {
+        let runner = Runner::default();
+        match plan.drawing {
+            Some(_) => runner.draw(plan, frame, DrawingInputs::default()),
+            None => runner.relight(plan, frame, light),
+        }
+    }
+
+    fn rows_of(off: f32) -> Vec<PictureRow> {
+        let run = |plan: &Plan, frame: &Frame, light: &Illumination| {
+            let mut outcome = on_cpu(plan, frame, light);
+            if let Some(color) = &mut outcome.color {
+                color.g = color.g.map(|g| g + off);
+            }
+            if let Some(drawing) = &mut outcome.drawing {
+                drawing.hatching.row_mut(7)[9] += off;
+            }
+            Ok(outcome)
+        };
+        let gpu = Gpu::new("test".into(), true, true, &run);
+        let frame = Scene::waves(60, 50).frame;
+        rows(&gpu, &frame, ShapeParams::default(), Effort::new(2, 1)).unwrap()
+    }
+
+    #[test]
+    fn light_is_held_against_double_precision_and_ink_against_the_cpu() {
+        let same = rows_of(0.0);
+        assert_eq!(same.len(), 3);
+        for row in &same[..2] {
+            let errors = row.on_cpu.errors.unwrap();
+            assert_eq!(row.reference, Reference::DoublePrecision);
+            assert_eq!(row.on_gpu.errors, errors);
+            // Where a light grazes the surface nothing is told.
+            assert!((2990..=3000).contains(&errors.pixels), "{errors:?}");
+            // Single precision, of a lobe that is a power of 32: 32 roundings of 2^-23.
+            assert!(errors.max > 0.0 && errors.max < 4e-6, "{errors:?}");
+        }
+        assert_eq!(same[2].reference, Reference::Cpu);
+        assert!(same[2].on_cpu.errors.is_none());
+        assert_eq!(same[2].on_gpu.errors.max, 0.0);
+        let off = rows_of(0.25);
+        for (off, same) in off.iter().zip(&same).take(2) {
+            // All of green is off by a quarter, whatever white is; the CPU's is as it was.
+            let errors = off.on_gpu.errors;
+            assert!(
+                errors.mean > 0.9 * errors.max && errors.max > 0.1,
+                "{errors:?}"
+            );
+            assert_eq!(off.on_cpu.errors, same.on_cpu.errors);
+        }
+        let ink = off[2].on_gpu.errors;
+        assert_eq!((ink.max, ink.worst), (0.25, Some([9, 7])));
+    }
+}
