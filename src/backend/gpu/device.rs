@@ -149,9 +149,9 @@ impl Device {
         lost.clone()
     }
 
-    /// The same, as if it computed in software, or in hardware.
+    /// The same, taken for one in software, or for one in hardware.
     #[cfg(test)]
-    pub(crate) fn as_if(self, is_software: bool) -> Self {
+    pub(crate) fn taken_for(self, is_software: bool) -> Self {
         let mut info = self.info;
         info.device_type = match is_software {
             true => wgpu::DeviceType::Cpu,

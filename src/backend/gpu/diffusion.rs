@@ -252,7 +252,7 @@ mod tests {
     fn tiles_make_what_sweeps_one_by_one_do() {
         let open = |is_software| {
             let device = to_test_on(Device::open(Choice::Any))?;
-            Some(Runner::new(device.as_if(is_software)))
+            Some(Runner::new(device.taken_for(is_software)))
         };
         let Some((one_by_one, in_tiles)) = open(true).zip(open(false)) else {
             return;
