@@ -43,8 +43,7 @@ pub(in crate::backend) use drawing::{DEPTH_STEP, MOTION_STEP, Sheet};
 use edges::Weights;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use for_devices::{
-    contour_lines, contour_pieces, estimated_albedo, streamline_pieces, surface_directions,
-    term_white_levels,
+    contour_lines, contour_pieces, estimated_albedo, streamline_pieces, term_white_levels,
 };
 use kept::Kept;
 pub(in crate::backend) use light::luminance;
