@@ -1,10 +1,11 @@
 //! How far backends may be apart: one table, for the tests and the report.
 
 use super::cpu::Outcome;
-use crate::frame::Plane;
+use crate::frame::{Plane, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::params::{Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
+use glam::DVec2;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -22,6 +23,8 @@ pub enum Product {
     Curvature,
     /// Mapped curvature.
     MappedCurvature,
+    /// The direction of the surface's own curvature.
+    Direction,
     /// The picture, enhanced or in new light, and the curvature display.
     Picture,
     /// What strokes cover.
@@ -32,26 +35,34 @@ pub enum Product {
 
 impl Product {
     /// All there are.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Weights,
         Self::Gradient,
         Self::Hessian,
         Self::Curvature,
         Self::MappedCurvature,
+        Self::Direction,
         Self::Picture,
         Self::Strokes,
         Self::Contours,
     ];
 
-    /// How far a plane is from the CPU's: by [`difference`], or by [`ink_difference`] where it is drawn.
-    pub fn apart(self, found: &Plane, expected: &Plane) -> f64 {
-        match self {
-            Self::Strokes | Self::Contours => ink_difference(found, expected),
-            _ => difference(found, expected),
+    /// How far a layer is from the CPU's: by [`difference`], by [`ink_difference`] where it is drawn, directions by
+    /// [`direction_difference`]; infinitely where only one of both is of directions.
+    pub fn apart<'a>(self, found: impl Into<Layer<'a>>, expected: impl Into<Layer<'a>>) -> f64 {
+        match (found.into(), expected.into()) {
+            (Layer::Directions(found), Layer::Directions(expected)) => {
+                direction_difference(found, expected)
+            }
+            (Layer::Plane(found), Layer::Plane(expected)) => match self {
+                Self::Strokes | Self::Contours => ink_difference(found, expected),
+                _ => difference(found, expected),
+            },
+            _ => f64::INFINITY,
         }
     }
 
-    /// The most that a plane may be [apart](Self::apart) from the CPU's.
+    /// The most that a layer may be [apart](Self::apart) from the CPU's.
     ///
     /// Kernels use the polynomials of the CPU, and devices round sums of products once or twice: 1e-5. A
     /// Chebyshev expansion adds up as many roundings as it has terms, and derivatives divide what is left of a
@@ -61,12 +72,39 @@ impl Product {
     /// once or twice rounded; ink changes by a quarter per texel on average: 6e-5. A density whose rounding reaches
     /// the next entry of the response, 1.5e-3 away, is one in a thousand: 1.5e-6. Contours are as much again as their
     /// edges are apart, over the few pixels that are theirs.
+    ///
+    /// Differences of normals and of points are within three roundings of themselves, 2e-7. Of the direction of a
+    /// curvature that is as much over twice the share by which both curvatures differ, which is a hundredth at the
+    /// least: 1e-5. A comparison that tells whether there is a direction goes the other way where its sides are as near
+    /// as 2e-7; there are three of them, and as many as 16 pixels take the direction of one: 1e-5 again.
     pub const fn tolerance(self) -> f64 {
         match self {
             Self::Weights | Self::Gradient | Self::Picture | Self::Contours => 1e-5,
             Self::Hessian | Self::Curvature | Self::MappedCurvature => 2e-5,
+            Self::Direction => 2e-5,
             Self::Strokes => 1e-4,
         }
+    }
+}
+
+/// What of an outcome is compared at a time.
+#[derive(Debug, Clone, Copy)]
+pub enum Layer<'a> {
+    /// A plane of numbers.
+    Plane(&'a Plane),
+    /// Unit directions, each equal to its opposite; 0 for none.
+    Directions(&'a Vector2Planes),
+}
+
+impl<'a> From<&'a Plane> for Layer<'a> {
+    fn from(plane: &'a Plane) -> Self {
+        Self::Plane(plane)
+    }
+}
+
+impl<'a> From<&'a Vector2Planes> for Layer<'a> {
+    fn from(directions: &'a Vector2Planes) -> Self {
+        Self::Directions(directions)
     }
 }
 
@@ -116,8 +154,8 @@ fn lobe_error(material: &MaterialParams) -> f64 {
     }
 }
 
-/// The planes of an outcome, each as one of the products.
-pub fn products(outcome: &Outcome) -> impl Iterator<Item = (Product, &Plane)> {
+/// The layers of an outcome, each as one of the products.
+pub fn products(outcome: &Outcome) -> impl Iterator<Item = (Product, Layer<'_>)> {
     let shape = &outcome.shape;
     let weights = [&shape.silhouette, &shape.crease, &shape.conductance];
     let weights = weights.into_iter().flatten();
@@ -128,21 +166,23 @@ pub fn products(outcome: &Outcome) -> impl Iterator<Item = (Product, &Plane)> {
     let curvatures = curvatures.chain(scales.clone().map(|scale| &scale.curvatures));
     let curvatures = curvatures.flat_map(|c| [&c.u, &c.v, &c.mean]);
     let kappa = shape.kappa.iter().chain(scales.map(|scale| &scale.kappa));
+    let direction = shape.direction.iter();
     let picture = outcome.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
     let strokes = outcome.drawing.iter().map(|drawing| &drawing.hatching);
     let contours = outcome.drawing.iter();
     let contours = contours.flat_map(|drawing| &drawing.contours);
-    fn of<'a>(
+    fn of<'a, L: Into<Layer<'a>>>(
         product: Product,
-        planes: impl Iterator<Item = &'a Plane>,
-    ) -> impl Iterator<Item = (Product, &'a Plane)> {
-        planes.map(move |plane| (product, plane))
+        layers: impl Iterator<Item = L>,
+    ) -> impl Iterator<Item = (Product, Layer<'a>)> {
+        layers.map(move |layer| (product, layer.into()))
     }
     of(Product::Weights, weights)
         .chain(of(Product::Gradient, gradient))
         .chain(of(Product::Hessian, hessian))
         .chain(of(Product::Curvature, curvatures))
         .chain(of(Product::MappedCurvature, kappa))
+        .chain(of(Product::Direction, direction))
         .chain(of(Product::Picture, picture))
         .chain(of(Product::Strokes, strokes))
         .chain(of(Product::Contours, contours))
@@ -186,3 +226,57 @@ pub fn ink_difference(found: &Plane, expected: &Plane) -> f64 {
 
 /// Ink by which no rounding changes a pixel: see [`ink_difference`].
 const LEAP: f64 = 1.0 / 16.0;
+
+/// The mean difference between directions, over the pixels where either is one: the sine of the angle between both, which
+/// is the same for opposites, or by how much one is longer.
+///
+/// Where a direction is told at all is a matter of comparisons with what is uncertain of it. A rounding that decides one
+/// makes of a pixel one that takes its neighbours' direction: the largest difference says little.
+pub fn direction_difference(found: &Vector2Planes, expected: &Vector2Planes) -> f64 {
+    fn vectors(planes: &Vector2Planes) -> impl Iterator<Item = DVec2> {
+        let pairs = planes.x.samples().iter().zip(planes.y.samples());
+        pairs.map(|(&x, &y)| DVec2::new(x.into(), y.into()))
+    }
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for (found, expected) in vectors(found).zip(vectors(expected)) {
+        if found == DVec2::ZERO && expected == DVec2::ZERO {
+            continue;
+        }
+        let sine = found.perp_dot(expected).abs();
+        let apart = sine.max((found.length() - expected.length()).abs());
+        // NaN fails the comparison.
+        sum += if apart <= 1.0 { apart } else { 1.0 };
+        count += 1;
+    }
+    sum / f64::from(count.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn directions(vectors: &[[f32; 2]]) -> Vector2Planes {
+        let plane = |axis: usize| Plane::from_fn(vectors.len(), 1, |x, _| vectors[x][axis]);
+        Vector2Planes {
+            x: plane(0),
+            y: plane(1),
+        }
+    }
+
+    #[test]
+    fn directions_are_compared_up_to_their_sign_and_what_is_none_is_wrong() {
+        let expected = directions(&[[0.6, 0.8], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
+        let apart = |second: [f32; 2], last: [f32; 2]| {
+            let found = [[-0.6, -0.8], second, [0.0, 0.0], [0.0, 1.0], last];
+            Product::Direction.apart(&directions(&found), &expected)
+        };
+        assert!(apart([1.0, 0.0], [0.0, -1.0]) < 1e-7);
+        // One of the four that are directions: by the sine of an angle, at right angles, none, no number, too long.
+        assert!((apart([0.8, 0.6], [0.0, 1.0]) - 0.15).abs() < 1e-7);
+        for wrong in [[1.0, 0.0], [0.0, 0.0], [f32::NAN, 1.0], [0.0, 9.0]] {
+            assert!((apart([1.0, 0.0], wrong) - 0.25).abs() < 1e-7, "{wrong:?}");
+        }
+        // A direction where there is none.
+        assert!(direction_difference(&expected, &directions(&[[0.0; 2]; 5])) > 0.99);
+    }
+}

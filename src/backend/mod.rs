@@ -11,5 +11,8 @@ mod importance;
 mod light_terms;
 mod palette;
 mod stroke_field;
+mod surface_rays;
 
-pub use agreement::{Product, difference, ink_difference, products, relit_tolerance};
+pub use agreement::{
+    Layer, Product, difference, direction_difference, ink_difference, products, relit_tolerance,
+};

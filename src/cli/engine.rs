@@ -271,7 +271,7 @@ fn no_kernels(what: &str) -> Error {
 mod tests {
     use super::*;
     use crate::backend::gpu::{Choice, Device};
-    use crate::backend::{difference, products};
+    use crate::backend::products;
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal};
     use crate::report::scenes::Scene;
@@ -311,8 +311,8 @@ mod tests {
             let warn = |text: &str| said.borrow_mut().push(text.to_string());
             let found = engine.run_on_device(&warn, &plan, &frame).unwrap();
             let found = found.unwrap_or_else(|| engine.cpu.run(&plan, &frame));
-            for ((_, found), (_, expected)) in products(&found).zip(products(&expected)) {
-                assert_eq!(difference(found, expected), 0.0);
+            for ((product, found), (_, expected)) in products(&found).zip(products(&expected)) {
+                assert_eq!(product.apart(found, expected), 0.0);
             }
         }
         let said = said.into_inner();

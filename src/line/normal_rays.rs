@@ -90,7 +90,7 @@ pub const PARABOLIC: f64 = 1e-3;
 /// Standard deviations by which the curvatures must differ. At 3 the rounding of a ball's normals to 8 bits
 /// is taken for a direction here and there; from 6 to 10, where steps may widen, the 95th percentile of the
 /// error on an ellipsoid of 256 px still falls from 8 to 6 degrees.
-const CERTAINTY: f64 = 10.0;
+pub(crate) const CERTAINTY: f64 = 10.0;
 
 /// Cosine of the angle between two normals below which their rays are not compared: slopes run away.
 pub(crate) const MIN_COSINE: f64 = 0.1;

@@ -10,7 +10,6 @@ use super::light::{bare, environment};
 use super::light_reference::lit_at;
 use super::timing::{Effort, Times, measure_runs};
 use crate::backend::cpu::{DrawingInputs, Outcome, Runner};
-use crate::backend::{Product, products};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::light_samples::uniform_lights;
@@ -212,10 +211,9 @@ fn errors_of_light(color: &ColorPlanes, exact: &[([usize; 2], [f64; 3])]) -> Err
 
 /// Strokes and contours.
 fn ink(outcome: &Outcome) -> [&Plane; 2] {
-    [Product::Strokes, Product::Contours].map(|product| {
-        let mut planes = products(outcome).filter(|(kind, _)| *kind == product);
-        planes.next().expect("both are drawn").1
-    })
+    let drawing = outcome.drawing.as_ref().expect("it is drawn");
+    let contours = drawing.contours.as_ref();
+    [&drawing.hatching, contours.expect("with contours")]
 }
 
 #[cfg(test)]

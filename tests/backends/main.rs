@@ -5,6 +5,7 @@ mod common;
 
 mod command;
 mod contours;
+mod directions;
 mod drawing;
 mod hostile;
 mod kernels;
@@ -91,7 +92,7 @@ fn assert_alike(
         let (_, found) = same.nth(count).unwrap_or_else(|| {
             panic!("{name}: {product:?} is missing");
         });
-        worst.push((product, product.apart(found, expected)));
+        worst.push((product, product.apart(*found, expected)));
     }
     for (product, apart) in worst {
         let allowed = tolerance(product).unwrap();

@@ -5,8 +5,7 @@ use super::contours::{self, DrawnLine, FoundEdges, Piece};
 use super::drawing::{self, Densities};
 use super::memory::Memory;
 use super::{
-    Runner, SequenceInputs, TextureCoordinates, direction_field, light, light_layers, normal_rays,
-    relight,
+    Runner, SequenceInputs, TextureCoordinates, direction_field, light, light_layers, relight,
 };
 use crate::backend::light_terms::light_terms;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
@@ -18,15 +17,6 @@ use crate::plan::Plan;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// The directions of the surface's own curvature.
-pub(in crate::backend) fn surface_directions(
-    plan: &Plan,
-    frame: &Frame,
-    conductance: &Plane,
-) -> Vector2Planes {
-    normal_rays::directions(plan, frame, conductance, &Memory::default())
-}
 
 /// The albedo of a frame, estimated from its picture.
 pub(in crate::backend) fn estimated_albedo(frame: &Frame) -> ColorPlanes {

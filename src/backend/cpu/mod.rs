@@ -44,7 +44,7 @@ use edges::Weights;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use for_devices::{
     contour_lines, contour_pieces, contours_along, estimated_albedo, streamline_pieces,
-    surface_directions, term_white_levels,
+    term_white_levels,
 };
 use kept::Kept;
 pub(in crate::backend) use light::luminance;

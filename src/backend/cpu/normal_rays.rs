@@ -3,11 +3,12 @@
 use super::direction_fill::{Parts, fill};
 use super::memory::Memory;
 use super::passes::map_covered;
-use crate::frame::{Frame, Plane, SightLines, Vector2Planes};
+use crate::backend::surface_rays::{RaySetting, STEP_GROWTH};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::normal_rays::{
     Form, Noise, NormalRay, PrincipalCurvatures, Sides, principal_curvatures,
 };
-use crate::plan::{Plan, Points};
+use crate::plan::Plan;
 use glam::{DVec2, DVec3, Vec2};
 
 /// Unit directions in the picture where covered, 0 elsewhere.
@@ -50,40 +51,15 @@ enum Found {
 struct Surface<'a> {
     frame: &'a Frame,
     conductance: &'a Plane,
-    sight: SightLines,
-    /// Depth, where points are taken from it.
-    depth: Option<&'a Plane>,
-    normal_noise: f64,
-    steps_px: [usize; 2],
+    setting: RaySetting<'a>,
 }
-
-/// How much wider the next step is where one told nothing.
-const STEP_GROWTH: usize = 4;
-
-/// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
-const DEVIATION: f64 = 0.577_350_269;
-
-/// Largest rounding error of an f32 of size 1, as a share of it.
-const F32_ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 
 impl<'a> Surface<'a> {
     fn new(plan: &Plan, frame: &'a Frame, conductance: &'a Plane) -> Self {
-        let sight = match frame.camera {
-            Some(camera) => SightLines::new(camera.projection),
-            None => SightLines::parallel(frame.pixel_aspect),
-        };
-        let depth = match plan.points {
-            Points::Depth => frame.depth.as_ref(),
-            Points::Normals => None,
-        };
-        let rounding = f64::from(frame.source.normal_rounding);
         Self {
             frame,
             conductance,
-            sight,
-            depth,
-            normal_noise: DEVIATION * rounding.max(F32_ROUNDING),
-            steps_px: plan.direction_steps_px,
+            setting: RaySetting::new(plan, frame),
         }
     }
 
@@ -95,7 +71,7 @@ impl<'a> Surface<'a> {
             return Found::Nothing;
         };
         let at = self.position(x, y);
-        let seen = |tangent| self.sight.picture_direction(at.x, at.y, tangent);
+        let seen = |tangent| self.setting.sight.picture_direction(at.x, at.y, tangent);
         match (curvatures.form, curvatures.direction().and_then(seen)) {
             (Form::Planar, _) => Found::Plane,
             (_, Some(direction)) => Found::Direction(direction.as_vec2()),
@@ -105,16 +81,15 @@ impl<'a> Surface<'a> {
 
     /// The curvatures at the shortest step that tells a direction, else at the longest.
     fn curvatures(&self, x: usize, y: usize) -> Option<PrincipalCurvatures> {
-        // A point is off by its depth's rounding.
-        let offset = self.depth.map_or(0.0, |depth| {
-            DEVIATION * F32_ROUNDING * f64::from(depth.at(x, y))
+        let offset = self.setting.depth.map_or(0.0, |depth| {
+            self.setting.offset_noise * f64::from(depth.at(x, y))
         });
         let noise = Noise {
-            normal: self.normal_noise,
+            normal: self.setting.normal_noise,
             offset,
         };
         let normal = self.normal(x, y);
-        let [mut step, most] = self.steps_px;
+        let [mut step, most] = self.setting.steps_px;
         loop {
             let sides = [self.along_x(x, y, step), self.along_y(x, y, step)];
             let found = principal_curvatures(normal, sides, noise)?;
@@ -127,7 +102,7 @@ impl<'a> Surface<'a> {
 
     fn fixed_direction(&self, x: usize, y: usize) -> Vec2 {
         let at = self.position(x, y);
-        crate::line::direction::fixed_direction(self.normal(x, y), &self.sight, at.x, at.y)
+        crate::line::direction::fixed_direction(self.normal(x, y), &self.setting.sight, at.x, at.y)
     }
 
     /// The rays left and right of a pixel, at most `step_px` away.
@@ -179,16 +154,18 @@ impl<'a> Surface<'a> {
     fn ray(&self, from: (usize, usize), to: (usize, usize)) -> Option<NormalRay> {
         let (start, end) = (self.position(from.0, from.1), self.position(to.0, to.1));
         let normal = self.normal(to.0, to.1);
-        let offset = match self.depth {
+        let offset = match self.setting.depth {
             Some(depth) => {
                 let kind = self.frame.source.depth_kind;
                 let point = |at: DVec2, (x, y): (usize, usize)| {
-                    self.sight
+                    self.setting
+                        .sight
                         .point(at.x, at.y, f64::from(depth.at(x, y)), kind)
                 };
                 point(end, to) - point(start, from)
             }
             None => self
+                .setting
                 .sight
                 .step(start, self.normal(from.0, from.1), end, normal)?,
         };

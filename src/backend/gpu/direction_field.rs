@@ -1,7 +1,7 @@
 //! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
 
 use super::choose::{Search, Searching};
-use super::kernels::{Kernel, RUN_CELLS};
+use super::kernels::{Kernel, LIST_GROUPS, RUN_CELLS};
 use super::run::Run;
 use super::sight::{apart, lines};
 use super::uniforms::DirectionParams;
@@ -11,9 +11,6 @@ use crate::backend::stroke_field::{
 use crate::frame::Frame;
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::{Plan, Stage};
-
-/// Workgroups that go through the pixels that lack a direction.
-const LIST_GROUPS: u32 = 256;
 
 /// Bytes of a patch, and of its sums along one axis.
 const PATCH_BYTES: u64 = 32;

@@ -5,7 +5,7 @@ use super::fault::{Fault, in_memory, watched};
 use super::limits;
 use super::runner::Runner;
 use crate::backend::cpu::{self, DrawingInputs, Outcome};
-use crate::backend::{Product, difference, products};
+use crate::backend::{Product, products};
 use crate::error::Error;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::params::{LineParams, Scale, ScalingParams, ShapeParams};
@@ -36,7 +36,7 @@ fn assert_is_of_the_cpu(found: &Outcome, plan: &Plan, frame: &Frame) {
     let planes = [&expected.r, &expected.g, &expected.b];
     let mut count = 0;
     for ((product, found), expected) in products(found).zip(planes) {
-        let apart = difference(found, expected);
+        let apart = product.apart(found, expected);
         assert!(
             apart <= product.tolerance(),
             "{product:?} is off by {apart:e}"

@@ -2,12 +2,12 @@
 
 use super::uniforms::{
     CountParams, CrackParams, DensityParams, DiffusionParams, DirectionParams, EdgeParams,
-    HessianParams, LightParams, LineCoverageParams, NarrowParams, ScaleParams, SizeParams,
-    StrokeParams, TermParams, Uniforms,
+    HessianParams, LightParams, LineCoverageParams, NarrowParams, RayParams, ScaleParams,
+    SizeParams, SpreadParams, StrokeParams, TermParams, Uniforms,
 };
 use crate::backend::choice::MAX_GAIN;
 use crate::backend::cpu::{DEPTH_STEP, LEAST_STEP, MOTION_STEP, SHORTEST_TANGENT};
-use crate::backend::{palette, stroke_field};
+use crate::backend::{palette, stroke_field, surface_rays};
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
 use crate::frame::MIN_SEEN;
@@ -51,6 +51,9 @@ pub(super) const RUN_CELLS: u32 = 16;
 /// Invocations of a workgroup that goes through a list of pixels.
 pub(super) const LIST_INVOCATIONS: u32 = 64;
 
+/// Workgroups that go through such a list, however long it is.
+pub(super) const LIST_GROUPS: u32 = 256;
+
 /// Invocations of a workgroup that searches for a percentile.
 pub(super) const SEARCH_INVOCATIONS: u32 = 256;
 
@@ -69,6 +72,10 @@ pub(super) const WHITE: u32 = 1;
 pub(super) const CANDIDATES: u32 = 0;
 pub(super) const CRACKS: u32 = 1;
 pub(super) const CREASES: u32 = 2;
+
+/// Where the lengths stand of the lists of pixels that lack a direction: open ones, and those on edges.
+pub(super) const OPEN_COUNT: u32 = 0;
+pub(super) const CLOSED_COUNT: u32 = 1;
 
 /// A kernel, named after its file; both kinds of strokes are of `hatching.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -93,6 +100,8 @@ pub(super) enum Kernel {
     ChangePicture,
     Occlude,
     CurvatureDisplay,
+    NormalRays,
+    SpreadDirections,
     FindPatches,
     LinkPatches,
     FindRuns,
@@ -118,7 +127,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 35] = [
+    const ALL: [Self; 37] = [
         Self::LogDepth,
         Self::Edges,
         Self::EdgeLists,
@@ -139,6 +148,8 @@ impl Kernel {
         Self::ChangePicture,
         Self::Occlude,
         Self::CurvatureDisplay,
+        Self::NormalRays,
+        Self::SpreadDirections,
         Self::FindPatches,
         Self::LinkPatches,
         Self::FindRuns,
@@ -169,6 +180,7 @@ impl Kernel {
         let patches = wgsl!("patches");
         let (runs, sums) = (wgsl!("runs"), wgsl!("sums"));
         let (sight_lines, patch_lines) = (wgsl!("sight_lines"), wgsl!("patch_lines"));
+        let (normal_ray, fallback) = (wgsl!("normal_ray"), wgsl!("fallback"));
         let doubled = wgsl!("doubled");
         let over_patches = wgsl!("over_patches");
         let texture_coordinates = wgsl!("texture_coordinates");
@@ -288,6 +300,26 @@ impl Kernel {
                 SizeParams::WGSL,
                 &[index, covered, mapped, wgsl!("curvature_display")],
             ),
+            Self::NormalRays => (
+                RayParams::WGSL,
+                &[
+                    index,
+                    covered,
+                    sight_lines,
+                    normal_ray,
+                    wgsl!("normal_rays"),
+                ],
+            ),
+            Self::SpreadDirections => (
+                SpreadParams::WGSL,
+                &[
+                    index,
+                    wgsl!("face_conductance"),
+                    sight_lines,
+                    doubled,
+                    wgsl!("spread_directions"),
+                ],
+            ),
             Self::FindPatches => (
                 DirectionParams::WGSL,
                 &[index, patches, wgsl!("find_patches")],
@@ -308,6 +340,7 @@ impl Kernel {
                     patches,
                     sight_lines,
                     patch_lines,
+                    normal_ray,
                     over_patches,
                     wgsl!("patch_forms"),
                 ],
@@ -318,6 +351,7 @@ impl Kernel {
                     patches,
                     sight_lines,
                     patch_lines,
+                    fallback,
                     doubled,
                     over_patches,
                     wgsl!("patch_directions"),
@@ -329,6 +363,7 @@ impl Kernel {
                     patches,
                     sight_lines,
                     patch_lines,
+                    fallback,
                     doubled,
                     over_patches,
                     wgsl!("settle_patches"),
@@ -340,7 +375,13 @@ impl Kernel {
             ),
             Self::FillDirections => (
                 DirectionParams::WGSL,
-                &[index, sight_lines, doubled, wgsl!("fill_directions")],
+                &[
+                    index,
+                    sight_lines,
+                    fallback,
+                    doubled,
+                    wgsl!("fill_directions"),
+                ],
             ),
             Self::Density => (DensityParams::WGSL, &[index, covered, wgsl!("density")]),
             Self::Strokes => (
@@ -427,6 +468,8 @@ fn constants() -> String {
         ("LIST_INVOCATIONS", LIST_INVOCATIONS),
         ("GAIN", GAIN),
         ("WHITE", WHITE),
+        ("OPEN_COUNT", OPEN_COUNT),
+        ("CLOSED_COUNT", CLOSED_COUNT),
         ("FRAC_1_SQRT_2_BITS", consts::FRAC_1_SQRT_2.to_bits()),
         ("HASH_ROUNDS", paper::HASH_ROUNDS),
         ("HASH_FACTOR_LOW", paper::HASH_FACTOR as u32),
@@ -440,6 +483,10 @@ fn constants() -> String {
     for (name, value) in whole {
         line(&mut text, format_args!("const {name}: u32 = {value}u;"));
     }
+    line(
+        &mut text,
+        format_args!("const STEP_GROWTH: i32 = {};", surface_rays::STEP_GROWTH),
+    );
     let real = [
         ("LOG2_E", consts::LOG2_E),
         ("PI", consts::PI),
@@ -484,6 +531,9 @@ fn constants() -> String {
         ("MIN_COSINE", normal_rays::MIN_COSINE as f32),
         ("MIN_SINE", normal_rays::MIN_SINE as f32),
         ("MIN_UPRIGHT", normal_rays::MIN_UPRIGHT as f32),
+        ("PLANAR_TURN", normal_rays::PLANAR_TURN as f32),
+        ("ALIKE", normal_rays::UMBILIC as f32),
+        ("CERTAINTY", normal_rays::CERTAINTY as f32),
         ("DENSITY_STEPS", STEPS as f32),
         ("LEAST_ALPHA", LEAST_ALPHA),
         ("MAX_DENSITY", MAX_DENSITY),

@@ -17,9 +17,7 @@ use super::strips::Strips;
 use super::surface::Upload;
 use super::wait::wait_for;
 use crate::backend::around::KeptEnvironment;
-use crate::backend::cpu::{
-    self, CurvaturePlanes, DrawingInputs, Outcome, ScaleShape, surface_directions,
-};
+use crate::backend::cpu::{self, CurvaturePlanes, DrawingInputs, Outcome, ScaleShape};
 use crate::backend::device_times::{READ_BACK, UPLOAD};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
@@ -94,9 +92,8 @@ impl Runner {
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
     ///
-    /// The directions of the surface's own curvature are found on the CPU: they take double precision. Where the whole
-    /// frame is too much for the device's memory it goes in strips. What was run before, and failed, changes nothing; on
-    /// a device that was lost all fails.
+    /// Where the whole frame is too much for the device's memory it goes in strips. What was run before, and failed,
+    /// changes nothing; on a device that was lost all fails.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
@@ -299,7 +296,7 @@ impl Runner {
         let mut layers = Vec::new();
         let mut term_whites = TermWhites::new();
         match (plan.goal, &shape) {
-            (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, shape),
+            (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, frame, shape),
             (Goal::Display, Some(shape)) => picture = Some(run.display(shape)),
             (Goal::Enhance, Some(shape)) => {
                 let picture = picture.as_ref().expect("enhancing takes a picture");
@@ -341,13 +338,6 @@ impl Runner {
             describe(&mut outcome, plan, frame, read);
         }
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        if plan.goal == Goal::Layers && plan.has(Stage::NormalRays) {
-            let start = Instant::now();
-            let conductance = outcome.shape.conductance.as_ref();
-            let conductance = conductance.expect("layers hold the conductance");
-            outcome.shape.direction = Some(surface_directions(plan, frame, conductance));
-            outcome.timings.push(("normal-rays", start.elapsed()));
-        }
         if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
             outcome.gain = Some(chosen[GAIN as usize]);
         }
@@ -403,6 +393,10 @@ fn describe(
             kappa,
         });
     }
+    if plan.has(Stage::NormalRays) {
+        let [x, y] = [plane(next()), plane(next())];
+        shape.direction = Some(Vector2Planes { x, y });
+    }
     shape.conductance = Some(conductance);
 }
 
@@ -417,7 +411,7 @@ fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
 }
 
 /// The buffers of all layers, in order; those that `shape` keeps are shared with it.
-fn layers_of(run: &mut Run, plan: &Plan, shape: &Shape) -> Vec<wgpu::Buffer> {
+fn layers_of(run: &mut Run, plan: &Plan, frame: &Frame, shape: &Shape) -> Vec<wgpu::Buffer> {
     let hessian = shape.hessian.as_ref().expect("layers take the Hessian");
     let Curvatures {
         curvature,
@@ -434,6 +428,9 @@ fn layers_of(run: &mut Run, plan: &Plan, shape: &Shape) -> Vec<wgpu::Buffer> {
     for gradient in &shape.more_gradients {
         let hessian = run.hessian(plan, gradient, &shape.conductance, true);
         layers.push(run.curvatures(&hessian).curvature);
+    }
+    if plan.has(Stage::NormalRays) {
+        layers.extend(run.surface_directions(plan, frame, &shape.conductance));
     }
     layers
 }

@@ -239,6 +239,51 @@ uniforms! {
         weight_b: f32,
     }
 
+    /// Of `normal_rays.wgsl`.
+    RayParams {
+        width: u32,
+        height: u32,
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        line_x: f32,
+        line_x_step: f32,
+        line_y: f32,
+        line_y_step: f32,
+        /// How far apart the starts of sight lines are that are a pixel apart, and points at a depth of 1 on them.
+        start_x_step: f32,
+        start_y_step: f32,
+        apart_x_step: f32,
+        apart_y_step: f32,
+        /// Height of a pixel over its width.
+        pixel_shape: f32,
+        /// Deviations of a component of a normal, and of a point as a share of its depth.
+        normal_noise: f32,
+        offset_noise: f32,
+        /// The least and the greatest step, in pixels.
+        first_step: i32,
+        most_step: i32,
+    }
+
+    /// Of `spread_directions.wgsl`.
+    SpreadParams {
+        width: u32,
+        height: u32,
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        line_x: f32,
+        line_x_step: f32,
+        line_y: f32,
+        line_y_step: f32,
+        /// Height of a pixel over its width.
+        pixel_shape: f32,
+        /// Number of the wave, from 1 on.
+        wave: u32,
+        /// Where the length of its list stands, and that of the next one's.
+        list_count: u32,
+        next_count: u32,
+        /// How far directions turn to the fixed one, 0..1: on planes, and elsewhere.
+        flat_share: f32,
+        share: f32,
+    }
+
     /// Of the kernels of the field of stroke directions.
     DirectionParams {
         width: u32,

@@ -29,7 +29,7 @@ pub(super) fn section(report: &Report) -> String {
                 "## On a GPU\n\n{device}{software}. Its errors stand beside those of the CPU, in the tables of the frame and of the \
                  scenes; in software, what was not asked for and would take long is left out. Copies to it and from it and its kernels, min / median, for a picture of the curvature; `all` has the time of \
                  telling it what to run too.{}\n\n{}{}How far what it makes is from what the CPU makes, relative to the largest value of \
-                 each plane:\n\n{}",
+                 each plane, of directions and ink on average:\n\n{}",
                 clock(report),
                 times(report),
                 pictures(rows),

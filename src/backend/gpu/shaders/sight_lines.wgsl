@@ -18,11 +18,8 @@ fn picture_direction(line: vec3<f32>, tangent: vec3<f32>) -> vec2<f32> {
     return seen / sqrt(dot(seen, seen));
 }
 
-// The direction where curvature leads nowhere, of the first field made or the second.
-fn fallback(line: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
-    if params.is_fixed == 1u {
-        return vec2<f32>(params.fixed_x, params.fixed_y);
-    }
+// The direction of a surface that has none of its own, or, of the second field made, the one at right angles to it.
+fn fixed_direction(line: vec3<f32>, normal: vec3<f32>, order: u32) -> vec2<f32> {
     for (var axis = 0u; axis < 3u; axis++) {
         var unit = vec3<f32>(0.0);
         unit[axis] = 1.0;
@@ -36,7 +33,7 @@ fn fallback(line: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
         if all(seen == vec2<f32>(0.0)) {
             continue;
         }
-        if params.order == 0u {
+        if order == 0u {
             return seen;
         }
         let second = picture_direction(line, cross(normal, tangent));

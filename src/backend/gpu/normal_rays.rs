@@ -1,0 +1,115 @@
+//! Directions of the surface's own curvature, from its normal rays.
+
+use super::kernels::Kernel;
+use super::run::Run;
+use super::sight::{apart, is_eye_far, lines, starts};
+use super::uniforms::RayParams;
+use crate::backend::surface_rays::RaySetting;
+use crate::frame::{DepthKind, Frame};
+use crate::plan::{Plan, Stage};
+
+/// What is recorded as the time of rays and of what fills the gaps between them.
+pub(super) const STAGE: &str = "normal-rays";
+
+/// What is known of directions before the gaps are filled.
+pub(super) struct Found {
+    /// Unit directions in the picture, x right and y up: x, and y; 0 where there is none.
+    pub(super) directions: [wgpu::Buffer; 2],
+    /// Whether pixels have one.
+    pub(super) filled: wgpu::Buffer,
+    /// Where the surface is a plane.
+    pub(super) marks: wgpu::Buffer,
+    /// The pixels that lack a direction: open ones, and those on edges.
+    pub(super) lacking: [wgpu::Buffer; 2],
+}
+
+impl Run<'_> {
+    /// The directions of the surface's own curvature: unit ones in the picture where covered, x right and y up, 0
+    /// elsewhere.
+    pub(super) fn surface_directions(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        conductance: &wgpu::Buffer,
+    ) -> [wgpu::Buffer; 2] {
+        let setting = RaySetting::new(plan, frame);
+        let counts = self.fill_counts();
+        let found = self.normal_rays(plan, frame, &setting, conductance, &counts);
+        self.fill_directions(frame, &setting, conductance, found, counts)
+    }
+
+    fn normal_rays(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        setting: &RaySetting,
+        conductance: &wgpu::Buffer,
+        counts: &wgpu::Buffer,
+    ) -> Found {
+        let depth = setting
+            .depth
+            .map(|plane| match plan.has(Stage::DepthSilhouettes) {
+                true => self.surface.map.clone().expect("silhouettes are of depth"),
+                false => self.hold(plane.samples()),
+            });
+        let plane = self.surface.plane_bytes();
+        let [x, y, filled, marks, open, closed] = [(); 6].map(|()| self.take(plane));
+        let covered = self.surface.covered.clone();
+        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
+        let switches = [
+            ("HAS_DEPTH", depth.is_some()),
+            ("IS_PARALLEL", is_eye_far(frame)),
+            ("DEPTH_ALONG_RAY", frame.source.depth_kind == DepthKind::Ray),
+        ];
+        self.recorder.over_pixels(
+            STAGE,
+            (Kernel::NormalRays, &switches),
+            &ray_params(frame, setting),
+            &[
+                &covered,
+                conductance,
+                &normal_x,
+                &normal_y,
+                &normal_z,
+                depth.as_ref().unwrap_or(&normal_x),
+                &x,
+                &y,
+                &filled,
+                &marks,
+                &open,
+                &closed,
+                counts,
+            ],
+            self.surface.size,
+        );
+        Found {
+            directions: [x, y],
+            filled,
+            marks,
+            lacking: [open, closed],
+        }
+    }
+}
+
+fn ray_params(frame: &Frame, setting: &RaySetting) -> RayParams {
+    let line = lines(frame, &setting.sight);
+    let (start, apart) = (starts(frame), apart(frame, &setting.sight));
+    let [first_step, most_step] = setting.steps_px.map(|step| step as i32);
+    RayParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        line_x: line.first[0],
+        line_x_step: line.step[0],
+        line_y: line.first[1],
+        line_y_step: line.step[1],
+        start_x_step: start.step[0],
+        start_y_step: start.step[1],
+        apart_x_step: apart[0],
+        apart_y_step: apart[1],
+        pixel_shape: setting.sight.pixel_shape() as f32,
+        normal_noise: setting.normal_noise as f32,
+        offset_noise: setting.offset_noise as f32,
+        first_step,
+        most_step,
+    }
+}

@@ -1,0 +1,134 @@
+// A wave of directions: pixels of a list that lack one take the mean of their neighbours', as far as these had one before
+// the wave, and turn it to the fixed direction. Their neighbours are listed for the next wave.
+
+@group(0) @binding(0) var<uniform> params: SpreadParams;
+@group(0) @binding(1) var<storage, read> conductance: array<f32>;
+@group(0) @binding(2) var<storage, read> normal_x: array<f32>;
+@group(0) @binding(3) var<storage, read> normal_y: array<f32>;
+@group(0) @binding(4) var<storage, read> normal_z: array<f32>;
+@group(0) @binding(5) var<storage, read> list: array<u32>;
+@group(0) @binding(6) var<storage, read_write> next: array<u32>;
+@group(0) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> direction_x: array<f32>;
+@group(0) @binding(9) var<storage, read_write> direction_y: array<f32>;
+// 1 more than the wave that gave a pixel its direction, 0 where it lacks one, and NOTHING outside the surface.
+@group(0) @binding(10) var<storage, read_write> filled: array<atomic<u32>>;
+// Twice the wave that a pixel was last listed for, and 1 more where the surface is a plane.
+@group(0) @binding(11) var<storage, read_write> marks: array<atomic<u32>>;
+
+// Whether directions go through open faces alone.
+override THROUGH_FACES: bool;
+// Whether pixels that turn all of the way take the fixed direction, and others nothing.
+override IS_FIXED: bool;
+
+// What a neighbour adds: twice its angle, and 1, weighted by the way from it.
+fn neighbour(i: u32, next_to: u32) -> vec3<f32> {
+    let state = atomicLoad(&filled[i]);
+    if state == 0u || state > params.wave {
+        return vec3<f32>(0.0);
+    }
+    var weight = 1.0;
+    if THROUGH_FACES {
+        weight = face_conductance(conductance[i], conductance[next_to]);
+    }
+    return weight * vec3<f32>(doubled(vec2<f32>(direction_x[i], direction_y[i])), 1.0);
+}
+
+// The direction at half the angle of a sum, of so much weight; 0 where it cancels.
+fn clear_direction(sum: vec2<f32>, weight: f32) -> vec2<f32> {
+    let length = sqrt(dot(sum, sum));
+    if !(length > CANCELLED * weight) {
+        return vec2<f32>(0.0);
+    }
+    return halved(sum / weight);
+}
+
+fn mean_around(i: u32) -> vec2<f32> {
+    let x = i % width();
+    let y = i / width();
+    var sum = vec3<f32>(0.0);
+    if x > 0u {
+        sum += neighbour(i - 1u, i);
+    }
+    if x + 1u < width() {
+        sum += neighbour(i + 1u, i);
+    }
+    if y > 0u {
+        sum += neighbour(i - width(), i);
+    }
+    if y + 1u < height() {
+        sum += neighbour(i + width(), i);
+    }
+    return clear_direction(sum.xy, sum.z);
+}
+
+fn fixed_at(i: u32) -> vec2<f32> {
+    let place = vec2<f32>(f32(i % width()), f32(i / width())) + 0.5;
+    return fixed_direction(line_at(place), vec3<f32>(normal_x[i], normal_y[i], normal_z[i]), 0u);
+}
+
+// A share of the way to the fixed direction.
+fn turned(i: u32, mean: vec2<f32>, share: f32) -> vec2<f32> {
+    if share == 0.0 || all(mean == vec2<f32>(0.0)) {
+        return mean;
+    }
+    let fixed = fixed_at(i);
+    let direction = clear_direction((1.0 - share) * doubled(mean) + share * doubled(fixed), 1.0);
+    return select(direction, fixed, all(direction == vec2<f32>(0.0)));
+}
+
+// Lists a pixel that waits for a direction, once.
+fn list_next(i: u32) {
+    let is_shut = THROUGH_FACES && !(conductance[i] > 0.0);
+    if is_shut || atomicLoad(&filled[i]) != 0u {
+        return;
+    }
+    let mark = 2u * (params.wave + 1u) + (atomicLoad(&marks[i]) & 1u);
+    if atomicExchange(&marks[i], mark) != mark {
+        next[atomicAdd(&counts[params.next_count], 1u)] = i;
+    }
+}
+
+fn list_around(i: u32) {
+    let x = i % width();
+    let y = i / width();
+    if x > 0u {
+        list_next(i - 1u);
+    }
+    if x + 1u < width() {
+        list_next(i + 1u);
+    }
+    if y > 0u {
+        list_next(i - width());
+    }
+    if y + 1u < height() {
+        list_next(i + width());
+    }
+}
+
+@compute @workgroup_size(LIST_INVOCATIONS)
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let count = atomicLoad(&counts[params.list_count]);
+    for (var k = id.x; k < count; k += groups.x * LIST_INVOCATIONS) {
+        let i = list[k];
+        if atomicLoad(&filled[i]) != 0u {
+            continue;
+        }
+        let is_flat = (atomicLoad(&marks[i]) & 1u) == 1u;
+        let share = select(params.share, params.flat_share, is_flat);
+        var direction = vec2<f32>(0.0);
+        if !IS_FIXED {
+            direction = turned(i, mean_around(i), share);
+        } else if share == 1.0 {
+            direction = fixed_at(i);
+        }
+        if any(direction != vec2<f32>(0.0)) {
+            direction_x[i] = direction.x;
+            direction_y[i] = direction.y;
+            atomicStore(&filled[i], params.wave + 1u);
+            if !IS_FIXED {
+                list_around(i);
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Directions of the surface's own curvature: every form of surface, seen every way, stored every way.
+
+use super::common::poisoned;
+use super::common::scenes::{Scene, Surface};
+use super::{assert_alike, on_gpu, plan};
+use glam::{DMat3, DVec3};
+use relievo::backend::gpu::Runner;
+use relievo::backend::{Product, cpu};
+use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Vector3Planes, Window};
+use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use relievo::plan::Goal;
+
+/// Asserts that both backends find the same directions in a frame.
+#[track_caller]
+fn assert_same_directions(name: &str, runner: &Runner, frame: &Frame) {
+    for step in [Adaptive::Auto, Adaptive::Fixed(3.0)] {
+        let shape = ShapeParams {
+            scale: Scale::Iterations(0),
+            direction_step: step,
+            ..ShapeParams::default()
+        };
+        let plan = plan(Goal::Layers, frame, shape, ScalingParams::default());
+        let (found, expected) = (runner.run(&plan, frame).unwrap(), cpu::run(&plan, frame));
+        assert_alike(&format!("{name}, {step:?}"), &found, &expected, |product| {
+            (product == Product::Direction).then(|| product.tolerance())
+        });
+    }
+}
+
+/// Surfaces of every form, some of them cut off by the border: umbilic, parabolic, planar, and of opposite curvatures.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let turn = DMat3::from_rotation_z(0.5) * DMat3::from_rotation_x(-0.8);
+    let half_axes = DVec3::new(50.0, 35.0, 25.0);
+    let seen = |surface| Scene::orthographic(surface, 61.3, 48.6);
+    vec![
+        ("ball", seen(Surface::ball(40.0))),
+        ("ellipsoid", seen(Surface::ellipsoid(half_axes, turn))),
+        (
+            "cylinder",
+            seen(Surface::cylinder(30.0, DVec3::new(0.5, 1.0, 0.3))),
+        ),
+        (
+            "torus",
+            seen(Surface::torus(36.0, 14.0, DVec3::new(0.2, 0.4, 1.0))),
+        ),
+        ("saddle", seen(Surface::saddle(0.02, -0.013, 0.4))),
+        ("plane", seen(Surface::plane(DVec3::new(0.3, -0.2, 1.0)))),
+        ("corner", Scene::box_corner(true, 0.2, 61.3, 48.6)),
+        ("balls", Scene::two_balls(22.0, 30.0, 61.3, 48.6)),
+        ("waves", seen(Surface::sine_relief(3.0, 24.0, 0.4))),
+    ]
+}
+
+/// The depth of a frame as distances from the eye.
+fn along_rays(mut frame: Frame, scene: &Scene) -> Frame {
+    let sight = SightLines::new(scene.projection);
+    let depth = frame.depth.as_ref().unwrap();
+    let (width, height) = (depth.width(), depth.height());
+    frame.depth = Some(Plane::from_fn(width, height, |x, y| {
+        let (_, line) = sight.line(x as f64 + 0.5, y as f64 + 0.5);
+        (f64::from(depth.at(x, y)) * line.length()) as f32
+    }));
+    frame.source.depth_kind = DepthKind::Ray;
+    frame
+}
+
+/// The normals as 8 bits store them.
+fn in_8_bits(mut frame: Frame) -> Frame {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let normal = Vector3Planes::from_fn(width, height, |x, y| {
+        let stored = frame.normal.at(x, y).to_array();
+        let rounded = stored.map(|v| ((v + 1.0) * 127.5).round() / 127.5 - 1.0);
+        DVec3::from_array(rounded).normalize()
+    });
+    frame.normal = normal;
+    frame.source.normal_rounding = 1.0 / 255.0;
+    frame
+}
+
+#[test]
+fn surfaces_of_every_form() {
+    on_gpu(|runner| {
+        for (name, scene) in scenes() {
+            for (seen, scene) in [("far", scene.clone()), ("near", scene.in_perspective())] {
+                let whole = scene.frame(123, 97);
+                let without = Frame {
+                    depth: None,
+                    ..whole.clone()
+                };
+                let along = along_rays(whole.clone(), &scene);
+                for (depth, frame) in [("depth", whole), ("no depth", without), ("rays", along)] {
+                    for (bits, frame) in [("f32", frame.clone()), ("8 bits", in_8_bits(frame))] {
+                        let name = format!("{name}, {seen}, {depth}, {bits}");
+                        assert_same_directions(&name, runner, &frame);
+                    }
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn parts_of_a_picture() {
+    on_gpu(|runner| {
+        let torus = Surface::torus(36.0, 14.0, DVec3::new(0.2, 0.4, 1.0));
+        let scene = Scene::orthographic(torus, 61.3, 48.6).in_perspective();
+        let whole = scene.frame(123, 97);
+        let (x0, y0) = (whole.data_window.x0 + 17, whole.data_window.y0 + 8);
+        let crop = whole.crop(Window::at(x0, y0, 77, 61));
+        assert_same_directions("crop", runner, &crop);
+        let speckled = |x: usize, y: usize| !(x * 7 + y * 13).is_multiple_of(41);
+        let nothing = |_: usize, _: usize| false;
+        let one = |x: usize, y: usize| [x, y] == [30, 44];
+        let masks: [(_, &dyn Fn(usize, usize) -> bool); 3] = [
+            ("speckled", &speckled),
+            ("nothing", &nothing),
+            ("one", &one),
+        ];
+        for (name, covers) in masks {
+            let mut frame = whole.clone();
+            let covered = |x, y| whole.mask.at(x, y) && covers(x, y);
+            frame.mask = Mask::new(Plane::from_fn(123, 97, covered));
+            for poison in [0.0, f32::NAN, f32::INFINITY, -1.0] {
+                let name = format!("{name}, poisoned by {poison}");
+                assert_same_directions(&name, runner, &poisoned(&frame, poison));
+            }
+        }
+        for (width, height) in [(1, 1), (1, 40), (40, 1), (65, 3)] {
+            let frame = whole.crop(Window::at(x0 + 5, y0 + 5, width, height));
+            assert_same_directions(&format!("{width}x{height}"), runner, &frame);
+        }
+    });
+}
