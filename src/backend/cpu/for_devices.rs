@@ -1,5 +1,5 @@
-//! What other backends leave to the CPU: what takes double precision, what follows lines from pixel to pixel, and what
-//! is chosen from a frame that a device takes in strips.
+//! What other backends leave to the CPU: what follows lines from pixel to pixel, what is carried from frame to frame, and
+//! what is chosen from, or found on, a frame that a device takes in strips.
 
 use super::contours::{self, DrawnLine, FoundEdges, Piece};
 use super::drawing::{self, Densities};
