@@ -7,6 +7,7 @@ use super::uniforms::Uniforms;
 use super::wait::wait_for;
 use crate::backend::device_times::{KERNELS, READ_BACK, RECORD};
 use crate::error::{Error, Result};
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
@@ -329,7 +330,7 @@ impl Submitted<'_> {
             }
             None => None,
         };
-        let numbers = self.to_read.iter();
+        let numbers = self.to_read.par_iter();
         let numbers = numbers.map(|buffer| contents(self.device, buffer));
         let numbers = numbers.collect::<Result<_>>()?;
         self.buffers.take_back_read(self.to_read);
@@ -363,10 +364,11 @@ fn wait(
 }
 
 /// What a buffer holds that can be read, once.
-fn contents<T: bytemuck::Pod>(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
+fn contents<T: bytemuck::AnyBitPattern>(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
     let range = buffer.slice(..).get_mapped_range();
     let range = range.map_err(|error| device.error(error))?;
-    let numbers = bytemuck::pod_collect_to_vec(&range);
+    // Mapped memory is aligned to 8 bytes.
+    let numbers = bytemuck::cast_slice(&range).to_vec();
     drop(range);
     buffer.unmap();
     Ok(numbers)
