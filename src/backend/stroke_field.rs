@@ -1,6 +1,7 @@
 //! What the field of stroke directions is made by, the same on every backend.
 
 use crate::frame::{DepthKind, Frame, Projection, SightLines};
+use crate::line::normal_rays::ROUNDING_DEVIATION;
 use crate::params::{Fallback, FieldParams};
 use crate::plan::Plan;
 use glam::Vec2;
@@ -21,9 +22,6 @@ const TURN_PX: f64 = 8.0;
 
 /// Deviations of the noise of curvature, told over so many pixels, that count half.
 const NOISE: f64 = 3.0;
-
-/// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
-const DEVIATION: f64 = 0.577_350_269;
 
 /// Cosine between normal and sight line below which directions, foreshortened, count less.
 pub(super) const FACING: f64 = 0.35;
@@ -63,15 +61,12 @@ pub(super) struct FieldSetting {
 
 impl FieldSetting {
     pub(super) fn new(plan: &Plan, params: &FieldParams, frame: &Frame) -> Self {
-        let (sight, pixels) = match frame.camera.map(|camera| camera.projection) {
-            Some(projection) => (SightLines::new(projection), scale(projection)),
-            None => (SightLines::parallel(frame.pixel_aspect), 1.0),
-        };
+        let projection = frame.camera.map(|camera| camera.projection);
         let is_parallel = |p| matches!(p, Projection::Orthographic { .. });
         let cell_px = f64::from(params.cell_px);
         let rounding = f64::from(frame.source.normal_rounding);
         let factor = plan.resolution_factor;
-        let noise = NOISE * DEVIATION * rounding / TURN_PX;
+        let noise = NOISE * ROUNDING_DEVIATION * rounding / TURN_PX;
         let fixed = match params.fallback {
             Fallback::Angle(degrees) => {
                 let first = Vec2::from_angle((degrees % 180.0).to_radians());
@@ -81,11 +76,11 @@ impl FieldSetting {
         };
         Self {
             fixed,
-            sight,
-            pixels,
+            sight: SightLines::of(frame),
+            pixels: projection.map_or(1.0, scale),
             cells: (4.0 * factor / cell_px) as f32,
             doubt: noise.hypot(FLAT_TURN / factor),
-            is_by_depth: !frame.camera.is_some_and(|c| is_parallel(c.projection))
+            is_by_depth: !projection.is_some_and(is_parallel)
                 && frame.source.depth_kind != DepthKind::Relative,
         }
     }

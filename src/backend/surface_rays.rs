@@ -1,13 +1,11 @@
 //! What directions of the surface's own curvature are made by, the same on every backend.
 
 use crate::frame::{Frame, Plane, SightLines};
+use crate::line::normal_rays::ROUNDING_DEVIATION;
 use crate::plan::{Plan, Points};
 
 /// How much wider the next step is where one told nothing.
 pub(super) const STEP_GROWTH: usize = 4;
-
-/// Errors of rounding are spread evenly up to the largest: their deviation is this share of it.
-const DEVIATION: f64 = 0.577_350_269;
 
 /// Largest rounding error of an f32 of size 1, as a share of it.
 const F32_ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
@@ -27,21 +25,17 @@ pub(super) struct RaySetting<'a> {
 
 impl<'a> RaySetting<'a> {
     pub(super) fn new(plan: &Plan, frame: &'a Frame) -> Self {
-        let sight = match frame.camera {
-            Some(camera) => SightLines::new(camera.projection),
-            None => SightLines::parallel(frame.pixel_aspect),
-        };
         let depth = match plan.points {
             Points::Depth => frame.depth.as_ref(),
             Points::Normals => None,
         };
         let rounding = f64::from(frame.source.normal_rounding);
         Self {
-            sight,
+            sight: SightLines::of(frame),
             depth,
-            normal_noise: DEVIATION * rounding.max(F32_ROUNDING),
+            normal_noise: ROUNDING_DEVIATION * rounding.max(F32_ROUNDING),
             // A point is off by its depth's rounding.
-            offset_noise: DEVIATION * F32_ROUNDING,
+            offset_noise: ROUNDING_DEVIATION * F32_ROUNDING,
             steps_px: plan.direction_steps_px,
         }
     }

@@ -1,6 +1,6 @@
 //! Sight lines: from pixels to points of view space, and from tangents back to the picture.
 
-use crate::frame::{DepthKind, Projection};
+use crate::frame::{DepthKind, Frame, Projection};
 use glam::{DVec2, DVec3};
 
 /// The sight lines of a picture.
@@ -16,6 +16,14 @@ impl SightLines {
     /// Those of a known projection.
     pub fn new(projection: Projection) -> Self {
         Self { projection }
+    }
+
+    /// Those of a frame: parallel ones where it has no camera.
+    pub fn of(frame: &Frame) -> Self {
+        match frame.camera {
+            Some(camera) => Self::new(camera.projection),
+            None => Self::parallel(frame.pixel_aspect),
+        }
     }
 
     /// Parallel ones, for a picture without a camera: lengths are in pixel heights, and pixels

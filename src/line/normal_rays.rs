@@ -32,6 +32,9 @@ pub struct Sides {
     pub step_px: f64,
 }
 
+/// Errors of rounding are spread evenly up to the largest: their standard deviation is this share of it.
+pub const ROUNDING_DEVIATION: f64 = 0.577_350_269;
+
 /// How far samples are to be trusted: standard deviations of their errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {

@@ -1,6 +1,7 @@
 //! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
 
-use super::kernels::{Kernel, SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
+use super::constants::{SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
+use super::kernels::Kernel;
 use super::run::Run;
 use super::uniforms::{CountParams, NarrowParams};
 use crate::backend::choice::{CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, typical_exponent};
@@ -10,6 +11,9 @@ use std::ops::Range;
 /// up, which devices in software feel.
 pub(super) const MOST_GROUPS: u32 = 1024;
 const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
+
+/// Percentage of numbers that the median leaves below it.
+const MEDIAN_PERCENT: u32 = 50;
 
 /// What is searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,7 +125,7 @@ impl Searching {
         let (percent, is_gain) = match self.search {
             Search::Gain { .. } => (CURVATURE_PERCENT, true),
             Search::White(_) | Search::TermWhite => (WHITE_PERCENT, false),
-            Search::Depth(_) => (50, false),
+            Search::Depth(_) => (MEDIAN_PERCENT, false),
         };
         let params = NarrowParams {
             is_first: u32::from(pass == 0),

@@ -1,6 +1,7 @@
 //! Diffusion of the gradient: several sweeps at a time in workgroup memory, or one by one.
 
-use super::kernels::{Kernel, REGION};
+use super::constants::REGION;
+use super::kernels::Kernel;
 use super::run::{NOWHERE, Run};
 use super::uniforms::{DiffusionParams, SizeParams};
 use crate::plan::{Plan, Readout, Recurrence};

@@ -1,6 +1,7 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
-use super::kernels::{CLOSED_COUNT, Kernel, LIST_GROUPS, OPEN_COUNT};
+use super::constants::{CLOSED_COUNT, LIST_GROUPS, OPEN_COUNT};
+use super::kernels::Kernel;
 use super::normal_rays::{Found, STAGE};
 use super::run::Run;
 use super::sight::lines;

@@ -1,9 +1,9 @@
 //! Drawings. Edges, directions, strokes, and what lines cover, are made on the device; lines, which follow edges from
 //! pixel to pixel, are found on the CPU while the device makes the strokes.
 
+use super::constants::{GAIN, WHITE};
 use super::edge_lists::Coming;
 use super::hatching::{Strokes, Texture};
-use super::kernels::{GAIN, WHITE};
 use super::light::Light;
 use super::light_layers::{TermWhites, levels_of};
 use super::line_coverage::Medium;
@@ -20,8 +20,7 @@ use crate::plan::{Goal, Plan, Stage};
 use std::time::Instant;
 
 impl Runner {
-    /// Runs `plan`, made by [`Plan::hatch`], on `frame`: its drawing, the tone that was drawn where it was made, and
-    /// the edges.
+    /// Runs `plan`, made by [`Plan::hatch`], on `frame`: its drawing, and the tone that was drawn where it was made.
     ///
     /// Strokes that are lines, the lines along edges, and where strokes of a sequence have moved to are found on the CPU.
     /// Where the whole frame is too much for the device's memory it is drawn in strips, the same, and the CPU finds the

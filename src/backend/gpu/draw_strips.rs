@@ -2,10 +2,10 @@
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use super::choose::Search;
+use super::constants::WHITE;
 use super::draw::{medium, plane_of};
 use super::enhance::luminance_weights;
 use super::hatching::Strokes;
-use super::kernels::WHITE;
 use super::light::Light;
 use super::line_coverage::Medium;
 use super::recorder::add_timings;

@@ -1,6 +1,7 @@
 //! Edges as lists: of what is made per pixel only what lies along edges is read.
 
-use super::kernels::{CANDIDATES, CRACKS, CREASES, Kernel};
+use super::constants::{CANDIDATES, CRACKS, CREASES};
+use super::kernels::Kernel;
 use super::recorder::Submitted;
 use super::run::{NOWHERE, Run};
 use super::runner::apart;

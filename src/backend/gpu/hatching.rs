@@ -1,8 +1,9 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
 use super::choose::{Search, Searching};
+use super::constants::WHITE;
 use super::enhance::luminance_weights;
-use super::kernels::{Kernel, WHITE};
+use super::kernels::Kernel;
 use super::run::Run;
 use super::sheets::Sheets;
 use super::surface::{Picture, Upload};

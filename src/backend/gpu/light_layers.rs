@@ -1,8 +1,9 @@
 //! Radiance scaling of the light layers of a frame: what each term changes is summed, and the picture takes the sum.
 
 use super::choose::{Search, Searching};
+use super::constants::WHITE;
 use super::enhance::luminance_weights;
-use super::kernels::{Kernel, WHITE};
+use super::kernels::Kernel;
 use super::run::Run;
 use super::runner::WIDEST;
 use super::shape::{Hessian, Shape};

@@ -1,8 +1,8 @@
 //! What the kernels take of a device, and how large a picture may be.
 
 use super::choose::MOST_GROUPS;
+use super::constants::{GROUP, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS};
 use super::diffusion::SWEEPS_PER_PASS;
-use super::kernels::{GROUP, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS};
 
 /// Storage buffers that a kernel takes at the most.
 const STORAGE_BUFFERS: u32 = 16;

@@ -1,6 +1,7 @@
 //! What lines cover of every pixel: contours, and strokes that are lines.
 
-use super::kernels::{GROUP, Kernel};
+use super::constants::GROUP;
+use super::kernels::Kernel;
 use super::run::Run;
 use super::uniforms::LineCoverageParams;
 use crate::backend::cpu::Piece;

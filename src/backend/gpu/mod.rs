@@ -7,6 +7,7 @@
 
 mod buffers;
 mod choose;
+mod constants;
 mod device;
 mod diffusion;
 mod direction_field;
@@ -25,6 +26,7 @@ mod light_layers;
 mod limits;
 mod line_coverage;
 mod normal_rays;
+mod patches;
 mod recorder;
 mod relight;
 mod run;

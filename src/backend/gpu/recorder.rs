@@ -1,8 +1,9 @@
 //! Kernels in the order in which they run, and what they take.
 
 use super::buffers::Buffers;
+use super::constants::{GROUP, STRIP_ROWS};
 use super::device::Device;
-use super::kernels::{GROUP, Kernel, STRIP_ROWS};
+use super::kernels::Kernel;
 use super::uniforms::Uniforms;
 use super::wait::wait_for;
 use crate::backend::device_times::{KERNELS, READ_BACK, RECORD};

@@ -1,14 +1,14 @@
 //! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
 
 use super::buffers::Buffers;
+use super::constants::{GAIN, WHITE};
 use super::device::Device;
-use super::direction_field::largest_buffer;
 use super::enhance::known_white_level;
 use super::fault::{Fault, in_memory, watched};
 use super::hatching::KeptTexture;
-use super::kernels::{GAIN, WHITE};
 use super::light::{KeptMaps, Light};
 use super::light_layers::{TermWhites, levels_of};
+use super::patches::largest_buffer;
 use super::recorder::{Programs, add_timings};
 use super::relight::frame_lit;
 use super::run::Run;

@@ -1,8 +1,8 @@
 //! Pictures whose planes are larger than a device takes: strip by strip.
 
 use super::choose::{Search, Searching};
+use super::constants::{GAIN, SEARCH_PASSES, WHITE};
 use super::enhance::{known_white_level, luminance_weights};
-use super::kernels::{GAIN, SEARCH_PASSES, WHITE};
 use super::light::Light;
 use super::recorder::add_timings;
 use super::runner::Runner;

@@ -125,7 +125,7 @@ impl Run<'_> {
             shading,
             lights: &illumination.directional,
             points: &illumination.points,
-            sight: sight_lines(frame),
+            sight: SightLines::of(frame),
             around,
             mirrors,
             lit: specular_mask.as_ref().unwrap_or(&frame.mask),
@@ -213,13 +213,6 @@ fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
     let columns = (0..data.width()).map(|x| projection.to_eye(centre(data.x0, x), 0.0).x as f32);
     let rows = (0..data.height()).map(|y| projection.to_eye(0.0, centre(data.y0, y)).y as f32);
     Some([columns.collect(), rows.collect()])
-}
-
-fn sight_lines(frame: &Frame) -> SightLines {
-    match &frame.camera {
-        Some(camera) => SightLines::new(camera.projection),
-        None => SightLines::parallel(frame.pixel_aspect),
-    }
 }
 
 /// The lit picture; where uncovered that of the frame, or black.
