@@ -68,7 +68,8 @@ pub(super) const CANDIDATES: u32 = 0;
 pub(super) const CRACKS: u32 = 1;
 pub(super) const CREASES: u32 = 2;
 
-/// Where the lengths stand of the lists of pixels that lack a direction: open ones, and those on edges.
+/// Where the lengths stand of the lists of pixels that lack a direction: open ones, where they are told from those on
+/// edges, and those.
 pub(super) const OPEN_COUNT: u32 = 0;
 pub(super) const CLOSED_COUNT: u32 = 1;
 

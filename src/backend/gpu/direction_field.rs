@@ -1,12 +1,13 @@
 //! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
 
-use super::constants::{LIST_GROUPS, RUN_CELLS};
+use super::constants::RUN_CELLS;
+use super::direction_fill::{Gaps, OF_THE_REST, spread_params};
 use super::kernels::Kernel;
 use super::patches::{Patches, STAGE};
 use super::run::Run;
-use super::uniforms::DirectionParams;
+use super::uniforms::{DirectionParams, SpreadParams};
 use crate::backend::stroke_field::{
-    FORM_REACH, FieldSetting, NEAR, REST_REACH_PX, SURROUNDING_PASSES, SURROUNDINGS,
+    FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
 use crate::frame::Frame;
 use crate::params::{FieldParams, StrokeDirections};
@@ -55,9 +56,16 @@ impl Run<'_> {
                 [of_family.fixed_x, of_family.fixed_y] = fixed[order as usize].to_array();
             }
             let settled = self.settled(&patches, &of_family, params, &setting, &forms);
-            let directions = self.between_patches(&patches, &of_family, &settled);
+            let gaps = self.between_patches(&patches, &of_family, &settled);
             self.buffers.take_back([settled]);
-            directions
+            let told = SpreadParams {
+                order,
+                is_fixed: of_family.is_fixed,
+                fixed_x: of_family.fixed_x,
+                fixed_y: of_family.fixed_y,
+                ..spread_params(frame, &setting.sight)
+            };
+            self.fill_gaps(STAGE, OF_THE_REST, &told, conductance, gaps)
         });
         let directions = directions.collect();
         let (further, room) = (patches.further.clone(), patches.params.room);
@@ -188,18 +196,16 @@ impl Run<'_> {
         settled
     }
 
-    /// Directions of pixels, between those of the patches around them; of covered ones that are in none, from their
-    /// neighbours.
+    /// Directions of pixels, between those of the patches around them; covered ones that are in none are gaps.
     fn between_patches(
         &mut self,
         patches: &Patches,
         params: &DirectionParams,
         settled: &wgpu::Buffer,
-    ) -> [wgpu::Buffer; 2] {
+    ) -> Gaps {
+        let counts = self.gap_counts(OF_THE_REST);
         let plane = self.surface.plane_bytes();
-        let [x, y, filled, lacking] = [(); 4].map(|()| self.take(plane));
-        let lacking_count = self.take(4);
-        self.recorder.clear(&lacking_count);
+        let [x, y, filled, marks, lacking] = [(); 5].map(|()| self.take(plane));
         let covered = self.surface.covered.clone();
         self.over_cells(
             (Kernel::BetweenPatches, &[]),
@@ -213,32 +219,18 @@ impl Run<'_> {
                 &x,
                 &y,
                 &filled,
+                &marks,
                 &lacking,
-                &lacking_count,
+                &counts,
             ],
         );
-        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
-        for wave in 1..=REST_REACH_PX as u32 + 1 {
-            let is_last = wave > REST_REACH_PX as u32;
-            self.recorder.dispatch(
-                STAGE,
-                (Kernel::FillDirections, &[("IS_LAST", is_last)]),
-                &DirectionParams { wave, ..*params },
-                &[
-                    &lacking,
-                    &lacking_count,
-                    &normal_x,
-                    &normal_y,
-                    &normal_z,
-                    &x,
-                    &y,
-                    &filled,
-                ],
-                [LIST_GROUPS, 1],
-            );
+        Gaps {
+            directions: [x, y],
+            filled,
+            marks,
+            lacking: vec![lacking],
+            counts,
         }
-        self.buffers.take_back([filled, lacking, lacking_count]);
-        [x, y]
     }
 }
 

@@ -41,7 +41,6 @@ pub(super) enum Kernel {
     PatchDirections,
     SettlePatches,
     BetweenPatches,
-    FillDirections,
     Density,
     Strokes,
     PictureStrokes,
@@ -57,7 +56,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 37] = [
+    const ALL: [Self; 36] = [
         Self::LogDepth,
         Self::Edges,
         Self::EdgeLists,
@@ -89,7 +88,6 @@ impl Kernel {
         Self::PatchDirections,
         Self::SettlePatches,
         Self::BetweenPatches,
-        Self::FillDirections,
         Self::Density,
         Self::Strokes,
         Self::PictureStrokes,
@@ -246,6 +244,7 @@ impl Kernel {
                     index,
                     wgsl!("face_conductance"),
                     sight_lines,
+                    fallback,
                     doubled,
                     wgsl!("spread_directions"),
                 ],
@@ -302,16 +301,6 @@ impl Kernel {
             Self::BetweenPatches => (
                 DirectionParams::WGSL,
                 &[index, covered, patches, doubled, wgsl!("between_patches")],
-            ),
-            Self::FillDirections => (
-                DirectionParams::WGSL,
-                &[
-                    index,
-                    sight_lines,
-                    fallback,
-                    doubled,
-                    wgsl!("fill_directions"),
-                ],
             ),
             Self::Density => (DensityParams::WGSL, &[index, covered, wgsl!("density")]),
             Self::Strokes => (

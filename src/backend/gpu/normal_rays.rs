@@ -1,5 +1,6 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
+use super::direction_fill::{Gaps, OF_SURFACES, spread_params};
 use super::kernels::Kernel;
 use super::run::Run;
 use super::sight::{apart, is_eye_far, lines, starts};
@@ -9,19 +10,7 @@ use crate::frame::{DepthKind, Frame};
 use crate::plan::{Plan, Stage};
 
 /// What is recorded as the time of rays and of what fills the gaps between them.
-pub(super) const STAGE: &str = "normal-rays";
-
-/// What is known of directions before the gaps are filled.
-pub(super) struct Found {
-    /// Unit directions in the picture, x right and y up: x, and y; 0 where there is none.
-    pub(super) directions: [wgpu::Buffer; 2],
-    /// Whether pixels have one.
-    pub(super) filled: wgpu::Buffer,
-    /// Where the surface is a plane.
-    pub(super) marks: wgpu::Buffer,
-    /// The pixels that lack a direction: open ones, and those on edges.
-    pub(super) lacking: [wgpu::Buffer; 2],
-}
+const STAGE: &str = "normal-rays";
 
 impl Run<'_> {
     /// The directions of the surface's own curvature: unit ones in the picture where covered, x right and y up, 0
@@ -33,9 +22,9 @@ impl Run<'_> {
         conductance: &wgpu::Buffer,
     ) -> [wgpu::Buffer; 2] {
         let setting = RaySetting::new(plan, frame);
-        let counts = self.fill_counts();
-        let found = self.normal_rays(plan, frame, &setting, conductance, &counts);
-        self.fill_directions(frame, &setting, conductance, found, counts)
+        let gaps = self.normal_rays(plan, frame, &setting, conductance);
+        let told = spread_params(frame, &setting.sight);
+        self.fill_gaps(STAGE, OF_SURFACES, &told, conductance, gaps)
     }
 
     fn normal_rays(
@@ -44,14 +33,14 @@ impl Run<'_> {
         frame: &Frame,
         setting: &RaySetting,
         conductance: &wgpu::Buffer,
-        counts: &wgpu::Buffer,
-    ) -> Found {
+    ) -> Gaps {
         let depth = setting
             .depth
             .map(|plane| match plan.has(Stage::DepthSilhouettes) {
                 true => self.surface.map.clone().expect("silhouettes are of depth"),
                 false => self.hold(plane.samples()),
             });
+        let counts = self.gap_counts(OF_SURFACES);
         let plane = self.surface.plane_bytes();
         let [x, y, filled, marks, open, closed] = [(); 6].map(|()| self.take(plane));
         let covered = self.surface.covered.clone();
@@ -78,15 +67,16 @@ impl Run<'_> {
                 &marks,
                 &open,
                 &closed,
-                counts,
+                &counts,
             ],
             self.surface.size,
         );
-        Found {
+        Gaps {
             directions: [x, y],
             filled,
             marks,
-            lacking: [open, closed],
+            lacking: vec![open, closed],
+            counts,
         }
     }
 }

@@ -124,7 +124,6 @@ fn direction_params(
         is_fixed: u32::from(setting.fixed.is_some()),
         fixed_x,
         fixed_y,
-        wave: 0,
     }
 }
 

@@ -279,9 +279,14 @@ uniforms! {
         /// Where the length of its list stands, and that of the next one's.
         list_count: u32,
         next_count: u32,
-        /// How far directions turn to the fixed one, 0..1: on planes, and elsewhere.
+        /// How far directions turn to the fallback, 0..1: on planes, and elsewhere.
         flat_share: f32,
         share: f32,
+        /// Which fallback, as in the field of stroke directions.
+        order: u32,
+        is_fixed: u32,
+        fixed_x: f32,
+        fixed_y: f32,
     }
 
     /// Of the kernels of the field of stroke directions.
@@ -321,8 +326,6 @@ uniforms! {
         is_fixed: u32,
         fixed_x: f32,
         fixed_y: f32,
-        /// Number of the wave, from 1 on.
-        wave: u32,
     }
 
     /// Of `hatching.wgsl`.

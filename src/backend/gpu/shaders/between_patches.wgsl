@@ -9,10 +9,12 @@
 @group(0) @binding(5) var<storage, read> settled: array<vec2<f32>>;
 @group(0) @binding(6) var<storage, read_write> direction_x: array<f32>;
 @group(0) @binding(7) var<storage, read_write> direction_y: array<f32>;
-// Whether a pixel has a direction.
+// 1 where a pixel has a direction, 0 where it lacks one, and NOTHING outside the surface.
 @group(0) @binding(8) var<storage, read_write> filled: array<u32>;
-@group(0) @binding(9) var<storage, read_write> lacking: array<u32>;
-@group(0) @binding(10) var<storage, read_write> lacking_count: atomic<u32>;
+// What waves leave at pixels: nothing as yet.
+@group(0) @binding(9) var<storage, read_write> marks: array<u32>;
+@group(0) @binding(10) var<storage, read_write> lacking: array<u32>;
+@group(0) @binding(11) var<storage, read_write> counts: array<atomic<u32>>;
 
 // The directions of a patch and the eight around it, row by row.
 var<private> around: array<vec2<f32>, 9>;
@@ -73,10 +75,15 @@ fn put(at: vec2<i32>, direction: vec2<f32>) {
     let i = index_of(u32(at.x), u32(at.y));
     direction_x[i] = direction.x;
     direction_y[i] = direction.y;
+    marks[i] = 0u;
+    if !is_covered(u32(at.x), u32(at.y)) {
+        filled[i] = NOTHING;
+        return;
+    }
     let is_there = any(direction != vec2<f32>(0.0));
     filled[i] = u32(is_there);
-    if !is_there && is_covered(u32(at.x), u32(at.y)) {
-        lacking[atomicAdd(&lacking_count, 1u)] = i;
+    if !is_there {
+        lacking[atomicAdd(&counts[OPEN_COUNT], 1u)] = i;
     }
 }
 

@@ -1,5 +1,5 @@
 // A wave of directions: pixels of a list that lack one take the mean of their neighbours', as far as these had one before
-// the wave, and turn it to the fixed direction. Their neighbours are listed for the next wave.
+// the wave, and turn it to the fallback. Their neighbours are listed for the next wave.
 
 @group(0) @binding(0) var<uniform> params: SpreadParams;
 @group(0) @binding(1) var<storage, read> conductance: array<f32>;
@@ -18,7 +18,7 @@
 
 // Whether directions go through open faces alone.
 override THROUGH_FACES: bool;
-// Whether pixels that turn all of the way take the fixed direction, and others nothing.
+// Whether pixels that turn all of the way take the fallback, and others nothing.
 override IS_FIXED: bool;
 
 // What a neighbour adds: twice its angle, and 1, weighted by the way from it.
@@ -62,19 +62,19 @@ fn mean_around(i: u32) -> vec2<f32> {
     return clear_direction(sum.xy, sum.z);
 }
 
-fn fixed_at(i: u32) -> vec2<f32> {
+fn fallback_at(i: u32) -> vec2<f32> {
     let place = vec2<f32>(f32(i % width()), f32(i / width())) + 0.5;
-    return fixed_direction(line_at(place), vec3<f32>(normal_x[i], normal_y[i], normal_z[i]), 0u);
+    return fallback(line_at(place), vec3<f32>(normal_x[i], normal_y[i], normal_z[i]));
 }
 
-// A share of the way to the fixed direction.
+// A share of the way to the fallback.
 fn turned(i: u32, mean: vec2<f32>, share: f32) -> vec2<f32> {
     if share == 0.0 || all(mean == vec2<f32>(0.0)) {
         return mean;
     }
-    let fixed = fixed_at(i);
-    let direction = clear_direction((1.0 - share) * doubled(mean) + share * doubled(fixed), 1.0);
-    return select(direction, fixed, all(direction == vec2<f32>(0.0)));
+    let last = fallback_at(i);
+    let direction = clear_direction((1.0 - share) * doubled(mean) + share * doubled(last), 1.0);
+    return select(direction, last, all(direction == vec2<f32>(0.0)));
 }
 
 // Lists a pixel that waits for a direction, once.
@@ -120,7 +120,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         if !IS_FIXED {
             direction = turned(i, mean_around(i), share);
         } else if share == 1.0 {
-            direction = fixed_at(i);
+            direction = fallback_at(i);
         }
         if any(direction != vec2<f32>(0.0)) {
             direction_x[i] = direction.x;
