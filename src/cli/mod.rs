@@ -39,11 +39,17 @@ use invocation::Invocation;
 use line_args::HatchArgs;
 use recipe::Recipe;
 use relight_args::RelightArgs;
+use std::ffi::OsString;
 
 /// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused, 3 some frames of a
 /// sequence failed, 130 and 143 stopped by a signal.
 pub fn run() -> i32 {
-    let typed = Invocation::of(std::env::args_os());
+    run_words(std::env::args_os())
+}
+
+/// Runs a command line, the program's name first, and returns its exit code.
+pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
+    let typed = Invocation::of(words);
     run_typed(&typed).unwrap_or_else(|error| {
         message::error(&error);
         message::exit_code(&error)

@@ -17,6 +17,7 @@ mod names;
 pub mod normal_space;
 mod normals;
 mod normals_of_points;
+pub(crate) mod open;
 pub mod output;
 pub mod photo;
 pub mod picture;

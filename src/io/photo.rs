@@ -8,8 +8,10 @@
 use crate::error::{Error, Result};
 use crate::frame::Plane;
 use crate::io::fence::fenced;
+use crate::io::open::open_input;
 use crate::io::srgb;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader};
+use std::io::BufReader;
 use std::path::Path;
 
 /// Longest side that is read, in pixels.
@@ -95,8 +97,8 @@ impl Photo {
 }
 
 fn decoded(path: &Path) -> Result<DynamicImage> {
-    let mut reader = ImageReader::open(path)
-        .and_then(ImageReader::with_guessed_format)
+    let mut reader = open_input(path)
+        .and_then(|file| ImageReader::new(BufReader::new(file)).with_guessed_format())
         .map_err(Error::io(path, "read"))?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);

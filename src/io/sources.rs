@@ -3,6 +3,7 @@
 use super::colorspace::ColorSpace;
 use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
 use super::names::{self, Hint};
+use super::open::open_input;
 use super::photo::{Photo, max_code};
 use super::roles::{self, Layer, Match, Role};
 use super::srgb;
@@ -117,7 +118,7 @@ fn layer_label(layer: &Layer) -> String {
 
 fn has_exr_magic(path: &Path) -> Result<bool> {
     use std::io::Read;
-    let mut file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
+    let mut file = open_input(path).map_err(Error::io(path, "read"))?;
     let mut first = [0; 4];
     match file.read_exact(&mut first) {
         Ok(()) => Ok(first == exr::MAGIC),

@@ -4,7 +4,9 @@ use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
 use crate::cli::chosen::Flag;
 use crate::cli::invocation::{command_named, long};
 use crate::error::{Error, Result};
+use crate::io::open::open_input;
 use clap::{Arg, Command};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -26,11 +28,13 @@ impl Recipe {
     /// [`Error::Io`]; [`Error::Recipe`] for what is no TOML, of another version or without a command, and for settings
     /// that the command does not have, with the nearest one that it has.
     pub fn read(path: &Path) -> Result<Self> {
-        let length = std::fs::metadata(path).map_err(Error::io(path, "read"))?;
-        if length.len() > MOST_BYTES {
+        let mut text = Vec::new();
+        open_input(path)
+            .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut text))
+            .map_err(Error::io(path, "read"))?;
+        if text.len() as u64 > MOST_BYTES {
             return Err(bad(path, "is larger than a recipe can be", "name a recipe"));
         }
-        let text = std::fs::read(path).map_err(Error::io(path, "read"))?;
         let text = String::from_utf8(text)
             .map_err(|_| bad(path, "is not text", "name a recipe, a text file"))?;
         Self::parse(path, &text)

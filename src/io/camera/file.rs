@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Window};
+use crate::io::open::read_text;
 use glam::{DAffine3, DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
@@ -9,6 +10,9 @@ use std::path::Path;
 
 /// How far a rotation may be from orthonormal: rows printed with four digits still pass.
 const ROTATION_TOLERANCE: f64 = 2e-3;
+
+/// The longest camera file that is read.
+const MOST_BYTES: u64 = 1 << 24;
 
 /// Reads a camera from a JSON file.
 ///
@@ -34,7 +38,7 @@ const ROTATION_TOLERANCE: f64 = 2e-3;
 /// If the file cannot be read, is not JSON, lacks a key, holds a mirrored or sheared matrix, belongs
 /// to a panorama, or was made for a picture of another shape.
 pub fn read_camera(path: &Path, display_window: Window, pixel_aspect: f32) -> Result<Camera> {
-    let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
+    let text = read_text(path, MOST_BYTES)?;
     camera_of_json(&text, display_window, f64::from(pixel_aspect))
         .map_err(|rejected| rejected.in_file(path))
 }
@@ -45,7 +49,7 @@ pub fn read_camera(path: &Path, display_window: Window, pixel_aspect: f32) -> Re
 /// # Errors
 /// If the file cannot be read, is not JSON, or has no such matrix of a rotation and a translation.
 pub fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
-    let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
+    let text = read_text(path, MOST_BYTES)?;
     let parsed = || {
         let json: Value = serde_json::from_str(&text).map_err(not_json)?;
         let matrix = present(&json, "world_to_camera").ok_or_else(|| {

@@ -2,6 +2,7 @@
 
 use super::ExrFile;
 use super::fault::{Fault, Parsed};
+use crate::io::open::open_input;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
@@ -33,7 +34,7 @@ impl<'a> ChunkReader<'a> {
     pub(super) fn open(exr: &'a ExrFile) -> Parsed<Self> {
         Ok(ChunkReader {
             exr,
-            file: BufReader::new(File::open(&exr.path)?),
+            file: BufReader::new(open_input(&exr.path)?),
             position: 0,
         })
     }

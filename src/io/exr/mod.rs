@@ -34,10 +34,10 @@ pub use writer::{PartWriter, add_channels, append_part, write_results};
 
 use crate::error::{Error, Result};
 use crate::frame::Window;
+use crate::io::open::open_input;
 use header::FileHeader;
 pub(super) use header::MAGIC;
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -156,7 +156,7 @@ impl Part {
 impl ExrFile {
     /// Reads the header of the file at `path`. The limits count where pixels are read.
     pub fn open(path: &Path, limits: &Limits) -> Result<ExrFile> {
-        let file = File::open(path).map_err(Error::io(path, "read"))?;
+        let file = open_input(path).map_err(Error::io(path, "read"))?;
         let metadata = file.metadata().map_err(Error::io(path, "read"))?;
         let header = FileHeader::read(BufReader::new(file), metadata.len())
             .map_err(|fault| fault.at(path))?;

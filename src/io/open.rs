@@ -1,0 +1,83 @@
+//! Opening inputs: ordinary files alone, and never waiting for one.
+
+use crate::error::{Error, Result};
+use std::fs::{File, Metadata, OpenOptions};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Opens `path` for reading.
+///
+/// # Errors
+/// Any error of the system, and one that says so where `path` is a directory, a pipe, a socket or a device: a plain open
+/// of a pipe waits until somebody writes, and a device may never end.
+pub(crate) fn open_input(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use rustix::fs::OFlags;
+        use std::os::unix::fs::OpenOptionsExt;
+        // Bits of a flag set, in the type that the system call takes.
+        options.custom_flags((OFlags::NONBLOCK | OFlags::NOCTTY).bits().cast_signed());
+    }
+    let file = options.open(path)?;
+    let data = file.metadata()?;
+    match data.is_file() {
+        true => Ok(file),
+        false => Err(io::Error::other(what_it_is(&data))),
+    }
+}
+
+/// The text of the file `path`, of at most `most` bytes.
+///
+/// # Errors
+/// [`Error::Io`], also where the file is larger or is not UTF-8.
+pub(crate) fn read_text(path: &Path, most: u64) -> Result<String> {
+    let read = || {
+        let mut text = String::new();
+        open_input(path)?.take(most + 1).read_to_string(&mut text)?;
+        match text.len() as u64 > most {
+            true => Err(io::Error::other(format!("it is larger than {most} bytes"))),
+            false => Ok(text),
+        }
+    };
+    read().map_err(Error::io(path, "read"))
+}
+
+fn what_it_is(data: &Metadata) -> &'static str {
+    match data.is_dir() {
+        true => "it is a directory; name a file",
+        false => "it is a pipe or a device; save what it gives as a file first",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_refused_without_waiting() {
+        let directory = tempfile::tempdir().unwrap();
+        let pipe = directory.path().join("pipe");
+        rustix::fs::mkfifoat(
+            rustix::fs::CWD,
+            &pipe,
+            rustix::fs::Mode::from_raw_mode(0o600),
+        )
+        .unwrap();
+        let refused = |path: &Path| open_input(path).unwrap_err().to_string();
+        assert!(refused(&pipe).contains("pipe"));
+        assert!(refused(Path::new("/dev/zero")).contains("device"));
+        assert!(refused(directory.path()).contains("directory"));
+    }
+
+    #[test]
+    fn no_more_text_is_read_than_is_allowed() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "12345").unwrap();
+        assert_eq!(read_text(file.path(), 5).unwrap(), "12345");
+        let refused = read_text(file.path(), 4).unwrap_err().to_string();
+        assert!(refused.contains("larger than 4 bytes"), "{refused}");
+    }
+}
