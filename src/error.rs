@@ -101,6 +101,14 @@ pub enum Error {
         /// What happened.
         found: String,
     },
+    /// This program is at fault: it panicked.
+    #[error("{}: a fault of relievo itself ({found}); please report it, with this file", path.display())]
+    Fault {
+        /// The file that was being worked on.
+        path: PathBuf,
+        /// What the panic said, and where.
+        found: String,
+    },
     /// The system refused a file operation.
     #[error("{}: cannot {action}: {source}", path.display())]
     Io {

@@ -8,6 +8,7 @@ use super::progress::ProgressArg;
 use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::{FramesArg, SequenceArgs};
+use super::threads::MOST_THREADS;
 use crate::error::Error;
 use crate::io::exr::OutputCompression;
 use crate::io::picture::ViewTransform;
@@ -178,7 +179,7 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
     pub(super) backend: BackendArg,
     /// Threads; all cores where not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Run")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
     pub(super) threads: Option<u16>,
 }
 
@@ -239,7 +240,7 @@ pub(super) struct ReportArgs {
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
     pub(super) backend: BackendArg,
     /// Threads; all cores where not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Run")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
     pub(super) threads: Option<u16>,
     /// Say nothing but errors; the summary still goes to stdout.
     #[arg(short, long, help_heading = "Run")]
@@ -462,8 +463,11 @@ pub(super) struct OutputArgs {
     #[arg(long, value_name = "CURVE", default_value = "srgb")]
     pub(super) view_transform: TransformArg,
     /// Refuse to replace a file.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "force")]
     pub(super) no_clobber: bool,
+    /// Replace files that are write-protected too.
+    #[arg(long)]
+    pub(super) force: bool,
 }
 
 fn compression_parser() -> impl TypedValueParser<Value = OutputCompression> {
@@ -518,7 +522,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
     pub(super) backend: BackendArg,
     /// Threads; all cores where not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()))]
     pub(super) threads: Option<u16>,
     /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free.
     #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]

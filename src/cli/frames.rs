@@ -2,28 +2,28 @@
 
 use super::args::WorkArgs;
 use super::chosen::{Chosen, Flag};
+use super::files;
 use super::invocation::Invocation;
 use super::job::Job;
 use super::message;
-use super::output::check_output;
+use super::panics::caught;
 use super::progress::{Progress, Status};
 use super::recipe::{RecipeText, SAMPLE_FRAMES};
 use super::sequence::MissingArg;
 use super::stop::{self, First};
-use super::threads::{Lanes, use_threads};
+use super::threads::{Lanes, on_threads};
 use super::told::Told;
-use crate::error::{Error, Result};
-use crate::io::output::{is_whole, remove_leftovers, write_atomically};
+use crate::error::Result;
+use crate::io::output::{is_whole, write_text};
 use clap::FromArgMatches;
 use std::collections::BTreeSet;
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// A command that makes one output of each frame.
-pub(super) trait FrameCommand: FromArgMatches + Sync {
+pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
     /// What all frames have in common: lights, textures, memory.
     type Kit: Sync;
 
@@ -47,18 +47,19 @@ pub(super) trait FrameCommand: FromArgMatches + Sync {
 /// Runs the command on what its arguments name; the exit code.
 ///
 /// # Errors
-/// Any [`Error`] of a single picture, and those that keep a sequence from being begun.
+/// Any [`crate::Error`] of a single picture, and those that keep a sequence from being begun.
 pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
     let (command, recipe) = command_of::<C>(invocation);
-    let work = command.work();
-    use_threads(work.run.threads);
-    match work.frames()? {
-        None => single(&command, recipe),
-        Some(frames) => {
-            let frames = frames.to_vec();
-            sequence(command, recipe, invocation, &frames)
-        }
-    }
+    let (threads, input) = (command.work().run.threads, command.work().input.clone());
+    on_threads(threads, || {
+        caught(&input, || match command.work().frames()? {
+            None => single(&command, recipe, invocation),
+            Some(frames) => {
+                let frames = frames.to_vec();
+                sequence(command, recipe, invocation, &frames)
+            }
+        })
+    })
 }
 
 /// The command as parsed before, and its settings.
@@ -71,11 +72,17 @@ fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, RecipeText) {
     (command, RecipeText::of(&matches))
 }
 
-fn single<C: FrameCommand>(command: &C, recipe: RecipeText) -> Result<i32> {
+fn single<C: FrameCommand>(
+    command: &C,
+    recipe: RecipeText,
+    invocation: &Invocation,
+) -> Result<i32> {
     stop::mind_signals(First::Drop);
     let work = command.work();
+    files::refuse_collisions(command, invocation.recipe(), &[None])?;
+    files::check_outputs(work)?;
+    files::sweep(work, &mut BTreeSet::new());
     let kit = prepared(command)?;
-    check_output(work, &inputs_of(command, work, None))?;
     let told = Told::default();
     let job = Job::new(work.clone(), &told, &recipe);
     let chosen = command.make(&kit, &job)?;
@@ -83,26 +90,17 @@ fn single<C: FrameCommand>(command: &C, recipe: RecipeText) -> Result<i32> {
     Ok(0)
 }
 
-/// What all frames have in common, when none of it would be written over.
+/// What all frames have in common.
 fn prepared<C: FrameCommand>(command: &C) -> Result<C::Kit> {
     command.work().shape.params().validate()?;
     command.prepare()
 }
 
-fn inputs_of<C: FrameCommand>(command: &C, work: &WorkArgs, frame: Option<i32>) -> Vec<PathBuf> {
-    let mut inputs = work.roles.files(&work.input);
-    inputs.extend(command.files(frame));
-    inputs
-}
-
 fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
-    let Some(path) = &work.run.save_recipe else {
-        return Ok(());
-    };
-    write_atomically(path, true, |w| {
-        w.write_all(text.as_bytes())
-            .map_err(Error::io(path, "write"))
-    })
+    match &work.run.save_recipe {
+        Some(path) => write_text(path, work.output.replace_beside(), text),
+        None => Ok(()),
+    }
 }
 
 fn sequence<C: FrameCommand>(
@@ -113,9 +111,13 @@ fn sequence<C: FrameCommand>(
 ) -> Result<i32> {
     stop::mind_signals(First::Finish);
     let quiet = command.work().run.quiet;
-    let kit = prepared(&command)?;
+    let all: Vec<_> = frames.iter().copied().map(Some).collect();
+    files::refuse_collisions(&command, invocation.recipe(), &all)?;
     let first = command.work().of_frame(frames[0]);
-    check_output(&first, &inputs_of(&command, &first, Some(frames[0])))?;
+    files::check_outputs(&first)?;
+    let mut swept = BTreeSet::new();
+    files::sweep(&first, &mut swept);
+    let kit = prepared(&command)?;
     let samples = command.work().sequence.samples(frames);
     let chosen = choose(&command, &kit, &recipe, &samples)?;
     if !quiet && chosen != Chosen::default() {
@@ -147,7 +149,7 @@ fn sequence<C: FrameCommand>(
         next: AtomicUsize::new(0),
         failed: AtomicBool::new(false),
         making: making(command.work(), frames),
-        bare: Mutex::new(BTreeSet::new()),
+        swept: Mutex::new(swept),
     };
     Lanes::of(command.work(), &first.input, frames.len()).each(|| run.make_frames());
     let failed = run.failed.load(Ordering::Relaxed);
@@ -179,7 +181,7 @@ fn choose<C: FrameCommand>(
         }
         let work = command.work().of_frame(frame);
         let job = Job::to_choose(work, frame, &told, recipe);
-        match command.make(kit, &job) {
+        match caught(&job.work.input, || command.make(kit, &job)) {
             Ok(chosen) => each.push(chosen),
             Err(error) => first_error = first_error.or(Some(error)),
         }
@@ -222,8 +224,8 @@ struct Sequence<'a, C: FrameCommand> {
     next: AtomicUsize,
     failed: AtomicBool,
     making: Making,
-    /// Directories that hold no more leftovers.
-    bare: Mutex<BTreeSet<PathBuf>>,
+    /// Directories without leftovers of killed runs.
+    swept: Mutex<BTreeSet<PathBuf>>,
 }
 
 impl<C: FrameCommand> Sequence<'_, C> {
@@ -248,7 +250,8 @@ impl<C: FrameCommand> Sequence<'_, C> {
         let started = Instant::now();
         let work = self.command.work().of_frame(frame);
         let output = work.output.output.clone().unwrap_or_default();
-        let (status, what) = match self.made(index, frame, work) {
+        let input = work.input.clone();
+        let (status, what) = match caught(&input, || self.made(index, frame, work)) {
             Ok(status) => (status, output.display().to_string()),
             Err(error) => {
                 self.failed.store(true, Ordering::Relaxed);
@@ -274,25 +277,80 @@ impl<C: FrameCommand> Sequence<'_, C> {
             self.command.make(self.kit, &job.without_output())?;
             return Ok(Status::Skipped);
         }
-        check_output(&work, &inputs_of(self.command, &work, Some(frame)))?;
-        self.clear_leftovers(work.output.output.as_deref());
+        files::check_outputs(&work)?;
+        files::sweep(
+            &work,
+            &mut self.swept.lock().unwrap_or_else(PoisonError::into_inner),
+        );
         let job = Job::in_sequence(work, frame, index, self.told, self.recipe);
         self.command.make(self.kit, &job)?;
         Ok(Status::Done)
     }
+}
 
-    /// Removes what a killed run left beside this output, once for each directory.
-    fn clear_leftovers(&self, output: Option<&Path>) {
-        let Some(directory) = output.and_then(Path::parent) else {
-            return;
-        };
-        let directory = match directory.as_os_str().is_empty() {
-            true => Path::new("."),
-            false => directory,
-        };
-        let mut bare = self.bare.lock().expect("nothing panics here");
-        if bare.insert(directory.into()) {
-            remove_leftovers(directory);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+    use clap::ArgMatches;
+
+    /// A command that makes an empty file of each frame but the second, at which it panics.
+    struct Faulty(WorkArgs);
+
+    impl FromArgMatches for Faulty {
+        fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
+            WorkArgs::from_arg_matches(matches).map(Self)
         }
+
+        fn update_from_arg_matches(
+            &mut self,
+            matches: &ArgMatches,
+        ) -> std::result::Result<(), clap::Error> {
+            self.0.update_from_arg_matches(matches)
+        }
+    }
+
+    impl FrameCommand for Faulty {
+        type Kit = ();
+
+        fn work(&self) -> &WorkArgs {
+            &self.0
+        }
+
+        fn files(&self, _: Option<i32>) -> Vec<PathBuf> {
+            Vec::new()
+        }
+
+        fn prepare(&self) -> Result<()> {
+            Ok(())
+        }
+
+        fn make(&self, (): &(), job: &Job) -> Result<Chosen> {
+            job.in_turn(|| assert_ne!(job.frame, Some(2), "frame 2 is not to my liking"));
+            let output = job.work.output.output.as_deref().expect("it was given");
+            std::fs::write(output, "made").map_err(Error::io(output, "write"))?;
+            Ok(Chosen::default())
+        }
+    }
+
+    #[test]
+    fn a_panic_is_the_failure_of_its_frame_alone() {
+        let desk = tempfile::tempdir().unwrap();
+        let name = |name: &str| desk.path().join(name).into_os_string();
+        let words = |rest: &[&str]| {
+            let start = ["relievo", "shape"].map(Into::into);
+            let files = [name("in.#.exr"), "-o".into(), name("out.#.png")];
+            let rest = rest.iter().map(Into::into);
+            Invocation::of(start.into_iter().chain(files).chain(rest))
+        };
+        let frames = ["--frames", "1-4", "--keep-going", "-q"];
+        let code = run::<Faulty>(&words(&frames)).unwrap();
+        assert_eq!(code, 3);
+        let is_made = |frame: i32| desk.path().join(format!("out.{frame}.png")).exists();
+        assert_eq!([1, 2, 3, 4].map(is_made), [true, false, true, true]);
+        // Looked at beforehand, it is left out of what is chosen, unless there is no other.
+        let sampled = ["--frames", "1,3", "--sample-frames", "2", "-q"];
+        let failed = run::<Faulty>(&words(&sampled)).unwrap_err().to_string();
+        assert!(failed.contains("frame 2 is not to my liking"), "{failed}");
     }
 }

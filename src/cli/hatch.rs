@@ -27,7 +27,7 @@ use crate::params::{
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// The light of a drawing that has no other: from the upper left.
@@ -68,7 +68,10 @@ impl FrameCommand for HatchArgs {
     }
 
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
-        self.relight.files(frame)
+        let motion = frame.and_then(|frame| self.motion.of_frame(frame));
+        let motion = motion.map(PathBuf::from).filter(|path| path.exists());
+        let named = motion.into_iter().chain(self.pictures().map(PathBuf::from));
+        self.relight.files(frame).into_iter().chain(named).collect()
     }
 
     fn follows_on(&self) -> bool {
@@ -108,7 +111,7 @@ impl FrameCommand for HatchArgs {
         };
         let outcome = match (moves, job.frame) {
             (true, Some(number)) => job.in_turn(|| {
-                let mut course = kit.course.lock().expect("no frame panics in its turn");
+                let mut course = kit.course.lock().unwrap_or_else(PoisonError::into_inner);
                 let motion = course
                     .steps
                     .motion(number, &mut loaded, |text| job.warn(text));
@@ -202,7 +205,10 @@ impl HatchArgs {
         if inputs.is_empty() {
             return Ok(None);
         }
-        let mut kept = kit.surroundings.lock().expect("nothing panics here");
+        let mut kept = kit
+            .surroundings
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         let known = kept
             .take()
             .filter(|(path, _)| Some(path) == inputs.surroundings.as_ref());

@@ -3,13 +3,14 @@
 use super::args::InspectArgs;
 use super::enhance::dark_rims;
 use super::message;
+use super::panics::caught;
+use super::threads::on_threads;
 use crate::error::{Error, Result};
 use crate::io::inputs::LightInputs;
 use crate::io::{self, Finding, Needs, PartSurvey, Survey};
 use crate::params::ScalingParams;
 use serde::Serialize;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The camera is worth knowing even where the normals need none.
 const EVERYTHING: Needs = Needs {
@@ -23,7 +24,8 @@ const EVERYTHING: Needs = Needs {
 /// What is known of one file; the JSON form of `inspect`, documented in the README.
 #[derive(Debug, Serialize)]
 struct Inspection {
-    file: PathBuf,
+    /// Its path; what is not UTF-8 in it is replaced.
+    file: String,
     #[serde(flatten)]
     survey: Survey,
     findings: Vec<Finding>,
@@ -33,10 +35,14 @@ struct Inspection {
 }
 
 pub(super) fn run(args: &InspectArgs) -> Result<()> {
+    on_threads(None, || inspect_all(args))
+}
+
+fn inspect_all(args: &InspectArgs) -> Result<()> {
     let mut inspections = Vec::new();
     let mut failed = None;
     for file in &args.files {
-        match inspect(args, file) {
+        match caught(file, || inspect(args, file)) {
             Ok(inspection) => inspections.push(inspection),
             Err(error) => {
                 // The other files are still looked into; the last error is reported by the caller.
@@ -47,10 +53,9 @@ pub(super) fn run(args: &InspectArgs) -> Result<()> {
         }
     }
     if args.json {
-        let json = serde_json::to_string_pretty(&inspections).expect("plain data serialises");
-        message::result(&format!("{json}\n"))?;
+        message::json(&inspections)?;
     } else {
-        message::result(&inspections.iter().map(text).collect::<String>())?;
+        message::result(inspections.iter().flat_map(lines))?;
     }
     failed.map_or(Ok(()), Err)
 }
@@ -66,7 +71,7 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
     };
     warnings.extend(planned_dark_rims(args));
     Ok(Inspection {
-        file: file.to_path_buf(),
+        file: file.display().to_string(),
         survey,
         findings,
         warnings,
@@ -87,8 +92,7 @@ fn planned_dark_rims(args: &InspectArgs) -> Vec<String> {
     })
 }
 
-fn text(inspection: &Inspection) -> String {
-    let mut out = String::new();
+fn lines(inspection: &Inspection) -> Vec<String> {
     let Inspection {
         file,
         survey,
@@ -96,60 +100,54 @@ fn text(inspection: &Inspection) -> String {
         warnings,
         problem,
     } = inspection;
-    // Writing to a string cannot fail.
-    let _ = writeln!(out, "{}", file.display());
-    let _ = writeln!(
-        out,
-        "  display {}, pixel aspect {}",
-        survey.display_window, survey.pixel_aspect
-    );
+    let mut lines = vec![
+        file.clone(),
+        format!(
+            "  display {}, pixel aspect {}",
+            survey.display_window, survey.pixel_aspect
+        ),
+    ];
     if let Some(view) = &survey.view {
         let views = survey.views.join(", ");
-        let _ = writeln!(out, "  view {view} of {views}; force with --view {view}");
+        lines.push(format!(
+            "  view {view} of {views}; force with --view {view}"
+        ));
     }
-    for part in &survey.parts {
-        let _ = writeln!(out, "  {}", part_text(part));
-        for layer in &part.layers {
-            let components = layer.components.join(" ");
-            let name = if layer.name.is_empty() {
-                "(bare)"
-            } else {
-                &layer.name
-            };
-            let _ = writeln!(out, "    {name:<32} {components:<8} {}", layer.sample_type);
-        }
-    }
-    let _ = writeln!(out, "  roles");
-    for role in &survey.roles {
-        let _ = writeln!(
-            out,
-            "    {:<20} {}",
-            role.role.name(),
-            role.channels.join(" ")
-        );
-    }
-    let _ = writeln!(out, "  conclusions");
+    lines.extend(survey.parts.iter().flat_map(part_lines));
+    lines.push("  roles".into());
+    lines.extend(survey.roles.iter().map(|role| {
+        let channels = role.channels.join(" ");
+        format!("    {:<20} {channels}", role.role.name())
+    }));
+    lines.push("  conclusions".into());
     for finding in findings {
-        let _ = writeln!(out, "    {:<20} {}", finding.subject, finding.conclusion);
-        let _ = writeln!(
-            out,
-            "      {}; force with {}",
-            finding.evidence, finding.flag
-        );
+        let Finding {
+            subject,
+            conclusion,
+            evidence,
+            flag,
+        } = finding;
+        lines.push(format!("    {subject:<20} {conclusion}"));
+        lines.push(format!("      {evidence}; force with {flag}"));
     }
-    for warning in warnings {
-        let _ = writeln!(out, "    warning: {warning}");
-    }
-    if let Some(problem) = problem {
-        let _ = writeln!(out, "    cannot be used as it stands: {problem}");
-    }
-    out
+    let warnings = warnings.iter();
+    lines.extend(warnings.map(|warning| format!("    warning: {warning}")));
+    let problem = problem.iter();
+    lines.extend(problem.map(|problem| format!("    cannot be used as it stands: {problem}")));
+    lines
 }
 
-fn part_text(part: &PartSurvey) -> String {
-    let name = part
-        .name
-        .as_deref()
-        .map_or(String::new(), |name| format!(" \"{name}\""));
-    format!("part{name}: {}, {}", part.data_window, part.compression)
+fn part_lines(part: &PartSurvey) -> Vec<String> {
+    let name = part.name.as_deref();
+    let name = name.map_or(String::new(), |name| format!(" \"{name}\""));
+    let head = format!("  part{name}: {}, {}", part.data_window, part.compression);
+    let layers = part.layers.iter().map(|layer| {
+        let name = match layer.name.as_str() {
+            "" => "(bare)",
+            name => name,
+        };
+        let components = layer.components.join(" ");
+        format!("    {name:<32} {components:<8} {}", layer.sample_type)
+    });
+    std::iter::once(head).chain(layers).collect()
 }

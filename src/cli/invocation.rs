@@ -7,11 +7,14 @@ use crate::error::Result;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 
 /// The words of a command line: the program, the command, and its arguments.
 #[derive(Debug, Clone)]
 pub(super) struct Invocation {
     words: Vec<OsString>,
+    /// The recipe that some of them come from.
+    recipe: Option<PathBuf>,
 }
 
 /// What was typed, as clap understands it.
@@ -24,7 +27,13 @@ impl Invocation {
     pub(super) fn of(words: impl IntoIterator<Item = OsString>) -> Self {
         Self {
             words: words.into_iter().collect(),
+            recipe: None,
         }
+    }
+
+    /// The recipe that was read for it.
+    pub(super) fn recipe(&self) -> Option<&Path> {
+        self.recipe.as_deref()
     }
 
     pub(super) fn parse(&self) -> std::result::Result<Parsed, clap::Error> {
@@ -56,6 +65,7 @@ impl Invocation {
             recipe.command.clone().into(),
         ];
         Ok(Self {
+            recipe: Some(recipe.path.clone()),
             words: start
                 .into_iter()
                 .chain(kept.map(Flag::word))
@@ -71,6 +81,7 @@ impl Invocation {
         let end = self.words.iter().position(|word| word == OsStr::new("--"));
         let (before, after) = self.words.split_at(end.unwrap_or(self.words.len()));
         Self {
+            recipe: self.recipe.clone(),
             words: before
                 .iter()
                 .cloned()

@@ -7,11 +7,11 @@ use super::output::{Kind, ReadyOutput, color_channels};
 use super::recipe::RecipeText;
 use super::told::Told;
 use crate::backend::cpu::Outcome;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
-use crate::io::output::write_atomically;
+use crate::io::output::{write_atomically, write_text};
 use crate::io::picture::{Picture, write_picture};
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs};
@@ -153,11 +153,7 @@ impl<'a> Job<'a> {
     /// Prints the plan, where asked to.
     pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
         if self.work.run.explain && self.tells() {
-            let lines = plan
-                .decisions()
-                .iter()
-                .map(|decision| format!("{decision}\n"));
-            message::result(&lines.collect::<String>())?;
+            message::result(plan.decisions().iter().map(ToString::to_string))?;
         }
         Ok(())
     }
@@ -191,11 +187,11 @@ impl<'a> Job<'a> {
     /// Writes colours to a display file and ends the frame.
     pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
         self.write(done, |output| {
-            let ReadyOutput { path, clobber } = output;
+            let ReadyOutput { path, replace } = output;
             let Kind::Picture(format) = Kind::of(path)? else {
                 unreachable!("layers go to an EXR")
             };
-            write_atomically(path, clobber, |w| write_picture(w, path, format, picture))
+            write_atomically(path, replace, |w| write_picture(w, path, format, picture))
         })
     }
 
@@ -218,8 +214,8 @@ impl<'a> Job<'a> {
 
     /// Writes a drawing in lines and ends the frame.
     pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<Chosen> {
-        self.write(done, |ReadyOutput { path, clobber }| {
-            write_atomically(path, clobber, |w| svg::write_svg(w, path, drawing))
+        self.write(done, |ReadyOutput { path, replace }| {
+            write_atomically(path, replace, |w| svg::write_svg(w, path, drawing))
         })
     }
 
@@ -243,8 +239,8 @@ impl<'a> Job<'a> {
         let Some(path) = self.work.output.output.as_deref().filter(|_| self.writes) else {
             return Ok(());
         };
-        let clobber = !self.work.output.no_clobber;
-        write(ReadyOutput { path, clobber })?;
+        let replace = self.work.output.replace();
+        write(ReadyOutput { path, replace })?;
         if !self.work.run.quiet && !self.told.is_sequence() {
             let words = chosen.in_words();
             let comma = if words.is_empty() { "" } else { ", " };
@@ -262,9 +258,7 @@ impl<'a> Job<'a> {
         };
         let total = self.started.elapsed();
         let text = timings_json(&done.loaded.frame, &done.outcome, done.read, write, total);
-        write_atomically(path, true, |w| {
-            std::io::Write::write_all(w, text.as_bytes()).map_err(Error::io(path, "write"))
-        })
+        write_text(path, self.work.output.replace_beside(), &text)
     }
 }
 

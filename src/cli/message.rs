@@ -3,6 +3,8 @@
 use crate::error::{Error, Result};
 use crate::io::Finding;
 use clap::error::ErrorKind;
+use serde::Serialize;
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
@@ -70,16 +72,72 @@ pub(super) fn finding_line(finding: &Finding) -> String {
 
 /// Writes one line to stderr. Where even that fails there is nobody left to tell.
 pub(super) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", printable(line));
 }
 
-/// Writes results to stdout; a reader that has gone away is no error, a full disk is.
-pub(super) fn result(text: &str) -> Result<()> {
+/// Writes results to stdout, line by line; a reader that has gone away is no error, a full disk is.
+pub(super) fn result(lines: impl IntoIterator<Item = String>) -> Result<()> {
+    let lines = lines.into_iter();
+    print(
+        &lines
+            .map(|line| format!("{}\n", printable(&line)))
+            .collect::<String>(),
+    )
+}
+
+/// Writes a result to stdout as JSON, as [`result`] does.
+pub(super) fn json(value: &impl Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).expect("names and numbers are JSON");
+    result(text.lines().map(String::from))
+}
+
+fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Error::io(Path::new("stdout"), "write")(error))
         }
         _ => Ok(()),
+    }
+}
+
+/// `line` as a terminal can only show it: characters that would steer the terminal, end the line or turn the direction of
+/// writing are spelled as JSON spells them. Names come from files of anybody's making.
+fn printable(line: &str) -> Cow<'_, str> {
+    if !line.contains(steers) {
+        return line.into();
+    }
+    let spelled = |c: char| match steers(c) {
+        true => format!("\\u{:04x}", u32::from(c)),
+        false => c.to_string(),
+    };
+    line.chars().map(spelled).collect::<String>().into()
+}
+
+/// Whether a terminal obeys `c` rather than showing it: control characters, separators of lines and paragraphs, and marks
+/// of the direction of writing. All have at most four hexadecimal digits.
+fn steers(c: char) -> bool {
+    let turns = |c| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{206f}');
+    c.is_control() || turns(c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_steer_a_terminal_is_spelled_out() {
+        let said = printable("a\u{1b}[31mb\u{7}\rc\nd\u{9b}2Je\u{202e}f\u{7f}");
+        assert_eq!(
+            said,
+            r"a\u001b[31mb\u0007\u000dc\u000ad\u009b2Je\u202ef\u007f"
+        );
+        for plain in ["Übung 面 é 🦀 ViewLayer.Normal.X", ""] {
+            assert!(matches!(printable(plain), Cow::Borrowed(text) if text == plain));
+        }
+        // In JSON the same spelling stands for the same characters.
+        let json = serde_json::to_string("\u{1b}\u{202e}\u{85}").unwrap();
+        let read: String = serde_json::from_str(&printable(&json)).unwrap();
+        assert_eq!(read, "\u{1b}\u{202e}\u{85}");
     }
 }

@@ -4,6 +4,7 @@ mod args;
 mod chosen;
 mod engine;
 mod enhance;
+mod files;
 mod frames;
 mod hatch;
 mod inspect;
@@ -17,6 +18,7 @@ mod memory;
 mod message;
 mod motion;
 mod output;
+mod panics;
 mod progress;
 pub mod recipe;
 mod relight;
@@ -47,10 +49,12 @@ pub fn run() -> i32 {
     run_words(std::env::args_os())
 }
 
-/// Runs a command line, the program's name first, and returns its exit code.
+/// Runs a command line, the program's name first, and returns its exit code as [`run`] does. From then on panics of the
+/// process are kept from printing: those of the command line end in a line that says so.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
-    let typed = Invocation::of(words);
-    run_typed(&typed).unwrap_or_else(|error| {
+    panics::keep_quiet();
+    stop::outlive_full_files();
+    run_typed(&Invocation::of(words)).unwrap_or_else(|error| {
         message::error(&error);
         message::exit_code(&error)
     })
@@ -64,7 +68,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
     match &command {
         Command::Inspect(args) => inspect::run(args).map(|()| 0),
         Command::Report(args) => report::run(args).map(|()| 0),
-        Command::Schema => message::result(&format!("{:#}\n", recipe::schema())).map(|()| 0),
+        Command::Schema => message::json(&recipe::schema()).map(|()| 0),
         Command::Shape(_) => frames::run::<WorkArgs>(typed),
         Command::Enhance(_) => frames::run::<EnhanceArgs>(typed),
         Command::Relight(_) => frames::run::<RelightArgs>(typed),

@@ -1,15 +1,15 @@
 //! From planes to the output file.
 
-use super::args::{LayersArg, OutputArgs, SampleArg, TransformArg, WorkArgs};
+use super::args::{LayersArg, OutputArgs, SampleArg, TransformArg};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
 use crate::io::colorspace::{converted, rec709_from};
 use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
-use crate::io::output::{check_writable, refuse_overwriting_input, write_atomically};
+use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::{Picture, PictureFormat};
 use std::io::{Seek, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Name of the part that holds our results, and of the layer that holds the enhanced picture in it.
 const PART: &str = "relievo";
@@ -27,8 +27,7 @@ pub(super) enum Kind {
 /// Where a result goes.
 pub(super) struct ReadyOutput<'a> {
     pub(super) path: &'a Path,
-    /// Whether an older file may be replaced.
-    pub(super) clobber: bool,
+    pub(super) replace: Replace,
 }
 
 impl Kind {
@@ -49,6 +48,22 @@ impl Kind {
 }
 
 impl OutputArgs {
+    /// What may happen to an older output.
+    pub(super) fn replace(&self) -> Replace {
+        match self.no_clobber {
+            true => Replace::Never,
+            false => self.replace_beside(),
+        }
+    }
+
+    /// What may happen to older files that are written beside the output: timings and recipes.
+    pub(super) fn replace_beside(&self) -> Replace {
+        match self.force {
+            true => Replace::Always,
+            false => Replace::IfWritable,
+        }
+    }
+
     /// The kind of the output; a picture where there is none.
     pub(super) fn kind(&self) -> Result<Kind> {
         match &self.output {
@@ -152,7 +167,7 @@ impl OutputArgs {
     /// Writes planes to an EXR; what is not as it was in the input.
     pub(super) fn write_exr(
         &self,
-        ReadyOutput { path, clobber }: ReadyOutput,
+        ReadyOutput { path, replace }: ReadyOutput,
         loaded: &Loaded,
         channels: &[OutputChannel],
         recipe: String,
@@ -162,7 +177,7 @@ impl OutputArgs {
         let part = self.part(loaded, window, named.collect(), recipe);
         let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
         let mut said = Vec::new();
-        write_atomically(path, clobber, |w| {
+        write_atomically(path, replace, |w| {
             let (mut writer, warnings) = self.part_writer(loaded, w, path, &part)?;
             writer.push(&planes, 0..window.height())?;
             said = warnings;
@@ -170,38 +185,6 @@ impl OutputArgs {
         })?;
         Ok(said)
     }
-}
-
-/// No output may be one of `inputs` or another output, nor an older file that must stay, nor out of reach.
-pub(super) fn check_output(work: &WorkArgs, inputs: &[PathBuf]) -> Result<()> {
-    let paths = || inputs.iter().map(PathBuf::as_path);
-    let others = [
-        ("--timings", &work.run.timings),
-        ("--save-recipe", &work.run.save_recipe),
-    ];
-    for (name, path) in others {
-        let Some(path) = path else { continue };
-        refuse_overwriting_input(name, path, paths())?;
-        if Some(path) == work.output.output.as_ref() {
-            return Err(Error::BadParameter {
-                name,
-                found: format!("{} is the output too", path.display()),
-                remedy: "write to another file".into(),
-            });
-        }
-    }
-    let Some(output) = &work.output.output else {
-        return Ok(());
-    };
-    refuse_overwriting_input("-o", output, paths())?;
-    if work.output.no_clobber && output.exists() {
-        return Err(Error::BadParameter {
-            name: "-o",
-            found: format!("{} exists already", output.display()),
-            remedy: "choose another name or leave out --no-clobber".into(),
-        });
-    }
-    check_writable(output, true)
 }
 
 /// Colour planes as channels, with alpha where the picture has one.

@@ -3,12 +3,13 @@
 use super::args::ReportArgs;
 use super::message;
 use super::motion::Steps;
+use super::panics::caught;
 use super::report_device::ReportDevice;
 use super::sequence::inputs_of_frame;
-use super::threads::use_threads;
+use super::threads::on_threads;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
-use crate::io::output::{refuse_overwriting_input, write_atomically};
+use crate::io::output::{Files, Replace, remove_leftovers, write_text};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
@@ -16,16 +17,18 @@ use crate::report::gpu::GpuReport;
 use crate::report::{Extent, Report, advice, markdown, plots, run as measure};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 pub(super) fn run(args: &ReportArgs) -> Result<()> {
+    on_threads(args.threads, || caught(&args.input, || report(args)))
+}
+
+fn report(args: &ReportArgs) -> Result<()> {
     let started = Instant::now();
     args.shape.refuse_more_scales()?;
     let shape = args.shape.params();
     shape.validate()?;
-    use_threads(args.threads);
     let device = ReportDevice::of(args.backend)?;
     refuse_collisions(args)?;
     let frames = args.frames.of(&args.input, None)?;
@@ -43,6 +46,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
     }
     // Made only for what can be read, and before any long work.
     std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "make"))?;
+    remove_leftovers(&args.output);
     let extent = if args.quick {
         Extent::Quick
     } else {
@@ -67,9 +71,9 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
         report.coherence = coherence(args, frames, shape)?;
     }
     for (file, text) in files(&report) {
-        write_text(&args.output.join(file), &text)?;
+        write_text(&args.output.join(file), Replace::IfWritable, &text)?;
     }
-    message::result(&summary(&report, &args.output))
+    message::result(summary(&report, &args.output))
 }
 
 fn load(args: &ReportArgs, inputs: &Inputs) -> Result<Loaded> {
@@ -131,12 +135,13 @@ fn refuse_collisions(args: &ReportArgs) -> Result<()> {
             remedy: "name a directory for the report's files".into(),
         });
     }
-    let inputs = args.roles.files(&args.input);
-    for file in [PAGE, NUMBERS] {
-        let inputs = inputs.iter().map(PathBuf::as_path);
-        refuse_overwriting_input("-o", &directory.join(file), inputs)?;
+    let mut files = Files::default();
+    for input in args.roles.files(&args.input) {
+        files.reads(&input);
     }
-    Ok(())
+    [PAGE, NUMBERS]
+        .iter()
+        .try_for_each(|file| files.writes("-o", &directory.join(file)))
 }
 
 const PAGE: &str = "report.md";
@@ -195,14 +200,7 @@ fn json(report: &Report) -> String {
     text + "\n"
 }
 
-fn write_text(path: &Path, text: &str) -> Result<()> {
-    write_atomically(path, true, |w| {
-        w.write_all(text.as_bytes())
-            .map_err(Error::io(path, "write"))
-    })
-}
-
-fn summary(report: &Report, directory: &Path) -> String {
+fn summary(report: &Report, directory: &Path) -> [String; 5] {
     let wrong = report
         .stability
         .iter()
@@ -214,11 +212,11 @@ fn summary(report: &Report, directory: &Path) -> String {
         _ => format!("{wrong} of {cases} stiff and extreme cases did not end as declared."),
     };
     let path = directory.join(PAGE);
-    format!(
-        "{}\n{}\n{}\n{stability}\n{}\n",
+    [
         advice::sentence(report),
         advice::of_light(&report.light),
         advice::of_mirrors(&report.mirrors),
-        path.display()
-    )
+        stability,
+        path.display().to_string(),
+    ]
 }

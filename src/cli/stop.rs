@@ -31,11 +31,11 @@ pub(super) fn asked() -> Option<i32> {
 pub(super) fn mind_signals(first: First) {
     use signal_hook::consts::{SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
-    // Without a handler a signal still ends the program, and leaves a temporary file at worst.
-    let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
-        return;
-    };
-    std::thread::spawn(move || {
+    // Without a handler, or a thread for one, a signal still ends the program, and leaves a temporary file at worst.
+    let minds = move || {
+        let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
+            return;
+        };
         for signal in signals.forever() {
             let again = ASKED.swap(signal, Ordering::Relaxed) != 0;
             if again || first == First::Drop {
@@ -44,8 +44,21 @@ pub(super) fn mind_signals(first: First) {
             }
             super::message::say("stopping after the frames in hand; once more drops them");
         }
-    });
+    };
+    let _ = std::thread::Builder::new().spawn(minds);
 }
+
+/// Makes a write beyond the largest size that the system allows fail, where it would end the program.
+#[cfg(unix)]
+pub(super) fn outlive_full_files() {
+    let noticed = std::sync::Arc::default();
+    // Without it the signal ends the program, and leaves a temporary file at worst.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, noticed);
+}
+
+/// There is no such signal here.
+#[cfg(not(unix))]
+pub(super) fn outlive_full_files() {}
 
 /// There are no such signals here: the system ends the program.
 #[cfg(not(unix))]

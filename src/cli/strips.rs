@@ -187,8 +187,8 @@ pub(super) fn make<W: StripWork>(
         let names = channels.into_iter().map(|c| (c.name, c.sample_type));
         let args = &job.work.output;
         let part = args.part(&sample, whole, names.collect(), job.recipe(&chosen));
-        let ReadyOutput { path, clobber } = output;
-        write_atomically(path, clobber, |w| {
+        let ReadyOutput { path, replace } = output;
+        write_atomically(path, replace, |w| {
             let (mut writer, warnings) = args.part_writer(&sample, w, path, &part)?;
             warnings.iter().for_each(|warning| job.warn(warning));
             write(&source, job, |planes, rows| writer.push(planes, rows))?;

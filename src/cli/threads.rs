@@ -1,17 +1,61 @@
 //! Threads, and how many frames are made at a time.
 
 use super::args::WorkArgs;
+use super::message;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::thread;
 
-/// Makes a pool of `threads` for single frames; of as many as the machine lets this process have where not given.
-pub(super) fn use_threads(threads: Option<u16>) {
-    if let Some(threads) = threads {
-        // A pool that exists already, in a program that calls this twice, keeps its size.
-        let _ = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global();
+/// Most threads that can be asked for; more than any machine has cores for.
+pub(super) const MOST_THREADS: u16 = 512;
+
+/// Bytes of a thread's stack: as many as a main thread usually has.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Runs `run` on a pool of `threads`, or of as many as the machine lets this process have where not given.
+///
+/// Where the system allows fewer, those do it, down to the calling thread alone.
+pub(super) fn on_threads<T: Send>(threads: Option<u16>, run: impl FnOnce() -> T + Send) -> T {
+    let wanted = threads.map_or_else(of_machine, usize::from);
+    let pool = pool_of(wanted);
+    let got = pool.current_num_threads();
+    if got < wanted {
+        message::say(&format!(
+            "note: the system does not allow {wanted} threads; working with {got}"
+        ));
     }
+    pool.install(run)
+}
+
+/// Lets a window, which has to stay on the main thread, work with `threads`.
+#[cfg(feature = "view")]
+pub(super) fn use_threads(threads: Option<u16>) {
+    let builder = ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from));
+    // A pool that exists already, in a program that calls this twice, keeps its size.
+    let _ = builder.build_global();
+}
+
+fn of_machine() -> usize {
+    let machine = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    machine.min(MOST_THREADS.into())
+}
+
+/// A pool of `threads`, or of a half, a quarter, ... of them where the system allows no more.
+fn pool_of(threads: usize) -> ThreadPool {
+    let of = |threads| {
+        ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .stack_size(STACK_BYTES)
+    };
+    let halves = std::iter::successors(Some(threads), |n| (*n > 1).then_some(n / 2));
+    halves
+        .filter_map(|threads| of(threads).build().ok())
+        .next()
+        .unwrap_or_else(|| {
+            let alone = of(1).use_current_thread().build();
+            alone.expect("a pool of the thread that asks for it starts none")
+        })
 }
 
 /// Frames that are made at the same time, and the threads of each.
@@ -24,8 +68,7 @@ impl Lanes {
     /// on one thread, such as reading and compressing, then overlaps with the work of another. `first` is one of the
     /// frames, by which its memory is judged.
     pub(super) fn of(work: &WorkArgs, first: &Path, frames: usize) -> Self {
-        let machine = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let threads = work.run.threads.map_or(machine, usize::from);
+        let threads = rayon::current_num_threads();
         let most = work.run.max_memory.bytes() / work.frame_bytes(first).max(1);
         let lanes = threads
             .div_ceil(2)
@@ -40,19 +83,20 @@ impl Lanes {
         }
     }
 
-    /// Runs `lane` on every lane at once, each in a pool of its own.
+    /// Runs `lane` on every lane at once, each in a pool of its own; on this thread where no other can be had.
     pub(super) fn each(&self, lane: impl Fn() + Sync) {
-        std::thread::scope(|scope| {
-            for &threads in &self.threads {
-                let lane = &lane;
-                scope.spawn(move || {
-                    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
-                        Ok(pool) => pool.install(lane),
-                        // No more threads are to be had: the global pool does it.
-                        Err(_) => lane(),
-                    }
-                });
-            }
+        let lane = &lane;
+        let begun = thread::scope(|scope| {
+            let begin = |&threads: &usize| {
+                let begun = thread::Builder::new()
+                    .spawn_scoped(scope, move || pool_of(threads).install(lane));
+                begun.is_ok()
+            };
+            // Every lane that can begin does.
+            self.threads.iter().filter(|threads| begin(threads)).count()
         });
+        if begun == 0 {
+            lane();
+        }
     }
 }

@@ -4,9 +4,8 @@ use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
 use super::probe::{self, Value};
 use crate::cli::look::{Engine, Look, Pixels, Reading, Said, Studio, What};
-use crate::io::output::write_atomically;
+use crate::io::output::{Replace, write_text};
 use std::collections::{BTreeMap, VecDeque};
-use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -274,10 +273,7 @@ impl Bench {
     fn save_recipe(&mut self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
         self.studio.make(look, reading, What::Picture, 1)?;
         let text = self.studio.recipe(look, reading)?;
-        let written = write_atomically(path, true, |w| {
-            let failed = crate::Error::io(path, "write");
-            w.write_all(text.as_bytes()).map_err(failed)
-        });
+        let written = write_text(path, Replace::IfWritable, &text);
         written.map_err(|error| error.to_string())
     }
 }

@@ -1,12 +1,14 @@
 //! Sequences, recipes and stops, as a user or a farm runs them.
 
 mod colors;
+mod names;
 mod outputs;
 mod recipes;
 mod sequences;
 #[cfg(unix)]
 mod stops;
 mod strips;
+mod threads;
 
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};

@@ -88,3 +88,167 @@ fn a_disk_that_fills_up_leaves_the_old_file() {
     assert!(bytes(here, "out.exr") == before);
     assert_eq!(names(here, ".relievo"), [""; 0]);
 }
+
+/// What is read is never written over, and no file is written twice, however it is spelled.
+#[cfg(unix)]
+#[test]
+fn files_are_compared_and_not_their_names() {
+    use std::os::unix::fs::symlink;
+    let desk = desk(1..=2);
+    let here = desk.path();
+    fs::create_dir(here.join("st")).unwrap();
+    fs::copy(
+        concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/clay.png"),
+        here.join("st/1.png"),
+    )
+    .unwrap();
+    fs::hard_link(here.join("in.0002.exr"), here.join("next.0001.exr")).unwrap();
+    symlink("st", here.join("links")).unwrap();
+    fs::write(
+        here.join("look.toml"),
+        "version = 1\ncommand = \"enhance\"\n",
+    )
+    .unwrap();
+    let before =
+        ["in.0001.exr", "in.0002.exr", "st/1.png", "look.toml"].map(|name| bytes(here, name));
+    for (words, found) in [
+        (
+            "enhance in.0001.exr -o o.png --timings ./o.png",
+            "output of -o too",
+        ),
+        (
+            "enhance in.0001.exr -o o.png --save-recipe ./o.png",
+            "output of -o too",
+        ),
+        (
+            "enhance in.0001.exr -o o.png --timings x --save-recipe st/../x",
+            "output of --timings too",
+        ),
+        (
+            "enhance in.0001.exr -o o.png --timings ./in.0001.exr",
+            "is the input",
+        ),
+        (
+            "relight in.0001.exr --light 9,9 --lit-sphere st/1.png -o links/1.png",
+            "is the input",
+        ),
+        ("hatch in.0001.exr --style st -o links/1.png", "lies in st"),
+        ("hatch in.0001.exr --style st -o st/new.png", "lies in st"),
+        (
+            "run look.toml in.0001.exr -o o.png --save-recipe ./look.toml",
+            "is the input",
+        ),
+        // The output of one frame is the input of the next.
+        (
+            "enhance in.####.exr --frames 1-2 -o next.####.exr",
+            "is the input",
+        ),
+        (
+            "enhance in.####.exr --frames 1-2 -o o.####.png --timings ./o.####.png",
+            "output of -o too",
+        ),
+        (
+            "hatch in.####.exr --frames 1-2 --motion next.%04d.exr -o next.####.exr",
+            "is the input",
+        ),
+    ] {
+        let said = ended(relievo(here, words), 2);
+        assert!(said.contains(found), "{words}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    let after =
+        ["in.0001.exr", "in.0002.exr", "st/1.png", "look.toml"].map(|name| bytes(here, name));
+    assert!(before == after);
+    assert_eq!(names(here, "o."), [""; 0]);
+}
+
+/// A path that cannot be written to is found before the frame is read: here there is none.
+#[test]
+fn bad_paths_are_found_before_any_work() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    fs::create_dir(here.join("folder")).unwrap();
+    for flag in ["-o", "--timings", "--save-recipe"] {
+        for path in ["none/x.png", "folder"] {
+            let output = if flag == "-o" { "" } else { "-o o.png" };
+            let words = format!("enhance none.exr {output} {flag} {path}");
+            let said = ended(relievo(here, &words), 1);
+            assert!(said.contains("cannot write"), "{words}: {said}");
+        }
+    }
+    assert_eq!(fs::read_dir(here).unwrap().count(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn outputs_keep_permissions_and_write_protected_ones_stay() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = desk(1..=1);
+    let here = desk.path();
+    let mode = |mode| fs::set_permissions(here.join("o.png"), fs::Permissions::from_mode(mode));
+    let enhance = |rest: &str| relievo(here, &format!("enhance in.0001.exr -o o.png {rest}"));
+    ended(enhance(""), 0);
+    mode(0o600).unwrap();
+    ended(enhance("--scaling 2"), 0);
+    let is = || {
+        fs::metadata(here.join("o.png"))
+            .unwrap()
+            .permissions()
+            .mode()
+            & 0o777
+    };
+    assert_eq!(is(), 0o600);
+    mode(0o400).unwrap();
+    let before = bytes(here, "o.png");
+    let said = ended(enhance("--scaling 3"), 1);
+    assert!(
+        said.contains("write-protected; --force replaces it"),
+        "{said}"
+    );
+    assert!(bytes(here, "o.png") == before);
+    ended(enhance("--scaling 3 --force"), 0);
+    assert!(bytes(here, "o.png") != before && is() == 0o400);
+}
+
+/// Pipes and devices are refused at once, as inputs and where a killed run's leftovers are looked for.
+#[cfg(unix)]
+#[test]
+fn pipes_are_not_waited_for() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    let pipe = |name: &str| {
+        let made = std::process::Command::new("mkfifo")
+            .arg(here.join(name))
+            .status();
+        assert!(
+            made.is_ok_and(|status| status.success()),
+            "mkfifo is missing"
+        );
+    };
+    pipe("pipe");
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
+    pipe(&format!(".relievo-{host}-1-abcdef.part"));
+    pipe(&format!(".relievo-{host}-abcdef.part"));
+    ended(relievo(here, "enhance in.0001.exr -o o.png"), 0);
+    ended(
+        relievo(here, "enhance in.####.exr --frames 1 -o o.####.png"),
+        0,
+    );
+    for words in [
+        "enhance pipe -o x.png",
+        "inspect pipe",
+        "inspect /dev/zero",
+        "enhance in.0001.exr --normal pipe -o x.png",
+        "enhance in.0001.exr --camera pipe -o x.png",
+        "relight in.0001.exr --environment pipe -o x.png",
+        "relight in.0001.exr --lit-sphere pipe -o x.png",
+        "run pipe in.0001.exr -o x.png",
+    ] {
+        let said = ended(relievo(here, words), 1);
+        assert!(said.contains("it is a pipe or a device"), "{words}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    let said = ended(relievo(here, "enhance in.0001.exr -o pipe"), 2);
+    assert!(said.contains("no known extension"), "{said}");
+}

@@ -77,15 +77,35 @@ fn what_a_killed_run_left_is_removed_by_the_next() {
     let writer = std::fs::File::create(&held).unwrap();
     writer.set_modified(long_ago).unwrap();
     writer.lock().unwrap();
+    // One of a process that has ended is left, however young; one of a living process may get its lock yet.
+    let mut ended_process = std::process::Command::new("true").spawn().unwrap();
+    ended_process.wait().unwrap();
+    let young = here.join(format!(
+        ".relievo-{host}-{}-abcdef.part",
+        ended_process.id()
+    ));
+    std::fs::write(&young, b"half a frame").unwrap();
+    let living = here.join(format!(
+        ".relievo-{host}-{}-abcdef.part",
+        std::process::id()
+    ));
+    std::fs::write(&living, b"half a frame").unwrap();
     // And of another machine nothing is known.
     let foreign = here.join(".relievo--elsewhere-.part");
     let file = std::fs::File::create(&foreign).unwrap();
     file.set_modified(long_ago).unwrap();
-    ended(
-        relievo(here, "enhance in.####.exr --frames 1-2 -o ./out.####.png"),
-        0,
-    );
+    ended(relievo(here, "enhance in.0001.exr -o ./out.png"), 0);
     assert!(!left.exists() && held.exists() && foreign.exists());
+    assert!(!young.exists() && living.exists());
+    // Sequences sweep too, and the folders of whatever else they write.
+    std::fs::create_dir(here.join("times")).unwrap();
+    let times = here.join("times").join(young.file_name().unwrap());
+    for path in [&young, &times] {
+        std::fs::write(path, b"half a frame").unwrap();
+    }
+    let words = "enhance in.####.exr --frames 1-2 -o out.####.png --timings times/####.json";
+    ended(relievo(here, words), 0);
+    assert!(!young.exists() && !times.exists());
 }
 
 #[test]

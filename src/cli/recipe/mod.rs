@@ -23,7 +23,7 @@ pub(super) const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
 pub(super) fn is_setting(arg: &Arg) -> bool {
     let id = arg.get_id().as_str();
     let of_a_run = matches!(arg.get_help_heading(), Some("Run" | "Sequence"));
-    let files = ["input", "output", "no_clobber", "help"];
+    let files = ["input", "output", "no_clobber", "force", "help"];
     let is_kept = arg.get_long() == Some(SAMPLE_FRAMES) || !of_a_run;
     arg.get_long().is_some() && is_kept && !files.contains(&id)
 }

@@ -16,7 +16,7 @@ const MOST_BYTES: u64 = 1 << 20;
 /// The settings of a command.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
-    path: PathBuf,
+    pub(in crate::cli) path: PathBuf,
     pub(in crate::cli) command: String,
     settings: Table,
 }

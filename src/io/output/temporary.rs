@@ -1,0 +1,250 @@
+//! Files that are being written, and what killed programs left of theirs.
+
+use super::target::directory_of;
+use crate::io::open::open_input;
+use std::fs::{self, File, Permissions};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, SystemTime};
+use tempfile::TempPath;
+
+/// How the names of temporary files end.
+const SUFFIX: &str = ".part";
+
+/// How those of this machine begin: locks and process numbers mean nothing to others.
+fn prefix_of_host() -> String {
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
+    format!(".relievo-{host}-")
+}
+
+/// A temporary file that is younger may get its lock any moment.
+const JUST_MADE: Duration = Duration::from_secs(2);
+
+/// A file under construction, locked so that other programs see that somebody writes it.
+pub(super) struct Temporary {
+    file: File,
+    /// Its name, where the system has no files without one.
+    named: Option<Named>,
+}
+
+impl Temporary {
+    /// A new file that will go to `target`: without a name where the system can do that, so that a program that is killed
+    /// leaves nothing.
+    pub(super) fn beside(target: &Path) -> io::Result<Self> {
+        let directory = directory_of(target);
+        if let Some(file) = anonymous_in(directory) {
+            let _ = file.try_lock();
+            return Ok(Self { file, named: None });
+        }
+        let (file, named) = Named::new(directory)?;
+        Ok(Self {
+            file,
+            named: Some(named),
+        })
+    }
+
+    /// Another handle of the file, to write through.
+    pub(super) fn writer(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+
+    /// Gives the file, which is whole, the name `target` and these permissions, in place of an older file if `replaces`.
+    pub(super) fn publish(
+        self,
+        target: &Path,
+        replaces: bool,
+        permissions: Option<Permissions>,
+    ) -> io::Result<()> {
+        if let Some(permissions) = permissions {
+            self.file.set_permissions(permissions)?;
+        }
+        self.file.sync_all()?;
+        match self.named {
+            Some(named) => named.renamed(target, replaces)?,
+            None => publish_anonymous(&self.file, target, replaces)?,
+        }
+        // The new name lasts once the directory is on disk; not every file system can promise that.
+        if let Ok(directory) = File::open(directory_of(target)) {
+            let _ = directory.sync_all();
+        }
+        Ok(())
+    }
+}
+
+/// A file without a name, if this system has such files and can name them later.
+#[cfg(target_os = "linux")]
+fn anonymous_in(directory: &Path) -> Option<File> {
+    use rustix::fs::{Mode, OFlags, open};
+    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+    let file = File::from(open(directory, flags, Mode::from_raw_mode(0o666)).ok()?);
+    // Its number among the open files is the only way to name it.
+    link_of(&file).exists().then_some(file)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn anonymous_in(_: &Path) -> Option<File> {
+    None
+}
+
+#[cfg(target_os = "linux")]
+fn link_of(file: &File) -> PathBuf {
+    use std::os::fd::AsRawFd;
+    format!("/proc/self/fd/{}", file.as_raw_fd()).into()
+}
+
+#[cfg(target_os = "linux")]
+fn publish_anonymous(file: &File, target: &Path, replaces: bool) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    let link = |path: &Path| {
+        linkat(CWD, link_of(file), CWD, path, AtFlags::SYMLINK_FOLLOW).map_err(io::Error::from)
+    };
+    match link(target) {
+        // A link replaces nothing: the file takes another name first, and the old one's place by that.
+        Err(error) if replaces && error.kind() == io::ErrorKind::AlreadyExists => {
+            Named::linked(directory_of(target), link)?.renamed(target, true)
+        }
+        linked => linked,
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn publish_anonymous(_: &File, _: &Path, _: bool) -> io::Result<()> {
+    unreachable!("every temporary file has a name here")
+}
+
+/// The name of a temporary file; the file is removed with it.
+struct Named {
+    path: TempPath,
+    _unfinished: Unfinished,
+}
+
+impl Named {
+    /// A new file with the permissions that any new file gets.
+    fn new(directory: &Path) -> io::Result<(File, Self)> {
+        let prefix = prefix();
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(SUFFIX);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // The system takes away what the user's mask forbids.
+            builder.permissions(Permissions::from_mode(0o666));
+        }
+        let (file, path) = builder.tempfile_in(directory)?.into_parts();
+        let _ = file.try_lock();
+        Ok((file, Self::noted(path)))
+    }
+
+    /// The name that `link` gives a file.
+    #[cfg(target_os = "linux")]
+    fn linked(directory: &Path, link: impl FnMut(&Path) -> io::Result<()>) -> io::Result<Self> {
+        let prefix = prefix();
+        let mut builder = tempfile::Builder::new();
+        let linked = builder
+            .prefix(&prefix)
+            .suffix(SUFFIX)
+            .make_in(directory, link)?;
+        Ok(Self::noted(linked.into_temp_path()))
+    }
+
+    fn noted(path: TempPath) -> Self {
+        Self {
+            _unfinished: Unfinished::note(&path),
+            path,
+        }
+    }
+
+    fn renamed(self, target: &Path, replaces: bool) -> io::Result<()> {
+        let renamed = match replaces {
+            true => self.path.persist(target),
+            false => self.path.persist_noclobber(target),
+        };
+        renamed.map_err(|failed| failed.error)
+    }
+}
+
+/// How the names of this process's temporary files begin.
+fn prefix() -> String {
+    format!("{}{}-", prefix_of_host(), std::process::id())
+}
+
+/// Names of temporary files that are being written.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A note of such a name, for as long as it lasts.
+struct Unfinished(PathBuf);
+
+impl Unfinished {
+    fn note(path: &Path) -> Self {
+        if let Ok(mut all) = UNFINISHED.lock() {
+            all.push(path.into());
+        }
+        Self(path.into())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if let Ok(mut all) = UNFINISHED.lock() {
+            all.retain(|path| *path != self.0);
+        }
+    }
+}
+
+/// Removes what is being written, for a program that is about to end. Nothing can be written after it.
+pub fn drop_unfinished() {
+    if let Ok(all) = UNFINISHED.lock() {
+        for path in all.iter() {
+            // What is gone already needs no removing.
+            let _ = fs::remove_file(path);
+        }
+        // Whoever begins another file waits for the lock until the program ends.
+        std::mem::forget(all);
+    }
+}
+
+/// Removes what programs that were killed on this machine have left in `directory`: temporary files that nobody
+/// writes.
+pub fn remove_leftovers(directory: &Path) {
+    let prefix = prefix_of_host();
+    let Ok(entries) = fs::read_dir(directory) else {
+        return;
+    };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let rest = name
+            .and_then(|name| name.strip_prefix(&prefix))
+            .and_then(|rest| rest.strip_suffix(SUFFIX));
+        if rest.is_some_and(|rest| is_left(&path, rest)) {
+            // Another program may have been faster.
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// Whether nobody writes the temporary file `path`, whose name is `rest` after the machine: its process is gone or it is
+/// old, and no one holds its lock.
+fn is_left(path: &Path, rest: &str) -> bool {
+    let Ok(file) = open_input(path) else {
+        return false;
+    };
+    let written = file.metadata().and_then(|data| data.modified()).ok();
+    let age = written.and_then(|at| SystemTime::now().duration_since(at).ok());
+    let is_orphan = rest.split('-').next().is_some_and(has_ended);
+    (is_orphan || age.is_some_and(|age| age > JUST_MADE)) && file.try_lock().is_ok()
+}
+
+/// Whether `process` is the number of a process that has ended.
+#[cfg(unix)]
+fn has_ended(process: &str) -> bool {
+    use rustix::process::{Pid, test_kill_process};
+    let pid = process.parse().ok().and_then(Pid::from_raw);
+    pid.is_some_and(|pid| test_kill_process(pid) == Err(rustix::io::Errno::SRCH))
+}
+
+#[cfg(not(unix))]
+fn has_ended(_: &str) -> bool {
+    false
+}
