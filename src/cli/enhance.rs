@@ -28,10 +28,13 @@ impl FrameCommand for EnhanceArgs {
         self.light.files(frame).collect()
     }
 
-    fn prepare(&self) -> Result<Engine> {
+    fn validate(&self) -> Result<()> {
         self.work.output.kind()?;
         self.work.shape.refuse_more_scales()?;
-        self.scaling().validate()?;
+        self.scaling().validate()
+    }
+
+    fn prepare(&self) -> Result<Engine> {
         Engine::new(self.work.run.backend)
     }
 

@@ -17,7 +17,7 @@ use crate::error::Result;
 use crate::io::output::{is_whole, write_text};
 use clap::FromArgMatches;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -37,7 +37,10 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
         false
     }
 
-    /// Refuses what can be refused before any frame is read, and makes what all have in common.
+    /// Refuses arguments that do not hold up, by themselves or together.
+    fn validate(&self) -> Result<()>;
+
+    /// Makes what all frames have in common.
     fn prepare(&self) -> Result<Self::Kit>;
 
     /// Makes the output of one frame; what was chosen for it.
@@ -79,10 +82,9 @@ fn single<C: FrameCommand>(
 ) -> Result<i32> {
     stop::mind_signals(First::Drop);
     let work = command.work();
-    files::refuse_collisions(command, invocation.recipe(), &[None])?;
-    files::check_outputs(work)?;
+    check(command, invocation.recipe(), &[None], work)?;
     files::sweep(work, &mut BTreeSet::new());
-    let kit = prepared(command)?;
+    let kit = command.prepare()?;
     let told = Told::default();
     let job = Job::new(work.clone(), &told, &recipe);
     let chosen = command.make(&kit, &job)?;
@@ -90,10 +92,17 @@ fn single<C: FrameCommand>(
     Ok(0)
 }
 
-/// What all frames have in common.
-fn prepared<C: FrameCommand>(command: &C) -> Result<C::Kit> {
+/// Refuses what can be refused before anything is read.
+fn check<C: FrameCommand>(
+    command: &C,
+    recipe: Option<&Path>,
+    frames: &[Option<i32>],
+    first: &WorkArgs,
+) -> Result<()> {
     command.work().shape.params().validate()?;
-    command.prepare()
+    command.validate()?;
+    files::refuse_collisions(command, recipe, frames)?;
+    files::check_outputs(first)
 }
 
 fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
@@ -112,12 +121,11 @@ fn sequence<C: FrameCommand>(
     stop::mind_signals(First::Finish);
     let quiet = command.work().run.quiet;
     let all: Vec<_> = frames.iter().copied().map(Some).collect();
-    files::refuse_collisions(&command, invocation.recipe(), &all)?;
     let first = command.work().of_frame(frames[0]);
-    files::check_outputs(&first)?;
+    check(&command, invocation.recipe(), &all, &first)?;
     let mut swept = BTreeSet::new();
     files::sweep(&first, &mut swept);
-    let kit = prepared(&command)?;
+    let kit = command.prepare()?;
     let samples = command.work().sequence.samples(frames);
     let chosen = choose(&command, &kit, &recipe, &samples)?;
     if !quiet && chosen != Chosen::default() {
@@ -319,6 +327,10 @@ mod tests {
 
         fn files(&self, _: Option<i32>) -> Vec<PathBuf> {
             Vec::new()
+        }
+
+        fn validate(&self) -> Result<()> {
+            Ok(())
         }
 
         fn prepare(&self) -> Result<()> {

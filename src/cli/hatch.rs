@@ -78,6 +78,10 @@ impl FrameCommand for HatchArgs {
         self.motion.moves()
     }
 
+    fn validate(&self) -> Result<()> {
+        self.looks().map(|_| ())
+    }
+
     fn prepare(&self) -> Result<HatchKit> {
         let looks = self.looks()?;
         Ok(HatchKit {

@@ -42,15 +42,18 @@ impl FrameCommand for RelightArgs {
         RelightArgs::files(self, frame)
     }
 
-    fn prepare(&self) -> Result<RelightKit> {
+    fn validate(&self) -> Result<()> {
         let work = &self.work;
         work.output.kind()?;
         work.shape.refuse_more_scales()?;
         self.scaling.params(work.shape.curvature_gain).validate()?;
-        self.params().validate()?;
+        self.params().validate()
+    }
+
+    fn prepare(&self) -> Result<RelightKit> {
         Ok(RelightKit {
             illumination: illumination(&self.light)?,
-            engine: Engine::new(work.run.backend)?,
+            engine: Engine::new(self.work.run.backend)?,
         })
     }
 

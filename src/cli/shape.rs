@@ -29,10 +29,14 @@ impl FrameCommand for WorkArgs {
         Vec::new()
     }
 
-    fn prepare(&self) -> Result<Engine> {
-        if self.goal()? == Goal::Display {
-            self.shape.refuse_more_scales()?;
+    fn validate(&self) -> Result<()> {
+        match self.goal()? {
+            Goal::Display => self.shape.refuse_more_scales(),
+            _ => Ok(()),
         }
+    }
+
+    fn prepare(&self) -> Result<Engine> {
         Engine::new(self.run.backend)
     }
 
