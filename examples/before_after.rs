@@ -4,7 +4,7 @@
 
 use relievo::backend::cpu;
 use relievo::frame::{ColorPlanes, Frame, Plane};
-use relievo::io::output::write_atomically;
+use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::params::{ScalingParams, ShapeParams};
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         bits: 8,
         transform: ViewTransform::Srgb,
     };
-    write_atomically(&output, true, |w| {
+    write_atomically(&output, Replace::IfWritable, |w| {
         write_picture(w, &output, PictureFormat::Png, &picture)
     })?;
     Ok(())

@@ -7,7 +7,7 @@
 
 use relievo::backend::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use relievo::io::output::write_atomically;
+use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs};
 use relievo::params::{FieldParams, ScalingParams, ShapeParams, StrokeDirections};
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         bits: 8,
         transform: ViewTransform::None,
     };
-    write_atomically(&output, true, |w| {
+    write_atomically(&output, Replace::IfWritable, |w| {
         write_picture(w, &output, PictureFormat::Png, &picture)
     })?;
     Ok(())

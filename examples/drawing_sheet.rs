@@ -6,9 +6,9 @@ mod common;
 
 use common::{light_from, load};
 use relievo::backend::cpu::{DrawingInputs, Runner};
-use relievo::compose::on_paper;
 use relievo::frame::{Frame, Plane};
 use relievo::light::lights::Illumination;
+use relievo::line::paper::on_paper;
 use relievo::params::{
     AlbedoSource, LineParams, Method, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
     StrokeScale, Style,

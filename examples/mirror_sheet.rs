@@ -5,11 +5,11 @@
 mod common;
 
 use relievo::backend::cpu::{DrawingInputs, Runner};
-use relievo::compose::on_paper;
 use relievo::frame::{ColorPlanes, Frame, SpecularScene};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, SpecularInputs, load_specular};
 use relievo::light::lights::Illumination;
+use relievo::line::paper::on_paper;
 use relievo::params::{
     Bend, LineParams, Material, RelightParams, ScalingParams, SearchParams, ShapeParams,
     SpecularParams, StrokeScale,

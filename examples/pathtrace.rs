@@ -54,7 +54,7 @@ use enhancement::{Bounces, Enhancement};
 use layers::{Extras, write_layers};
 use mesh::Mesh;
 use path::{Direct, Tracing};
-use relievo::io::output::write_atomically;
+use relievo::io::output::{Replace, write_atomically};
 use render::Job;
 use stage::Setting;
 use std::error::Error;
@@ -154,7 +154,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         }
         Command::Model { output } => {
             let urn = the_urn();
-            write_atomically(&output, true, |w| {
+            write_atomically(&output, Replace::IfWritable, |w| {
                 urn.write(w).map_err(|source| relievo::Error::Io {
                     path: output.clone(),
                     action: "write",

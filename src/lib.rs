@@ -56,7 +56,6 @@
 
 pub mod backend;
 pub mod cli;
-pub mod compose;
 pub mod error;
 pub mod fast_math;
 pub mod frame;

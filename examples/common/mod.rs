@@ -6,7 +6,7 @@ pub(crate) mod room;
 
 use relievo::backend::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane};
-use relievo::io::output::write_atomically;
+use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
@@ -119,7 +119,9 @@ pub(crate) fn write(path: &str, color: &ColorPlanes) -> relievo::Result<()> {
         bits: 8,
         transform: ViewTransform::Srgb,
     };
-    write_atomically(path, true, |w| write_picture(w, path, format, &picture))
+    write_atomically(path, Replace::IfWritable, |w| {
+        write_picture(w, path, format, &picture)
+    })
 }
 
 /// Red, green and blue, sRGB-encoded in 8 bits.

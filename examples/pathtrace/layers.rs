@@ -4,7 +4,7 @@ use super::render::{Job, Middle, Pixel};
 use glam::Vec3;
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
-use relievo::io::output::write_atomically;
+use relievo::io::output::{Replace, write_atomically};
 use std::path::Path;
 
 /// What Blender writes for the depth of nothing.
@@ -55,7 +55,7 @@ pub(crate) fn write_layers(path: &Path, job: &Job, extras: Extras) -> relievo::R
         chromaticities: None,
         compression: Default::default(),
     };
-    write_atomically(path, true, |w| write_results(w, path, &part))
+    write_atomically(path, Replace::IfWritable, |w| write_results(w, path, &part))
 }
 
 fn layers(

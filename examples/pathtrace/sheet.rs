@@ -25,7 +25,7 @@ type Picture = ColorPlanes;
 /// Renders all of them and writes one JPEG.
 pub(crate) fn write_sheet(output: &Path, samples: u32, width: usize) -> Result<(), Box<dyn Error>> {
     // Before an hour of rendering, see that there is a place for it.
-    relievo::io::output::check_writable(output, true)?;
+    relievo::io::output::check_writable(output, relievo::io::output::Replace::IfWritable)?;
     let warped = (Bounces::First, Bounces::None);
     let scaled = |bounces| (Bounces::None, bounces);
     let plain = scaled(Bounces::None);

@@ -92,6 +92,12 @@ fn single<C: FrameCommand>(
     Ok(0)
 }
 
+/// Refuses arguments of `command` that do not hold up.
+pub(super) fn validate<C: FrameCommand>(command: &C) -> Result<()> {
+    command.work().shape.params().validate()?;
+    command.validate()
+}
+
 /// Refuses what can be refused before anything is read.
 fn check<C: FrameCommand>(
     command: &C,
@@ -99,8 +105,7 @@ fn check<C: FrameCommand>(
     frames: &[Option<i32>],
     first: &WorkArgs,
 ) -> Result<()> {
-    command.work().shape.params().validate()?;
-    command.validate()?;
+    validate(command)?;
     files::refuse_collisions(command, recipe, frames)?;
     files::check_outputs(first)
 }

@@ -11,7 +11,6 @@ use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
 use super::strips::refuse_too_large;
 use crate::backend::cpu::{Drawing, DrawingInputs, SequenceInputs, TextureCoordinates};
-use crate::compose::on_paper;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
@@ -19,7 +18,8 @@ use crate::io::inputs::Inputs;
 use crate::io::picture::Picture;
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs, load_specular};
-use crate::light::lights::{DirectionalLight, Illumination, direction_of};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
+use crate::line::paper::on_paper;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
     LineParams, Material, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
@@ -29,9 +29,6 @@ use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-
-/// The light of a drawing that has no other: from the upper left.
-pub(super) const LAMP: [f32; 2] = [135.0, 40.0];
 
 /// What all frames that are drawn have in common.
 pub(super) struct HatchKit {
@@ -292,7 +289,7 @@ fn own_map(path: &Path, strokes: &StrokeParams) -> Result<TonalArtMap> {
 }
 
 fn lamp() -> DirectionalLight {
-    let [azimuth, elevation] = LAMP;
+    let [azimuth, elevation] = LAMP_DEG;
     DirectionalLight {
         to_light: direction_of(azimuth, elevation),
         intensity: [1.0; 3],

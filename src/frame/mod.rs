@@ -87,6 +87,11 @@ pub struct Source {
 }
 
 impl Frame {
+    /// Weights of linear red, green and blue in the luminance of the picture: those of its primaries, or of Rec. 709.
+    pub fn luminance_weights(&self) -> [f32; 3] {
+        self.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
+    }
+
     /// A frame of view-space unit normals where `mask` covers, and of nothing else yet: square pixels, all of them
     /// shown.
     pub fn of_normals(normal: Vector3Planes, mask: Mask) -> Self {

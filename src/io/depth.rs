@@ -1,5 +1,6 @@
 //! What depth measures, told by the normals; and depth from a layer of positions.
 
+use super::camera::quantile;
 use super::inputs::StoredDepth;
 use super::load::Finding;
 use super::normals::normalise;
@@ -172,8 +173,7 @@ fn sines(
     sines.filter(|sine| sine.is_finite()).collect()
 }
 
+/// The median; `None` for too few values to decide anything.
 fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (values.len() >= FEWEST_SAMPLES)
-        .then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+    (values.len() >= FEWEST_SAMPLES).then(|| quantile(&mut values, 0.5))
 }

@@ -10,6 +10,7 @@
 //! What this cannot see: a world-space map of a scene watched from straight above with z up *is* a
 //! view-space map, up to a turn about the view axis. Without camera and depth it is read as view space.
 
+use super::camera::quantile;
 use super::inputs::Flip;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
@@ -376,11 +377,7 @@ fn line_angle_deg(a: DVec3, b: DVec3) -> f64 {
 
 /// The median; `None` for too few values to decide anything.
 fn median(values: &mut [f64]) -> Option<f64> {
-    if values.len() < FEWEST_SHAPES {
-        return None;
-    }
-    let middle = values.len() / 2;
-    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+    (values.len() >= FEWEST_SHAPES).then(|| quantile(values, 0.5))
 }
 
 const WORLD: NormalSpaceConclusion = NormalSpaceConclusion::Certain {

@@ -230,7 +230,7 @@ mod tests {
     use super::*;
     use crate::light::radiance_scaling::scaling;
 
-    const GREY: [f32; 3] = [0.2126, 0.7152, 0.0722];
+    const GREY: [f32; 3] = crate::frame::REC709_LUMINANCE;
 
     fn by(magnitude: f32, white: f32) -> TermScaling {
         TermScaling {

@@ -380,6 +380,12 @@ impl Plan {
         self.stages.contains(&stage)
     }
 
+    /// Whether the weights of silhouettes and creases are results themselves, or a later stage reads them: conductance
+    /// alone is made without.
+    pub(crate) fn keeps_edge_weights(&self) -> bool {
+        self.goal == Goal::Layers || self.has(Stage::Contours)
+    }
+
     /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
     /// this distance to its border on, unless a gain or white level is chosen from the frame. A drawing
     /// depends on all of it.

@@ -7,7 +7,7 @@
 use crate::backend::cpu::{DrawingInputs, Outcome, Runner, SequenceInputs, TextureCoordinates};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
-use crate::light::lights::{DirectionalLight, Illumination, direction_of};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
 use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, ToneParams};
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
@@ -50,9 +50,6 @@ pub struct Coherence {
     /// Mean of each difference over the rows: still, carried, floor.
     pub means: [f64; 3],
 }
-
-/// Azimuth and elevation of the light for a sequence without a picture.
-const LAMP: [f32; 2] = [135.0, 40.0];
 
 /// Measures `frames`, taken one after another; frames without motion begin anew. `None` where no two
 /// frames follow each other with motion between.
@@ -97,7 +94,7 @@ struct Artist {
 
 impl Artist {
     fn new(shape: ShapeParams) -> Self {
-        let [azimuth, elevation] = LAMP;
+        let [azimuth, elevation] = LAMP_DEG;
         Self {
             runner: Runner::default(),
             shape,

@@ -13,8 +13,7 @@ use std::ops::Range;
 /// Silhouette weight, 0..1, of the pixel at column `x` from `map`: the logarithm of depth, or an
 /// occlusion map.
 ///
-/// The jump across the pixel is twice the Sobel slope: the difference between the two sides. A
-/// pixel with an uncovered pixel among its eight neighbours is on the border, weight 1.
+/// A pixel with an uncovered pixel among its eight neighbours is on the border, weight 1.
 /// Source: [LW] algorithm 1, step 1.
 #[inline(always)]
 pub fn silhouette_weight(
@@ -26,7 +25,13 @@ pub fn silhouette_weight(
     if on_border(covered, x) {
         return 1.0;
     }
-    let [dx, dy] = sobel(map.neighbourhood(x));
+    jump_weight(map.neighbourhood(x), threshold)
+}
+
+/// The weight of the jump across the middle of `around`: twice the Sobel slope, the difference between the two sides.
+#[inline(always)]
+fn jump_weight(around: [[f32; 3]; 3], threshold: SoftThreshold) -> f32 {
+    let [dx, dy] = sobel(around);
     threshold.weight(2.0 * (dx * dx + dy * dy).sqrt())
 }
 
@@ -61,9 +66,7 @@ pub fn silhouette_row(
     let [above, at, below] = [map.above, map.at, map.below].map(|row| Shifted::new(row, &inner));
     let seen = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
     for (i, out) in out.iter_mut().enumerate() {
-        let samples = [above.around(i), at.around(i), below.around(i)];
-        let [dx, dy] = sobel(samples);
-        let jump = threshold.weight(2.0 * (dx * dx + dy * dy).sqrt());
+        let jump = jump_weight([above.around(i), at.around(i), below.around(i)], threshold);
         let seen = |r: usize| seen[r].left[i] & seen[r].at[i] & seen[r].right[i];
         *out = if seen(0) & seen(1) & seen(2) {
             jump

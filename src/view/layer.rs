@@ -3,7 +3,7 @@
 use super::flow;
 use crate::backend::cpu::Outcome;
 use crate::cli::look::{Pixels, Said, What};
-use crate::frame::{ColorPlanes, Frame, Plane, REC709_LUMINANCE};
+use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Picture, ViewTransform};
 
 /// A layer to be looked at.
@@ -105,7 +105,7 @@ pub(super) fn pixels(layer: Layer, frame: &Frame, outcome: &Outcome) -> Result<P
 }
 
 fn luminance(color: &ColorPlanes, frame: &Frame) -> Plane {
-    let [r, g, b] = frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE);
+    let [r, g, b] = frame.luminance_weights();
     let samples = color.r.samples().iter().zip(color.g.samples());
     let samples = samples.zip(color.b.samples());
     let luminance = samples.map(|((&red, &green), &blue)| r * red + g * green + b * blue);

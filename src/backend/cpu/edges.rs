@@ -25,18 +25,13 @@ pub(super) struct Weights {
     pub(super) conductance: Plane,
 }
 
-/// Whether the two weights are asked for, beside what is made of them.
-pub(super) fn weights_wanted(plan: &Plan) -> bool {
-    plan.has(Stage::Hessian) || plan.has(Stage::Contours)
-}
-
 /// Edges, with their weights where those are asked for, and the gradient.
 pub(super) fn edges_and_gradient(
     plan: &Plan,
     frame: &Frame,
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
-    edges_with_weights(plan, frame, weights_wanted(plan), memory)
+    edges_with_weights(plan, frame, plan.keeps_edge_weights(), memory)
 }
 
 /// The same with the two weights or without.

@@ -4,9 +4,7 @@
 use super::contours::{self, DrawnLine, FoundEdges, Piece};
 use super::drawing::{self, Densities};
 use super::memory::Memory;
-use super::{
-    Runner, SequenceInputs, TextureCoordinates, direction_field, light, light_layers, relight,
-};
+use super::{Runner, SequenceInputs, TextureCoordinates, direction_field, light_layers, relight};
 use crate::backend::light_terms::light_terms;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::line::contours::Contour;
@@ -20,7 +18,7 @@ use std::time::{Duration, Instant};
 
 /// The albedo of a frame, estimated from its picture.
 pub(in crate::backend) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
-    let weights = light::luminance_weights(frame);
+    let weights = frame.luminance_weights();
     relight::estimated(frame, weights, &Memory::default())
 }
 
@@ -124,7 +122,7 @@ impl Runner {
         directions: &[Vector2Planes],
         conductance: &Plane,
     ) -> Vec<Streamline> {
-        let weights = light::luminance_weights(frame);
+        let weights = frame.luminance_weights();
         let densities = Densities::new(tone, frame, weights, white, &params.tone);
         let factor = plan.resolution_factor as f32;
         let (strokes, memory) = (&params.strokes, &self.memory);

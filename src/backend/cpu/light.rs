@@ -5,15 +5,11 @@ use super::memory::Memory;
 use super::passes::map_covered;
 use super::simd::Simd;
 use crate::backend::palette;
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
+use crate::frame::{ColorPlanes, Mask, Plane};
 use crate::light::radiance_scaling::scaling;
 use crate::params::ScalingParams;
 use crate::shape::curvature::mapped_curvature;
 use rayon::prelude::*;
-
-pub(super) fn luminance_weights(frame: &Frame) -> [f32; 3] {
-    frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
-}
 
 /// The luminance of a colour.
 #[inline(always)]

@@ -1,7 +1,6 @@
 //! Radiance scaling of the light layers of a frame: all terms of a row at a time, rows in parallel.
 
 use super::ROWS_PER_TASK;
-use super::light::luminance_weights;
 use super::memory::Memory;
 use super::passes::map_rows;
 use super::percentile::{PercentileSearch, percentile};
@@ -87,7 +86,7 @@ pub(super) fn add_to_searches(
     rows: &Range<usize>,
     memory: &Memory,
 ) {
-    let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
+    let (weights, absent) = (frame.luminance_weights(), Absent::new(frame.mask.width()));
     for term in light_terms(&frame.light.lobes, params) {
         let luminance = term.luminance(weights, &frame.mask, &absent, memory);
         let known = searches.iter().position(|(name, _)| *name == term.name);
@@ -108,7 +107,7 @@ pub(super) fn white_levels(
     params: &ScalingParams,
     memory: &Memory,
 ) -> Vec<(&'static str, f32)> {
-    let (weights, absent) = (luminance_weights(frame), Absent::new(frame.mask.width()));
+    let (weights, absent) = (frame.luminance_weights(), Absent::new(frame.mask.width()));
     let level =
         |term: &LightTerm| match (params.term_white_levels.of(term.name), params.white_level) {
             (Some(level), _) | (None, Adaptive::Fixed(level)) => level,
@@ -128,7 +127,7 @@ pub(super) fn scale_lobes(
 ) -> ColorPlanes {
     let simd = Simd::widest();
     let absent = Absent::new(frame.mask.width());
-    let weights = luminance_weights(frame);
+    let weights = frame.luminance_weights();
     let scalings: Vec<_> = terms
         .iter()
         .zip(whites)
@@ -163,7 +162,7 @@ pub(super) fn scale_groups(
         magnitude: params.magnitudes().diffuse,
         invariant_point: params.invariant_point,
         white: 1.0,
-        weights: luminance_weights(frame),
+        weights: frame.luminance_weights(),
     };
     let normal = [&frame.normal.x, &frame.normal.y, &frame.normal.z];
     changed(frame, memory, |y, scratch| {

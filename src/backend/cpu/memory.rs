@@ -82,6 +82,8 @@ impl Outcome {
         let hessian = hessian.flat_map(|SymmetricPlanes { xx, xy, yy }| [xx, xy, yy]);
         let curvatures = shape.curvatures.into_iter().chain(curvatures);
         let curvatures = curvatures.flat_map(|c| [c.u, c.v, c.mean]);
+        let drawing = self.drawing.into_iter();
+        let drawing = drawing.flat_map(|d| std::iter::once(d.hatching).chain(d.contours));
         let color = self.color.into_iter();
         let color = color.flat_map(|ColorPlanes { r, g, b }| [r, g, b]);
         alone
@@ -89,6 +91,7 @@ impl Outcome {
             .flatten()
             .chain(kappas)
             .chain(vectors)
+            .chain(drawing)
             .chain(hessian)
             .chain(curvatures)
             .chain(color)

@@ -176,7 +176,7 @@ impl Run<'_> {
     /// Edges, and the gradient before diffusion unless it is kept.
     fn find_edges(&mut self) -> (Weights, Option<Vector2Planes>) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let wanted = edges::weights_wanted(plan);
+        let wanted = plan.keeps_edge_weights();
         let kept = self.kept.as_deref_mut();
         if let Some(weights) = kept.and_then(|kept| kept.take_weights(wanted)) {
             return (weights, None);
@@ -355,7 +355,7 @@ impl Run<'_> {
             .color
             .as_ref()
             .expect("radiance scaling needs a picture");
-        let weights = light::luminance_weights(frame);
+        let weights = frame.luminance_weights();
         let is_occlusion = frame.light.picture_is_occlusion;
         let mut params = plan.scaling;
         if is_occlusion {
@@ -433,7 +433,7 @@ impl Run<'_> {
             magnitude: plan.scaling.magnitudes().ambient,
             invariant_point: plan.scaling.invariant_point,
             white: 1.0,
-            weights: light::luminance_weights(frame),
+            weights: frame.luminance_weights(),
         };
         self.with_curvature("ambient-occlusion", |made, curvature| {
             let color = made.or_else(|| frame.color.clone());

@@ -1,6 +1,5 @@
 //! What is chosen from a whole picture that comes strip by strip.
 
-use super::light::luminance_weights;
 use super::light_layers::add_to_searches;
 use super::percentile::PercentileSearch;
 use super::statistics::{GainSearch, luminances, white_of};
@@ -73,7 +72,7 @@ impl StripSearch {
             runner.take_back(outcome);
         }
         if let (Some(search), Some(color)) = (&mut self.white, &strip.color) {
-            let weights = luminance_weights(strip);
+            let weights = strip.luminance_weights();
             search.add(rows.clone(), |y| luminances(color, weights, &strip.mask, y));
         }
         if plan.has(Stage::AutoWhite) && plan.has(Stage::LightLobes) {

@@ -4,7 +4,6 @@
 use super::choose::Search;
 use super::constants::WHITE;
 use super::draw::{medium, plane_of};
-use super::enhance::luminance_weights;
 use super::hatching::Strokes;
 use super::light::Light;
 use super::line_coverage::Medium;
@@ -197,7 +196,7 @@ impl Runner {
         if let Adaptive::Fixed(white) = params.tone.white_point {
             return Ok(white);
         }
-        let search = [Search::White(luminance_weights(frame))];
+        let search = [Search::White(frame.luminance_weights())];
         let found = self.search(plan, frame, Some(tone), &search, strips)?;
         Ok(found[WHITE as usize])
     }

@@ -6,13 +6,9 @@ use super::run::Run;
 use super::shape::Shape;
 use super::surface::Picture;
 use super::uniforms::{ScaleParams, SizeParams};
-use crate::frame::{Frame, REC709_LUMINANCE};
+use crate::frame::Frame;
 use crate::params::Adaptive;
 use crate::plan::{Plan, Stage};
-
-pub(super) fn luminance_weights(frame: &Frame) -> [f32; 3] {
-    frame.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
-}
 
 /// The white level where it does not depend on the picture.
 pub(super) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
@@ -40,7 +36,7 @@ impl Run<'_> {
         if !plan.has(Stage::RadianceScaling) {
             return;
         }
-        let weights = luminance_weights(frame);
+        let weights = frame.luminance_weights();
         let [red, green, blue] = picture;
         if known_white_level(plan, frame).is_none() {
             let search = Searching::new(self, Search::White(weights));

@@ -2,7 +2,6 @@
 
 use super::choose::{Search, Searching};
 use super::constants::WHITE;
-use super::enhance::luminance_weights;
 use super::kernels::Kernel;
 use super::run::Run;
 use super::sheets::Sheets;
@@ -102,7 +101,7 @@ impl Run<'_> {
             return self.hold(&chosen);
         }
         let paper = self.copy_of(&self.chosen.clone());
-        let search = Searching::new(self, Search::White(luminance_weights(frame)));
+        let search = Searching::new(self, Search::White(frame.luminance_weights()));
         search.choose(self, [red, green, blue], &paper);
         paper
     }
@@ -116,7 +115,7 @@ impl Run<'_> {
         chosen: &wgpu::Buffer,
     ) -> wgpu::Buffer {
         let [width, height] = self.surface.size;
-        let [weight_r, weight_g, weight_b] = luminance_weights(frame);
+        let [weight_r, weight_g, weight_b] = frame.luminance_weights();
         let densities = self.take(self.surface.plane_bytes());
         let table = self.hold(&density_table(params));
         let alpha = frame.alpha.as_ref().map(|alpha| self.hold(alpha.samples()));

@@ -1,6 +1,5 @@
 //! New light on the device: lights, and what is looked up.
 
-use super::enhance::luminance_weights;
 use super::runner::Runner;
 use super::surface::Upload;
 use crate::backend::around::{Around, Map, Ready, Used};
@@ -80,7 +79,7 @@ impl Runner {
     ) -> Result<Light<'a>> {
         let relighting = relighting(plan);
         let mut timings = Vec::new();
-        let weights = luminance_weights(frame);
+        let weights = frame.luminance_weights();
         let around = Around::new(
             illumination,
             relighting,

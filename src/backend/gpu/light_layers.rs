@@ -2,7 +2,6 @@
 
 use super::choose::{Search, Searching};
 use super::constants::WHITE;
-use super::enhance::luminance_weights;
 use super::kernels::Kernel;
 use super::run::Run;
 use super::runner::WIDEST;
@@ -191,7 +190,7 @@ impl Run<'_> {
     /// What all terms share.
     fn term_params(&self, plan: &Plan, frame: &Frame) -> TermParams {
         let [width, height] = self.surface.size;
-        let [weight_r, weight_g, weight_b] = luminance_weights(frame);
+        let [weight_r, weight_g, weight_b] = frame.luminance_weights();
         TermParams {
             width,
             height,

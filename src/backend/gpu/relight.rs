@@ -1,6 +1,5 @@
 //! New light: every covered pixel by one kernel.
 
-use super::enhance::luminance_weights;
 use super::kernels::Kernel;
 use super::light::{Light, relighting};
 use super::run::Run;
@@ -136,7 +135,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
     let params = &relighting.params;
     let (material, scaling) = (&params.material, &plan.scaling);
     let magnitudes = scaling.magnitudes();
-    let weights = luminance_weights(frame);
+    let weights = frame.luminance_weights();
     let (whole_power, power) = match Lobes::of(material, is_eye_far(frame)) {
         Some(
             Lobes::Diffuse { power } | Lobes::Phong { power } | Lobes::BlinnPhong { power, .. },
@@ -144,7 +143,8 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
             Power::Whole(whole) => (whole, 0.0),
             Power::Any(any) => (0, any),
         },
-        _ => (1, 0.0),
+        // A coat has exponents of its own; mirrors and glass are not summed over lights.
+        Some(Lobes::AshikhminShirley(_)) | None => (1, 0.0),
     };
     let coat = AshikhminShirley::new(material);
     let grain = match material.tangent {

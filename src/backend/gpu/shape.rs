@@ -126,8 +126,8 @@ impl Run<'_> {
             );
             log_depth
         });
-        let weights_wanted = plan.goal == Goal::Layers || plan.has(Stage::Contours);
-        let weights = self.take(if weights_wanted { 2 * plane } else { NOWHERE });
+        let keeps_weights = plan.keeps_edge_weights();
+        let weights = self.take(if keeps_weights { 2 * plane } else { NOWHERE });
         let (conductance, gradient) = (self.take(plane), self.take(2 * plane));
         let surface = &self.surface;
         let [x, y, z] = &surface.normal;
@@ -135,7 +135,7 @@ impl Run<'_> {
         let switches = [
             ("HAS_MAP", map.is_some()),
             ("HAS_LENGTHS", surface.normal_length.is_some()),
-            ("WEIGHTS_WANTED", weights_wanted),
+            ("WEIGHTS_WANTED", keeps_weights),
         ];
         let buffers = [
             &surface.covered,
@@ -156,7 +156,7 @@ impl Run<'_> {
             [width, height],
         );
         self.buffers.take_back(log_depth);
-        let weights = match weights_wanted {
+        let weights = match keeps_weights {
             true => Some(weights),
             false => {
                 self.buffers.take_back([weights]);

@@ -2,7 +2,7 @@
 
 use super::choose::{Search, Searching};
 use super::constants::{GAIN, SEARCH_PASSES, WHITE};
-use super::enhance::{known_white_level, luminance_weights};
+use super::enhance::known_white_level;
 use super::light::Light;
 use super::recorder::add_timings;
 use super::runner::Runner;
@@ -131,7 +131,7 @@ impl Runner {
         let is_open = plan.has(Stage::AutoWhite)
             && plan.has(Stage::RadianceScaling)
             && known_white_level(plan, frame).is_none();
-        let white = is_open.then(|| Search::White(luminance_weights(frame)));
+        let white = is_open.then(|| Search::White(frame.luminance_weights()));
         let searches: Vec<Search> = gain.into_iter().chain(white).collect();
         self.search(plan, frame, frame.color.as_ref(), &searches, strips)
     }

@@ -12,11 +12,11 @@ pub(crate) use studio::{Pixels, Reading, Studio, What};
 
 use super::args::ViewArgs;
 use super::chosen::{Chosen, Flag};
-use super::hatch::LAMP;
 use super::invocation::{Invocation, Parsed, command_named, long, typed_ids};
 use super::message;
 use super::recipe::{COMMANDS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
 use crate::error::Result;
+use crate::light::lights::LAMP_DEG;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ pub(crate) struct Look {
 impl Default for Look {
     /// New light from the lamp that lights drawings.
     fn default() -> Self {
-        let [azimuth, elevation] = LAMP;
+        let [azimuth, elevation] = LAMP_DEG;
         Self {
             command: FIRST_COMMAND.into(),
             settings: [("light".into(), vec![format!("{azimuth},{elevation}")])].into(),

@@ -1,5 +1,7 @@
 //! How far sliders reach. A value beyond can be typed; what is refused is said by the parameters themselves.
 
+use crate::params::MAX_FIELD_PASSES;
+
 /// The range of a setting's slider.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Range {
@@ -62,7 +64,7 @@ pub(super) const RANGES: [Range; 41] = [
     by_factors("white-point", 0.01, 10.0),
     even("black-point", 0.0, 0.9),
     even("tone-gamma", 0.2, 3.0),
-    even("passes", 0.0, 64.0),
+    even("passes", 0.0, MAX_FIELD_PASSES as f64),
     even("smoothing", 1.0, 16.0),
     even("stroke-width", 0.2, 10.0),
     even("stroke-spacing", 1.0, 40.0),

@@ -121,6 +121,8 @@ fn unit_of(form: &str) -> &'static str {
 mod tests {
     use super::super::Look;
     use super::*;
+    use crate::cli::args::Command;
+    use crate::cli::frames::validate;
 
     fn all() -> Vec<Setting> {
         let commands = Look::commands().iter();
@@ -156,8 +158,16 @@ mod tests {
                     let mut look = Look::default();
                     look.set_command(command);
                     look.set(&setting.name, Some(value.clone()));
-                    let parsed = look.parse(std::path::Path::new("render.exr"));
-                    assert!(parsed.is_ok(), "{command} --{} {value}", setting.name);
+                    let parsed = look.parse(std::path::Path::new("render.exr")).unwrap();
+                    let valid = match &parsed.cli.command {
+                        Command::Shape(args) => validate(args),
+                        Command::Enhance(args) => validate(args),
+                        Command::Relight(args) => validate(&**args),
+                        Command::Hatch(args) => validate(&**args),
+                        _ => unreachable!("a look is none of these"),
+                    };
+                    let name = &setting.name;
+                    assert!(valid.is_ok(), "{command} --{name} {value}: {valid:?}");
                 }
             }
         }

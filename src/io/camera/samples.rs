@@ -211,7 +211,7 @@ fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
 }
 
 /// The value that a share `q` of `values` lies below; 0 for none. Reorders `values`.
-pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
+pub(in crate::io) fn quantile(values: &mut [f64], q: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

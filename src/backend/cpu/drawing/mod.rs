@@ -85,7 +85,7 @@ impl Run<'_> {
         let made = self.outcome.color.take();
         let color = made.as_ref().or(frame.color.as_ref());
         let color = color.expect("a drawing is planned with its tone");
-        let weights = light::luminance_weights(frame);
+        let weights = frame.luminance_weights();
         let white = match params.tone.white_point {
             Adaptive::Fixed(white) => white,
             Adaptive::Auto => self.timed("auto-white", || {

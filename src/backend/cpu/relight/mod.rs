@@ -16,7 +16,7 @@ pub(in crate::backend) use {albedo::estimated, rim::light_rims, shade::SHORTEST_
 use super::kept::Kept;
 use super::memory::Memory;
 use super::simd::Simd;
-use super::{Run, Shape, light, normal_rays};
+use super::{Run, Shape, normal_rays};
 use crate::backend::around::Around;
 use crate::frame::{
     ColorPlanes, Frame, Mask, Plane, Projection, SightLines, SpecularScene, Vector2Planes,
@@ -81,7 +81,7 @@ impl Run<'_> {
             .relighting
             .as_ref()
             .expect("the plan says how to light");
-        let weights = light::luminance_weights(frame);
+        let weights = frame.luminance_weights();
         let kept = &self.runner.environment;
         let around = Around::new(illumination, relighting, weights, kept, |make| {
             self.timed("environment", make)
