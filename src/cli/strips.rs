@@ -192,7 +192,9 @@ pub(super) fn make<W: StripWork>(
             let (mut writer, warnings) = args.part_writer(&sample, w, path, &part)?;
             warnings.iter().for_each(|warning| job.warn(warning));
             write(&source, job, |planes, rows| writer.push(planes, rows))?;
-            writer.finish()
+            let clamped = args.clamped(writer.finish()?);
+            clamped.iter().for_each(|warning| job.warn(warning));
+            Ok(())
         })
     })?;
     Ok(chosen)
