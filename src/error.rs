@@ -1,5 +1,6 @@
 //! What can go wrong, split by what a caller can do about it.
 
+use std::fmt::{Display, LowerExp};
 use std::path::{Path, PathBuf};
 
 /// The result of everything here that can fail.
@@ -122,5 +123,14 @@ impl Error {
             action,
             source,
         }
+    }
+}
+
+/// A number as messages have it: with an exponent where it is tiny or huge.
+pub(crate) fn short<T: Copy + Display + LowerExp + Into<f64>>(number: T) -> String {
+    let size = number.into().abs();
+    match size == 0.0 || (1e-3..1e6).contains(&size) {
+        true => number.to_string(),
+        false => format!("{number:e}"),
     }
 }

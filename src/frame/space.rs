@@ -4,6 +4,7 @@
 //! down, pixel edges at integers, so the centre of the first pixel is (0.5, 0.5).
 
 use super::Window;
+use crate::error::short;
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -109,14 +110,6 @@ impl OutOfRange {
     /// Its range.
     pub fn remedy(&self) -> String {
         format!("give {} to {}", short(self.least), short(self.most))
-    }
-}
-
-/// A number with an exponent where it is tiny or huge.
-fn short(v: f64) -> String {
-    match v == 0.0 || (1e-3..1e6).contains(&v.abs()) {
-        true => v.to_string(),
-        false => format!("{v:e}"),
     }
 }
 
