@@ -102,6 +102,16 @@ pub enum Error {
         /// What happened.
         found: String,
     },
+    /// A stage gave samples that are not finite from inputs that are.
+    #[error("{}: {stage} gives {found}, from inputs that are; give numbers that are less extreme", path.display())]
+    NotFinite {
+        /// The picture that was worked on.
+        path: PathBuf,
+        /// The first stage that did.
+        stage: String,
+        /// How many samples, and where.
+        found: String,
+    },
     /// The system refused a file operation.
     #[error("{}: cannot {action}: {source}", path.display())]
     Io {

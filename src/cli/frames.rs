@@ -85,7 +85,7 @@ fn single<C: FrameCommand>(command: &C, recipe: RecipeText) -> Result<i32> {
 
 /// What all frames have in common, when none of it would be written over.
 fn prepared<C: FrameCommand>(command: &C) -> Result<C::Kit> {
-    command.work().shape.params().validate()?;
+    command.work().shape.validate()?;
     command.prepare()
 }
 

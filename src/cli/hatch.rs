@@ -128,6 +128,7 @@ impl FrameCommand for HatchArgs {
         }?;
         let done = Done {
             loaded,
+            plan,
             outcome,
             read,
         };

@@ -5,6 +5,7 @@ use super::job::Job;
 use super::output::{Kind, ReadyOutput};
 use super::progress::strips_bar;
 use crate::backend::cpu::{Outcome, Runner, StripChoice, StripSearch};
+use crate::backend::guard::not_finite;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane, Window};
 use crate::io::exr::OutputChannel;
@@ -232,6 +233,7 @@ fn write<W: StripWork>(
         let outcome = source.work.run(&plan, &loaded.frame);
         let channels = source.work.channels(job, &loaded, &outcome);
         let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
+        job.refuse(not_finite(&plan, &loaded.frame, &outcome, &planes))?;
         push(&planes, rows)?;
         source.work.runner().take_back(outcome);
         bar.inc(1);

@@ -21,6 +21,7 @@ pub use relight::{
     RelightParams, Samples, Tangent, WarpBy, WarpingParams,
 };
 pub use run::{RunOptions, TileSize};
+pub(crate) use shape::check_scales;
 pub use shape::{MAX_DIRECTION_STEP_PX, MAX_SCALES, Scale, ShapeParams, SoftThreshold, Solver};
 pub use specular::{Bend, MAX_SEARCH_STEPS, SearchParams, SpecularParams};
 

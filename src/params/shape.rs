@@ -273,6 +273,21 @@ const MAX_EXPLICIT_STEPS: f64 = 50_000.0;
 /// Most scales of one run: twelve octaves in steps of a fifth of one.
 pub const MAX_SCALES: usize = 64;
 
+/// Refuses more than [`MAX_SCALES`] scales.
+///
+/// # Errors
+/// [`Error::BadParameter`].
+pub(crate) fn check_scales(count: usize) -> Result<()> {
+    match count <= MAX_SCALES {
+        true => Ok(()),
+        false => Err(Error::BadParameter {
+            name: "--scale",
+            found: format!("names {count} scales"),
+            remedy: format!("give at most {MAX_SCALES}"),
+        }),
+    }
+}
+
 /// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
 const COARSE_ROUNDING: f32 = 1e-3;
 

@@ -1,6 +1,7 @@
 //! Sequences, recipes and stops, as a user or a farm runs them.
 
 mod colors;
+mod numbers;
 mod outputs;
 mod recipes;
 mod sequences;
