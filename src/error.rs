@@ -1,5 +1,6 @@
 //! What can go wrong, split by what a caller can do about it.
 
+use std::fmt::{Display, LowerExp};
 use std::path::{Path, PathBuf};
 
 /// The result of everything here that can fail.
@@ -109,6 +110,16 @@ pub enum Error {
         /// What the panic said, and where.
         found: String,
     },
+    /// A stage gave samples that are not finite from inputs that are.
+    #[error("{}: {stage} gives {found}, from inputs that are; give numbers that are less extreme", path.display())]
+    NotFinite {
+        /// The picture that was worked on.
+        path: PathBuf,
+        /// The first stage that did.
+        stage: String,
+        /// How many samples, and where.
+        found: String,
+    },
     /// The system refused a file operation.
     #[error("{}: cannot {action}: {source}", path.display())]
     Io {
@@ -130,5 +141,14 @@ impl Error {
             action,
             source,
         }
+    }
+}
+
+/// A number as messages have it: with an exponent where it is tiny or huge.
+pub(crate) fn short<T: Copy + Display + LowerExp + Into<f64>>(number: T) -> String {
+    let size = number.into().abs();
+    match size == 0.0 || (1e-3..1e6).contains(&size) {
+        true => number.to_string(),
+        false => format!("{number:e}"),
     }
 }

@@ -7,6 +7,7 @@ pub mod cpu;
 pub mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod guard;
 mod importance;
 mod light_terms;
 mod palette;

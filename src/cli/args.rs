@@ -14,6 +14,7 @@ use crate::io::exr::OutputCompression;
 use crate::io::picture::ViewTransform;
 use crate::params::{
     Adaptive, Magnitudes, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver, TermWhiteLevel,
+    check_scales,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -353,6 +354,15 @@ impl ShapeFlags {
     /// Sigmas of the scales after the first.
     pub(super) fn more_scales(&self) -> &[f32] {
         self.scale.get(1..).unwrap_or(&[])
+    }
+
+    /// Refuses parameters outside their ranges.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] naming the first one.
+    pub(super) fn validate(&self) -> crate::Result<()> {
+        check_scales(self.scale.len())?;
+        self.params().validate()
     }
 
     /// Refuses several scales where there is one result.

@@ -110,11 +110,7 @@ impl Chosen {
     /// What suits frames of which `each` was chosen: of every number the median, of conventions those of most.
     pub(super) fn for_all(each: &[Self]) -> Self {
         let mut kinds: Vec<_> = each.iter().flat_map(|chosen| &chosen.numbers).collect();
-        kinds.sort_by(|a, b| {
-            (a.0, a.1, a.2)
-                .partial_cmp(&(b.0, b.1, b.2))
-                .expect("no NaN")
-        });
+        kinds.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
         let cameras: Option<Vec<_>> = each.iter().map(|chosen| chosen.recovered).collect();
         let groups = kinds.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
         Self {

@@ -59,6 +59,7 @@ impl FrameCommand for EnhanceArgs {
         let outcome = engine.run(job, &plan, &loaded.frame)?;
         let done = Done {
             loaded,
+            plan,
             outcome,
             read,
         };

@@ -94,7 +94,7 @@ fn single<C: FrameCommand>(
 
 /// Refuses arguments of `command` that do not hold up.
 pub(super) fn validate<C: FrameCommand>(command: &C) -> Result<()> {
-    command.work().shape.params().validate()?;
+    command.work().shape.validate()?;
     command.validate()
 }
 

@@ -132,6 +132,7 @@ impl FrameCommand for HatchArgs {
         }?;
         let done = Done {
             loaded,
+            plan,
             outcome,
             read,
         };

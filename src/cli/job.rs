@@ -7,8 +7,9 @@ use super::output::{Kind, ReadyOutput, color_channels};
 use super::recipe::RecipeText;
 use super::told::Told;
 use crate::backend::cpu::Outcome;
-use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame};
+use crate::backend::guard::{NotFinite, lines_not_finite, not_finite};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
@@ -35,6 +36,7 @@ pub(super) struct Job<'a> {
 /// A frame that has been read and what the plan made of it.
 pub(super) struct Done {
     pub(super) loaded: Loaded,
+    pub(super) plan: Plan,
     pub(super) outcome: Outcome,
     pub(super) read: Duration,
 }
@@ -187,6 +189,9 @@ impl<'a> Job<'a> {
     /// Writes colours to a display file and ends the frame.
     pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
         self.write(done, |output| {
+            let ColorPlanes { r, g, b } = picture.color;
+            let results: Vec<_> = [r, g, b].into_iter().chain(picture.alpha).collect();
+            self.guard(done, &results)?;
             let ReadyOutput { path, replace } = output;
             let Kind::Picture(format) = Kind::of(path)? else {
                 unreachable!("layers go to an EXR")
@@ -198,12 +203,31 @@ impl<'a> Job<'a> {
     /// Writes planes to an EXR and ends the frame.
     pub(super) fn write_exr(&self, done: &Done, channels: &[OutputChannel]) -> Result<Chosen> {
         self.write(done, |output| {
+            let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
+            self.guard(done, &results)?;
             let recipe = self.recipe(&Chosen::of(done));
             let args = &self.work.output;
             for warning in args.write_exr(output, &done.loaded, channels, recipe)? {
                 self.say_once("warning", &warning, true);
             }
             Ok(())
+        })
+    }
+
+    /// Refuses to write results that are not finite where all inputs are.
+    fn guard(&self, done: &Done, results: &[&Plane]) -> Result<()> {
+        let (frame, outcome) = (&done.loaded.frame, &done.outcome);
+        self.refuse(not_finite(&done.plan, frame, outcome, results))
+    }
+
+    /// Refuses results that are not finite.
+    pub(super) fn refuse(&self, found: Option<NotFinite>) -> Result<()> {
+        found.map_or(Ok(()), |NotFinite { stage, found }| {
+            Err(Error::NotFinite {
+                path: self.work.input.clone(),
+                stage,
+                found,
+            })
         })
     }
 
@@ -215,6 +239,8 @@ impl<'a> Job<'a> {
     /// Writes a drawing in lines and ends the frame.
     pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<Chosen> {
         self.write(done, |ReadyOutput { path, replace }| {
+            let (frame, outcome) = (&done.loaded.frame, &done.outcome);
+            self.refuse(lines_not_finite(&done.plan, frame, outcome))?;
             write_atomically(path, replace, |w| svg::write_svg(w, path, drawing))
         })
     }

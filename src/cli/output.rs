@@ -181,9 +181,22 @@ impl OutputArgs {
             let (mut writer, warnings) = self.part_writer(loaded, w, path, &part)?;
             writer.push(&planes, 0..window.height())?;
             said = warnings;
-            writer.finish()
+            said.extend(self.clamped(writer.finish()?));
+            Ok(())
         })?;
         Ok(said)
+    }
+
+    /// What is said of `count` samples that were clamped.
+    pub(super) fn clamped(&self, count: u64) -> Option<String> {
+        let samples = if count == 1 { "sample" } else { "samples" };
+        let remedy = match self.compression.is_lossy() && self.layers != LayersArg::Channels {
+            true => "--depth-of-output float with --compression zip",
+            false => "--depth-of-output float",
+        };
+        (count > 0).then(|| {
+            format!("{count} {samples} too large for half floats became the largest that they hold; keep them with {remedy}")
+        })
     }
 }
 

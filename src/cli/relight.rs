@@ -19,7 +19,9 @@ use crate::light::environment::Environment;
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
-use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
+use crate::params::{
+    ANGLES_DEG, AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples, in_range,
+};
 use crate::plan::{Available, LightKinds, Plan, Stage};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -91,6 +93,7 @@ impl FrameCommand for RelightArgs {
         let outcome = engine.relight(job, &plan, &loaded.frame, illumination, scene)?;
         let done = Done {
             loaded,
+            plan,
             outcome,
             read,
         };
@@ -245,6 +248,7 @@ pub(super) fn illumination(flags: &LightFlags) -> Result<Illumination> {
 
 /// The environment, if any.
 pub(super) fn environment(flags: &LightFlags) -> Result<Option<Arc<Environment>>> {
+    in_range("--environment-rotate", flags.environment_rotate, ANGLES_DEG)?;
     let environment = flags.environment.as_deref().map(read_environment);
     let turned = |e: Environment| e.rotated_deg(flags.environment_rotate).into();
     Ok(environment.transpose()?.map(turned))
@@ -273,26 +277,30 @@ pub(super) fn lights(flags: &LightFlags) -> Result<Illumination> {
         Samples::Fixed(count) if count > 0 => count,
         _ => AUTO_SAMPLES,
     };
+    let count = directional.len() + flags.point_light.len();
+    let count = count as u64 + flags.area_light.len() as u64 * u64::from(samples);
+    if count > u64::from(MAX_LIGHTS) {
+        return Err(Error::BadParameter {
+            name: "--light",
+            found: format!("makes {count} lights"),
+            remedy: format!("give at most {MAX_LIGHTS} in all"),
+        });
+    }
     for light in &flags.area_light {
+        in_range("--area-light", light.0[2], 0.0..=180.0)?;
         directional.extend(area_light(light, samples));
     }
     let points = flags.point_light.iter().map(|light| PointLight {
         position: Vec3::from_array(light.0),
         intensity: light.color(),
     });
-    let points: Vec<_> = points.collect();
-    if directional.len() + points.len() > MAX_LIGHTS as usize {
-        return Err(Error::BadParameter {
-            name: "--light",
-            found: format!("makes {} lights", directional.len() + points.len()),
-            remedy: format!("give at most {MAX_LIGHTS} in all"),
-        });
-    }
-    Ok(Illumination {
+    let lights = Illumination {
+        points: points.collect(),
         directional,
-        points,
         ..Illumination::default()
-    })
+    };
+    lights.validate()?;
+    Ok(lights)
 }
 
 /// A round light as `count` lights that are as bright together as one.

@@ -56,6 +56,7 @@ impl FrameCommand for WorkArgs {
         let outcome = engine.run(job, &plan, &loaded.frame)?;
         let done = Done {
             loaded,
+            plan,
             outcome,
             read,
         };

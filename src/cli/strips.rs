@@ -5,6 +5,7 @@ use super::job::Job;
 use super::output::{Kind, ReadyOutput};
 use super::progress::strips_bar;
 use crate::backend::cpu::{Outcome, Runner, StripChoice, StripSearch};
+use crate::backend::guard::not_finite;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane, Window};
 use crate::io::exr::OutputChannel;
@@ -192,7 +193,9 @@ pub(super) fn make<W: StripWork>(
             let (mut writer, warnings) = args.part_writer(&sample, w, path, &part)?;
             warnings.iter().for_each(|warning| job.warn(warning));
             write(&source, job, |planes, rows| writer.push(planes, rows))?;
-            writer.finish()
+            let clamped = args.clamped(writer.finish()?);
+            clamped.iter().for_each(|warning| job.warn(warning));
+            Ok(())
         })
     })?;
     Ok(chosen)
@@ -230,6 +233,7 @@ fn write<W: StripWork>(
         let outcome = source.work.run(&plan, &loaded.frame);
         let channels = source.work.channels(job, &loaded, &outcome);
         let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
+        job.refuse(not_finite(&plan, &loaded.frame, &outcome, &planes))?;
         push(&planes, rows)?;
         source.work.runner().take_back(outcome);
         bar.inc(1);

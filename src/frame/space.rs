@@ -3,8 +3,11 @@
 //! View space has x right, y up and z toward the viewer; picture coordinates have x right and y
 //! down, pixel edges at integers, so the centre of the first pixel is (0.5, 0.5).
 
+use super::Window;
+use crate::error::short;
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// The space a normal map was written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -77,7 +80,101 @@ pub struct Camera {
     pub projection: Projection,
 }
 
+/// Focal lengths, in pixels. With [`PRINCIPAL_PX`] slopes of sight lines stay below 1e9 and 1e9 times the size of a
+/// picture: squares of their squares fit single precision.
+pub const FOCAL_PX: RangeInclusive<f64> = 0.01..=1e9;
+/// Pixels per unit of length of parallel projections: a picture of stars to one of atoms.
+pub const PIXELS_PER_UNIT: RangeInclusive<f64> = 1e-6..=1e9;
+/// Farthest the view axis is seen from the corner of the display window, in pixels.
+pub const PRINCIPAL_PX: f64 = 1e7;
+/// Farthest the eye is from the origin of the world along an axis, in scene units; depths end at 1e9.
+pub const PLACE: f64 = 1e12;
+
+/// A number of a camera outside the range that the stages' single precision holds.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{}; {}", self.found(), self.remedy())]
+pub struct OutOfRange {
+    name: &'static str,
+    unit: &'static str,
+    value: f64,
+    least: f64,
+    most: f64,
+}
+
+impl OutOfRange {
+    /// Which number, and what it is.
+    pub fn found(&self) -> String {
+        format!("its {} is {}{}", self.name, short(self.value), self.unit)
+    }
+
+    /// Its range.
+    pub fn remedy(&self) -> String {
+        format!("give {} to {}", short(self.least), short(self.most))
+    }
+}
+
+/// Refuses a `value` outside `range`.
+fn check(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+    range: &RangeInclusive<f64>,
+) -> Result<(), OutOfRange> {
+    let (least, most) = (*range.start(), *range.end());
+    match range.contains(&value) {
+        true => Ok(()),
+        false => Err(OutOfRange {
+            name,
+            unit,
+            value,
+            least,
+            most,
+        }),
+    }
+}
+
+/// Refuses a place in the world that is too far from its origin.
+///
+/// # Errors
+/// [`OutOfRange`] naming the first coordinate past [`PLACE`].
+pub fn check_place(place: DVec3) -> Result<(), OutOfRange> {
+    let coordinates = place.to_array().into_iter();
+    let mut checked =
+        coordinates.map(|v| check("distance from the origin", v, "", &(-PLACE..=PLACE)));
+    checked.find(Result::is_err).unwrap_or(Ok(()))
+}
+
 impl Camera {
+    /// Refuses numbers that the stages' single precision does not hold: those outside [`FOCAL_PX`],
+    /// [`PIXELS_PER_UNIT`], [`PRINCIPAL_PX`] and [`PLACE`].
+    ///
+    /// # Errors
+    /// [`OutOfRange`] naming the first one.
+    pub fn check(&self, display: Window) -> Result<(), OutOfRange> {
+        let (name, unit, scales, range, [cx, cy]) = match self.projection {
+            Projection::Perspective { fx, fy, cx, cy } => {
+                ("focal length", " px", [fx, fy], FOCAL_PX, [cx, cy])
+            }
+            Projection::Orthographic { sx, sy, cx, cy } => {
+                let name = "number of pixels per unit";
+                (name, "", [sx, sy], PIXELS_PER_UNIT, [cx, cy])
+            }
+        };
+        for scale in scales {
+            // Recovered cameras may count an axis backward.
+            check(name, scale.abs(), unit, &range)?;
+        }
+        for offset in [cx - f64::from(display.x0), cy - f64::from(display.y0)] {
+            check(
+                "principal point",
+                offset,
+                " px",
+                &(-PRINCIPAL_PX..=PRINCIPAL_PX),
+            )?;
+        }
+        check_place(self.view_from_world.translation)
+    }
+
     /// Where a world-space point falls on the picture; `None` at or behind the eye.
     pub fn pixel_of(&self, world: DVec3) -> Option<DVec2> {
         self.projection
@@ -105,5 +202,68 @@ impl Projection {
             Self::Perspective { fx, fy, cx, cy } => DVec2::new((cx - x) / fx, (y - cy) / fy),
             Self::Orthographic { .. } => DVec2::ZERO,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_past_single_precision_are_refused() {
+        let display = Window::at(-1_000_000_000, 0, 640, 480);
+        let good = Camera {
+            view_from_world: DAffine3::IDENTITY,
+            projection: Projection::Perspective {
+                fx: 0.01,
+                fy: 1e9,
+                cx: -1e9 + 320.0,
+                cy: -1e7,
+            },
+        };
+        assert_eq!(good.check(display), Ok(()));
+        let with = |change: fn(&mut f64, &mut f64, &mut f64)| {
+            let mut camera = good;
+            let Projection::Perspective { fx, cy, .. } = &mut camera.projection else {
+                unreachable!()
+            };
+            change(fx, cy, &mut camera.view_from_world.translation.z);
+            camera.check(display).unwrap_err().to_string()
+        };
+        for (said, expected) in [
+            (
+                with(|f, _, _| *f = 1e-300),
+                "its focal length is 1e-300 px; give 0.01 to 1e9",
+            ),
+            (
+                with(|f, _, _| *f = f64::NAN),
+                "its focal length is NaN px; give 0.01 to 1e9",
+            ),
+            (
+                with(|_, c, _| *c = 1e300),
+                "its principal point is 1e300 px; give -1e7 to 1e7",
+            ),
+            (
+                with(|_, _, z| *z = -2e12),
+                "its distance from the origin is -2e12; give -1e12 to 1e12",
+            ),
+        ] {
+            assert_eq!(said, expected);
+        }
+        let parallel = Projection::Orthographic {
+            sx: 1.0,
+            sy: 1e-30,
+            cx: -1e9,
+            cy: 0.0,
+        };
+        let parallel = Camera {
+            projection: parallel,
+            ..good
+        };
+        let said = parallel.check(display).unwrap_err().to_string();
+        assert_eq!(
+            said,
+            "its number of pixels per unit is 1e-30; give 1e-6 to 1e9"
+        );
     }
 }

@@ -68,17 +68,32 @@ impl ColorSpace {
     }
 }
 
+/// Chromaticities of real and imaginary primaries alike lie within this of 0; cameras' own reach 2.
+const FARTHEST: f32 = 10.0;
+
+/// Largest entry of a matrix between colours that are meant: those of real spaces stay below 10.
+const LARGEST_ENTRY: f64 = 1e4;
+
 /// From linear colours with these chromaticities to CIE XYZ in which white has luminance 1. `None` where the
 /// primaries lie on a line, or numbers are unusable.
 pub(super) fn xyz_from(chromaticities: Chromaticities) -> Option<DMat3> {
     let [rx, ry, gx, gy, bx, by, wx, wy] = chromaticities.map(f64::from);
     let xyz = |x: f64, y: f64| DVec3::new(x, y, 1.0 - x - y);
     let primaries = DMat3::from_cols(xyz(rx, ry), xyz(gx, gy), xyz(bx, by));
-    let usable = wy > 1e-6 && primaries.determinant().abs() > 1e-6;
+    let in_range = chromaticities.iter().all(|c| c.abs() <= FARTHEST);
+    let usable = in_range && wy > 1e-6 && primaries.determinant().abs() > 1e-6;
     // Scales of the primaries that add up to white with luminance 1.
     let scales = usable.then(|| primaries.inverse() * (xyz(wx, wy) / wy))?;
     let matrix = primaries * DMat3::from_diagonal(scales);
-    matrix.is_finite().then_some(matrix)
+    is_moderate(matrix).then_some(matrix)
+}
+
+/// Whether a matrix makes no more of a colour than single precision holds: primaries close to a line ask for more.
+fn is_moderate(matrix: DMat3) -> bool {
+    matrix
+        .to_cols_array()
+        .iter()
+        .all(|entry| entry.abs() <= LARGEST_ENTRY)
 }
 
 /// Weights of linear red, green and blue in luminance: the Y row of [`xyz_from`].
@@ -98,7 +113,7 @@ pub fn rec709_from(chromaticities: Chromaticities) -> Option<DMat3> {
     let cones = |xyz_from: DMat3| BRADFORD * (xyz_from * DVec3::ONE);
     let adapted = DMat3::from_diagonal(cones(to) / cones(from));
     let matrix = to.inverse() * BRADFORD.inverse() * adapted * BRADFORD * from;
-    matrix.is_finite().then_some(matrix)
+    is_moderate(matrix).then_some(matrix)
 }
 
 /// Colours turned by a matrix.
@@ -133,6 +148,12 @@ mod tests {
         assert_eq!(luminance_weights([f32::NAN; 8]), None);
         let black = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.0];
         assert_eq!(luminance_weights(black), None);
+        // Numbers that no primary has, and a white of which one asks 1e5 times the primaries.
+        for (index, value) in [(0, 1e30), (3, f32::INFINITY), (6, -1e20), (7, 2e-6)] {
+            let mut bad = REC709;
+            bad[index] = value;
+            assert_eq!(rec709_from(bad), None, "{bad:?}");
+        }
     }
 
     #[test]

@@ -69,10 +69,17 @@ fn frames(item: &str) -> std::result::Result<Vec<i32>, String> {
     if step == 0 {
         return Err(format!("'{item}' has a step of 0; give 1 or more"));
     }
-    let in_turn = |&(place, _): &(usize, i32)| (place % step == 0) != others;
-    let all = (first..=last).enumerate().filter(in_turn);
     // One more than is allowed is enough to be told so.
-    Ok(all.map(|(_, frame)| frame).take(MOST_FRAMES + 1).collect())
+    let most = MOST_FRAMES + 1;
+    let all = first..=last;
+    Ok(match (others, step) {
+        (false, _) => all.step_by(step).take(most).collect(),
+        (true, 1) => Vec::new(),
+        (true, _) => {
+            let between = all.enumerate().filter(|(place, _)| place % step != 0);
+            between.map(|(_, frame)| frame).take(most).collect()
+        }
+    })
 }
 
 /// The whole number that `text` begins with, a minus allowed, and what follows.
@@ -239,6 +246,17 @@ mod tests {
         assert!(list("5-1").unwrap_err().contains("backward"));
         assert!(list("1--3").unwrap_err().contains("backward"));
         assert!(list("1-5x0").unwrap_err().contains("step of 0"));
+        // No step passes over two thousand million frames one by one.
+        assert_eq!(
+            list("1-2147483647x1000000000").unwrap(),
+            [1, 1_000_000_001, 2_000_000_001]
+        );
+        assert!(
+            list("1-2147483647y1")
+                .unwrap_err()
+                .contains("leaves no frame")
+        );
+        assert!(list("1-2147483647y2").unwrap_err().contains("more than"));
         // All others of every one.
         assert!(list("-1-9y01").unwrap_err().contains("leaves no frame"));
         assert_eq!(list("1-9y1,4"), Ok(vec![4]));

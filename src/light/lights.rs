@@ -2,7 +2,10 @@
 
 use super::environment::Environment;
 use super::lit_sphere::LitSphere;
+use crate::error::Result;
+use crate::params::in_range;
 use glam::Vec3;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Light from one direction.
@@ -41,6 +44,36 @@ pub fn direction_of(azimuth_deg: f32, elevation_deg: f32) -> Vec3 {
         (across * azimuth.sin()) as f32,
         elevation.sin() as f32,
     )
+}
+
+/// Red, green and blue of a light. That of a light near the surface is told at a distance of 1: in scenes of
+/// micrometres it lights a metre away.
+const INTENSITIES: RangeInclusive<f32> = 0.0..=1e12;
+
+/// Coordinates of lights near the surface: as far as depth goes.
+const POSITIONS: RangeInclusive<f32> = -1e9..=1e9;
+
+impl Illumination {
+    /// Refuses lights that single precision does not hold: colours below 0 or over 1e12, places farther than 1e9 from
+    /// the eye along an axis.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] naming the kind of the first one.
+    pub fn validate(&self) -> Result<()> {
+        for light in &self.directional {
+            check_all("--light", light.intensity, INTENSITIES)?;
+        }
+        for light in &self.points {
+            check_all("--point-light", light.intensity, INTENSITIES)?;
+            check_all("--point-light", light.position.to_array(), POSITIONS)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_all(name: &'static str, numbers: [f32; 3], range: RangeInclusive<f32>) -> Result<()> {
+    let mut numbers = numbers.into_iter();
+    numbers.try_for_each(|number| in_range(name, number, range.clone()))
 }
 
 /// All the light of a scene.

@@ -1,7 +1,9 @@
 //! What radiance scaling can be told.
 
-use crate::error::{Error, Result};
+use super::in_range;
+use crate::error::Result;
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// A number above 0 that is given, or chosen from the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -11,6 +13,25 @@ pub enum Adaptive {
     Auto,
     /// Given.
     Fixed(f32),
+}
+
+/// Luminance that counts as white, and factors of radiance: whatever pictures in single precision have, and as much
+/// as is chosen automatically.
+pub(super) const LEVELS: RangeInclusive<f32> = 1e-38..=1e38;
+/// Curvature gains, in pixels. Past a million a turn in as many pixels saturates; below, no slope is steep enough.
+const GAINS_PX: RangeInclusive<f32> = 1e-30..=1e6;
+/// Scaling magnitudes. From 60 on nothing changes any more: see
+/// [`crate::light::radiance_scaling::ScalingCurve::of`].
+const MAGNITUDES: RangeInclusive<f32> = 0.0..=1000.0;
+
+impl Adaptive {
+    /// Refuses a number that is given unless it lies in `range`.
+    pub(super) fn in_range(self, name: &'static str, range: RangeInclusive<f32>) -> Result<()> {
+        match self {
+            Self::Auto => Ok(()),
+            Self::Fixed(value) => in_range(name, value, range),
+        }
+    }
 }
 
 impl std::fmt::Display for Adaptive {
@@ -43,7 +64,7 @@ impl std::str::FromStr for Adaptive {
 /// How radiance scaling alters a shading ([RS] section 4.2).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ScalingParams {
-    /// Scaling magnitude gamma, 0 or more. 0 changes nothing; 1 is plain to see; past
+    /// Scaling magnitude gamma, 0 to 1000. 0 changes nothing; 1 is plain to see; past
     /// [`crate::light::radiance_scaling::monotone_limit`] concavities may show new dark rims.
     pub scaling: f32,
     /// Magnitude for ambient light and occlusion; [`ScalingParams::scaling`] where `None`.
@@ -55,11 +76,11 @@ pub struct ScalingParams {
     /// Scaling-invariant point alpha, in (0, 1): intensities above it brighten on convexities and
     /// below it darken; concavities the other way round. Toward 0 convexities only brighten.
     pub invariant_point: f32,
-    /// Gain of the curvature mapped to -1..1, in pixels: a ball of this radius maps to tanh(2). `Auto`
+    /// Gain of the curvature mapped to -1..1, in pixels, 1e-30 to 1e6: a ball of this radius maps to tanh(2). `Auto`
     /// takes one that shows an ordinary bump of the frame clearly. Low gains show sharp features only;
     /// high ones saturate, and draw noise.
     pub curvature_gain: Adaptive,
-    /// The scene-linear luminance that counts as intensity 1. `Auto` takes a high percentile of the
+    /// The scene-linear luminance that counts as intensity 1, 1e-38 to 1e38. `Auto` takes a high percentile of the
     /// surface's own. Above it every intensity scales alike.
     pub white_level: Adaptive,
     /// White levels of single kinds of light, where these are told apart; [`ScalingParams::white_level`] for others.
@@ -181,13 +202,6 @@ impl ScalingParams {
     /// # Errors
     /// [`Error::BadParameter`] naming the first one.
     pub fn validate(&self) -> Result<()> {
-        let bad = |name, value: f32, remedy: &str| {
-            Err(Error::BadParameter {
-                name,
-                found: format!("is {value}"),
-                remedy: remedy.into(),
-            })
-        };
         let magnitudes = [
             ("--scaling", Some(self.scaling)),
             ("--scaling-ambient", self.scaling_ambient),
@@ -195,16 +209,15 @@ impl ScalingParams {
             ("--scaling-specular", self.scaling_specular),
         ];
         for (name, magnitude) in magnitudes {
-            if let Some(value) = magnitude.filter(|g| !(*g >= 0.0 && g.is_finite())) {
-                return bad(name, value, "give 0 or more");
-            }
+            magnitude.map_or(Ok(()), |value| in_range(name, value, MAGNITUDES))?;
         }
-        if !(0.0..=1.0).contains(&self.invariant_point) {
-            return bad("--invariant-point", self.invariant_point, "give 0 to 1");
-        }
-        if !(-1.0..=1.0).contains(&self.anisotropy) {
-            return bad("--anisotropy", self.anisotropy, "give -1 to 1");
-        }
-        Ok(())
+        in_range("--invariant-point", self.invariant_point, 0.0..=1.0)?;
+        in_range("--anisotropy", self.anisotropy, -1.0..=1.0)?;
+        self.curvature_gain.in_range("--curvature-gain", GAINS_PX)?;
+        self.white_level.in_range("--white-level", LEVELS)?;
+        let levels = self.term_white_levels.0.into_iter().flatten();
+        levels
+            .into_iter()
+            .try_for_each(|level| in_range("--term-white-level", level, LEVELS))
     }
 }

@@ -1,9 +1,11 @@
 //! What relighting can be told: how light is altered, what the surface is made of, how finely light is
 //! sampled.
 
-use super::Adaptive;
-use crate::error::{Error, Result};
+use super::light::LEVELS;
+use super::{Adaptive, in_range};
+use crate::error::Result;
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// How light is altered to show shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -34,7 +36,7 @@ impl Method {
 /// How light warping bends and brightens ([LW] sections 5 and 6.2).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WarpingParams {
-    /// Strength, 0 or more; the paper's alpha is this times the curvature gain. 0 bends nothing; the
+    /// Strength, 0 to 1e4; the paper's alpha is this times the curvature gain. 0 bends nothing; the
     /// bend saturates at 60 degrees for light from the side.
     pub warp: f32,
     /// Contrast, -1..1: above 0 concavities brighten and convexities darken, below 0 the other way
@@ -79,6 +81,15 @@ pub enum Samples {
     /// This many; 0 looks prefiltered maps up.
     Fixed(u32),
 }
+
+/// Factors of light.
+const FACTORS: RangeInclusive<f32> = 0.0..=1e6;
+
+/// Exponents of highlights: at a million they are a twentieth of a degree wide.
+const EXPONENTS: RangeInclusive<f32> = 0.0..=1e6;
+
+/// Angles in degrees: past a million turns single precision tells no direction.
+pub(crate) const ANGLES_DEG: RangeInclusive<f32> = -1e6..=1e6;
 
 /// Samples of an environment where none are asked for: [LW] figure 1.
 pub const AUTO_SAMPLES: u32 = 54;
@@ -175,18 +186,18 @@ pub enum Material {
 pub struct MaterialParams {
     /// The kind.
     pub material: Material,
-    /// Light that reaches everything alike, as a share of a light of 1. `Mirror`, `Glass` and lit spheres
+    /// Light that reaches everything alike, as a share of a light of 1, 0 to 1e6. `Mirror`, `Glass` and lit spheres
     /// do not show it.
     pub ambient: f32,
-    /// Factor of diffuse light, 0 or more.
+    /// Factor of diffuse light, 0 to 1e6.
     pub diffuse_gain: f32,
-    /// Factor of specular light, 0 or more; `None` is [`MaterialParams::specular`]'s own choice.
+    /// Factor of specular light, 0 to 1e6; `None` is [`MaterialParams::specular`]'s own choice.
     pub specular_gain: Option<f32>,
-    /// Exponent eta of the highlight of `Phong` and `BlinnPhong`, 0 or more: higher is smaller.
+    /// Exponent eta of the highlight of `Phong` and `BlinnPhong`, 0 to 1e6: higher is smaller.
     pub shininess: f32,
     /// Exponent zeta of `Sublambert`, 0 to 1: 0 is flat, 1 is `Lambert`.
     pub flatness: f32,
-    /// Exponents n_u and n_v of `AshikhminShirley`, along and across the grain, 0 or more.
+    /// Exponents n_u and n_v of `AshikhminShirley`, along and across the grain, 0 to 1e6.
     pub coat: [f32; 2],
     /// Reflectance R_s of its coat for light along the normal, 0..1.
     pub reflectance: f32,
@@ -233,7 +244,7 @@ pub struct RelightParams {
     pub quantisation: Option<Quantisation>,
     /// How many samples stand for an environment.
     pub samples: Samples,
-    /// Factor of the environment; `Auto` makes a white diffuse surface show 1 where it is brightest and
+    /// Factor of the environment, 1e-38 to 1e38; `Auto` makes a white diffuse surface show 1 where it is brightest and
     /// still faces the viewer.
     pub environment_gain: Adaptive,
 }
@@ -303,55 +314,33 @@ impl RelightParams {
             flatness,
             coat,
             reflectance,
+            tangent,
             ior,
             ..
         } = self.material;
-        let not_negative = [
-            ("--warp", self.warping.warp),
-            ("--ambient", ambient),
-            ("--diffuse-gain", diffuse_gain),
-            ("--specular-gain", specular_gain.unwrap_or(0.0)),
-            ("--shininess", shininess),
-            ("--coat", coat[0]),
-            ("--coat", coat[1]),
+        let ranges = [
+            ("--warp", self.warping.warp, 0.0..=1e4),
+            ("--contrast", self.warping.contrast, -1.0..=1.0),
+            ("--ambient", ambient, FACTORS),
+            ("--diffuse-gain", diffuse_gain, FACTORS),
+            ("--specular-gain", specular_gain.unwrap_or(0.0), FACTORS),
+            ("--shininess", shininess, EXPONENTS),
+            ("--coat", coat[0], EXPONENTS),
+            ("--coat", coat[1], EXPONENTS),
+            ("--flatness", flatness, 0.0..=1.0),
+            ("--reflectance", reflectance, 0.0..=1.0),
+            ("--ior", ior, 0.1..=10.0),
         ];
-        for (name, value) in not_negative {
-            within(name, value, 0.0..=f32::MAX, "give 0 or more")?;
+        for (name, value, range) in ranges {
+            in_range(name, value, range)?;
         }
-        within(
-            "--contrast",
-            self.warping.contrast,
-            -1.0..=1.0,
-            "give -1 to 1",
-        )?;
-        within("--flatness", flatness, 0.0..=1.0, "give 0 to 1")?;
-        within("--reflectance", reflectance, 0.0..=1.0, "give 0 to 1")?;
-        within("--ior", ior, 0.1..=10.0, "give 0.1 to 10")?;
+        if let Tangent::Degrees(angle) = tangent {
+            in_range("--tangent", angle, ANGLES_DEG)?;
+        }
         if let Some(Quantisation { levels, softness }) = self.quantisation {
-            within(
-                "--toon-levels",
-                levels as f32,
-                1.0..=1024.0,
-                "give 1 to 1024",
-            )?;
-            within("--toon-softness", softness, 0.0..=1.0, "give 0 to 1")?;
+            in_range("--toon-levels", levels as f32, 1.0..=1024.0)?;
+            in_range("--toon-softness", softness, 0.0..=1.0)?;
         }
-        Ok(())
+        self.environment_gain.in_range("--environment-gain", LEVELS)
     }
-}
-
-fn within(
-    name: &'static str,
-    value: f32,
-    range: std::ops::RangeInclusive<f32>,
-    remedy: &str,
-) -> Result<()> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    Err(Error::BadParameter {
-        name,
-        found: format!("is {value}"),
-        remedy: remedy.into(),
-    })
 }

@@ -1,7 +1,7 @@
 //! What shape analysis can be told.
 
 use crate::error::{Error, Result};
-use crate::params::Adaptive;
+use crate::params::{Adaptive, in_range};
 use serde::Serialize;
 
 /// A soft step: 0 up to `lo`, 1 from `hi`, linear between.
@@ -48,10 +48,10 @@ impl std::str::FromStr for SoftThreshold {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
-    /// As this number of explicit steps does ([LW] section 4.3). 0 keeps the finest detail and all
-    /// noise.
+    /// As this number of explicit steps does ([LW] section 4.3), up to those of the largest sigma. 0 keeps the finest
+    /// detail and all noise.
     Iterations(u32),
-    /// As a Gaussian of this standard deviation in pixels does in the open.
+    /// As a Gaussian of this standard deviation in pixels, 0 to 4096, does in the open.
     Sigma(f32),
 }
 
@@ -80,21 +80,21 @@ pub struct ShapeParams {
     /// as an object seen from anywhere (k1 + k2); 1 measures the height field that the viewer sees,
     /// with slopes that grow without end toward silhouettes.
     pub foreshortening: f32,
-    /// Floor of n_z in that gradient, in (0, 1]. Lower floors let one rim pixel rule the Hessian;
+    /// Floor of n_z in that gradient, 0.001 to 1. Lower floors let one rim pixel rule the Hessian;
     /// higher ones flatten the surface near silhouettes.
     pub min_nz: f32,
     /// How far the gradient is diffused.
     pub scale: Scale,
     /// How it is diffused.
     pub solver: Solver,
-    /// Largest error of the slope that the Chebyshev solver may add, above 0. The default changes the
+    /// Largest error of the slope that the Chebyshev solver may add, 1e-9 to 1000. The default changes the
     /// curvature by less than 2e-4 per pixel: at an ordinary gain a tenth of an 8-bit grey level.
     pub tolerance: f32,
-    /// Length of one explicit step, in (0, 1/4]. Above 1/4 the scheme is unstable; at exactly 1/4
+    /// Length of one explicit step, 0.001 to 1/4. Above 1/4 the scheme is unstable; at exactly 1/4
     /// a checkerboard never decays.
     pub time_step: f32,
     /// Height in pixels of the whole picture (its display window) for which the scale, and the gain of
-    /// the curvature, are meant: 1 or more. In a picture f times as high the scale counts f times as many
+    /// the curvature, are meant: 1 to 1e6. In a picture f times as high the scale counts f times as many
     /// pixels, and curvature is told per pixel of the reference, f times what it is per pixel, so that a
     /// proxy and the final picture look alike. `None` counts everything in the picture's own pixels: a
     /// look then grows finer with resolution. The thresholds of silhouettes and creases are jumps across
@@ -140,36 +140,22 @@ impl ShapeParams {
                 remedy: remedy.into(),
             })
         };
-        if !(0.0..=4.0).contains(&self.foreshortening) {
-            return bad(
-                "--foreshortening",
-                format!("is {}", self.foreshortening),
-                "give 0 to 4",
-            );
+        in_range("--foreshortening", self.foreshortening, 0.0..=4.0)?;
+        // The steepest slope is its -4th power: 1e12, whose square single precision holds.
+        in_range("min_nz", self.min_nz, 1e-3..=1.0)?;
+        // Explicit diffusion is stable only up to 0.25.
+        in_range("time_step", self.time_step, 0.001..=0.25)?;
+        in_range("--tolerance", self.tolerance, 1e-9..=1000.0)?;
+        for (name, threshold) in [
+            ("--silhouette", self.silhouette),
+            ("--silhouette", self.occlusion_silhouette),
+            ("--crease", self.crease),
+        ] {
+            in_range(name, threshold.lo, 0.0..=1e6)?;
+            in_range(name, threshold.hi, threshold.lo..=1e6)?;
         }
-        if !(self.min_nz > 0.0 && self.min_nz <= 1.0) {
-            return bad(
-                "min_nz",
-                format!("is {}", self.min_nz),
-                "give more than 0, at most 1",
-            );
-        }
-        if !(self.time_step > 0.0 && self.time_step <= 0.25) {
-            return bad(
-                "time_step",
-                format!("is {}", self.time_step),
-                "explicit diffusion is stable only from 0 to 0.25",
-            );
-        }
-        if !(self.tolerance > 0.0 && self.tolerance.is_finite()) {
-            return bad(
-                "--tolerance",
-                format!("is {}", self.tolerance),
-                "give more than 0",
-            );
-        }
-        if self.reference_height == Some(0) {
-            return bad("--reference-height", "is 0".into(), "give 1 or more");
+        if let Some(height) = self.reference_height {
+            in_range("--reference-height", height as f32, 1.0..=1e6)?;
         }
         if let Adaptive::Fixed(step) = self.direction_step
             && !(step.fract() == 0.0 && (1.0..=MAX_DIRECTION_STEP_PX as f32).contains(&step))
@@ -181,11 +167,39 @@ impl ShapeParams {
             );
         }
         match self.scale {
-            Scale::Sigma(sigma) if !(0.0..=MAX_SIGMA_PX).contains(&sigma) => {
-                bad("--scale", format!("is {sigma} px"), "give 0 to 4096 pixels")
+            Scale::Sigma(sigma) => in_range("--scale", sigma, 0.0..=MAX_SIGMA_PX)?,
+            Scale::Iterations(_) if self.scale_px() > f64::from(MAX_SIGMA_PX) => {
+                let most = Self::time_of(MAX_SIGMA_PX) / f64::from(self.time_step);
+                return bad(
+                    "--iterations",
+                    format!("is {}", self.steps(1.0)),
+                    &format!("give 0 to {most:.0}"),
+                );
             }
-            _ => Ok(()),
+            Scale::Iterations(_) => {}
         }
+        self.check_steps(1.0)
+    }
+
+    /// Refuses more explicit steps than anybody waits for, where `factor` pixels stand for one of the reference.
+    fn check_steps(&self, factor: f64) -> Result<()> {
+        let steps = self.steps(factor);
+        if self.solver == Solver::Chebyshev || steps <= MAX_EXPLICIT_STEPS {
+            return Ok(());
+        }
+        Err(Error::BadParameter {
+            name: "--solver",
+            found: format!("takes {steps:.0} explicit steps"),
+            remedy: format!(
+                "leave it out: chebyshev needs far fewer, or lower the scale to {MAX_EXPLICIT_STEPS} steps"
+            ),
+        })
+    }
+
+    /// Explicit steps that the scale stands for, likewise.
+    fn steps(&self, factor: f64) -> f64 {
+        let time = self.diffusion_time() * factor * factor;
+        (time / f64::from(self.time_step) * (1.0 - 1e-12)).ceil()
     }
 
     /// How many pixels of a picture of this height stand for one of the reference; 1 without a reference.
@@ -199,9 +213,10 @@ impl ShapeParams {
     /// # Errors
     /// [`Error::BadParameter`] naming the reference height.
     pub fn validate_for(&self, image_height: usize) -> Result<()> {
-        let sigma = self.scale_px() * self.resolution_factor(image_height);
+        let factor = self.resolution_factor(image_height);
+        let sigma = self.scale_px() * factor;
         if self.reference_height.is_none() || sigma <= f64::from(MAX_SIGMA_PX) {
-            return Ok(());
+            return self.check_steps(factor);
         }
         Err(Error::BadParameter {
             name: "--reference-height",
@@ -252,6 +267,27 @@ impl ShapeParams {
 /// Past this a Gaussian is flat over any picture.
 const MAX_SIGMA_PX: f32 = 4096.0;
 
+/// Explicit steps of a sigma of 140 pixels: minutes for a large picture, which an expansion diffuses in a second.
+const MAX_EXPLICIT_STEPS: f64 = 50_000.0;
+
+/// Most scales of one run: twelve octaves in steps of a fifth of one.
+pub const MAX_SCALES: usize = 64;
+
+/// Refuses more than [`MAX_SCALES`] scales.
+///
+/// # Errors
+/// [`Error::BadParameter`].
+pub(crate) fn check_scales(count: usize) -> Result<()> {
+    match count <= MAX_SCALES {
+        true => Ok(()),
+        false => Err(Error::BadParameter {
+            name: "--scale",
+            found: format!("names {count} scales"),
+            remedy: format!("give at most {MAX_SCALES}"),
+        }),
+    }
+}
+
 /// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
 const COARSE_ROUNDING: f32 = 1e-3;
 
@@ -279,6 +315,91 @@ mod tests {
         let half = referring_to(540, Scale::Sigma(1.0));
         assert_eq!(half.resolution_factor(1080), 2.0);
         assert_eq!(half.resolution_factor(135), 0.25);
+    }
+
+    #[test]
+    fn scales_that_nobody_waits_for_are_refused() {
+        let of = |scale, solver| ShapeParams {
+            scale,
+            solver,
+            ..ShapeParams::default()
+        };
+        let said = |params: ShapeParams| params.validate().unwrap_err().to_string();
+        // 4096^2 / 2 / 0.2 steps are a sigma of 4096 px.
+        let most = Scale::Iterations(41_943_040);
+        of(most, Solver::Chebyshev).validate().unwrap();
+        let more = said(of(Scale::Iterations(u32::MAX), Solver::Chebyshev));
+        assert_eq!(more, "--iterations is 4294967295; give 0 to 41943040");
+        let stepped = said(of(most, Solver::Explicit));
+        assert!(
+            stepped.starts_with("--solver takes 41943040 explicit steps"),
+            "{stepped}"
+        );
+        of(Scale::Iterations(50_000), Solver::Explicit)
+            .validate()
+            .unwrap();
+        // A sigma of 150 px is a time of 11250: 56,250 steps of 0.2; one of 15 px in a picture ten times as high too.
+        assert!(
+            of(Scale::Sigma(150.0), Solver::Explicit)
+                .validate()
+                .is_err()
+        );
+        let proxy = ShapeParams {
+            reference_height: Some(108),
+            ..of(Scale::Sigma(15.0), Solver::Explicit)
+        };
+        proxy.validate().unwrap();
+        assert!(proxy.validate_for(1080).is_err() && proxy.validate_for(108).is_ok());
+    }
+
+    #[test]
+    fn numbers_past_single_precision_are_refused() {
+        let good = ShapeParams::default();
+        let wide = |lo, hi| SoftThreshold { lo, hi };
+        for bad in [
+            ShapeParams {
+                min_nz: 1e-30,
+                ..good
+            },
+            ShapeParams {
+                tolerance: 1e-40,
+                ..good
+            },
+            ShapeParams {
+                tolerance: f32::MAX,
+                ..good
+            },
+            ShapeParams {
+                time_step: 1e-30,
+                ..good
+            },
+            ShapeParams {
+                foreshortening: f32::NAN,
+                ..good
+            },
+            ShapeParams {
+                silhouette: wide(0.0, f32::MAX),
+                ..good
+            },
+            ShapeParams {
+                crease: wide(2.0, 1.0),
+                ..good
+            },
+            ShapeParams {
+                crease: wide(f32::NAN, 1.0),
+                ..good
+            },
+            ShapeParams {
+                reference_height: Some(u32::MAX),
+                ..good
+            },
+            ShapeParams {
+                scale: Scale::Sigma(f32::INFINITY),
+                ..good
+            },
+        ] {
+            assert!(bad.validate().is_err(), "{bad:?}");
+        }
     }
 
     #[test]

@@ -16,6 +16,7 @@ use crate::frame::{DepthKind, Frame};
 use crate::line::direction::FILL_REACH_PX;
 use crate::params::{
     LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, SpecularParams, Style,
+    check_scales,
 };
 use crate::shape::{EDGE_REACH, diffusion, hessian};
 use serde::Serialize;
@@ -319,6 +320,7 @@ impl Plan {
             drawing,
         } = asked;
         shape.validate()?;
+        check_scales(1 + more_px.len())?;
         if !more_px.is_empty() {
             refuse_several_scales(&shape, available)?;
         }

@@ -1,6 +1,7 @@
 //! OpenEXR files: rows on demand, strips, channels added to a part.
 
 mod channels;
+mod infinities;
 #[path = "../real_files/mod.rs"]
 mod real_files;
 mod rows;

@@ -2,6 +2,7 @@
 
 mod colors;
 mod names;
+mod numbers;
 mod outputs;
 mod recipes;
 mod sequences;

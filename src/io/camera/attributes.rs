@@ -35,7 +35,7 @@ const AXES: [(DVec3, &str); 4] = [
     (DVec3::new(1.0, -1.0, -1.0), "looking along +z, y down"),
 ];
 
-/// Every camera that the attributes may mean, the likeliest first.
+/// Every camera that the attributes may mean, the likeliest first, with numbers in their ranges.
 pub(super) fn candidates(
     attributes: &BTreeMap<String, String>,
     display: Window,
@@ -49,6 +49,7 @@ pub(super) fn candidates(
     let mut found = attributes.of_matrices(&picture);
     found.extend(attributes.of_placings(&picture));
     found.extend(attributes.of_unreal(&picture));
+    found.retain(|candidate| candidate.camera.check(display).is_ok());
     found
 }
 

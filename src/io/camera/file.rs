@@ -1,7 +1,7 @@
 //! Cameras written as JSON.
 
 use crate::error::{Error, Result};
-use crate::frame::{Camera, Projection, Window};
+use crate::frame::{Camera, OutOfRange, Projection, Window, check_place};
 use crate::io::open::read_text;
 use glam::{DAffine3, DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -10,6 +10,12 @@ use std::path::Path;
 
 /// How far a rotation may be from orthonormal: rows printed with four digits still pass.
 const ROTATION_TOLERANCE: f64 = 2e-3;
+
+/// Least and greatest uniform scale of a matrix: what its squares and cubes keep in double precision.
+const SCALES: (f64, f64) = (1e-12, 1e12);
+
+/// Longest side of the picture that a camera was made for, as of windows of OpenEXR.
+const MOST_SIDE: f64 = (1 << 30) as f64;
 
 /// The longest camera file that is read.
 const MOST_BYTES: u64 = 1 << 24;
@@ -31,12 +37,14 @@ const MOST_BYTES: u64 = 1 << 24;
 ///
 /// The smallest files are `{"focal_px": 900}` and
 /// `{"world_to_camera": [[..4], [..4], [..4], [0, 0, 0, 1]], "focal_px": 900}`.
+/// Focal lengths are 0.01 to 1e9 px, pixels per unit 1e-6 to 1e9, the principal point lies within 1e7 px of the corner
+/// of the display window, the eye within 1e12 units of the origin, sides of `resolution` are 1 to 2^30 px.
 /// Where `resolution` has the shape of the display window but another size, as for a proxy, the
 /// intrinsics are scaled. A uniform scale in `world_to_camera` is divided out.
 ///
 /// # Errors
-/// If the file cannot be read, is not JSON, lacks a key, holds a mirrored or sheared matrix, belongs
-/// to a panorama, or was made for a picture of another shape.
+/// If the file cannot be read, is not JSON, lacks a key, holds a number outside its range or a mirrored or sheared
+/// matrix, belongs to a panorama, or was made for a picture of another shape.
 pub fn read_camera(path: &Path, display_window: Window, pixel_aspect: f32) -> Result<Camera> {
     let text = read_text(path, MOST_BYTES)?;
     camera_of_json(&text, display_window, f64::from(pixel_aspect))
@@ -58,9 +66,11 @@ pub fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
                 "write the rows of a 4x4 matrix: where the panorama was seen from",
             )
         })?;
-        rigid_transform(matrix)
+        let (map_from_world, _) = rigid_transform(matrix)?;
+        check_place(map_from_world.translation)?;
+        Ok(map_from_world)
     };
-    let (map_from_world, _) = parsed().map_err(|rejected: Rejected| rejected.in_file(path))?;
+    let map_from_world = parsed().map_err(|rejected: Rejected| rejected.in_file(path))?;
     let center = map_from_world.inverse().translation;
     Ok((center, map_from_world.matrix3))
 }
@@ -96,6 +106,12 @@ impl Rejected {
     }
 }
 
+impl From<OutOfRange> for Rejected {
+    fn from(number: OutOfRange) -> Self {
+        Self::new(number.found(), number.remedy())
+    }
+}
+
 type Parsed<T> = std::result::Result<T, Rejected>;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -118,10 +134,12 @@ fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
         None => (DAffine3::IDENTITY, 1.0),
     };
     let lens = Lens::of_json(&json, kind, display, aspect)?;
-    Ok(Camera {
+    let camera = Camera {
         view_from_world,
         projection: lens.projection(kind, scale, display),
-    })
+    };
+    camera.check(display)?;
+    Ok(camera)
 }
 
 /// The value of `key`, where it is given and not null.
@@ -267,10 +285,16 @@ fn check_last_row(rows: &[[f64; 4]; 4]) -> Parsed<()> {
 fn uniform_scale(linear: &Matrix3<f64>) -> Parsed<f64> {
     let lengths: Vector3<f64> = Vector3::from_fn(|r, _| linear.row(r).norm());
     let (least, most) = (lengths.min(), lengths.max());
-    if least <= 0.0 || !most.is_finite() {
+    if least <= 0.0 {
         return Err(Rejected::new(
             "world_to_camera has a row of zeros",
             "give a rotation and a translation",
+        ));
+    }
+    if !(least >= SCALES.0 && most <= SCALES.1) {
+        return Err(Rejected::new(
+            format!("world_to_camera scales by {least:e} to {most:e}"),
+            format!("give a scale of {:e} to {:e}", SCALES.0, SCALES.1),
         ));
     }
     if most / least > 1.0 + ROTATION_TOLERANCE {
@@ -379,7 +403,15 @@ impl Lens {
         if from == to {
             return Ok(self);
         }
-        positive(from[0].min(from[1]), "resolution")?;
+        if let Some(side) = from
+            .into_iter()
+            .find(|side| !(1.0..=MOST_SIDE).contains(side))
+        {
+            return Err(Rejected::new(
+                format!("a side of its resolution is {side:e}"),
+                "give 1 to 2^30 pixels",
+            ));
+        }
         let (x, y) = (to[0] / from[0], to[1] / from[1]);
         // Sides are whole pixels: either may be one pixel off the exact proportion.
         let same_shape = (from[1] * x - to[1]).abs() <= 1.0 || (from[0] * y - to[0]).abs() <= 1.0;
@@ -520,6 +552,45 @@ mod tests {
         assert!(message(r#"{"intrinsics_px": {"fx": 9}}"#).contains("no fy"));
         assert!(message(r#"{"focal_px": 9, "resolution": [0, 0]}"#).contains("resolution"));
         assert!(message("[1, 2]").contains("array of 2"));
+        // What single precision does not hold.
+        for (text, expected) in [
+            (
+                r#"{"focal_px": 1e-300}"#,
+                "focal length is 1e-300 px; give 0.01 to 1e9",
+            ),
+            (r#"{"focal_px": 1e10}"#, "focal length is 1e10 px"),
+            (
+                r#"{"pixels_per_unit": 1e-30}"#,
+                "number of pixels per unit is ",
+            ),
+            (
+                r#"{"focal_px": 9, "principal_point_px": [1e300, 0]}"#,
+                "principal point is 1e300 px",
+            ),
+            (
+                r#"{"intrinsics_px": {"fx": 9, "fy": 1e-9, "cx": 0, "cy": 0}}"#,
+                "focal length is ",
+            ),
+            (
+                r#"{"focal_px": 9, "resolution": [1e300, 1e300]}"#,
+                "resolution is 1e300; give 1 to",
+            ),
+            (
+                &with_matrix("[[1,0,0,0],[0,1,0,1e15],[0,0,1,0],[0,0,0,1]]"),
+                "origin is 1e15",
+            ),
+            (
+                &with_matrix("[[1e-200,0,0,0],[0,1e-200,0,0],[0,0,1e-200,0],[0,0,0,1]]"),
+                "zeros",
+            ),
+            (
+                &with_matrix("[[1e-20,0,0,0],[0,1e-20,0,0],[0,0,1e-20,0],[0,0,0,1]]"),
+                "scales by ",
+            ),
+        ] {
+            let said = message(text);
+            assert!(said.contains(expected), "{text}: {said}");
+        }
         assert!(message("{\"focal_px\": \n").contains("not a JSON"));
     }
 

@@ -2,8 +2,8 @@
 
 use super::attributes::{Candidate, candidates, is_mirrored};
 use super::samples::quantile;
-use super::{RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
-use crate::error::Result;
+use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
+use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::inputs::Inputs;
 use crate::io::load::Finding;
@@ -76,6 +76,12 @@ impl<'a> CameraSearch<'a> {
             ..
         } = *self.surface;
         if let Some(known) = self.inputs.known_camera {
+            let checked = known.camera.check(display_window);
+            checked.map_err(|number| Error::BadParameter {
+                name: "--still-camera",
+                found: format!("is out of range: {}", number.found()),
+                remedy: number.remedy(),
+            })?;
             return Ok(known.is_placed.then_some(known.camera));
         }
         let found = match (&self.inputs.camera, position) {
@@ -154,6 +160,7 @@ impl<'a> CameraSearch<'a> {
             surface.display_window,
             surface.pixel_aspect,
         )?;
+        found.camera.check(surface.display_window)?;
         let evidence = format!(
             "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
             found.samples, found.residual_px_median, found.residual_px_p95
@@ -177,7 +184,11 @@ impl<'a> CameraSearch<'a> {
             surface.display_window,
             surface.pixel_aspect,
         );
-        let found = match found {
+        let in_range = |found: DepthCamera| {
+            found.camera.check(surface.display_window)?;
+            Ok(found)
+        };
+        let found = match found.and_then(in_range) {
             Ok(found) => found,
             Err(failure) => {
                 self.failure = Some(failure);

@@ -17,7 +17,7 @@ use super::file::dmat3;
 use super::hypotheses::{hypotheses, principal_axes};
 use super::model::{CONVERGENCE, Free, Model};
 use super::samples::{Sample, Samples, gather, quantile};
-use crate::frame::{Camera, Mask, Projection, Vector3Planes, Window};
+use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 
@@ -86,6 +86,9 @@ pub enum RecoveryFailure {
         /// Median residual of the best camera, in pixel widths.
         residual_px: f64,
     },
+    /// The camera that fits is out of the range of cameras.
+    #[error("the camera that fits is out of range: {}", .0.found())]
+    OutOfRange(#[from] OutOfRange),
     /// A camera fits, but only with the scene mirrored, or with one axis of the normals reversed.
     #[error("the scene is mirrored: its axes are left-handed")]
     Mirrored,

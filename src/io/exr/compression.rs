@@ -20,7 +20,8 @@ pub enum OutputCompression {
     Zip,
     /// Wavelets, 32 rows at a time: smallest for grainy pictures.
     Piz,
-    /// DWA, 32 rows at a time: loses detail that is not seen, of colours alone.
+    /// DWA, 32 rows at a time: loses detail that is not seen, of colours alone. Of those it makes half floats,
+    /// whatever they are: what is larger than 65504 is clamped, NaN becomes 0.
     Dwaa,
     /// DWA, 256 rows at a time.
     Dwab,

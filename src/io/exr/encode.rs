@@ -1,5 +1,7 @@
 //! Rows to compressed blocks.
 
+use super::attributes::text_of_bytes;
+use super::compression::dwa_spoils;
 use super::decode::OWN_CODEC;
 use super::fault::{Fault, Parsed};
 use super::write::{OutputType, ReadyPart, Source};
@@ -8,7 +10,7 @@ use crate::frame::Plane;
 use crate::io::fence::fenced;
 use ::exr::compression::Compression;
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::IntegerBounds;
+use ::exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
 use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -31,6 +33,26 @@ pub(super) struct Encoder {
     taken: usize,
     /// Rows that wait, as they will stand in their block.
     waiting: Vec<u8>,
+    /// Samples of them that were clamped.
+    waiting_clamped: Clamped,
+    /// Samples that were clamped in blocks that are complete.
+    clamped: u64,
+}
+
+/// Finite samples that half floats cannot hold, and that became the largest that they can.
+#[derive(Debug, Clone, Copy, Default)]
+struct Clamped {
+    /// Of channels that DWA takes for colour, where it is used.
+    colors: u64,
+    /// Of others.
+    others: u64,
+}
+
+/// A block as the file has it.
+struct Encoded {
+    bytes: Vec<u8>,
+    /// Samples that were clamped.
+    clamped: u64,
 }
 
 /// Rows to be written: the same of every plane that is given.
@@ -49,7 +71,14 @@ impl Encoder {
             block_rows: part.header.compression.scan_lines_per_block(),
             taken: 0,
             waiting: Vec::new(),
+            waiting_clamped: Clamped::default(),
+            clamped: 0,
         }
+    }
+
+    /// Samples of complete blocks that were too large for half floats and were clamped.
+    pub(super) fn clamped(&self) -> u64 {
+        self.clamped
     }
 
     /// The rows that have been taken.
@@ -90,42 +119,55 @@ impl Encoder {
             true => rows.div_ceil(self.block_rows),
             false => rows / self.block_rows,
         };
-        let blocks: Vec<Parsed<Vec<u8>>> = (0..complete)
+        let blocks: Vec<Parsed<Encoded>> = (0..complete)
             .into_par_iter()
             .map(|block| {
                 let end = rows.min((block + 1) * self.block_rows);
                 let start = block * self.block_rows;
                 let mut raw = Vec::with_capacity((end - start) * self.row_bytes());
+                let mut clamped = Clamped::default();
                 if block == 0 {
                     raw.extend_from_slice(&self.waiting);
+                    clamped = self.waiting_clamped;
                 }
-                self.lay_rows(strip, start.max(waiting) - waiting..end - waiting, &mut raw);
-                self.compressed((first + block) * self.block_rows, end - start, raw)
+                let laid = start.max(waiting) - waiting..end - waiting;
+                clamped.add(self.lay_rows(strip, laid, &mut raw));
+                self.encoded((first + block) * self.block_rows, end - start, raw, clamped)
             })
             .collect();
 
         let mut rest = std::mem::take(&mut self.waiting);
         if complete > 0 {
             rest.clear();
+            self.waiting_clamped = Clamped::default();
         }
         let laid = (complete * self.block_rows).clamp(waiting, rows);
-        self.lay_rows(strip, laid - waiting..strip.rows.len(), &mut rest);
+        let clamped = self.lay_rows(strip, laid - waiting..strip.rows.len(), &mut rest);
+        self.waiting_clamped.add(clamped);
         self.waiting = rest;
         self.taken += strip.rows.len();
-        Ok((first, blocks.into_iter().collect::<Parsed<_>>()?))
+        let blocks: Vec<Encoded> = blocks.into_iter().collect::<Parsed<_>>()?;
+        self.clamped += blocks.iter().map(|block| block.clamped).sum::<u64>();
+        let bytes = blocks.into_iter().map(|block| block.bytes);
+        Ok((first, bytes.collect()))
     }
 
     /// Appends the rows `rows` of a strip as they stand in a block.
-    fn lay_rows(&self, strip: &Strip, rows: Range<usize>, raw: &mut Vec<u8>) {
+    fn lay_rows(&self, strip: &Strip, rows: Range<usize>, raw: &mut Vec<u8>) -> Clamped {
+        let mut clamped = Clamped::default();
         let mut halves = Vec::new();
         let width = self.header.layer_size.width();
         let kept_bytes = strip.kept.len() / strip.rows.len();
         for y in rows {
-            for source in &self.sources {
+            for (source, channel) in self.sources.iter().zip(&self.header.channels.list) {
                 match *source {
                     Source::Given(plane, sample_type) => {
                         let row = strip.planes[plane].row(strip.rows.start + y);
-                        lay_samples(row, sample_type, &mut halves, raw);
+                        let count = lay_samples(row, sample_type, &mut halves, raw);
+                        match self.is_dwa() && is_color(channel) {
+                            true => clamped.colors += count,
+                            false => clamped.others += count,
+                        }
                     }
                     Source::Kept { before, bytes } => {
                         let row = &strip.kept[y * kept_bytes..][..kept_bytes];
@@ -133,6 +175,102 @@ impl Encoder {
                     }
                 }
             }
+        }
+        clamped
+    }
+
+    /// Compresses a block of which samples were `clamped` as it was laid.
+    fn encoded(
+        &self,
+        first_row: usize,
+        rows: usize,
+        mut raw: Vec<u8>,
+        clamped: Clamped,
+    ) -> Parsed<Encoded> {
+        if !self.is_dwa() {
+            let bytes = self.compressed(first_row, rows, raw)?;
+            let clamped = clamped.colors + clamped.others;
+            return Ok(Encoded { bytes, clamped });
+        }
+        let (count, largest) = self.clamp_colors(&mut raw, HALF_MAX);
+        let bytes = self.compressed(first_row, rows, raw.clone())?;
+        if largest <= DWA_SAFE || self.decodes_finite(first_row, rows, &bytes)? {
+            let clamped = clamped.colors + clamped.others + count;
+            return Ok(Encoded { bytes, clamped });
+        }
+        let (count, _) = self.clamp_colors(&mut raw, DWA_SAFE);
+        Ok(Encoded {
+            bytes: self.compressed(first_row, rows, raw)?,
+            // Those that were clamped before are above this limit too.
+            clamped: clamped.others + count,
+        })
+    }
+
+    fn is_dwa(&self) -> bool {
+        matches!(
+            self.header.compression,
+            Compression::DWAA(_) | Compression::DWAB(_)
+        )
+    }
+
+    /// Moves samples that DWA takes for colour into `-most..=most`, NaN apart: how many were outside, and the
+    /// largest size of one before.
+    fn clamp_colors(&self, raw: &mut [u8], most: f32) -> (u64, f32) {
+        let (mut count, mut largest) = (0, 0.0_f32);
+        let mut clamp = |v: f32| {
+            largest = largest.max(v.abs());
+            let is_outside = v.abs() > most;
+            count += u64::from(is_outside);
+            is_outside.then(|| most.copysign(v))
+        };
+        self.for_colors(raw, |sample_type, row| match sample_type {
+            SampleType::F16 => row.as_chunks_mut().0.iter_mut().for_each(|bytes| {
+                if let Some(v) = clamp(f16::from_ne_bytes(*bytes).to_f32()) {
+                    *bytes = f16::from_f32(v).to_ne_bytes();
+                }
+            }),
+            SampleType::F32 => row.as_chunks_mut().0.iter_mut().for_each(|bytes| {
+                if let Some(v) = clamp(f32::from_ne_bytes(*bytes)) {
+                    *bytes = v.to_ne_bytes();
+                }
+            }),
+            SampleType::U32 => {}
+        });
+        (count, largest)
+    }
+
+    /// Calls `each` with every row of every channel that DWA takes for colour, in a block that is not compressed.
+    fn for_colors(&self, mut raw: &mut [u8], mut each: impl FnMut(SampleType, &mut [u8])) {
+        let width = self.header.layer_size.width();
+        while !raw.is_empty() {
+            for channel in &self.header.channels.list {
+                let bytes = width * channel.sample_type.bytes_per_sample();
+                let (row, rest) = raw.split_at_mut(bytes);
+                raw = rest;
+                if is_color(channel) {
+                    each(channel.sample_type, row);
+                }
+            }
+        }
+    }
+
+    /// Whether every sample that DWA takes for colour is finite when a block is read back.
+    fn decodes_finite(&self, first_row: usize, rows: usize, bytes: &[u8]) -> Parsed<bool> {
+        let (compression, section) = (self.header.compression, self.section(first_row, rows));
+        let decoded = fenced(|| {
+            let bytes = bytes.to_vec();
+            compression.decompress_image_section_from_le(&self.header, bytes, section, false)
+        });
+        let mut decoded = decoded.ok_or_else(|| Fault::damaged("cannot be read back"))??;
+        let (_, largest) = self.clamp_colors(&mut decoded, f32::INFINITY);
+        Ok(largest.is_finite())
+    }
+
+    /// The pixels of a block.
+    fn section(&self, first_row: usize, rows: usize) -> IntegerBounds {
+        IntegerBounds {
+            position: Vec2(0, first_row as i32),
+            size: Vec2(self.header.layer_size.width(), rows),
         }
     }
 
@@ -142,10 +280,7 @@ impl Encoder {
             Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => return Ok(zip::compress(raw)),
             _ => {}
         }
-        let section = IntegerBounds {
-            position: Vec2(0, first_row as i32),
-            size: Vec2(self.header.layer_size.width(), rows),
-        };
+        let section = self.section(first_row, rows);
         let compress = || {
             let compression = self.header.compression;
             compression.compress_image_section_to_le(&self.header, raw, section)
@@ -157,8 +292,41 @@ impl Encoder {
     }
 }
 
-fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw: &mut Vec<u8>) {
+impl Clamped {
+    fn add(&mut self, others: Self) {
+        self.colors += others.colors;
+        self.others += others.others;
+    }
+}
+
+/// The largest half float.
+const HALF_MAX: f32 = f16::MAX.to_f32_const();
+
+/// Colours up to this size stay finite whatever DWA makes of them.
+///
+/// DWA stores `1 + ln(v) / 2.2` of what is above 1, as cosines of 8x8 pixels that are off by their tolerance and by
+/// the rounding of half floats; above 65520 a half float is infinite. So all errors at a pixel together may come to
+/// `ln(65520 / 32768) / 2.2 = 0.315`. Tolerances are 0.00045 times JPEG's tables over their least entry, and a cosine
+/// is at most 1/4 at a pixel: 0.0415 in luminance, and 0.036 in each chroma. Rounding adds 2^-11 of each cosine, which
+/// with values up to 5.73 (their squares add up to 64 times that of a pixel) is at most
+/// `2^-13 * sqrt(64 * 64 * 5.73^2) = 0.045` and for chroma half of it. Blue is luminance plus 1.8556 times a chroma:
+/// `0.0865 + 1.8556 * 0.0585 = 0.195`, and 0.004 for its own rounding before and after.
+const DWA_SAFE: f32 = 32768.0;
+
+/// Whether DWA takes a channel for colour.
+fn is_color(channel: &ChannelDescription) -> bool {
+    dwa_spoils(&text_of_bytes(channel.name.as_slice()))
+}
+
+/// Appends a row of samples; how many finite ones were too large for their type.
+fn lay_samples(
+    row: &[f32],
+    sample_type: OutputType,
+    halves: &mut Vec<f16>,
+    raw: &mut Vec<u8>,
+) -> u64 {
     let start = raw.len();
+    let mut clamped = 0;
     match sample_type {
         OutputType::Float => {
             raw.resize(start + 4 * row.len(), 0);
@@ -172,6 +340,7 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
             // Rare: what was finite and is no more.
             if halves.iter().any(|half| half.is_infinite()) {
                 for (half, &v) in halves.iter_mut().zip(row) {
+                    clamped += u64::from(v.is_finite() && half.is_infinite());
                     *half = f16::from_f32(clamped_to_half(v));
                 }
             }
@@ -181,6 +350,7 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
             }
         }
     }
+    clamped
 }
 
 /// `v`, moved into the range of half precision if it is finite.

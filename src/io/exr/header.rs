@@ -9,6 +9,7 @@ use ::exr::compression::Compression;
 use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use std::io::Read;
+use std::ops::RangeInclusive;
 
 /// The first bytes of every EXR file.
 pub(in crate::io) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -19,6 +20,8 @@ const DEEP: u32 = 1 << 11;
 pub(super) const MULTI_PART: u32 = 1 << 12;
 /// Corners beyond this are refused by OpenEXR too; below it no sum of two overflows.
 const MAX_CORNER: i64 = (i32::MAX / 2) as i64;
+/// Widths of a pixel over its height.
+const PIXEL_ASPECTS: RangeInclusive<f32> = 1e-3..=1e3;
 /// Bytes of a chunk without pixels: its place and size, and its entry in the offset table.
 const MIN_CHUNK_BYTES: u64 = 16;
 
@@ -161,11 +164,12 @@ fn window_of_corners([x0, y0, x1, y1]: [i32; 4]) -> Window {
 
 fn check_pixel_aspect(part: &Attributes) -> Parsed<()> {
     let aspect = pixel_aspect(part);
-    match (1e-6..=1e6).contains(&aspect) {
+    match PIXEL_ASPECTS.contains(&aspect) {
         true => Ok(()),
-        false => Err(Fault::damaged(format!(
-            "its pixels have the aspect {aspect}"
-        ))),
+        false => Err(Fault::Unsupported {
+            found: format!("its pixels are {aspect:e} times as wide as high"),
+            remedy: "set its pixelAspectRatio to 0.001 to 1000",
+        }),
     }
 }
 

@@ -18,7 +18,9 @@ use std::path::{Path, PathBuf};
 /// # Panics
 /// If a plane does not have the size of the data window.
 pub fn write_results(w: &mut (impl Write + Seek), target: &Path, part: &OutputPart) -> Result<()> {
-    PartWriter::create(w, target, &part.description())?.write_whole(part)
+    PartWriter::create(w, target, &part.description())?
+        .write_whole(part)
+        .map(drop)
 }
 
 /// Writes a copy of `input` with `part` added. `target` is only named in errors.
@@ -35,7 +37,9 @@ pub fn append_part(
     target: &Path,
     part: &OutputPart,
 ) -> Result<()> {
-    PartWriter::append(input, w, target, &part.description())?.write_whole(part)
+    PartWriter::append(input, w, target, &part.description())?
+        .write_whole(part)
+        .map(drop)
 }
 
 /// Writes a copy of `input` in which the part at index `part` also has the channels of `added`, for
@@ -186,16 +190,19 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         Ok(())
     }
 
-    /// Ends the file.
+    /// Ends the file. Returns how many finite samples were too large for half floats, in which they were to be stored
+    /// or which DWA makes of colours, and were clamped.
     ///
     /// # Panics
     /// If rows are missing.
-    pub fn finish(self) -> Result<()> {
+    pub fn finish(self) -> Result<u64> {
         assert_eq!(self.encoder.missing(), 0, "rows are missing");
-        self.out.finish().map_err(Error::io(&self.target, "write"))
+        let finished = self.out.finish();
+        finished.map_err(Error::io(&self.target, "write"))?;
+        Ok(self.encoder.clamped())
     }
 
-    fn write_whole(mut self, part: &OutputPart) -> Result<()> {
+    fn write_whole(mut self, part: &OutputPart) -> Result<u64> {
         let (planes, height) = (part.planes(), part.data_window.height());
         let fit = planes.iter().all(|plane| plane.height() == height);
         assert!(fit, "a plane does not fill the data window");

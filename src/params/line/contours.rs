@@ -1,7 +1,7 @@
 //! What contours can be told.
 
-use super::in_range;
 use crate::error::Result;
+use crate::params::in_range;
 use serde::Serialize;
 
 /// How silhouettes and creases are drawn ([LA] section 6: they come last, over the hatching).

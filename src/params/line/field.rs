@@ -1,6 +1,7 @@
 //! What the directions of strokes can be told.
 
 use crate::error::{Error, Result};
+use crate::params::{ANGLES_DEG, in_range};
 use serde::Serialize;
 
 /// How the field of stroke directions is made ([LA] section 6.1).
@@ -106,14 +107,8 @@ impl FieldParams {
                 "give 1 to 64 pixels",
             );
         }
-        if let Fallback::Angle(angle) = self.fallback
-            && !angle.is_finite()
-        {
-            return bad(
-                "--fallback",
-                format!("is {angle}"),
-                "give an angle in degrees",
-            );
+        if let Fallback::Angle(degrees) = self.fallback {
+            in_range("--fallback", degrees, ANGLES_DEG)?;
         }
         if !(1..=8).contains(&self.cell_px) {
             return bad(

@@ -10,7 +10,7 @@ pub use field::{Fallback, FieldParams, MAX_FIELD_PASSES, StrokeDirections};
 pub use strokes::{MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::ToneParams;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use serde::Serialize;
 
 /// How a frame is drawn ([LA] section 6).
@@ -51,16 +51,4 @@ impl LineParams {
         self.tone.validate()?;
         self.contours.map_or(Ok(()), |contours| contours.validate())
     }
-}
-
-/// Refuses `value` unless it lies in `range`.
-fn in_range(name: &'static str, value: f32, range: std::ops::RangeInclusive<f32>) -> Result<()> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    Err(Error::BadParameter {
-        name,
-        found: format!("is {value}"),
-        remedy: format!("give {} to {}", range.start(), range.end()),
-    })
 }

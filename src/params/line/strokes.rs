@@ -1,7 +1,7 @@
 //! Strokes: how each is drawn, and how directions are cut into partitions.
 
-use super::in_range;
 use crate::error::{Error, Result};
+use crate::params::in_range;
 use serde::Serialize;
 
 /// What strokes are drawn with.

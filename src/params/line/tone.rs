@@ -1,14 +1,14 @@
 //! Tone: how dark a picture is drawn.
 
-use super::in_range;
 use crate::error::Result;
-use crate::params::Adaptive;
+use crate::params::light::LEVELS;
+use crate::params::{Adaptive, in_range};
 use serde::Serialize;
 
 /// From the luminance of a picture to the tone of paper: 0 black, 1 the paper itself.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ToneParams {
-    /// Scene-linear luminance from which on the paper stays white; `Auto` takes a high percentile of the
+    /// Scene-linear luminance, 1e-38 to 1e38, from which on the paper stays white; `Auto` takes a high percentile of the
     /// surface's own.
     pub white_point: Adaptive,
     /// Share of the white point, 0 to 0.99, up to which the drawing is black.
@@ -35,6 +35,7 @@ impl ToneParams {
     /// # Errors
     /// [`crate::Error::BadParameter`] naming the first one.
     pub fn validate(&self) -> Result<()> {
+        self.white_point.in_range("--white-point", LEVELS)?;
         in_range("--black-point", self.black_point, 0.0..=0.99)?;
         in_range("--tone-gamma", self.gamma, 0.1..=10.0)
     }

@@ -48,7 +48,7 @@ impl Studio {
     ) -> Result<()> {
         let told = Told::default();
         let work = work_of(command);
-        work.shape.params().validate()?;
+        work.shape.validate()?;
         work.shape.refuse_more_scales()?;
         let job = match reading.frame {
             Some(frame) => Job::to_choose(work.of_frame(frame), frame, &told, recipe),
