@@ -174,7 +174,11 @@ impl OutputArgs {
 
     /// What is said of `count` samples that were clamped.
     pub(super) fn clamped(&self, count: u64) -> Option<String> {
-        let samples = if count == 1 { "sample is" } else { "samples are" };
+        let samples = if count == 1 {
+            "sample is"
+        } else {
+            "samples are"
+        };
         let lossless = match self.compression.is_lossy() && self.layers != LayersArg::Channels {
             true => " --compression zip",
             false => "",
