@@ -45,7 +45,7 @@ fn numbers_out_of_range_are_refused_with_their_range() {
         ("enhance --crease 1,1e30", "--crease is 1e30; give 1 to 1e6"),
         (
             "enhance --iterations 4294967295",
-            "--iterations is 4294967295; give 0 to 41943040",
+            "--iterations is 4294967295; give 0 to 41943039",
         ),
         (
             "enhance --iterations 4000000 --solver explicit",
