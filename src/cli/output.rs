@@ -189,13 +189,19 @@ impl OutputArgs {
 
     /// What is said of `count` samples that were clamped.
     pub(super) fn clamped(&self, count: u64) -> Option<String> {
-        let samples = if count == 1 { "sample" } else { "samples" };
-        let remedy = match self.compression.is_lossy() && self.layers != LayersArg::Channels {
-            true => "--depth-of-output float with --compression zip",
-            false => "--depth-of-output float",
+        let samples = if count == 1 {
+            "sample is"
+        } else {
+            "samples are"
+        };
+        let lossless = match self.compression.is_lossy() && self.layers != LayersArg::Channels {
+            true => " --compression zip",
+            false => "",
         };
         (count > 0).then(|| {
-            format!("{count} {samples} too large for half floats became the largest that they hold; keep them with {remedy}")
+            format!(
+                "{count} {samples} too large for half floats and clamped; keep them with --depth-of-output float{lossless}"
+            )
         })
     }
 }
