@@ -383,7 +383,7 @@ impl Sources {
         told: Option<ColorSpace>,
     ) -> Result<(Planes, Vec<RolePlanes>)> {
         let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
-        let rows = part.map_or(i32::MIN..i32::MAX, |part| part.y0..part.y1);
+        let rows = part.map(|part| part.y0..part.y1);
         let mut read = read_rows(&all, rows, told)?;
         for (source, read) in all.iter().zip(&mut read) {
             read.bring_to(source.role, window);

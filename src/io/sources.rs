@@ -4,18 +4,19 @@ use super::colorspace::ColorSpace;
 use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
 use super::names::{self, Hint};
 use super::open::open_input;
-use super::photo::{Photo, max_code};
+use super::photo::{Meaning, StoredPhoto, max_code};
 use super::roles::{self, Layer, Match, Role};
 use super::srgb;
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// An input file: an EXR's header and layers, or a whole photo.
+/// An input file of which the header has been read: an EXR's layers, or a photo.
 pub(super) enum Opened {
     Exr {
         file: Box<ExrFile>,
@@ -24,11 +25,38 @@ pub(super) enum Opened {
         /// All views, and the one whose layers are used.
         views: Vec<String>,
         view: Option<String>,
+        beside: Beside,
     },
     Photo {
-        path: PathBuf,
-        photo: Photo,
+        photo: StoredPhoto,
+        beside: Beside,
     },
+}
+
+/// Files that have been opened to go with another.
+pub(super) struct Beside {
+    files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
+    /// Most bytes of samples that each photo among them may hold.
+    most_bytes: u64,
+}
+
+impl Beside {
+    fn within(most_bytes: u64) -> Self {
+        Self {
+            files: RefCell::default(),
+            most_bytes,
+        }
+    }
+
+    fn find(&self, path: &Path) -> Option<Rc<Opened>> {
+        let files = self.files.borrow();
+        let (_, file) = files.iter().find(|(own, _)| own == path)?;
+        Some(file.clone())
+    }
+
+    fn keep(&self, path: &Path, file: &Rc<Opened>) {
+        self.files.borrow_mut().push((path.into(), file.clone()));
+    }
 }
 
 impl Opened {
@@ -38,12 +66,19 @@ impl Opened {
 
     /// The file with the layers of one view: the one that is wanted, else the default.
     pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
+        Self::open_within(path, wanted, u64::MAX)
+    }
+
+    /// The same, where no photo may hold more than `most_bytes` of samples.
+    pub(super) fn open_within(
+        path: &Path,
+        wanted: Option<&str>,
+        most_bytes: u64,
+    ) -> Result<Rc<Self>> {
+        let beside = Beside::within(most_bytes);
         if !has_exr_magic(path)? {
-            let photo = Photo::read(path)?;
-            return Ok(Rc::new(Self::Photo {
-                path: path.to_path_buf(),
-                photo,
-            }));
+            let photo = StoredPhoto::open(path, most_bytes)?;
+            return Ok(Rc::new(Self::Photo { photo, beside }));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
         let mut layers = layers_of(&file);
@@ -54,27 +89,35 @@ impl Opened {
             layers,
             views: all,
             view,
+            beside,
         }))
     }
 
-    /// A file that goes with this one: of the same view, if it has several.
+    /// A file that goes with this one: of the same view, if it has several. It is opened once.
     fn open_beside(&self, path: &Path) -> Result<Rc<Self>> {
-        let beside = Self::open(path)?;
-        match (self, beside.as_ref()) {
+        let (Self::Exr { beside, .. } | Self::Photo { beside, .. }) = self;
+        if let Some(file) = beside.find(path) {
+            return Ok(file);
+        }
+        let open = |view| Self::open_within(path, view, beside.most_bytes);
+        let file = open(None)?;
+        let file = match (self, file.as_ref()) {
             (
                 Self::Exr {
                     view: Some(view), ..
                 },
                 Self::Exr { views, .. },
-            ) if !views.is_empty() => Self::open_view(path, Some(view)),
-            _ => Ok(beside),
-        }
+            ) if !views.is_empty() => open(Some(view))?,
+            _ => file,
+        };
+        beside.keep(path, &file);
+        Ok(file)
     }
 
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::Exr { file, .. } => &file.path,
-            Self::Photo { path, .. } => path,
+            Self::Photo { photo, .. } => &photo.path,
         }
     }
 
@@ -389,16 +432,18 @@ fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
 
 /// Reads the planes of all `sources`, each part of a file once, in the order given.
 pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
-    read_rows(sources, i32::MIN..i32::MAX, None)
+    read_rows(sources, None, None)
 }
 
 /// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them; colours are what
-/// was `told`.
+/// was `told`. Where rows are given, photos stay decoded for the next ones.
 pub(super) fn read_rows(
     sources: &[RoleSource],
-    rows: Range<i32>,
+    rows: Option<Range<i32>>,
     told: Option<ColorSpace>,
 ) -> Result<Vec<RolePlanes>> {
+    let keeps = rows.is_some();
+    let rows = rows.unwrap_or(i32::MIN..i32::MAX);
     let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
     for first in 0..sources.len() {
         if planes[first].is_some() {
@@ -439,7 +484,10 @@ pub(super) fn read_rows(
             }
             Opened::Photo { photo, .. } => {
                 for &i in &together {
-                    planes[i] = Some(photo_planes(photo, sources[i].role, told));
+                    planes[i] = Some(photo_planes(photo, sources[i].role, window, told)?);
+                }
+                if !keeps {
+                    photo.release();
                 }
             }
         }
@@ -449,22 +497,36 @@ pub(super) fn read_rows(
 
 /// A photo is colour only where colour or light is wanted: then it is linear and multiplied by its alpha, as a
 /// frame's picture is. As data its values are taken as they are.
-fn photo_planes(photo: &Photo, role: Role, told: Option<ColorSpace>) -> RolePlanes {
+pub(super) fn photo_planes(
+    photo: &StoredPhoto,
+    role: Role,
+    window: Window,
+    told: Option<ColorSpace>,
+) -> Result<RolePlanes> {
     let is_linear = told.is_some_and(|space| space != ColorSpace::Srgb);
-    let mut planes = if role.is_seen() && !is_linear {
-        photo.to_linear()
-    } else {
-        photo.channels.clone()
+    let meaning = match role.is_seen() && !is_linear {
+        true => Meaning::Linear,
+        false => Meaning::Stored,
     };
-    if let (true, Some(alpha)) = (role.is_seen(), &photo.alpha) {
-        for plane in &mut planes {
-            let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
-            samples.for_each(|(sample, alpha)| *sample *= alpha);
-        }
+    let mut planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
+    let alpha = if photo.has_alpha() {
+        planes.pop()
+    } else {
+        None
+    };
+    if let (true, Some(alpha)) = (role.is_seen(), &alpha) {
+        multiply(&mut planes, alpha);
     }
-    RolePlanes {
+    Ok(RolePlanes {
         planes,
-        alpha: photo.alpha.clone(),
-        window: Window::from_size(photo.width, photo.height),
+        alpha,
+        window,
+    })
+}
+
+pub(super) fn multiply(planes: &mut [Plane], alpha: &Plane) {
+    for plane in planes {
+        let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
+        samples.for_each(|(sample, alpha)| *sample *= alpha);
     }
 }
