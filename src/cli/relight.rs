@@ -5,7 +5,7 @@ use super::chosen::Chosen;
 use super::engine::{Engine, relight_on_cpu};
 use super::enhance::dark_rims;
 use super::frames::FrameCommand;
-use super::job::{Done, Job};
+use super::job::{Done, Job, MadePicture};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use super::strips::{self, StripWork};
 use crate::backend::cpu::{Outcome, Runner, StripChoice};
@@ -20,7 +20,7 @@ use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
 use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples};
-use crate::plan::{Available, LightKinds, Plan, Stage};
+use crate::plan::{Available, LightKinds, Plan};
 use glam::Vec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -68,10 +68,9 @@ impl FrameCommand for RelightArgs {
             let told = dark_rims(&scaling);
             told.iter().for_each(|warning| job.warn(warning));
         }
-        if strips::is_too_large(job)? {
-            if !specular.is_empty() {
-                strips::refuse_too_large(job)?;
-            }
+        if !specular.is_empty() {
+            strips::refuse_too_large(job)?;
+        } else if strips::is_too_large(job) {
             return strips::make(&work, job, self.inputs(job), needs);
         }
         let (mut loaded, read) = job.load(&self.inputs(job), needs)?;
@@ -132,9 +131,8 @@ impl StripWork for Relight<'_> {
         job.color_channels(strip, lit(outcome))
     }
 
-    fn takes_whole(&self, plan: &Plan) -> Option<&'static str> {
-        plan.has(Stage::AlbedoEstimate)
-            .then_some("estimates the albedo (--albedo-from), and needs the picture whole")
+    fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
+        job.made_picture(strip, lit(outcome))
     }
 }
 
@@ -158,7 +156,11 @@ impl RelightArgs {
             specular: traced.transpose()?,
             ..Available::in_frame(frame)
         };
-        Plan::relight(available, flags.params(), scaling, params, kinds)
+        let mut plan = Plan::relight(available, flags.params(), scaling, params, kinds)?;
+        if let Some(relighting) = &mut plan.relighting {
+            relighting.estimate = found.albedo;
+        }
+        Ok(plan)
     }
 
     /// What is read of a frame to be lit anew.

@@ -36,7 +36,7 @@ mod views;
 pub use art_map::read_art_map;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use footprint::frame_bytes;
-pub use load::{Finding, Loaded, Needs, data_window, load};
+pub use load::{Extent, Finding, InputFiles, Loaded, Needs, load};
 pub use specular::{SpecularInputs, load_specular};
 pub use surroundings::read_surroundings;
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

@@ -36,15 +36,32 @@ pub(super) enum Opened {
 /// Files that have been opened to go with another.
 pub(super) struct Beside {
     files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
-    /// Most bytes of samples that each photo among them may hold.
-    most_bytes: u64,
+    holding: Holding,
+}
+
+/// How the samples of photos are held once they are decoded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Holding {
+    /// Most bytes of samples of one photo: of others rows alone are read.
+    pub(super) most_bytes: u64,
+    /// Whether they stay for the next rows to be read.
+    pub(super) stay: bool,
+}
+
+impl Default for Holding {
+    fn default() -> Self {
+        Self {
+            most_bytes: u64::MAX,
+            stay: false,
+        }
+    }
 }
 
 impl Beside {
-    fn within(most_bytes: u64) -> Self {
+    fn held(holding: Holding) -> Self {
         Self {
             files: RefCell::default(),
-            most_bytes,
+            holding,
         }
     }
 
@@ -66,18 +83,18 @@ impl Opened {
 
     /// The file with the layers of one view: the one that is wanted, else the default.
     pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
-        Self::open_within(path, wanted, u64::MAX)
+        Self::open_held(path, wanted, Holding::default())
     }
 
-    /// The same, where no photo may hold more than `most_bytes` of samples.
-    pub(super) fn open_within(
+    /// The same, and how samples of photos are held.
+    pub(super) fn open_held(
         path: &Path,
         wanted: Option<&str>,
-        most_bytes: u64,
+        holding: Holding,
     ) -> Result<Rc<Self>> {
-        let beside = Beside::within(most_bytes);
+        let beside = Beside::held(holding);
         if !has_exr_magic(path)? {
-            let photo = StoredPhoto::open(path, most_bytes)?;
+            let photo = StoredPhoto::open(path, holding.most_bytes)?;
             return Ok(Rc::new(Self::Photo { photo, beside }));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
@@ -99,7 +116,7 @@ impl Opened {
         if let Some(file) = beside.find(path) {
             return Ok(file);
         }
-        let open = |view| Self::open_within(path, view, beside.most_bytes);
+        let open = |view| Self::open_held(path, view, beside.holding);
         let file = open(None)?;
         let file = match (self, file.as_ref()) {
             (
@@ -118,6 +135,16 @@ impl Opened {
         match self {
             Self::Exr { file, .. } => &file.path,
             Self::Photo { photo, .. } => &photo.path,
+        }
+    }
+
+    /// Lets go of the samples of photos, its own and those of files that go with it.
+    pub(super) fn release(&self) {
+        let (Self::Exr { beside, .. } | Self::Photo { beside, .. }) = self;
+        let files = beside.files.borrow();
+        files.iter().for_each(|(_, file)| file.release());
+        if let Self::Photo { photo, .. } = self {
+            photo.release();
         }
     }
 
@@ -352,6 +379,14 @@ impl RoleSource {
         }
     }
 
+    /// The photo it is, if it is one.
+    pub(super) fn photo(&self) -> Option<&StoredPhoto> {
+        match self.file.as_ref() {
+            Opened::Photo { photo, .. } => Some(photo),
+            Opened::Exr { .. } => None,
+        }
+    }
+
     /// What the file says of the colours of its part.
     pub(super) fn interop_id(&self) -> Option<&str> {
         match (self.file.as_ref(), &self.layer) {
@@ -436,13 +471,12 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
 }
 
 /// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them; colours are what
-/// was `told`. Where rows are given, photos stay decoded for the next ones.
+/// was `told`.
 pub(super) fn read_rows(
     sources: &[RoleSource],
     rows: Option<Range<i32>>,
     told: Option<ColorSpace>,
 ) -> Result<Vec<RolePlanes>> {
-    let keeps = rows.is_some();
     let rows = rows.unwrap_or(i32::MIN..i32::MAX);
     let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
     for first in 0..sources.len() {
@@ -482,11 +516,11 @@ pub(super) fn read_rows(
                     }
                 }
             }
-            Opened::Photo { photo, .. } => {
+            Opened::Photo { photo, beside } => {
                 for &i in &together {
                     planes[i] = Some(photo_planes(photo, sources[i].role, window, told)?);
                 }
-                if !keeps {
+                if !beside.holding.stay {
                     photo.release();
                 }
             }

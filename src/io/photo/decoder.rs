@@ -57,10 +57,10 @@ fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
 fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<()> {
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
-        return Err(unsupported(
-            path,
-            &format!("is {width}x{height} and holds no pixels"),
-        ));
+        return Err(Error::Damaged {
+            path: path.to_path_buf(),
+            found: format!("is {width}x{height} and holds no pixels"),
+        });
     }
     match decoder.total_bytes() > MAX_BYTES {
         true => Err(unsupported(
