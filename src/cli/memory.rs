@@ -42,6 +42,13 @@ impl MaxMemory {
     }
 }
 
+impl MaxMemory {
+    /// What pictures that light is read from, or strokes, may take beside the frame: half.
+    pub(super) fn for_light(self) -> u64 {
+        self.bytes() / 2
+    }
+}
+
 impl WorkArgs {
     /// About how much memory it takes to work on `picture`.
     pub(super) fn frame_bytes(&self, picture: &Path) -> u64 {

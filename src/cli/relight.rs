@@ -11,7 +11,7 @@ use super::strips::{self, StripWork};
 use crate::backend::cpu::{Outcome, Runner, StripChoice};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
-use crate::io::environment::{read_environment, read_lit_sphere};
+use crate::io::environment::{read_environment_within, read_lit_sphere_within};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
 use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
@@ -49,7 +49,7 @@ impl FrameCommand for RelightArgs {
         self.scaling.params(work.shape.curvature_gain).validate()?;
         self.params().validate()?;
         Ok(RelightKit {
-            illumination: illumination(&self.light)?,
+            illumination: illumination(&self.light, work.run.max_memory.for_light())?,
             engine: Engine::new(work.run.backend)?,
         })
     }
@@ -70,6 +70,7 @@ impl FrameCommand for RelightArgs {
         }
         if !specular.is_empty() {
             strips::refuse_too_large(job)?;
+            strips::refuse_large_surroundings(job, specular.surroundings.as_deref())?;
         } else if strips::is_too_large(job) {
             return strips::make(&work, job, self.inputs(job), needs);
         }
@@ -234,25 +235,29 @@ pub(super) fn needs(
     }
 }
 
-pub(super) fn illumination(flags: &LightFlags) -> Result<Illumination> {
+/// The light, whose pictures may take `most_bytes` each.
+pub(super) fn illumination(flags: &LightFlags, most_bytes: u64) -> Result<Illumination> {
     Ok(Illumination {
-        environment: environment(flags)?,
-        lit_spheres: lit_spheres(flags)?,
+        environment: environment(flags, most_bytes)?,
+        lit_spheres: lit_spheres(flags, most_bytes)?,
         ..lights(flags)?
     })
 }
 
 /// The environment, if any.
-pub(super) fn environment(flags: &LightFlags) -> Result<Option<Arc<Environment>>> {
-    let environment = flags.environment.as_deref().map(read_environment);
+pub(super) fn environment(flags: &LightFlags, most_bytes: u64) -> Result<Option<Arc<Environment>>> {
+    let read = |path| read_environment_within(path, most_bytes);
+    let environment = flags.environment.as_deref().map(read);
     let turned = |e: Environment| e.rotated_deg(flags.environment_rotate).into();
     Ok(environment.transpose()?.map(turned))
 }
 
 /// The lit spheres, if any.
-pub(super) fn lit_spheres(flags: &LightFlags) -> Result<Vec<LitSphere>> {
+pub(super) fn lit_spheres(flags: &LightFlags, most_bytes: u64) -> Result<Vec<LitSphere>> {
     let spheres = flags.lit_sphere.iter();
-    spheres.map(|path| read_lit_sphere(path)).collect()
+    spheres
+        .map(|path| read_lit_sphere_within(path, most_bytes))
+        .collect()
 }
 
 /// The lights that no file tells of.

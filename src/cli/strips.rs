@@ -13,12 +13,16 @@ use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
 use crate::io::picture::Gathered;
-use crate::io::{InputFiles, Loaded, Needs};
+use crate::io::{InputFiles, Loaded, Needs, surroundings_bytes};
 use crate::plan::Plan;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
-/// Memory that is taken whatever the strips are: blocks being decoded and encoded, histograms, the program.
-const FIXED_BYTES: u64 = 256 << 20;
+/// Memory that is taken whatever the strips are: histograms, the program.
+const FIXED_BYTES: u64 = 96 << 20;
+
+/// The same for an EXR that is read or written: blocks being decoded and encoded.
+const BLOCK_BYTES: u64 = 160 << 20;
 
 /// Fewer rows are not worth a strip.
 const FEWEST_ROWS: usize = 16;
@@ -60,6 +64,31 @@ pub(super) fn refuse_too_large(job: &Job) -> Result<()> {
     match bytes > job.work.run.max_memory.most() {
         true => Err(too_large(job, "needs the picture whole", bytes)),
         false => Ok(()),
+    }
+}
+
+/// Refuses surroundings that are too large to go with the frame.
+pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Result<()> {
+    let bytes = path.map_or(Ok(0), surroundings_bytes)?;
+    let least = bytes.saturating_add(whole_bytes(job));
+    let (mib, most) = (
+        |bytes: u64| bytes.div_ceil(1 << 20),
+        job.work.run.max_memory.most(),
+    );
+    match path.filter(|_| least > most) {
+        None => Ok(()),
+        Some(path) => Err(Error::Unsupported {
+            path: path.to_path_buf(),
+            found: format!(
+                "takes about {} MiB beside the frame, and {} are allowed in all",
+                mib(bytes),
+                most >> 20
+            ),
+            remedy: format!(
+                "give --max-memory {}M or more, or a smaller map",
+                mib(least)
+            ),
+        }),
     }
 }
 
@@ -110,10 +139,16 @@ struct Cost {
 
 impl Cost {
     fn new(job: &Job, height: usize, photo_bytes: u64, gathered: Option<&Gathered>) -> Self {
+        let names = [Some(&job.work.input), job.work.output.output.as_ref()];
+        let is_exr = |path: &PathBuf| matches!(Kind::of(path), Ok(Kind::Exr));
+        let blocks = match names.into_iter().flatten().any(is_exr) {
+            true => BLOCK_BYTES,
+            false => 0,
+        };
         let [output, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
         Self {
             // Photos are let go of before the result is encoded.
-            fixed: FIXED_BYTES + output + photo_bytes.max(encoding),
+            fixed: FIXED_BYTES + blocks + output + photo_bytes.max(encoding),
             row: whole_bytes(job).div_ceil(height.max(1) as u64).max(1),
             height,
         }

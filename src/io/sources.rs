@@ -531,7 +531,7 @@ pub(super) fn read_rows(
 
 /// A photo is colour only where colour or light is wanted: then it is linear and multiplied by its alpha, as a
 /// frame's picture is. As data its values are taken as they are.
-pub(super) fn photo_planes(
+fn photo_planes(
     photo: &StoredPhoto,
     role: Role,
     window: Window,
@@ -543,14 +543,10 @@ pub(super) fn photo_planes(
         false => Meaning::Stored,
     };
     let mut planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
-    let alpha = if photo.has_alpha() {
-        planes.pop()
-    } else {
-        None
-    };
-    if let (true, Some(alpha)) = (role.is_seen(), &alpha) {
-        multiply(&mut planes, alpha);
+    if role.is_seen() {
+        return Ok(seen(photo, planes, window));
     }
+    let alpha = take_alpha(photo, &mut planes);
     Ok(RolePlanes {
         planes,
         alpha,
@@ -558,9 +554,26 @@ pub(super) fn photo_planes(
     })
 }
 
-pub(super) fn multiply(planes: &mut [Plane], alpha: &Plane) {
-    for plane in planes {
-        let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
-        samples.for_each(|(sample, alpha)| *sample *= alpha);
+/// Colours of a photo, multiplied by the alpha that comes with them.
+pub(super) fn seen(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) -> RolePlanes {
+    let alpha = take_alpha(photo, &mut planes);
+    if let Some(alpha) = &alpha {
+        for plane in &mut planes {
+            let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
+            samples.for_each(|(sample, alpha)| *sample *= alpha);
+        }
+    }
+    RolePlanes {
+        planes,
+        alpha,
+        window,
+    }
+}
+
+fn take_alpha(photo: &StoredPhoto, planes: &mut Vec<Plane>) -> Option<Plane> {
+    if photo.has_alpha() {
+        planes.pop()
+    } else {
+        None
     }
 }

@@ -80,6 +80,96 @@ mod tests {
     use crate::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
     use std::io::Cursor;
 
+    /// A picture of 5 x 7 whose samples all differ, in one format.
+    fn written(path: &Path, format: PictureFormat, bits: u8, with_alpha: bool) {
+        let plane = |at: usize| Plane::from_fn(5, 7, |x, y| (3 * (5 * y + x) + at) as f32 / 110.0);
+        let color = ColorPlanes {
+            r: plane(0),
+            g: plane(1),
+            b: plane(2),
+        };
+        let alpha = Plane::from_fn(5, 7, |x, _| (x + 1) as f32 / 5.0);
+        let picture = Picture {
+            color: &color,
+            alpha: with_alpha.then_some(&alpha),
+            grey: false,
+            bits,
+            transform: ViewTransform::Srgb,
+        };
+        let mut file = Cursor::new(Vec::new());
+        write_picture(&mut file, path, format, &picture).unwrap();
+        std::fs::write(path, file.into_inner()).unwrap();
+    }
+
+    #[test]
+    fn rows_are_those_of_the_whole_however_they_are_read() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("picture");
+        for (format, bits, with_alpha) in [
+            (PictureFormat::Png, 8, false),
+            (PictureFormat::Png, 8, true),
+            (PictureFormat::Png, 16, false),
+            (PictureFormat::Png, 16, true),
+            (PictureFormat::Hdr, 8, false),
+        ] {
+            written(&path, format, bits, with_alpha);
+            for meaning in [Meaning::Stored, Meaning::Linear] {
+                let whole = StoredPhoto::open(&path, u64::MAX).unwrap();
+                let whole = whole.planes(0..7, meaning).unwrap();
+                assert_eq!(whole.len(), 3 + usize::from(with_alpha));
+                for most_bytes in [0, u64::MAX] {
+                    let photo = StoredPhoto::open(&path, most_bytes).unwrap();
+                    let rows = photo.planes(2..6, meaning).unwrap();
+                    for (rows, whole) in rows.iter().zip(&whole) {
+                        assert_eq!(
+                            rows.samples(),
+                            &whole.samples()[10..30],
+                            "{format:?} {bits}"
+                        );
+                    }
+                    let mut seen = Vec::new();
+                    let mut take = |y: usize, row: Vec<Plane>| {
+                        assert_eq!(row[0].samples(), whole[0].row(y), "{format:?} {bits}");
+                        seen.push(y);
+                    };
+                    photo.each_row(2..6, meaning, &mut take).unwrap();
+                    assert_eq!(seen, [2, 3, 4, 5]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_only_decoded_whole_is_refused_where_it_does_not_fit() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("picture");
+        written(&path, PictureFormat::Jpeg, 8, false);
+        // 5 x 7 pixels of three bytes.
+        let photo = StoredPhoto::open(&path, 5 * 7 * 3).unwrap();
+        assert!(photo.planes(0..1, Meaning::Linear).is_ok());
+        let photo = StoredPhoto::open(&path, 5 * 7 * 3 - 1).unwrap();
+        let refused = photo.planes(0..1, Meaning::Linear).unwrap_err().to_string();
+        assert!(
+            refused.contains("decoded whole") && !refused.contains('\n'),
+            "{refused}"
+        );
+    }
+
+    #[test]
+    fn pictures_of_no_pixels_are_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("picture.hdr");
+        for size in ["-Y 0 +X 0", "-Y 4 +X 0", "-Y 0 +X 4"] {
+            std::fs::write(
+                &path,
+                format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n"),
+            )
+            .unwrap();
+            let refused = Photo::read(&path).unwrap_err().to_string();
+            assert!(refused.contains("holds no pixels"), "{refused}");
+        }
+    }
+
     #[test]
     fn damaged_pictures_are_errors_of_one_line() {
         let plane = Plane::filled(16, 16, 0.25);

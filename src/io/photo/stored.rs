@@ -116,7 +116,7 @@ impl StoredPhoto {
         Ok(planes)
     }
 
-    /// Hands planes of each of the rows `rows` to `take`, one row after the other; what is not held already is not held.
+    /// Hands planes of each of the rows `rows` to `take`, one row after the other.
     ///
     /// # Errors
     /// As [`StoredPhoto::planes`].
@@ -126,9 +126,18 @@ impl StoredPhoto {
         meaning: Meaning,
         take: &mut dyn FnMut(usize, Vec<Plane>),
     ) -> Result<()> {
-        each_row(self, rows, &mut |y, samples| {
+        let mut take = |y, samples: Samples| {
             take(y, self.planes_of([self.width, 1], samples, meaning));
-        })
+        };
+        if self.bytes() > self.most_bytes {
+            return each_row(self, rows, &mut take);
+        }
+        let image = self.image()?;
+        let samples = self.samples_of(&image);
+        for y in rows {
+            take(y, samples.within(self.channels() * self.width, &(y..y + 1)));
+        }
+        Ok(())
     }
 
     /// Lets go of the samples; they are decoded anew where they are asked for again.
@@ -148,7 +157,8 @@ impl StoredPhoto {
                 mib(self.bytes()),
                 self.most_bytes >> 20,
             ),
-            remedy: "make it smaller, or save it as PNG without interlacing or OpenEXR".into(),
+            remedy: "allow more memory, make it smaller, or save it as PNG without interlacing or OpenEXR"
+                .into(),
         }
     }
 
