@@ -4,7 +4,7 @@ use super::args::{EnhanceArgs, WorkArgs};
 use super::chosen::Chosen;
 use super::engine::Engine;
 use super::frames::FrameCommand;
-use super::job::{Done, Job};
+use super::job::{Done, Job, MadePicture};
 use super::strips::{self, StripWork};
 use crate::backend::cpu::{Outcome, Runner, StripChoice};
 use crate::error::Result;
@@ -47,15 +47,15 @@ impl FrameCommand for EnhanceArgs {
             args: self,
             runner: &engine.cpu,
         };
-        if strips::is_too_large(job)? {
+        if strips::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
         let (loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        for warning in idle_magnitudes(&scaling, &loaded.frame.light) {
-            job.warn(&warning);
-        }
+        work.warnings(&loaded)
+            .iter()
+            .for_each(|text| job.warn(text));
         let outcome = engine.run(job, &plan, &loaded.frame)?;
         let done = Done {
             loaded,
@@ -95,6 +95,14 @@ impl StripWork for Enhancement<'_> {
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
         job.color_channels(strip, made(&strip.frame, outcome))
+    }
+
+    fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
+        job.made_picture(strip, made(&strip.frame, outcome))
+    }
+
+    fn warnings(&self, loaded: &Loaded) -> Vec<String> {
+        idle_magnitudes(&self.args.scaling(), &loaded.frame.light)
     }
 }
 

@@ -9,7 +9,7 @@ use super::line_args::{HatchArgs, ToneArg};
 use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
-use super::strips::refuse_too_large;
+use super::strips::{refuse_large_surroundings, refuse_too_large};
 use crate::backend::cpu::{Drawing, DrawingInputs, SequenceInputs, TextureCoordinates};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
@@ -83,7 +83,10 @@ impl FrameCommand for HatchArgs {
         let looks = self.looks()?;
         Ok(HatchKit {
             art_map: self.art_map(&looks)?,
-            illumination: illumination(&self.relight.light)?,
+            illumination: illumination(
+                &self.relight.light,
+                self.relight.work.run.max_memory.for_light(),
+            )?,
             engine: Engine::new(self.relight.work.run.backend)?,
             looks,
             surroundings: Mutex::default(),
@@ -169,7 +172,8 @@ impl HatchArgs {
     /// The texture of strokes, where pictures tell it.
     pub(super) fn art_map(&self, looks: &Looks) -> Result<Option<TonalArtMap>> {
         let map = self.pictures();
-        map.map(|path| own_map(path, &looks.line.strokes))
+        let most = self.relight.work.run.max_memory.for_light();
+        map.map(|path| own_map(path, &looks.line.strokes, most))
             .transpose()
     }
 
@@ -207,6 +211,7 @@ impl HatchArgs {
         if inputs.is_empty() {
             return Ok(None);
         }
+        refuse_large_surroundings(job, inputs.surroundings.as_deref())?;
         let mut kept = kit
             .surroundings
             .lock()
@@ -274,7 +279,7 @@ fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
 }
 
 /// The texture of strokes in a folder of pictures.
-fn own_map(path: &Path, strokes: &StrokeParams) -> Result<TonalArtMap> {
+fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<TonalArtMap> {
     let StrokeScale::Factor(factor) = strokes.scale else {
         return Err(Error::BadParameter {
             name: "--stroke-scale",
@@ -284,7 +289,7 @@ fn own_map(path: &Path, strokes: &StrokeParams) -> Result<TonalArtMap> {
         });
     };
     Ok(TonalArtMap::of_pictures(
-        &io::read_art_map(path)?,
+        &io::read_art_map(path, most_bytes)?,
         factor.recip(),
     ))
 }

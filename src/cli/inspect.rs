@@ -6,8 +6,8 @@ use super::message;
 use super::panics::caught;
 use super::threads::on_threads;
 use crate::error::{Error, Result};
-use crate::io::inputs::LightInputs;
-use crate::io::{self, Finding, Needs, PartSurvey, Survey};
+use crate::io::inputs::{Inputs, LightInputs};
+use crate::io::{self, Finding, InputFiles, Loaded, Needs, PartSurvey, Survey, frame_bytes};
 use crate::params::ScalingParams;
 use serde::Serialize;
 use std::path::Path;
@@ -20,6 +20,12 @@ const EVERYTHING: Needs = Needs {
     projection: true,
     motion: false,
 };
+
+/// Most memory that is taken to look into a file.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Most of it that the samples of one photo take; of larger ones rows are decoded alone.
+const MOST_OF_A_PHOTO: u64 = 256 << 20;
 
 /// What is known of one file; the JSON form of `inspect`, documented in the README.
 #[derive(Debug, Serialize)]
@@ -64,8 +70,11 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
     let mut inputs = args.roles.inputs(file);
     let survey = io::survey(file, inputs.view.as_deref())?;
     inputs.light = Some(LightInputs::default());
-    let (findings, mut warnings, problem) = match io::load(&inputs, EVERYTHING) {
-        Ok(loaded) => (loaded.findings, loaded.warnings, None),
+    let (findings, mut warnings, problem) = match look(inputs) {
+        Ok((loaded, note)) => {
+            let warnings = loaded.warnings.into_iter().chain(note);
+            (loaded.findings, warnings.collect(), None)
+        }
         Err(Error::Damaged { path, found }) => return Err(Error::Damaged { path, found }),
         Err(error) => (Vec::new(), Vec::new(), Some(error.to_string())),
     };
@@ -77,6 +86,25 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
         warnings,
         problem,
     })
+}
+
+/// Reads the frame, or as many rows in its middle as fit; then that is said.
+fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
+    let files = InputFiles::open_within(&inputs, MOST_OF_A_PHOTO)?;
+    let height = files.extent(&inputs, EVERYTHING)?.window.height();
+    let bytes = frame_bytes(&inputs.picture, 0);
+    let mut note = None;
+    if bytes > MOST_BYTES {
+        let row = bytes.div_ceil(height.max(1) as u64);
+        let rows = ((MOST_BYTES - MOST_OF_A_PHOTO) / row).clamp(1, height as u64) as usize;
+        let first = (height - rows) / 2;
+        inputs.rows = Some(first..first + rows);
+        note = Some(format!(
+            "conclusions are drawn from the {rows} rows in the middle, of {height}: the whole takes more than {} MiB",
+            MOST_BYTES >> 20
+        ));
+    }
+    Ok((files.load(&inputs, EVERYTHING)?, note))
 }
 
 /// What the magnitude that is planned would do to concavities; nothing where none was told.

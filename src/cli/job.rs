@@ -15,7 +15,7 @@ use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
 use crate::io::picture::{Picture, write_picture};
 use crate::io::svg;
-use crate::io::{self, Loaded, Needs};
+use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::Plan;
 use std::time::{Duration, Instant};
 
@@ -39,6 +39,28 @@ pub(super) struct Done {
     pub(super) plan: Plan,
     pub(super) outcome: Outcome,
     pub(super) read: Duration,
+}
+
+/// A picture to be written.
+pub(super) struct MadePicture<'a> {
+    /// Its colours, where those that were made have other primaries.
+    turned: Option<ColorPlanes>,
+    made: Picture<'a>,
+}
+
+impl MadePicture<'_> {
+    pub(super) fn picture(&self) -> Picture<'_> {
+        Picture {
+            color: self.turned.as_ref().unwrap_or(self.made.color),
+            ..self.made
+        }
+    }
+}
+
+impl<'a> From<Picture<'a>> for MadePicture<'a> {
+    fn from(made: Picture<'a>) -> Self {
+        Self { turned: None, made }
+    }
 }
 
 impl<'a> Job<'a> {
@@ -112,8 +134,18 @@ impl<'a> Job<'a> {
 
     /// Reads the frame, and says what was concluded.
     pub(super) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<(Loaded, Duration)> {
+        self.load_from(&InputFiles::open(inputs)?, inputs, needs)
+    }
+
+    /// The same of files that are open.
+    pub(super) fn load_from(
+        &self,
+        files: &InputFiles,
+        inputs: &Inputs,
+        needs: Needs,
+    ) -> Result<(Loaded, Duration)> {
         let start = Instant::now();
-        let loaded = io::load(inputs, needs)?;
+        let loaded = files.load(inputs, needs)?;
         let read = start.elapsed();
         if self.work.run.verbose && self.tells() {
             for finding in &loaded.findings {
@@ -162,16 +194,27 @@ impl<'a> Job<'a> {
 
     /// Writes the picture that was made of the frame's own, and ends the frame.
     pub(super) fn write_color(&self, done: &Done, color: &ColorPlanes) -> Result<Chosen> {
-        let (loaded, output) = (&done.loaded, &self.work.output);
-        match output.kind()? {
+        let loaded = &done.loaded;
+        match self.work.output.kind()? {
             Kind::Exr => self.write_exr(done, &self.color_channels(loaded, color)),
             Kind::Picture(_) => {
-                let turned = output.turned(loaded, color);
-                let color = turned.as_ref().unwrap_or(color);
-                let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
-                let picture = output.picture(color, loaded.frame.alpha.as_ref(), bits);
-                self.write_picture(done, &picture)
+                let made = self.made_picture(loaded, color);
+                self.write_picture(done, &made.picture())
             }
+        }
+    }
+
+    /// A picture made of `loaded`, as a display has it.
+    pub(super) fn made_picture<'p>(
+        &self,
+        loaded: &'p Loaded,
+        color: &'p ColorPlanes,
+    ) -> MadePicture<'p> {
+        let output = &self.work.output;
+        let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
+        MadePicture {
+            turned: output.turned(loaded, color),
+            made: output.picture(color, loaded.frame.alpha.as_ref(), bits),
         }
     }
 
@@ -189,9 +232,7 @@ impl<'a> Job<'a> {
     /// Writes colours to a display file and ends the frame.
     pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
         self.write(done, |output| {
-            let ColorPlanes { r, g, b } = picture.color;
-            let results: Vec<_> = [r, g, b].into_iter().chain(picture.alpha).collect();
-            self.guard(done, &results)?;
+            self.guard(done, &picture.planes())?;
             let ReadyOutput { path, replace } = output;
             let Kind::Picture(format) = Kind::of(path)? else {
                 unreachable!("layers go to an EXR")

@@ -12,6 +12,9 @@ const SHARE: f64 = 0.6;
 /// What is taken to be free where the system does not tell.
 const UNKNOWN: u64 = 4 << 30;
 
+/// Most that a photo takes where nothing is told: beyond it goes in strips, which are as quick.
+pub(super) const PHOTO_BYTES: u64 = 1536 << 20;
+
 /// An amount of memory: `2G`, `500M`, or bytes; or what this machine has to spare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MaxMemory {
@@ -36,6 +39,13 @@ impl MaxMemory {
             Self::Bytes(bytes) => bytes,
             Self::Auto => free().unwrap_or(UNKNOWN),
         }
+    }
+}
+
+impl MaxMemory {
+    /// What pictures that light is read from, or strokes, may take beside the frame: half.
+    pub(super) fn for_light(self) -> u64 {
+        self.bytes() / 2
     }
 }
 

@@ -5,13 +5,13 @@ use super::chosen::Chosen;
 use super::engine::{Engine, relight_on_cpu};
 use super::enhance::dark_rims;
 use super::frames::FrameCommand;
-use super::job::{Done, Job};
+use super::job::{Done, Job, MadePicture};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use super::strips::{self, StripWork};
 use crate::backend::cpu::{Outcome, Runner, StripChoice};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
-use crate::io::environment::{read_environment, read_lit_sphere};
+use crate::io::environment::{read_environment_within, read_lit_sphere_within};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
 use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
@@ -22,7 +22,7 @@ use crate::light::lit_sphere::LitSphere;
 use crate::params::{
     ANGLES_DEG, AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples, in_range,
 };
-use crate::plan::{Available, LightKinds, Plan, Stage};
+use crate::plan::{Available, LightKinds, Plan};
 use glam::Vec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ impl FrameCommand for RelightArgs {
 
     fn prepare(&self) -> Result<RelightKit> {
         Ok(RelightKit {
-            illumination: illumination(&self.light)?,
+            illumination: illumination(&self.light, self.work.run.max_memory.for_light())?,
             engine: Engine::new(self.work.run.backend)?,
         })
     }
@@ -73,10 +73,10 @@ impl FrameCommand for RelightArgs {
             let told = dark_rims(&scaling);
             told.iter().for_each(|warning| job.warn(warning));
         }
-        if strips::is_too_large(job)? {
-            if !specular.is_empty() {
-                strips::refuse_too_large(job)?;
-            }
+        if !specular.is_empty() {
+            strips::refuse_too_large(job)?;
+            strips::refuse_large_surroundings(job, specular.surroundings.as_deref())?;
+        } else if strips::is_too_large(job) {
             return strips::make(&work, job, self.inputs(job), needs);
         }
         let (mut loaded, read) = job.load(&self.inputs(job), needs)?;
@@ -138,9 +138,8 @@ impl StripWork for Relight<'_> {
         job.color_channels(strip, lit(outcome))
     }
 
-    fn takes_whole(&self, plan: &Plan) -> Option<&'static str> {
-        plan.has(Stage::AlbedoEstimate)
-            .then_some("estimates the albedo (--albedo-from), and needs the picture whole")
+    fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
+        job.made_picture(strip, lit(outcome))
     }
 }
 
@@ -164,7 +163,11 @@ impl RelightArgs {
             specular: traced.transpose()?,
             ..Available::in_frame(frame)
         };
-        Plan::relight(available, flags.params(), scaling, params, kinds)
+        let mut plan = Plan::relight(available, flags.params(), scaling, params, kinds)?;
+        if let Some(relighting) = &mut plan.relighting {
+            relighting.estimate = found.albedo;
+        }
+        Ok(plan)
     }
 
     /// What is read of a frame to be lit anew.
@@ -238,26 +241,30 @@ pub(super) fn needs(
     }
 }
 
-pub(super) fn illumination(flags: &LightFlags) -> Result<Illumination> {
+/// The light, whose pictures may take `most_bytes` each.
+pub(super) fn illumination(flags: &LightFlags, most_bytes: u64) -> Result<Illumination> {
     Ok(Illumination {
-        environment: environment(flags)?,
-        lit_spheres: lit_spheres(flags)?,
+        environment: environment(flags, most_bytes)?,
+        lit_spheres: lit_spheres(flags, most_bytes)?,
         ..lights(flags)?
     })
 }
 
 /// The environment, if any.
-pub(super) fn environment(flags: &LightFlags) -> Result<Option<Arc<Environment>>> {
+pub(super) fn environment(flags: &LightFlags, most_bytes: u64) -> Result<Option<Arc<Environment>>> {
     in_range("--environment-rotate", flags.environment_rotate, ANGLES_DEG)?;
-    let environment = flags.environment.as_deref().map(read_environment);
+    let read = |path| read_environment_within(path, most_bytes);
+    let environment = flags.environment.as_deref().map(read);
     let turned = |e: Environment| e.rotated_deg(flags.environment_rotate).into();
     Ok(environment.transpose()?.map(turned))
 }
 
 /// The lit spheres, if any.
-pub(super) fn lit_spheres(flags: &LightFlags) -> Result<Vec<LitSphere>> {
+pub(super) fn lit_spheres(flags: &LightFlags, most_bytes: u64) -> Result<Vec<LitSphere>> {
     let spheres = flags.lit_sphere.iter();
-    spheres.map(|path| read_lit_sphere(path)).collect()
+    spheres
+        .map(|path| read_lit_sphere_within(path, most_bytes))
+        .collect()
 }
 
 /// The lights that no file tells of.

@@ -4,7 +4,7 @@ use super::args::WorkArgs;
 use super::chosen::Chosen;
 use super::engine::Engine;
 use super::frames::FrameCommand;
-use super::job::{Done, Job};
+use super::job::{Done, Job, MadePicture};
 use super::output::Kind;
 use super::strips::{self, StripWork};
 use crate::backend::cpu::{Outcome, Runner, ScaleShape, StripChoice};
@@ -47,7 +47,7 @@ impl FrameCommand for WorkArgs {
             runner: &engine.cpu,
         };
         let (inputs, needs) = self.reading(work.goal, job);
-        if strips::is_too_large(job)? {
+        if strips::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
         let (loaded, read) = job.load(&inputs, needs)?;
@@ -95,6 +95,10 @@ impl StripWork for Description<'_> {
         let stored = self.args.output.depth_of_output;
         let stored = stored.map_or(OutputType::Float, Into::into);
         descriptor_channels(&strip.frame, outcome, stored)
+    }
+
+    fn picture<'a>(&self, _job: &Job, _strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
+        display(outcome).into()
     }
 }
 

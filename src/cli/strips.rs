@@ -1,7 +1,9 @@
 //! A picture that does not fit in memory: read, worked on and written strip by strip.
 
+use super::args::BackendArg;
 use super::chosen::Chosen;
-use super::job::Job;
+use super::job::{Job, MadePicture};
+use super::memory::{MaxMemory, PHOTO_BYTES};
 use super::output::{Kind, ReadyOutput};
 use super::progress::strips_bar;
 use crate::backend::cpu::{Outcome, Runner, StripChoice, StripSearch};
@@ -11,12 +13,17 @@ use crate::frame::{Frame, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
-use crate::io::{self, Loaded, Needs, data_window};
+use crate::io::picture::Gathered;
+use crate::io::{InputFiles, Loaded, Needs, surroundings_bytes};
 use crate::plan::Plan;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
-/// Memory that is taken whatever the strips are: blocks being decoded and encoded, histograms, the program.
-const FIXED_BYTES: u64 = 256 << 20;
+/// Memory that is taken whatever the strips are: histograms, the program.
+const FIXED_BYTES: u64 = 96 << 20;
+
+/// The same for an EXR that is read or written: blocks being decoded and encoded.
+const BLOCK_BYTES: u64 = 160 << 20;
 
 /// Fewer rows are not worth a strip.
 const FEWEST_ROWS: usize = 16;
@@ -30,7 +37,7 @@ pub(super) trait StripWork {
 
     fn run(&self, plan: &Plan, strip: &Frame) -> Outcome;
 
-    /// What is written of a strip.
+    /// What is written of a strip to an EXR.
     fn channels<'a>(
         &self,
         job: &Job,
@@ -38,52 +45,127 @@ pub(super) trait StripWork {
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>>;
 
-    /// What `plan` takes the picture whole for, if anything.
-    fn takes_whole(&self, _plan: &Plan) -> Option<&'static str> {
-        None
+    /// What is written of a strip to a picture for a display.
+    fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a>;
+
+    /// What the user should know of what was asked for, of this picture.
+    fn warnings(&self, _loaded: &Loaded) -> Vec<String> {
+        Vec::new()
     }
 }
 
 /// Whether a frame takes more memory than it may have, and goes in strips.
-///
-/// # Errors
-/// [`Error::Unsupported`] where it takes more than there is, and cannot go in strips.
-pub(super) fn is_too_large(job: &Job) -> Result<bool> {
-    let (bytes, memory) = (bytes(job), job.work.run.max_memory);
-    let [from, to] = [Kind::of(&job.work.input), job.work.output.kind()];
-    if let (Ok(Kind::Exr), Kind::Exr) = (from, to?) {
-        return Ok(bytes > memory.bytes());
-    }
-    match bytes > memory.most() {
-        true => Err(too_large(job, "goes in strips from EXR to EXR alone")),
-        false => Ok(false),
-    }
-}
-
-/// About how much memory the frame takes.
-fn bytes(job: &Job) -> u64 {
-    job.work.frame_bytes(&job.work.input)
+pub(super) fn is_too_large(job: &Job) -> bool {
+    whole_bytes(job) > allowed(job)
 }
 
 /// Refuses a frame that is too large, for commands that need it whole.
 pub(super) fn refuse_too_large(job: &Job) -> Result<()> {
-    match bytes(job) > job.work.run.max_memory.most() {
-        true => Err(too_large(job, "needs the picture whole")),
+    let bytes = whole_bytes(job);
+    match bytes > job.work.run.max_memory.most() {
+        true => Err(too_large(job, "needs the picture whole", bytes)),
         false => Ok(()),
     }
 }
 
-/// The refusal of a frame that is too large.
-fn too_large(job: &Job, why: &str) -> Error {
+/// Refuses surroundings that are too large to go with the frame.
+pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Result<()> {
+    let bytes = path.map_or(Ok(0), surroundings_bytes)?;
+    let least = bytes.saturating_add(whole_bytes(job));
+    let (mib, most) = (
+        |bytes: u64| bytes.div_ceil(1 << 20),
+        job.work.run.max_memory.most(),
+    );
+    match path.filter(|_| least > most) {
+        None => Ok(()),
+        Some(path) => Err(Error::Unsupported {
+            path: path.to_path_buf(),
+            found: format!(
+                "takes about {} MiB beside the frame, and {} are allowed in all",
+                mib(bytes),
+                most >> 20
+            ),
+            remedy: format!(
+                "give --max-memory {}M or more, or a smaller map",
+                mib(least)
+            ),
+        }),
+    }
+}
+
+/// About how much memory the frame takes as a whole.
+fn whole_bytes(job: &Job) -> u64 {
+    job.work.frame_bytes(&job.work.input)
+}
+
+/// Memory that the frame may take before it goes in strips. Where nothing is given, photos take no more than they
+/// need to be quick; a GPU that was asked for works on whole frames.
+fn allowed(job: &Job) -> u64 {
+    let run = &job.work.run;
+    let bytes = run.max_memory.bytes();
+    let is_photo = !matches!(Kind::of(&job.work.input), Ok(Kind::Exr));
+    match run.max_memory {
+        MaxMemory::Auto if is_photo && run.backend != BackendArg::Gpu => bytes.min(PHOTO_BYTES),
+        _ => bytes,
+    }
+}
+
+/// The refusal of a frame that takes `least` bytes or more.
+fn too_large(job: &Job, why: &str, least: u64) -> Error {
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     Error::Unsupported {
         path: job.work.input.clone(),
         found: format!(
             "takes about {:.1} GiB, and {:.1} are allowed; this {why}",
-            gib(bytes(job)),
+            gib(whole_bytes(job)),
             gib(job.work.run.max_memory.most()),
         ),
-        remedy: "allow more with --max-memory, or crop it".into(),
+        remedy: format!(
+            "give --max-memory {}M or more, or crop it",
+            least.div_ceil(1 << 20)
+        ),
+    }
+}
+
+/// What a picture takes in strips, in bytes.
+#[derive(Clone, Copy)]
+struct Cost {
+    /// Whatever the strips are.
+    fixed: u64,
+    /// For each row of a strip.
+    row: u64,
+    /// Rows of the picture.
+    height: usize,
+}
+
+impl Cost {
+    fn new(job: &Job, height: usize, photo_bytes: u64, gathered: Option<&Gathered>) -> Self {
+        let names = [Some(&job.work.input), job.work.output.output.as_ref()];
+        let is_exr = |path: &PathBuf| matches!(Kind::of(path), Ok(Kind::Exr));
+        let blocks = match names.into_iter().flatten().any(is_exr) {
+            true => BLOCK_BYTES,
+            false => 0,
+        };
+        let [output, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
+        Self {
+            // Photos are let go of before the result is encoded.
+            fixed: FIXED_BYTES + blocks + output + photo_bytes.max(encoding),
+            row: whole_bytes(job).div_ceil(height.max(1) as u64).max(1),
+            height,
+        }
+    }
+
+    /// The least that strips take which reach so many rows beyond what they give.
+    fn least(&self, reach: usize) -> u64 {
+        let rows = (FEWEST_ROWS + 2 * reach).min(self.height);
+        self.fixed
+            .saturating_add(self.row.saturating_mul(rows as u64))
+    }
+
+    /// Rows that fit into so many bytes.
+    fn rows_in(&self, bytes: u64) -> usize {
+        let rows = bytes.saturating_sub(self.fixed) / self.row;
+        usize::try_from(rows).map_or(self.height, |rows| rows.min(self.height))
     }
 }
 
@@ -97,18 +179,18 @@ struct Strips {
 }
 
 impl Strips {
-    fn new(job: &Job, whole: Window, reach: usize) -> Result<Self> {
-        let row = (bytes(job) / whole.height().max(1) as u64).max(1);
-        let free = job.work.run.max_memory.bytes().saturating_sub(FIXED_BYTES);
-        let rows = (free / row) as usize;
-        match rows.checked_sub(2 * reach).filter(|&r| r >= FEWEST_ROWS) {
-            Some(rows) => Ok(Self { whole, rows, reach }),
-            None => {
-                let fewest = FIXED_BYTES + row * (FEWEST_ROWS + 2 * reach) as u64;
-                let why = format!("takes {} MiB even in strips", (fewest >> 20) + 1);
-                Err(too_large(job, &why))
-            }
+    fn new(job: &Job, whole: Window, cost: Cost, reach: usize) -> Result<Self> {
+        let (least, most) = (cost.least(reach), job.work.run.max_memory.bytes());
+        if least > most {
+            let why = format!("takes {} MiB even in strips", least.div_ceil(1 << 20));
+            return Err(too_large(job, &why, least.min(whole_bytes(job))));
         }
+        let rows = cost.rows_in(allowed(job).max(least));
+        let rows = match rows < cost.height {
+            true => rows - 2 * reach,
+            false => rows,
+        };
+        Ok(Self { whole, rows, reach })
     }
 
     fn count(&self) -> usize {
@@ -127,6 +209,7 @@ impl Strips {
 
 /// A picture of which strips are read.
 struct Source<'a, W> {
+    files: InputFiles,
     inputs: Inputs,
     needs: Needs,
     strips: Strips,
@@ -142,7 +225,7 @@ impl<W: StripWork> Source<'_, W> {
             rows: Some(takes),
             ..self.inputs.clone()
         };
-        let loaded = io::load(&inputs, self.needs)?;
+        let loaded = self.files.load(&inputs, self.needs)?;
         let plan = self.work.plan(&loaded, &self.found)?;
         Ok((loaded, plan, within))
     }
@@ -155,27 +238,28 @@ pub(super) fn make<W: StripWork>(
     mut inputs: Inputs,
     needs: Needs,
 ) -> Result<Chosen> {
-    let whole = data_window(&inputs, needs)?;
-    // The middle of the picture tells how its layers are to be read.
-    let middle = Strips::new(job, whole, 0)?;
-    inputs.rows = Some(middle.strip(middle.count() / 2).0);
-    let (mut sample, _) = job.load(&inputs, needs)?;
+    let files = InputFiles::open_for_strips(&inputs)?;
+    let extent = files.extent(&inputs, needs)?;
+    let (whole, photo_bytes) = (extent.window, extent.photo_bytes);
+    let mut sample = middle(job, &files, &mut inputs, needs)?;
     sample.conventions.force(&mut inputs);
     inputs.known_camera = sample.known_camera();
     let plan = work.plan(&sample, &StripChoice::default())?;
     job.tell_plan(&plan)?;
-    if let Some(why) = work.takes_whole(&plan) {
-        return Err(too_large(job, why));
-    }
+    let warnings = work.warnings(&sample);
+    warnings.iter().for_each(|text| job.warn(text));
     let read = Chosen::of_reading(&sample);
     // Its planes are not needed any more: one pixel tells what a strip gives.
     let corner = sample.frame.data_window;
     let pixel = Window::at(corner.x0, corner.y0, 1, 1);
     sample.frame = sample.frame.crop(pixel);
+    let gathered = gathered(work, job, &sample, &plan, whole)?;
+    let cost = Cost::new(job, whole.height(), photo_bytes, gathered.as_ref());
     let mut source = Source {
+        files,
         inputs,
         needs,
-        strips: Strips::new(job, whole, plan.reach())?,
+        strips: Strips::new(job, whole, cost, plan.reach())?,
         work,
         found: StripChoice::default(),
     };
@@ -183,58 +267,130 @@ pub(super) fn make<W: StripWork>(
     let plan = work.plan(&sample, &source.found)?;
     let outcome = work.run(&plan, &sample.frame);
     let chosen = read.with(&source.found, outcome.environment_gain);
-    job.write_output(&chosen, |output| {
-        let channels = work.channels(job, &sample, &outcome);
-        let names = channels.into_iter().map(|c| (c.name, c.sample_type));
-        let args = &job.work.output;
-        let part = args.part(&sample, whole, names.collect(), job.recipe(&chosen));
-        let ReadyOutput { path, replace } = output;
-        write_atomically(path, replace, |w| {
-            let (mut writer, warnings) = args.part_writer(&sample, w, path, &part)?;
-            warnings.iter().for_each(|warning| job.warn(warning));
-            write(&source, job, |planes, rows| writer.push(planes, rows))?;
-            let clamped = args.clamped(writer.finish()?);
-            clamped.iter().for_each(|warning| job.warn(warning));
-            Ok(())
-        })
+    job.write_output(&chosen, |output| match gathered {
+        Some(gathered) => write_gathered(&source, job, output, gathered),
+        None => {
+            let channels = work.channels(job, &sample, &outcome);
+            let recipe = job.recipe(&chosen);
+            write_exr(&source, job, output, (&sample, &channels), recipe)
+        }
     })?;
     Ok(chosen)
 }
 
-/// The gain and white levels of the whole picture, where they are left open.
+/// The middle of the picture, which tells how its layers are to be read: as many rows as fit.
+fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> Result<Loaded> {
+    let extent = files.extent(inputs, needs)?;
+    let height = extent.window.height();
+    let cost = Cost::new(job, height, extent.photo_bytes, None);
+    let rows = cost.rows_in(allowed(job)).max(FEWEST_ROWS).min(height);
+    let first = (height - rows) / 2;
+    inputs.rows = Some(first..first + rows);
+    let most = job.work.run.max_memory.bytes();
+    if cost.least(0) <= most {
+        return Ok(job.load_from(files, inputs, needs)?.0);
+    }
+    // It will be refused; but what it takes is only known from its plan.
+    let sparing = InputFiles::open_within(inputs, most)?;
+    Ok(job.load_from(&sparing, inputs, needs)?.0)
+}
+
+/// What gathers the samples of a picture for a display; `None` for an EXR, and where nothing is written.
+fn gathered<W: StripWork>(
+    work: &W,
+    job: &Job,
+    sample: &Loaded,
+    plan: &Plan,
+    whole: Window,
+) -> Result<Option<Gathered>> {
+    let Kind::Picture(format) = job.work.output.kind()? else {
+        return Ok(None);
+    };
+    if job.work.output.output.is_none() {
+        return Ok(None);
+    }
+    let outcome = work.run(plan, &sample.frame);
+    let made = work.picture(job, sample, &outcome);
+    let size = [whole.width(), whole.height()];
+    Ok(Some(Gathered::new(format, size, &made.picture())))
+}
+
+/// What of the whole picture is left open, and chosen from it.
 fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<StripChoice> {
     let Some(mut search) = StripSearch::new(plan, source.strips.whole) else {
         return Ok(StripChoice::default());
     };
-    let bar = strips_bar(&job.work.run, "looking", 2 * source.strips.count());
-    for time in 0..2 {
+    let looks = search.looks();
+    let bar = strips_bar(&job.work.run, "looking", looks * source.strips.count());
+    for look in 0..looks {
         for index in 0..source.strips.count() {
             let (loaded, plan, rows) = source.load(index)?;
             search.look(source.work.runner(), &plan, &loaded.frame, rows);
             bar.inc(1);
         }
-        if time == 0 {
-            search.narrow();
+        if look + 1 < looks {
+            search.next_look();
         }
     }
     bar.finish_and_clear();
     Ok(search.found())
 }
 
-/// Makes every strip, from top to bottom, and has its rows pushed.
-fn write<W: StripWork>(
+/// Makes the strips and writes them to a part of an EXR that is like `sample`, with the channels it has.
+fn write_exr<W: StripWork>(
     source: &Source<W>,
     job: &Job,
-    mut push: impl FnMut(&[&Plane], Range<usize>) -> Result<()>,
+    ReadyOutput { path, replace }: ReadyOutput,
+    (sample, channels): (&Loaded, &[OutputChannel]),
+    recipe: String,
+) -> Result<()> {
+    let names = channels.iter().map(|c| (c.name.clone(), c.sample_type));
+    let args = &job.work.output;
+    let part = args.part(sample, source.strips.whole, names.collect(), recipe);
+    write_atomically(path, replace, |w| {
+        let (mut writer, warnings) = args.part_writer(sample, w, path, &part)?;
+        warnings.iter().for_each(|warning| job.warn(warning));
+        each_made(source, job, |(plan, strip, outcome), rows| {
+            let channels = source.work.channels(job, strip, outcome);
+            let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
+            job.refuse(not_finite(plan, &strip.frame, outcome, &planes))?;
+            writer.push(&planes, rows)
+        })?;
+        let clamped = args.clamped(writer.finish()?);
+        clamped.iter().for_each(|warning| job.warn(warning));
+        Ok(())
+    })
+}
+
+/// Makes the strips, gathers what a display is shown of them, and writes it.
+fn write_gathered<W: StripWork>(
+    source: &Source<W>,
+    job: &Job,
+    ReadyOutput { path, replace }: ReadyOutput,
+    mut gathered: Gathered,
+) -> Result<()> {
+    each_made(source, job, |(plan, strip, outcome), rows| {
+        let made = source.work.picture(job, strip, outcome);
+        let picture = made.picture();
+        job.refuse(not_finite(plan, &strip.frame, outcome, &picture.planes()))?;
+        gathered.push(&picture, rows);
+        Ok(())
+    })?;
+    source.files.release();
+    write_atomically(path, replace, |w| gathered.write(w, path))
+}
+
+/// Makes every strip, from top to bottom, and hands its plan, itself and what came of it to `take`, with the rows that count.
+fn each_made<W: StripWork>(
+    source: &Source<W>,
+    job: &Job,
+    mut take: impl FnMut((&Plan, &Loaded, &Outcome), Range<usize>) -> Result<()>,
 ) -> Result<()> {
     let bar = strips_bar(&job.work.run, "writing", source.strips.count());
     for index in 0..source.strips.count() {
         let (loaded, plan, rows) = source.load(index)?;
         let outcome = source.work.run(&plan, &loaded.frame);
-        let channels = source.work.channels(job, &loaded, &outcome);
-        let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
-        job.refuse(not_finite(&plan, &loaded.frame, &outcome, &planes))?;
-        push(&planes, rows)?;
+        take((&plan, &loaded, &outcome), rows)?;
         source.work.runner().take_back(outcome);
         bar.inc(1);
     }

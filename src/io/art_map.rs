@@ -1,11 +1,14 @@
 //! Reading a tonal art map of one's own: a folder of pictures of strokes.
 
-use super::environment::read_color;
+use super::environment::{color_size, read_color};
 use super::picture::PictureFormat;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE};
 use std::fs;
 use std::path::{Path, PathBuf};
+
+/// Bytes for each pixel of all pictures: its ink, and the texture that is made of it.
+const INK_BYTES: u64 = 8;
 
 /// Most pictures of a tonal art map: past this a step between two is not seen.
 const MAX_PICTURES: usize = 256;
@@ -14,9 +17,9 @@ const MAX_PICTURES: usize = 256;
 /// Other files are passed over.
 ///
 /// # Errors
-/// [`Error::Unsupported`] where there is no picture, too many, or one whose size is not that of the first;
-/// otherwise as for any picture.
-pub fn read_art_map(path: &Path) -> Result<Vec<Plane>> {
+/// [`Error::Unsupported`] where there is no picture, too many, or more than fits in `most_bytes`;
+/// [`Error::SizeMismatch`] for one whose size is not that of the first, which headers tell; otherwise as for any picture.
+pub fn read_art_map(path: &Path, most_bytes: u64) -> Result<Vec<Plane>> {
     let refused = |found: String, remedy: &str| Error::Unsupported {
         path: path.to_path_buf(),
         found,
@@ -29,22 +32,32 @@ pub fn read_art_map(path: &Path) -> Result<Vec<Plane>> {
             "give a folder of 1 to 256 pictures of one texture, from light to dark",
         ));
     }
-    let inks = files.iter().map(|file| Ok(ink(&read_color(file)?)));
-    let inks = inks.collect::<Result<Vec<Plane>>>()?;
-    let size = |plane: &Plane| (plane.width(), plane.height());
-    let expected = size(&inks[0]);
-    match inks
-        .iter()
-        .zip(&files)
-        .find(|(ink, _)| size(ink) != expected)
-    {
-        None => Ok(inks),
-        Some((other, file)) => Err(Error::SizeMismatch {
-            path: file.clone(),
-            found: format!("{}x{}", other.width(), other.height()),
-            expected: format!("{} is {}x{}", files[0].display(), expected.0, expected.1),
-        }),
+    let [width, height] = color_size(&files[0])?;
+    for file in &files[1..] {
+        let size = color_size(file)?;
+        if size != [width, height] {
+            return Err(Error::SizeMismatch {
+                path: file.clone(),
+                found: format!("{}x{}", size[0], size[1]),
+                expected: format!("{} is {width}x{height}", files[0].display()),
+            });
+        }
     }
+    let bytes = (width as u64 * height as u64).saturating_mul(INK_BYTES * files.len() as u64);
+    if bytes > most_bytes {
+        return Err(refused(
+            format!(
+                "takes {} MiB, and {} may be used",
+                bytes.div_ceil(1 << 20),
+                most_bytes >> 20
+            ),
+            "make its pictures smaller, or allow more memory",
+        ));
+    }
+    files
+        .iter()
+        .map(|file| Ok(ink(&read_color(file)?)))
+        .collect()
 }
 
 fn pictures_in(path: &Path) -> Result<Vec<PathBuf>> {

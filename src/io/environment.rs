@@ -1,24 +1,45 @@
 //! Reading what lights a surface: environments and lit spheres.
 
 use super::exr::Limits;
+use super::photo::Meaning;
 use super::roles::Role;
-use super::sources::{Opened, RolePlanes, RoleSource, read_all};
+use super::sources::{Holding, Opened, RolePlanes, RoleSource, read_all, read_rows, seen};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::light::environment::Environment;
 use crate::light::environment_layout::Layout;
 use crate::light::lit_sphere::LitSphere;
+use crate::light::sane;
 use std::path::Path;
 use std::rc::Rc;
 
 /// Layers of a lit sphere that keeps its highlights apart.
 const LIT_SPHERE_LAYERS: [&str; 2] = ["diffuse", "specular"];
 
+/// Bytes for each pixel of a latitude-longitude map or a lit sphere, while it is read and used: its planes, its colours
+/// side by side, and a copy of them that is filtered.
+const MAP_PER_PIXEL: u64 = 48;
+
+/// The same of pictures that are made a latitude-longitude map, which has twice their pixels.
+const LAYOUT_PER_PIXEL: u64 = 80;
+
 /// The environment in the picture at `path`, EXR, HDR, PNG, JPEG or TIFF. How it holds directions is
 /// told from its proportions: [`Layout::of_size`].
+///
+/// # Errors
+/// Any [`Error`] of reading; [`Error::Unsupported`] for proportions of no layout, and without colour.
 pub fn read_environment(path: &Path) -> Result<Environment> {
-    let color = read_color(path)?;
-    let (width, height) = (color.r.width(), color.r.height());
+    read_environment_within(path, u64::MAX)
+}
+
+/// The same in about `most_bytes` at most: a larger picture is reduced while it is read, by the mean of as many pixels
+/// across as down.
+///
+/// # Errors
+/// As [`read_environment`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
+pub fn read_environment_within(path: &Path, most_bytes: u64) -> Result<Environment> {
+    let lights = Lights::open(path, most_bytes)?;
+    let (width, height) = (lights.shown.width(), lights.shown.height());
     let layout = Layout::of_size(width, height).ok_or_else(|| Error::Unsupported {
         path: path.to_path_buf(),
         found: format!("is {width}x{height}, the proportions of no layout of an environment"),
@@ -27,42 +48,222 @@ pub fn read_environment(path: &Path) -> Result<Environment> {
                  (3:4 or 4:3)"
                 .into(),
     })?;
-    Ok(Environment::of_layout(color, layout))
+    let per_pixel = match layout {
+        Layout::LatLong => MAP_PER_PIXEL,
+        _ => LAYOUT_PER_PIXEL,
+    };
+    Ok(Environment::of_layout(lights.read(per_pixel)?, layout))
 }
 
 /// The environment in the picture at `path`, which holds directions as `layout` says.
+///
+/// # Errors
+/// Any [`Error`] of reading; [`Error::Unsupported`] without colour.
 pub fn read_environment_as(path: &Path, layout: Layout) -> Result<Environment> {
     Ok(Environment::of_layout(read_color(path)?, layout))
 }
 
 /// The lit sphere in the picture at `path`: EXR, HDR, PNG, JPEG or TIFF. Layers called `diffuse` and
 /// `specular` are added up.
+///
+/// # Errors
+/// Any [`Error`] of reading; [`Error::Unsupported`] without colour.
 pub fn read_lit_sphere(path: &Path) -> Result<LitSphere> {
-    Ok(LitSphere::new(read_color(path)?))
+    read_lit_sphere_within(path, u64::MAX)
+}
+
+/// The same in about `most_bytes` at most: a larger picture is reduced as that of an environment is.
+///
+/// # Errors
+/// As [`read_lit_sphere`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
+pub fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<LitSphere> {
+    let lights = Lights::open(path, most_bytes)?;
+    Ok(LitSphere::new(lights.read(MAP_PER_PIXEL)?))
 }
 
 /// The colour of a file over its display window, multiplied by its alpha and linear.
 pub(super) fn read_color(path: &Path) -> Result<ColorPlanes> {
-    let file = Opened::open(path)?;
-    let sources = color_sources(&file).ok_or_else(|| {
-        let layers = file.layer_names().join(", ");
-        Error::Unsupported {
-            path: path.to_path_buf(),
-            found: format!("has no colour to light with (found {layers})"),
-            remedy: "give a picture with channels R, G and B".into(),
+    Lights::open(path, u64::MAX)?.read(0)
+}
+
+/// Columns and rows that the colour of a file has, by its header.
+pub(super) fn color_size(path: &Path) -> Result<[usize; 2]> {
+    let shown = Lights::open(path, u64::MAX)?.shown;
+    Ok([shown.width(), shown.height()])
+}
+
+/// A file with colour to light with, of which the header has been read.
+struct Lights {
+    file: Rc<Opened>,
+    sources: Vec<RoleSource>,
+    shown: Window,
+    most_bytes: u64,
+}
+
+impl Lights {
+    fn open(path: &Path, most_bytes: u64) -> Result<Self> {
+        let holding = Holding {
+            most_bytes,
+            ..Holding::default()
+        };
+        let file = Opened::open_held(path, None, holding)?;
+        let sources = color_sources(&file).ok_or_else(|| {
+            let layers = file.layer_names().join(", ");
+            Error::Unsupported {
+                path: path.to_path_buf(),
+                found: format!("has no colour to light with (found {layers})"),
+                remedy: "give a picture with channels R, G and B".into(),
+            }
+        })?;
+        let shown = match file.as_ref() {
+            Opened::Exr { file, .. } => file.display_window,
+            Opened::Photo { photo, .. } => Window::from_size(photo.width, photo.height),
+        };
+        check_size(path, shown)?;
+        Ok(Self {
+            file,
+            sources,
+            shown,
+            most_bytes,
+        })
+    }
+
+    /// The colour over what is shown, reduced where it would take more than it may at so many bytes for each pixel.
+    fn read(&self, per_pixel: u64) -> Result<ColorPlanes> {
+        let pixels = self.shown.width() as u64 * self.shown.height() as u64;
+        let stored = match self.file.as_ref() {
+            Opened::Photo { photo, .. } => photo.bytes(),
+            Opened::Exr { .. } => 0,
+        };
+        let bytes = pixels.saturating_mul(per_pixel).saturating_add(stored);
+        if bytes <= self.most_bytes {
+            return self.whole();
         }
-    })?;
-    let shown = match file.as_ref() {
-        Opened::Exr { file, .. } => file.display_window,
-        Opened::Photo { photo, .. } => Window::from_size(photo.width, photo.height),
-    };
-    check_size(path, shown)?;
-    let mut layers = read_all(&sources)?
-        .into_iter()
-        .zip(&sources)
-        .map(|(planes, source)| color_of(planes, source.window(), shown));
-    let first = layers.next().expect("there is a source of colour");
-    Ok(layers.fold(first, sum))
+        let most = (self.most_bytes / per_pixel.max(1)).max(1);
+        let factor = (1..).find(|f: &u64| pixels / (f * f) <= most);
+        let factor = factor.expect("some square is large enough") as usize;
+        let mut reduced = Reduced::new([self.shown.width(), self.shown.height()], factor);
+        match self.file.as_ref() {
+            Opened::Photo { photo, .. } => {
+                let rows = 0..photo.height;
+                let row = Window::from_size(photo.width, 1);
+                photo.each_row(rows, Meaning::Linear, &mut |_, planes| {
+                    reduced.add(&color_of(seen(photo, planes, row), row, row));
+                })?;
+            }
+            Opened::Exr { .. } => self.add_strips(&mut reduced)?,
+        }
+        Ok(reduced.done())
+    }
+
+    fn whole(&self) -> Result<ColorPlanes> {
+        self.sum(read_all(&self.sources)?, self.shown)
+    }
+
+    /// Adds an EXR's colour, a few rows at a time.
+    fn add_strips(&self, reduced: &mut Reduced) -> Result<()> {
+        for y0 in (self.shown.y0..self.shown.y1).step_by(ROWS_AT_A_TIME) {
+            let y1 = (y0 + ROWS_AT_A_TIME as i32).min(self.shown.y1);
+            let strip = Window {
+                y0,
+                y1,
+                ..self.shown
+            };
+            let read = read_rows(&self.sources, Some(y0..y1), None)?;
+            reduced.add(&self.sum(read, strip)?);
+        }
+        Ok(())
+    }
+
+    /// What was read of all layers, added up over `shown`.
+    fn sum(&self, read: Vec<RolePlanes>, shown: Window) -> Result<ColorPlanes> {
+        let mut layers = read.into_iter().map(|planes| {
+            let window = planes.window;
+            color_of(planes, window, shown)
+        });
+        let first = layers.next().expect("there is a source of colour");
+        Ok(layers.fold(first, sum))
+    }
+}
+
+/// Rows of an EXR that are read at a time to be reduced.
+const ROWS_AT_A_TIME: usize = 64;
+
+/// A picture whose rows come one after the other, each pixel the mean of those that fall on it.
+struct Reduced {
+    from: [usize; 2],
+    planes: [Plane; 3],
+    /// Sums of the row that is being made, and of how many rows.
+    sums: [Vec<f64>; 3],
+    summed: usize,
+    /// Rows that have come, and that have been made of them.
+    rows: usize,
+    made: usize,
+}
+
+/// Sides are a multiple of this, where they are no shorter: as many pixels for each face of a cross.
+const SIDE_MULTIPLE: usize = 12;
+
+impl Reduced {
+    /// Of a picture of the size `from`, by about `factor` across and down.
+    fn new(from: [usize; 2], factor: usize) -> Self {
+        let [width, height] = from.map(|side| {
+            let side = (side / factor).max(1);
+            match side / SIDE_MULTIPLE {
+                0 => side,
+                multiple => multiple * SIDE_MULTIPLE,
+            }
+        });
+        Self {
+            from,
+            planes: std::array::from_fn(|_| Plane::filled(width, height, 0.0)),
+            sums: std::array::from_fn(|_| vec![0.0; width]),
+            summed: 0,
+            rows: 0,
+            made: 0,
+        }
+    }
+
+    fn size(&self) -> [usize; 2] {
+        [self.planes[0].width(), self.planes[0].height()]
+    }
+
+    /// Adds the rows that come next.
+    fn add(&mut self, color: &ColorPlanes) {
+        for y in 0..color.r.height() {
+            self.add_row([&color.r, &color.g, &color.b].map(|plane| plane.row(y)));
+        }
+    }
+
+    fn add_row(&mut self, channels: [&[f32]; 3]) {
+        let ([width, height], [from_width, from_height]) = (self.size(), self.from);
+        for (sums, samples) in self.sums.iter_mut().zip(channels) {
+            for (x, sum) in sums.iter_mut().enumerate() {
+                let covered = &samples[x * from_width / width..(x + 1) * from_width / width];
+                let total: f64 = covered.iter().map(|&v| f64::from(sane(v))).sum();
+                *sum += total / covered.len() as f64;
+            }
+        }
+        self.summed += 1;
+        self.rows += 1;
+        let y = self.made;
+        // The row that is made ends where the next one begins.
+        if self.rows == (y + 1) * from_height / height {
+            for (sums, plane) in self.sums.iter_mut().zip(&mut self.planes) {
+                for (sum, v) in sums.iter_mut().zip(plane.row_mut(y)) {
+                    *v = (*sum / self.summed as f64) as f32;
+                    *sum = 0.0;
+                }
+            }
+            self.summed = 0;
+            self.made += 1;
+        }
+    }
+
+    fn done(self) -> ColorPlanes {
+        let [r, g, b] = self.planes;
+        ColorPlanes { r, g, b }
+    }
 }
 
 /// Refuses a window that the file merely claims to show.
@@ -132,6 +333,23 @@ fn sum(a: ColorPlanes, b: ColorPlanes) -> ColorPlanes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_picture_is_reduced_to_means_of_what_falls_on_each_pixel() {
+        // 5 columns on 2: the first two, and the last three; 4 rows on 2. Of x + 10 y the mean of a box is that of its
+        // middle: x 0.5 and 3, y 0.5 and 2.5.
+        let plane = |scale: f32| Plane::from_fn(5, 4, |x, y| scale * (x as f32 + 10.0 * y as f32));
+        let color = ColorPlanes {
+            r: plane(1.0),
+            g: plane(2.0),
+            b: plane(4.0),
+        };
+        let mut reduced = Reduced::new([5, 4], 2);
+        reduced.add(&color);
+        let done = reduced.done();
+        assert_eq!(done.r.samples(), [5.5, 8.0, 25.5, 28.0]);
+        assert_eq!(done.b.samples(), [22.0, 32.0, 102.0, 112.0]);
+    }
 
     #[test]
     fn a_layer_is_placed_in_what_is_shown() {

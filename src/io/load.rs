@@ -8,8 +8,9 @@ use super::exr::ExrFile;
 use super::inputs::{Conventions, Inputs, KnownCamera, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::normals;
+use super::photo::StoredPhoto;
 use super::roles::Role;
-use super::sources::{Opened, RolePlanes, RoleSource, read_rows};
+use super::sources::{Holding, Opened, RolePlanes, RoleSource, read_rows};
 use super::view::{Surface, turn_to_view};
 use crate::error::{Error, Result};
 use crate::frame::{
@@ -98,7 +99,93 @@ impl Loaded {
 /// wanted; [`Error::SizeMismatch`] for inputs of unlike windows; [`Error::Undetermined`] where
 /// neither names nor data tell the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
+    InputFiles::open(inputs)?.load(inputs, needs)
+}
+
+/// The files of a frame, opened once for as many loads of its rows as there are.
+pub struct InputFiles {
+    main: Rc<Opened>,
+}
+
+/// How large a frame is, as far as headers tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Extent {
+    /// The pixels that it has.
+    pub window: Window,
+    /// Bytes that its photos take while they are held, decoded.
+    pub photo_bytes: u64,
+}
+
+impl InputFiles {
+    /// Opens the picture of `inputs`. Photos are let go of once they have been read.
+    ///
+    /// # Errors
+    /// Any [`Error`] of reading a header.
+    pub fn open(inputs: &Inputs) -> Result<Self> {
+        Self::open_held(inputs, Holding::default())
+    }
+
+    /// The same for rows to be read again and again: photos stay decoded.
+    ///
+    /// # Errors
+    /// As [`InputFiles::open`].
+    pub fn open_for_strips(inputs: &Inputs) -> Result<Self> {
+        let holding = Holding {
+            stay: true,
+            ..Holding::default()
+        };
+        Self::open_held(inputs, holding)
+    }
+
+    /// The same, where no more than `most_bytes` of a photo are decoded at a time: of larger ones rows are read.
+    ///
+    /// # Errors
+    /// As [`InputFiles::open`].
+    pub fn open_within(inputs: &Inputs, most_bytes: u64) -> Result<Self> {
+        let holding = Holding {
+            most_bytes,
+            ..Holding::default()
+        };
+        Self::open_held(inputs, holding)
+    }
+
+    fn open_held(inputs: &Inputs, holding: Holding) -> Result<Self> {
+        let main = Opened::open_held(&inputs.picture, inputs.view.as_deref(), holding)?;
+        Ok(Self { main })
+    }
+
+    /// How large the frame of `inputs` is.
+    ///
+    /// # Errors
+    /// As [`load`], as far as headers tell.
+    pub fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
+        let light = LightSources::resolve(inputs, &self.main)?;
+        let sources = Sources::resolve(inputs, &self.main, needs, !light.is_empty())?;
+        let mut photos: Vec<_> = sources.roles.iter().filter_map(RoleSource::photo).collect();
+        photos.extend(light.sources().iter().filter_map(RoleSource::photo));
+        photos.sort_by_key(|photo| std::ptr::from_ref(*photo));
+        photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
+        Ok(Extent {
+            window: sources.common_window(&light)?,
+            photo_bytes: photos.into_iter().map(StoredPhoto::bytes).sum(),
+        })
+    }
+
+    /// Reads the frame, or the rows of it that `inputs` name.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn load(&self, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
+        load_from(self.main.clone(), inputs, needs)
+    }
+
+    /// Lets go of photos that are held.
+    pub fn release(&self) {
+        self.main.release();
+    }
+}
+
+fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let light = LightSources::resolve(inputs, &main)?;
     let sources = Sources::resolve(inputs, &main, needs, !light.is_empty())?;
     let whole = sources.common_window(&light)?;
@@ -264,17 +351,6 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     })
 }
 
-/// The pixels that the frame of `inputs` has.
-///
-/// # Errors
-/// As [`load`], as far as headers tell.
-pub fn data_window(inputs: &Inputs, needs: Needs) -> Result<Window> {
-    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
-    let light = LightSources::resolve(inputs, &main)?;
-    let sources = Sources::resolve(inputs, &main, needs, !light.is_empty())?;
-    sources.common_window(&light)
-}
-
 /// The rows `rows` of a window, as far as it has them.
 fn rows_of(window: Window, rows: &Range<usize>) -> Window {
     let row = |y: usize| window.y0 + y.min(window.height()) as i32;
@@ -383,7 +459,7 @@ impl Sources {
         told: Option<ColorSpace>,
     ) -> Result<(Planes, Vec<RolePlanes>)> {
         let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
-        let rows = part.map_or(i32::MIN..i32::MAX, |part| part.y0..part.y1);
+        let rows = part.map(|part| part.y0..part.y1);
         let mut read = read_rows(&all, rows, told)?;
         for (source, read) in all.iter().zip(&mut read) {
             read.bring_to(source.role, window);

@@ -34,9 +34,12 @@ mod view;
 mod views;
 
 pub use art_map::read_art_map;
-pub use environment::{read_environment, read_environment_as, read_lit_sphere};
+pub use environment::{
+    read_environment, read_environment_as, read_environment_within, read_lit_sphere,
+    read_lit_sphere_within,
+};
 pub use footprint::frame_bytes;
-pub use load::{Finding, Loaded, Needs, data_window, load};
+pub use load::{Extent, Finding, InputFiles, Loaded, Needs, load};
 pub use specular::{SpecularInputs, load_specular};
-pub use surroundings::read_surroundings;
+pub use surroundings::{read_surroundings, surroundings_bytes};
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

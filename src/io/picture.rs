@@ -7,6 +7,7 @@ use crate::frame::{ColorPlanes, Plane};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use rayon::prelude::*;
 use std::io::{Seek, Write};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -68,11 +69,22 @@ pub struct Picture<'a> {
     pub transform: ViewTransform,
 }
 
+impl<'a> Picture<'a> {
+    /// Its planes: three of colour, and alpha where it has one.
+    pub(crate) fn planes(&self) -> Vec<&'a Plane> {
+        let ColorPlanes { r, g, b } = self.color;
+        [r, g, b].into_iter().chain(self.alpha).collect()
+    }
+}
+
 /// Writes a picture. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
 ///
 /// Where alpha is stored, colour is divided by it. A pixel whose alpha would be stored as 0 although
 /// it has colour (a glow over nothing) gets the alpha that just holds that colour. An alpha of 1
 /// everywhere is left out.
+///
+/// # Errors
+/// Any [`Error`] of writing.
 ///
 /// # Panics
 /// If planes differ in size, or `bits` is neither 8 nor 16.
@@ -82,120 +94,257 @@ pub fn write_picture(
     format: PictureFormat,
     picture: &Picture,
 ) -> Result<()> {
-    assert!([8, 16].contains(&picture.bits), "bits must be 8 or 16");
-    let planes = [&picture.color.r, &picture.color.g, &picture.color.b];
-    let size = (picture.color.r.width(), picture.color.r.height());
-    for plane in planes.into_iter().chain(picture.alpha) {
-        assert_eq!(
-            (plane.width(), plane.height()),
-            size,
-            "planes differ in size"
-        );
-    }
-    let failed = |error| match error {
-        ImageError::IoError(source) => Error::io(target, "write")(source),
-        other => unsupported(
-            target,
-            &format!("cannot be written ({})", one_line(&other.to_string())),
-        ),
-    };
-    match format {
-        PictureFormat::Hdr => write_hdr(w, picture.color).map_err(failed),
-        _ => write_codes(w, format, picture).map_err(failed),
-    }
+    let size = [picture.color.r.width(), picture.color.r.height()];
+    let mut gathered = Gathered::new(format, size, picture);
+    gathered.push(picture, 0..size[1]);
+    gathered.write(w, target)
 }
 
-fn write_hdr(w: &mut impl Write, color: &ColorPlanes) -> image::ImageResult<()> {
-    let finite = |v: f32| if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e30) };
-    let samples = color.r.samples().iter().zip(color.g.samples());
-    let pixels: Vec<image::Rgb<f32>> = samples
-        .zip(color.b.samples())
-        .map(|((&r, &g), &b)| image::Rgb([r, g, b].map(finite)))
-        .collect();
-    image::codecs::hdr::HdrEncoder::new(w).encode(&pixels, color.r.width(), color.r.height())
-}
-
-fn write_codes(
-    w: &mut (impl Write + Seek),
+/// A picture of which the stored samples are gathered, some rows at a time, before it is written.
+#[derive(Debug, Clone)]
+pub struct Gathered {
     format: PictureFormat,
-    picture: &Picture,
-) -> image::ImageResult<()> {
-    let bits = if format == PictureFormat::Jpeg {
-        8
-    } else {
-        picture.bits
-    };
-    let alpha = picture
-        .alpha
-        .filter(|a| format.holds_alpha() && a.samples().iter().any(|&a| a < 1.0 || a.is_nan()));
-    let max = max_code(bits);
-    let codes = match picture.grey && alpha.is_none() {
-        true => grey_codes(picture, max),
-        false => codes(picture, alpha, max),
-    };
-    let kind = match (bits, codes.len() / picture.color.r.samples().len().max(1)) {
-        (8, 1) => ExtendedColorType::L8,
-        (8, 4) => ExtendedColorType::Rgba8,
-        (8, _) => ExtendedColorType::Rgb8,
-        (_, 1) => ExtendedColorType::L16,
-        (_, 4) => ExtendedColorType::Rgba16,
-        _ => ExtendedColorType::Rgb16,
-    };
-    let bytes = match bits {
-        8 => narrowed(&codes),
-        _ => native_bytes(&codes),
-    };
-    let (width, height) = (
-        picture.color.r.width() as u32,
-        picture.color.r.height() as u32,
-    );
-    match format {
-        PictureFormat::Jpeg => image::codecs::jpeg::JpegEncoder::new_with_quality(w, JPEG_QUALITY)
-            .write_image(&bytes, width, height, kind),
-        PictureFormat::Tiff => {
-            image::codecs::tiff::TiffEncoder::new(w).write_image(&bytes, width, height, kind)
+    size: [usize; 2],
+    /// Samples of each pixel: 1, 3, or 4 with alpha.
+    channels: usize,
+    grey: bool,
+    /// Whether alpha was 1 everywhere so far.
+    is_opaque: bool,
+    samples: Samples,
+}
+
+/// Samples as files hold them, those of a pixel side by side.
+#[derive(Debug, Clone)]
+enum Samples {
+    Narrow(Vec<u8>),
+    /// Of 16 bits, in this machine's order of bytes.
+    Wide(Vec<[u8; 2]>),
+    Float(Vec<image::Rgb<f32>>),
+}
+
+impl Gathered {
+    /// A picture of `size`, columns and rows, of which all parts are like `part`: grey or not, with alpha or without, of
+    /// as many bits.
+    ///
+    /// # Panics
+    /// If its `bits` are neither 8 nor 16.
+    pub fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
+        assert!([8, 16].contains(&part.bits), "bits must be 8 or 16");
+        let channels = match part.alpha {
+            Some(_) if format.holds_alpha() => 4,
+            _ if part.grey => 1,
+            _ => 3,
+        };
+        let pixels = size[0] * size[1];
+        let samples = match (format, part.bits) {
+            (PictureFormat::Hdr, _) => Samples::Float(Vec::with_capacity(pixels)),
+            (PictureFormat::Jpeg, _) | (_, 8) => {
+                Samples::Narrow(Vec::with_capacity(pixels * channels))
+            }
+            _ => Samples::Wide(Vec::with_capacity(pixels * channels)),
+        };
+        Self {
+            format,
+            size,
+            channels,
+            grey: part.grey,
+            is_opaque: true,
+            samples,
         }
-        _ => image::codecs::png::PngEncoder::new(w).write_image(&bytes, width, height, kind),
+    }
+
+    /// Bytes that its samples take.
+    pub fn bytes(&self) -> u64 {
+        let pixels = self.size[0] as u64 * self.size[1] as u64;
+        pixels
+            * self.channels as u64
+            * match self.samples {
+                Samples::Narrow(_) => 1,
+                Samples::Wide(_) => 2,
+                // Always three floats.
+                Samples::Float(_) => return pixels * 12,
+            }
+    }
+
+    /// Bytes that encoding takes besides: what is compressed, and samples of 16 bits in another order of bytes.
+    pub fn encoding_bytes(&self) -> u64 {
+        match self.samples {
+            Samples::Wide(_) => 2 * self.bytes(),
+            Samples::Narrow(_) => self.bytes(),
+            Samples::Float(_) => 0,
+        }
+    }
+
+    /// Adds the rows `rows` of `part`, below those that were added before.
+    ///
+    /// # Panics
+    /// If planes differ in size, or `part` is not as wide as the picture.
+    pub fn push(&mut self, part: &Picture, rows: Range<usize>) {
+        let planes = [&part.color.r, &part.color.g, &part.color.b];
+        let size = (self.size[0], part.color.r.height());
+        for plane in planes.into_iter().chain(part.alpha) {
+            let own = (plane.width(), plane.height());
+            assert_eq!(own, size, "planes differ in size");
+        }
+        let channels = self.channels;
+        let alpha = part.alpha.filter(|_| channels == 4);
+        if let Some(alpha) = alpha {
+            let shows = |&a: &f32| a < 1.0 || a.is_nan();
+            let mut rows = rows.clone();
+            self.is_opaque &= !rows.any(|y| alpha.row(y).iter().any(shows));
+        }
+        match &mut self.samples {
+            Samples::Narrow(samples) => {
+                let part = Part {
+                    picture: part,
+                    alpha,
+                    rows,
+                    max: max_code(8),
+                };
+                part.add_to(samples, channels, |code| code as u8);
+            }
+            Samples::Wide(samples) => {
+                let part = Part {
+                    picture: part,
+                    alpha,
+                    rows,
+                    max: max_code(16),
+                };
+                part.add_to(samples, channels, u16::to_ne_bytes);
+            }
+            Samples::Float(samples) => rows.for_each(|y| {
+                let [r, g, b] = planes.map(|plane| plane.row(y));
+                let pixel = |((&r, &g), &b)| image::Rgb([r, g, b].map(finite));
+                samples.extend(r.iter().zip(g).zip(b).map(pixel));
+            }),
+        }
+    }
+
+    /// Writes the picture; `target` is only named in errors.
+    ///
+    /// # Errors
+    /// Any [`Error`] of writing.
+    ///
+    /// # Panics
+    /// If rows are missing.
+    pub fn write(mut self, w: &mut (impl Write + Seek), target: &Path) -> Result<()> {
+        if self.channels == 4 && self.is_opaque {
+            self.drop_alpha();
+        }
+        self.encode(w).map_err(|error| match error {
+            ImageError::IoError(source) => Error::io(target, "write")(source),
+            other => unsupported(
+                target,
+                &format!("cannot be written ({})", one_line(&other.to_string())),
+            ),
+        })
+    }
+
+    /// Leaves alpha out; of a grey picture all but one sample.
+    fn drop_alpha(&mut self) {
+        let kept = if self.grey { 1 } else { 3 };
+        match &mut self.samples {
+            Samples::Narrow(samples) => keep_first(samples, kept),
+            Samples::Wide(samples) => keep_first(samples, kept),
+            Samples::Float(_) => return,
+        }
+        self.channels = kept;
+    }
+
+    fn encode(&self, w: &mut (impl Write + Seek)) -> image::ImageResult<()> {
+        let [width, height] = self.size;
+        let (bytes, kind) = match (&self.samples, self.channels) {
+            (Samples::Float(pixels), _) => {
+                return image::codecs::hdr::HdrEncoder::new(w).encode(pixels, width, height);
+            }
+            (Samples::Narrow(samples), 1) => (&samples[..], ExtendedColorType::L8),
+            (Samples::Narrow(samples), 4) => (&samples[..], ExtendedColorType::Rgba8),
+            (Samples::Narrow(samples), _) => (&samples[..], ExtendedColorType::Rgb8),
+            (Samples::Wide(samples), 1) => (samples.as_flattened(), ExtendedColorType::L16),
+            (Samples::Wide(samples), 4) => (samples.as_flattened(), ExtendedColorType::Rgba16),
+            (Samples::Wide(samples), _) => (samples.as_flattened(), ExtendedColorType::Rgb16),
+        };
+        let (width, height) = (width as u32, height as u32);
+        match self.format {
+            PictureFormat::Jpeg => {
+                image::codecs::jpeg::JpegEncoder::new_with_quality(w, JPEG_QUALITY)
+                    .write_image(bytes, width, height, kind)
+            }
+            PictureFormat::Tiff => {
+                image::codecs::tiff::TiffEncoder::new(w).write_image(bytes, width, height, kind)
+            }
+            _ => image::codecs::png::PngEncoder::new(w).write_image(bytes, width, height, kind),
+        }
     }
 }
 
-/// The stored codes of a grey picture, one for each pixel.
-fn grey_codes(picture: &Picture, max: u32) -> Vec<u16> {
-    let samples = picture.color.r.samples().par_iter();
-    samples
-        .map(|&v| code(v.into(), picture.transform, max))
-        .collect()
-}
-
-/// The stored codes, interleaved: three for each pixel, four with alpha.
-fn codes(picture: &Picture, alpha: Option<&Plane>, max: u32) -> Vec<u16> {
-    match alpha {
-        Some(_) => interleaved::<4>(picture, alpha, max),
-        None => interleaved::<3>(picture, None, max),
+/// Of every four samples the first few.
+fn keep_first<T: Copy>(samples: &mut Vec<T>, kept: usize) {
+    let pixels = samples.len() / 4;
+    for pixel in 0..pixels {
+        samples.copy_within(4 * pixel..4 * pixel + kept, kept * pixel);
     }
+    samples.truncate(kept * pixels);
 }
 
-/// The first `N` of red, green, blue and alpha of each pixel, as codes.
-fn interleaved<const N: usize>(picture: &Picture, alpha: Option<&Plane>, max: u32) -> Vec<u16> {
-    let ColorPlanes { r, g, b } = picture.color;
-    let width = r.width();
-    let mut codes = vec![0; width * r.height() * N];
-    let rows = codes.par_chunks_mut((width * N).max(1));
-    rows.enumerate().for_each(|(y, row)| {
+fn finite(v: f32) -> f32 {
+    if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e30) }
+}
+
+/// Rows of a picture to be stored as codes up to `max`.
+struct Part<'a> {
+    picture: &'a Picture<'a>,
+    alpha: Option<&'a Plane>,
+    rows: Range<usize>,
+    max: u32,
+}
+
+impl Part<'_> {
+    /// Adds the codes, `channels` of each pixel.
+    fn add_to<T: Copy + Default + Send>(
+        &self,
+        samples: &mut Vec<T>,
+        channels: usize,
+        stored: impl Fn(u16) -> T + Sync,
+    ) {
+        let (width, before) = (self.picture.color.r.width(), samples.len());
+        samples.resize(before + width * channels * self.rows.len(), T::default());
+        let rows = samples[before..].par_chunks_mut((width * channels).max(1));
+        rows.zip(self.rows.clone())
+            .for_each(|(row, y)| match channels {
+                1 => {
+                    let samples = self.picture.color.r.row(y);
+                    for (to, &v) in row.iter_mut().zip(samples) {
+                        *to = stored(code(v.into(), self.picture.transform, self.max));
+                    }
+                }
+                4 => self.interleave::<4, T>(row, y, &stored),
+                _ => self.interleave::<3, T>(row, y, &stored),
+            });
+    }
+
+    /// The first `N` of red, green, blue and alpha of each pixel of a row, as codes.
+    fn interleave<const N: usize, T: Copy>(
+        &self,
+        row: &mut [T],
+        y: usize,
+        stored: impl Fn(u16) -> T,
+    ) {
+        let (ColorPlanes { r, g, b }, max) = (self.picture.color, self.max);
+        let transform = self.picture.transform;
         let color = r.row(y).iter().zip(g.row(y)).zip(b.row(y));
         let (pixels, _) = row.as_chunks_mut::<N>();
         for (x, (pixel, ((&r, &g), &b))) in pixels.iter_mut().zip(color).enumerate() {
             let color = [r, g, b].map(f64::from);
-            let alpha = alpha.map(|a| f64::from(a.at(x, y)));
+            let alpha = self.alpha.map(|a| f64::from(a.at(x, y)));
             let (color, alpha) = straight(color, alpha, max);
-            let [r, g, b] = color.map(|v| code(v, picture.transform, max));
+            let [r, g, b] = color.map(|v| code(v, transform, max));
             let alpha = alpha.map_or(max as u16, |a| code(a, ViewTransform::None, max));
             for (to, code) in pixel.iter_mut().zip([r, g, b, alpha]) {
-                *to = code;
+                *to = stored(code);
             }
         }
-    });
-    codes
+    }
 }
 
 /// Red, green, blue and alpha of each pixel in 8 bits: what a PNG of them would hold, opaque where there is no alpha.
@@ -206,10 +355,15 @@ pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
     if picture.alpha.is_none() && picture.transform == ViewTransform::Srgb {
         return opaque_pixels(picture.color);
     }
-    let codes = interleaved::<4>(picture, picture.alpha, 255);
-    let (pixels, _) = codes.as_chunks::<4>();
-    let narrow = pixels.par_iter().with_min_len(1 << 14);
-    narrow.map(|pixel| pixel.map(|code| code as u8)).collect()
+    let part = Part {
+        picture,
+        alpha: picture.alpha,
+        rows: 0..picture.color.r.height(),
+        max: max_code(8),
+    };
+    let mut samples = Vec::new();
+    part.add_to(&mut samples, 4, |code| code as u8);
+    samples.as_chunks::<4>().0.to_vec()
 }
 
 /// The most frequent case, which a window asks for many times a second.
@@ -327,14 +481,6 @@ fn computed_code(v: f64, transform: ViewTransform, max: u32) -> u16 {
         ViewTransform::None => clipped(v),
     };
     (encoded * f64::from(max)).round() as u16
-}
-
-fn narrowed(codes: &[u16]) -> Vec<u8> {
-    codes.iter().map(|&c| c as u8).collect()
-}
-
-fn native_bytes(codes: &[u16]) -> Vec<u8> {
-    codes.iter().flat_map(|c| c.to_ne_bytes()).collect()
 }
 
 #[cfg(test)]

@@ -4,18 +4,19 @@ use super::colorspace::ColorSpace;
 use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
 use super::names::{self, Hint};
 use super::open::open_input;
-use super::photo::{Photo, max_code};
+use super::photo::{Meaning, StoredPhoto, max_code};
 use super::roles::{self, Layer, Match, Role};
 use super::srgb;
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// An input file: an EXR's header and layers, or a whole photo.
+/// An input file of which the header has been read: an EXR's layers, or a photo.
 pub(super) enum Opened {
     Exr {
         file: Box<ExrFile>,
@@ -24,11 +25,55 @@ pub(super) enum Opened {
         /// All views, and the one whose layers are used.
         views: Vec<String>,
         view: Option<String>,
+        beside: Beside,
     },
     Photo {
-        path: PathBuf,
-        photo: Photo,
+        photo: StoredPhoto,
+        beside: Beside,
     },
+}
+
+/// Files that have been opened to go with another.
+pub(super) struct Beside {
+    files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
+    holding: Holding,
+}
+
+/// How the samples of photos are held once they are decoded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Holding {
+    /// Most bytes of samples of one photo: of others rows alone are read.
+    pub(super) most_bytes: u64,
+    /// Whether they stay for the next rows to be read.
+    pub(super) stay: bool,
+}
+
+impl Default for Holding {
+    fn default() -> Self {
+        Self {
+            most_bytes: u64::MAX,
+            stay: false,
+        }
+    }
+}
+
+impl Beside {
+    fn held(holding: Holding) -> Self {
+        Self {
+            files: RefCell::default(),
+            holding,
+        }
+    }
+
+    fn find(&self, path: &Path) -> Option<Rc<Opened>> {
+        let files = self.files.borrow();
+        let (_, file) = files.iter().find(|(own, _)| own == path)?;
+        Some(file.clone())
+    }
+
+    fn keep(&self, path: &Path, file: &Rc<Opened>) {
+        self.files.borrow_mut().push((path.into(), file.clone()));
+    }
 }
 
 impl Opened {
@@ -38,12 +83,19 @@ impl Opened {
 
     /// The file with the layers of one view: the one that is wanted, else the default.
     pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
+        Self::open_held(path, wanted, Holding::default())
+    }
+
+    /// The same, and how samples of photos are held.
+    pub(super) fn open_held(
+        path: &Path,
+        wanted: Option<&str>,
+        holding: Holding,
+    ) -> Result<Rc<Self>> {
+        let beside = Beside::held(holding);
         if !has_exr_magic(path)? {
-            let photo = Photo::read(path)?;
-            return Ok(Rc::new(Self::Photo {
-                path: path.to_path_buf(),
-                photo,
-            }));
+            let photo = StoredPhoto::open(path, holding.most_bytes)?;
+            return Ok(Rc::new(Self::Photo { photo, beside }));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
         let mut layers = layers_of(&file);
@@ -54,27 +106,45 @@ impl Opened {
             layers,
             views: all,
             view,
+            beside,
         }))
     }
 
-    /// A file that goes with this one: of the same view, if it has several.
+    /// A file that goes with this one: of the same view, if it has several. It is opened once.
     fn open_beside(&self, path: &Path) -> Result<Rc<Self>> {
-        let beside = Self::open(path)?;
-        match (self, beside.as_ref()) {
+        let (Self::Exr { beside, .. } | Self::Photo { beside, .. }) = self;
+        if let Some(file) = beside.find(path) {
+            return Ok(file);
+        }
+        let open = |view| Self::open_held(path, view, beside.holding);
+        let file = open(None)?;
+        let file = match (self, file.as_ref()) {
             (
                 Self::Exr {
                     view: Some(view), ..
                 },
                 Self::Exr { views, .. },
-            ) if !views.is_empty() => Self::open_view(path, Some(view)),
-            _ => Ok(beside),
-        }
+            ) if !views.is_empty() => open(Some(view))?,
+            _ => file,
+        };
+        beside.keep(path, &file);
+        Ok(file)
     }
 
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::Exr { file, .. } => &file.path,
-            Self::Photo { path, .. } => path,
+            Self::Photo { photo, .. } => &photo.path,
+        }
+    }
+
+    /// Lets go of the samples of photos, its own and those of files that go with it.
+    pub(super) fn release(&self) {
+        let (Self::Exr { beside, .. } | Self::Photo { beside, .. }) = self;
+        let files = beside.files.borrow();
+        files.iter().for_each(|(_, file)| file.release());
+        if let Self::Photo { photo, .. } = self {
+            photo.release();
         }
     }
 
@@ -309,6 +379,14 @@ impl RoleSource {
         }
     }
 
+    /// The photo it is, if it is one.
+    pub(super) fn photo(&self) -> Option<&StoredPhoto> {
+        match self.file.as_ref() {
+            Opened::Photo { photo, .. } => Some(photo),
+            Opened::Exr { .. } => None,
+        }
+    }
+
     /// What the file says of the colours of its part.
     pub(super) fn interop_id(&self) -> Option<&str> {
         match (self.file.as_ref(), &self.layer) {
@@ -389,16 +467,17 @@ fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
 
 /// Reads the planes of all `sources`, each part of a file once, in the order given.
 pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
-    read_rows(sources, i32::MIN..i32::MAX, None)
+    read_rows(sources, None, None)
 }
 
 /// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them; colours are what
 /// was `told`.
 pub(super) fn read_rows(
     sources: &[RoleSource],
-    rows: Range<i32>,
+    rows: Option<Range<i32>>,
     told: Option<ColorSpace>,
 ) -> Result<Vec<RolePlanes>> {
+    let rows = rows.unwrap_or(i32::MIN..i32::MAX);
     let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
     for first in 0..sources.len() {
         if planes[first].is_some() {
@@ -437,9 +516,12 @@ pub(super) fn read_rows(
                     }
                 }
             }
-            Opened::Photo { photo, .. } => {
+            Opened::Photo { photo, beside } => {
                 for &i in &together {
-                    planes[i] = Some(photo_planes(photo, sources[i].role, told));
+                    planes[i] = Some(photo_planes(photo, sources[i].role, window, told)?);
+                }
+                if !beside.holding.stay {
+                    photo.release();
                 }
             }
         }
@@ -449,14 +531,33 @@ pub(super) fn read_rows(
 
 /// A photo is colour only where colour or light is wanted: then it is linear and multiplied by its alpha, as a
 /// frame's picture is. As data its values are taken as they are.
-fn photo_planes(photo: &Photo, role: Role, told: Option<ColorSpace>) -> RolePlanes {
+fn photo_planes(
+    photo: &StoredPhoto,
+    role: Role,
+    window: Window,
+    told: Option<ColorSpace>,
+) -> Result<RolePlanes> {
     let is_linear = told.is_some_and(|space| space != ColorSpace::Srgb);
-    let mut planes = if role.is_seen() && !is_linear {
-        photo.to_linear()
-    } else {
-        photo.channels.clone()
+    let meaning = match role.is_seen() && !is_linear {
+        true => Meaning::Linear,
+        false => Meaning::Stored,
     };
-    if let (true, Some(alpha)) = (role.is_seen(), &photo.alpha) {
+    let mut planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
+    if role.is_seen() {
+        return Ok(seen(photo, planes, window));
+    }
+    let alpha = take_alpha(photo, &mut planes);
+    Ok(RolePlanes {
+        planes,
+        alpha,
+        window,
+    })
+}
+
+/// Colours of a photo, multiplied by the alpha that comes with them.
+pub(super) fn seen(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) -> RolePlanes {
+    let alpha = take_alpha(photo, &mut planes);
+    if let Some(alpha) = &alpha {
         for plane in &mut planes {
             let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
             samples.for_each(|(sample, alpha)| *sample *= alpha);
@@ -464,7 +565,15 @@ fn photo_planes(photo: &Photo, role: Role, told: Option<ColorSpace>) -> RolePlan
     }
     RolePlanes {
         planes,
-        alpha: photo.alpha.clone(),
-        window: Window::from_size(photo.width, photo.height),
+        alpha,
+        window,
+    }
+}
+
+fn take_alpha(photo: &StoredPhoto, planes: &mut Vec<Plane>) -> Option<Plane> {
+    if photo.has_alpha() {
+        planes.pop()
+    } else {
+        None
     }
 }

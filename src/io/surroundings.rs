@@ -11,12 +11,42 @@ use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Surroundings, Vector3Planes, map_direction};
 use glam::{DMat3, DVec3};
 use std::path::Path;
+use std::rc::Rc;
 
 /// Median residual, in pixels, above which positions are no equirectangular panorama.
 const WORST_RESIDUAL_PX: f64 = 1.0;
 
 /// Error of normals made from points, of which facets leave the most.
 const MADE_ROUNDING: f32 = 1e-3;
+
+/// Bytes for each pixel of a map: its planes as they are read, and points, normals and colour made of them.
+const BYTES_PER_PIXEL: u64 = 96;
+
+/// About how much memory the surroundings in the panorama at `path` take, by its header.
+///
+/// # Errors
+/// As [`read_surroundings`], as far as headers tell.
+pub fn surroundings_bytes(path: &Path) -> Result<u64> {
+    let window = place_in(&Opened::open(path)?)?.window();
+    let pixels = window.width() as u64 * window.height() as u64;
+    Ok(pixels.saturating_mul(BYTES_PER_PIXEL))
+}
+
+/// Where points are: positions, or else distances.
+fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
+    let find = |role| RoleSource::resolve(role, None, file);
+    let place = match find(Role::Position)? {
+        Some(positions) => Some(positions),
+        None => find(Role::Depth)?,
+    };
+    place.ok_or_else(|| {
+        missing(
+            file,
+            Role::Position,
+            "another file: a panorama with positions",
+        )
+    })
+}
 
 /// The surroundings in the panorama at `path`: world-space positions, which tell by themselves where it was seen from,
 /// or distances from there together with a `pose` file; normals, else made from the points; colour where there is any.
@@ -27,17 +57,8 @@ const MADE_ROUNDING: f32 = 1e-3;
 pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surroundings> {
     let file = Opened::open(path)?;
     let find = |role| RoleSource::resolve(role, None, &file);
-    let positions = find(Role::Position)?;
-    let place = match &positions {
-        Some(positions) => positions.clone(),
-        None => find(Role::Depth)?.ok_or_else(|| {
-            missing(
-                &file,
-                Role::Position,
-                "another file: a panorama with positions",
-            )
-        })?,
-    };
+    let place = place_in(&file)?;
+    let has_positions = place.role == Role::Position;
     let window = place.window();
     let unsupported = |found: String, remedy: &str| Error::Unsupported {
         path: path.to_path_buf(),
@@ -64,7 +85,7 @@ pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surrounding
         let index = read.iter().position(|(own, _)| *own == role)?;
         Some(read.swap_remove(index).1.planes)
     };
-    let (points, center, map_from_world) = if positions.is_some() {
+    let (points, center, map_from_world) = if has_positions {
         let positions = vector(take(Role::Position).expect("found above"));
         let seen = seen(&positions);
         let (center, map_from_world) = match pose {

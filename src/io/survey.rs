@@ -60,7 +60,7 @@ pub struct RoleSurvey {
     pub channels: Vec<String>,
 }
 
-/// Looks into the file at `path` without reading the pixels of an EXR. Roles are those of the layers of `view`,
+/// Looks into the file at `path` without reading its pixels. Roles are those of the layers of `view`,
 /// or of the default one.
 ///
 /// # Errors
@@ -72,6 +72,7 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
             layers,
             views,
             view,
+            ..
         } => Survey {
             display_window: file.display_window,
             pixel_aspect: file.pixel_aspect,
@@ -120,14 +121,14 @@ fn part_survey(file: &super::exr::ExrFile, layers: &[roles::Layer], index: usize
     }
 }
 
-fn photo_survey(photo: &super::photo::Photo) -> Survey {
+fn photo_survey(photo: &super::photo::StoredPhoto) -> Survey {
     let window = Window::from_size(photo.width, photo.height);
-    let grey_or_color = if photo.channels.len() == 1 {
+    let grey_or_color = if photo.color_channels() == 1 {
         &["y"][..]
     } else {
         &["r", "g", "b"][..]
     };
-    let alpha = photo.alpha.as_ref().map(|_| &"a");
+    let alpha = photo.has_alpha().then_some(&"a");
     let components: Vec<String> = grey_or_color
         .iter()
         .chain(alpha)

@@ -22,6 +22,15 @@ pub struct FittedShading {
     floor: f32,
 }
 
+/// What an albedo is estimated by: the same for all strips of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AlbedoEstimate {
+    /// The shading that the picture is taken over; `None` where it is black, and its albedo white.
+    pub shading: Option<FittedShading>,
+    /// What the picture over its shading is multiplied by.
+    pub factor: f32,
+}
+
 /// Share of the mean shading below which none is believed.
 const DARKEST: f64 = 0.2;
 

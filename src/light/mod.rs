@@ -17,3 +17,5 @@ pub mod radiance_scaling;
 pub mod sum;
 mod texels;
 pub mod tones;
+
+pub(crate) use texels::sane;

@@ -139,7 +139,8 @@ pub(super) fn rgb([r, g, b, _]: Texel) -> [f32; 3] {
     [r, g, b]
 }
 
-fn sane(sample: f32) -> f32 {
+/// A sample as it is kept: finite and not negative.
+pub(crate) fn sane(sample: f32) -> f32 {
     if sample == f32::INFINITY {
         INFINITE
     } else {

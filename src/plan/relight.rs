@@ -4,6 +4,7 @@ use super::Available;
 use super::Stage;
 use super::explain::{Decision, keep, rule, skip};
 use crate::error::{Error, Result};
+use crate::light::albedo::AlbedoEstimate;
 use crate::light::lights::Illumination;
 use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
@@ -87,6 +88,8 @@ pub struct Relighting {
     pub traced: bool,
     /// Where the albedo comes from.
     pub albedo: Albedo,
+    /// What the albedo is estimated by, where that was found in the whole picture of which the frame is a strip.
+    pub estimate: Option<AlbedoEstimate>,
 }
 
 impl Relighting {
@@ -140,6 +143,7 @@ impl Relighting {
             lit_spheres: kinds.lit_spheres,
             traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),
             albedo: albedo(&params, kinds, available)?,
+            estimate: None,
         })
     }
 

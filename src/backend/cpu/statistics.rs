@@ -1,9 +1,8 @@
 //! What is chosen from the whole frame: the gain of the curvature mapping and the white level.
 
 use super::percentile::{PercentileSearch, percentile};
-use crate::backend::choice::{
-    CURVATURE_PERCENT, MAX_GAIN, WHITE_PERCENT, flat_curvature, typical_exponent,
-};
+pub(super) use crate::backend::choice::WHITE_PERCENT;
+use crate::backend::choice::{CURVATURE_PERCENT, MAX_GAIN, flat_curvature, typical_exponent};
 use crate::frame::{ColorPlanes, Mask, Plane};
 use std::ops::Range;
 

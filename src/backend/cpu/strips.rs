@@ -2,22 +2,30 @@
 
 use super::light_layers::add_to_searches;
 use super::percentile::PercentileSearch;
+use super::relight::AlbedoSearch;
 use super::statistics::{GainSearch, luminances, white_of};
 use super::{Runner, Shape};
 use crate::backend::choice::WHITE_PERCENT;
 use crate::frame::{Frame, Window};
+use crate::light::albedo::AlbedoEstimate;
 use crate::params::{Adaptive, ScalingParams};
 use crate::plan::{Plan, Stage};
 use std::ops::Range;
 
-/// A search for the gain and the white levels that a picture would be given as a whole. All strips come twice:
-/// before [`StripSearch::narrow`], and after.
+/// A search for the gain, the white levels and the estimate of the albedo that a picture would be given as a whole. All
+/// strips come, from top to bottom, as often as [`StripSearch::looks`] says, with [`StripSearch::next_look`] in between.
 #[derive(Debug, Clone)]
 pub struct StripSearch {
     gain: Option<GainSearch>,
     white: Option<PercentileSearch>,
     terms: Vec<(&'static str, PercentileSearch)>,
+    albedo: Option<AlbedoSearch>,
+    /// Looks that have ended.
+    ended: usize,
 }
+
+/// Looks that a percentile takes.
+const PERCENTILE_LOOKS: usize = 2;
 
 /// What a search came to; `None` for what was given.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,6 +36,8 @@ pub struct StripChoice {
     pub white_level: Option<f32>,
     /// White levels of the kinds of light that are scaled by themselves, with their names.
     pub term_white_levels: Vec<(&'static str, f32)>,
+    /// What the albedo is estimated by.
+    pub albedo: Option<AlbedoEstimate>,
 }
 
 impl StripSearch {
@@ -41,9 +51,17 @@ impl StripSearch {
             white: (plan.has(Stage::AutoWhite) && plan.has(Stage::RadianceScaling))
                 .then(|| PercentileSearch::new(WHITE_PERCENT)),
             terms: Vec::new(),
+            albedo: plan.has(Stage::AlbedoEstimate).then(AlbedoSearch::new),
+            ended: 0,
         };
-        let open = search.gain.is_some() || plan.has(Stage::AutoWhite);
+        let open = search.gain.is_some() || search.albedo.is_some() || plan.has(Stage::AutoWhite);
         open.then_some(search)
+    }
+
+    /// How often all strips are to come.
+    pub fn looks(&self) -> usize {
+        // The shading is fitted before the white level over it is searched for.
+        PERCENTILE_LOOKS + usize::from(self.albedo.is_some())
     }
 
     /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
@@ -52,6 +70,13 @@ impl StripSearch {
     /// As [`Runner::run`] does, and if the plan is for a drawing.
     pub fn look(&mut self, runner: &Runner, plan: &Plan, strip: &Frame, rows: Range<usize>) {
         assert!(plan.drawing.is_none(), "a drawing takes the picture whole");
+        if let Some(search) = &mut self.albedo {
+            let weights = strip.luminance_weights();
+            search.add(strip, weights, rows.clone(), &runner.memory);
+        }
+        if self.ended >= PERCENTILE_LOOKS {
+            return;
+        }
         if let Some(search) = &mut self.gain {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without_directions();
@@ -81,8 +106,15 @@ impl StripSearch {
         }
     }
 
-    /// Ends the first time, and begins the second.
-    pub fn narrow(&mut self) {
+    /// Ends a look, and begins the next.
+    pub fn next_look(&mut self) {
+        if let Some(search) = &mut self.albedo {
+            search.next_look();
+        }
+        self.ended += 1;
+        if self.ended >= PERCENTILE_LOOKS {
+            return;
+        }
         let gain = self.gain.iter_mut().map(|search| &mut search.0);
         let terms = self.terms.iter_mut().map(|(_, search)| search);
         gain.chain(&mut self.white)
@@ -90,7 +122,7 @@ impl StripSearch {
             .for_each(PercentileSearch::narrow);
     }
 
-    /// What was searched for, when all strips have come twice.
+    /// What was searched for, when all strips have come for the last time.
     pub fn found(&self) -> StripChoice {
         let terms = self.terms.iter();
         StripChoice {
@@ -99,6 +131,7 @@ impl StripSearch {
             term_white_levels: terms
                 .map(|(name, search)| (*name, search.found().unwrap_or(1.0)))
                 .collect(),
+            albedo: self.albedo.as_ref().and_then(AlbedoSearch::found),
         }
     }
 }

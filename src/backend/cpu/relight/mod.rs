@@ -8,6 +8,7 @@ mod rim;
 mod shade;
 mod traced;
 
+pub(super) use albedo::AlbedoSearch;
 pub(super) use batch::Batch;
 pub(super) use shade::light_batch;
 #[cfg(feature = "gpu")]
@@ -89,8 +90,9 @@ impl Run<'_> {
         self.outcome.environment_gain = around.gain();
         let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
             let kept = |kept: &mut Kept| kept.albedo.take();
-            self.kept_or(kept, "albedo-estimate", || {
-                albedo::estimated(frame, weights, memory)
+            self.kept_or(kept, "albedo-estimate", || match &relighting.estimate {
+                Some(found) => albedo::by_estimate(frame, found, memory),
+                None => albedo::estimated(frame, weights, memory),
             })
         });
         let traced = specular.zip(plan.specular).filter(|_| relighting.traced);

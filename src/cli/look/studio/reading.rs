@@ -6,6 +6,7 @@ use crate::cli::args::Command;
 use crate::cli::hatch;
 use crate::cli::job::Job;
 use crate::cli::line_args::HatchArgs;
+use crate::cli::memory::MaxMemory;
 use crate::cli::recipe::RecipeText;
 use crate::cli::relight;
 use crate::cli::relight_args::{LightFlags, RelightArgs};
@@ -121,8 +122,8 @@ impl Studio {
         );
         if self.around.files != files {
             self.around = Around {
-                environment: relight::environment(flags)?,
-                lit_spheres: relight::lit_spheres(flags)?,
+                environment: relight::environment(flags, MaxMemory::Auto.for_light())?,
+                lit_spheres: relight::lit_spheres(flags, MaxMemory::Auto.for_light())?,
                 files,
             };
         }

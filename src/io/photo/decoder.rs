@@ -1,0 +1,107 @@
+//! Opening a picture: what its header says, and what is refused.
+
+use crate::error::{Error, Result};
+use crate::io::fence::fenced;
+use crate::io::open::open_input;
+use image::{ImageDecoder, ImageError, ImageFormat, ImageReader};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// Longest side that is read, in pixels.
+const MAX_SIDE: u32 = 1 << 16;
+/// Most bytes that the samples of a picture may take, and as many that a decoder may use besides.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// Calls `read` with a decoder of the picture at `path`, whose header has been read, and its kind.
+///
+/// # Errors
+/// For a picture that is damaged, holds no pixels or too many, or is of no kind that is read; those of `read`.
+pub(super) fn with_decoder<T>(
+    path: &Path,
+    read: impl FnOnce(Box<dyn ImageDecoder + '_>, ImageFormat) -> Result<T>,
+) -> Result<T> {
+    let decode = || {
+        let (reader, format) = open(path)?;
+        let decoder = reader.into_decoder().map_err(image_error(path))?;
+        check_size(path, &decoder)?;
+        read(Box::new(decoder), format)
+    };
+    within_fence(path, decode)
+}
+
+/// The result of `decode`, which may panic on what is no proper picture.
+pub(super) fn within_fence<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
+    fenced(decode).unwrap_or_else(|| {
+        Err(Error::Damaged {
+            path: path.to_path_buf(),
+            found: "the picture contradicts itself".into(),
+        })
+    })
+}
+
+fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
+    let mut reader = open_input(path)
+        .and_then(|file| ImageReader::new(BufReader::new(file)).with_guessed_format())
+        .map_err(Error::io(path, "read"))?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits);
+    // What is not recognised is refused in the words of the decoders.
+    let format = reader.format().unwrap_or(ImageFormat::Png);
+    Ok((reader, format))
+}
+
+fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<()> {
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err(Error::Damaged {
+            path: path.to_path_buf(),
+            found: format!("is {width}x{height} and holds no pixels"),
+        });
+    }
+    match decoder.total_bytes() > MAX_BYTES {
+        true => Err(unsupported(
+            path,
+            &format!("is {width}x{height}, too large"),
+        )),
+        false => Ok(()),
+    }
+}
+
+pub(in crate::io) fn unsupported(path: &Path, found: &str) -> Error {
+    Error::Unsupported {
+        path: path.to_path_buf(),
+        found: found.into(),
+        remedy: "save it as PNG or OpenEXR".into(),
+    }
+}
+
+pub(super) fn image_error(path: &Path) -> impl Fn(ImageError) -> Error {
+    let damaged = |found: String| Error::Damaged {
+        path: path.to_path_buf(),
+        found,
+    };
+    move |error| match error {
+        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+            damaged("the file ends too early".into())
+        }
+        ImageError::IoError(source) => Error::io(path, "read")(source),
+        ImageError::Decoding(e) => damaged(format!("is damaged ({})", one_line(&e.to_string()))),
+        ImageError::Limits(_) => unsupported(path, "is too large"),
+        other => unsupported(
+            path,
+            &format!("cannot be read ({})", one_line(&other.to_string())),
+        ),
+    }
+}
+
+pub(in crate::io) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+pub(in crate::io) fn max_code(bits: u8) -> u32 {
+    (1 << bits) - 1
+}

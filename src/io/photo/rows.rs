@@ -1,0 +1,104 @@
+//! Pictures row by row, for those that are not to be held.
+
+use super::decoder::{image_error, one_line, within_fence};
+use super::stored::{Samples, StoredPhoto};
+use crate::error::{Error, Result};
+use crate::io::open::open_input;
+use image::codecs::hdr::HdrDecoder;
+use image::{ImageDecoder, ImageError, ImageFormat};
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read};
+use std::ops::Range;
+
+/// Takes the samples of a row, with its number.
+type Take<'t> = dyn FnMut(usize, Samples) + 't;
+
+/// Decodes the picture as far as the end of `rows`, and hands these rows to `take`.
+///
+/// # Errors
+/// Where the file is damaged, or of a kind that is only decoded whole.
+pub(super) fn each_row(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<()> {
+    within_fence(&photo.path, || match photo.format {
+        ImageFormat::Png => png_rows(photo, rows, take),
+        ImageFormat::Hdr => hdr_rows(photo, rows, take),
+        _ => Err(photo.too_large()),
+    })
+}
+
+fn png_rows(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<()> {
+    let failed = |error| png_error(photo, error);
+    let mut decoder = png::Decoder::new(opened(photo)?);
+    // As `image` reads them: palettes and small depths become samples of 8 bits.
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(failed)?;
+    if reader.info().interlaced {
+        return Err(photo.too_large());
+    }
+    let length = photo.width * photo.channels() * usize::from(photo.bits / 8);
+    let mut wide = Vec::new();
+    for y in 0..rows.end {
+        let row = reader.next_row().map_err(failed)?;
+        let row = row.filter(|row| row.data().len() == length);
+        let row = row.ok_or_else(|| has_changed(photo))?;
+        if y < rows.start {
+            continue;
+        }
+        if photo.bits == 8 {
+            take(y, Samples::Narrow(row.data()));
+        } else {
+            let (pairs, _) = row.data().as_chunks::<2>();
+            wide.clear();
+            wide.extend(pairs.iter().map(|&pair| u16::from_be_bytes(pair)));
+            take(y, Samples::Wide(&wide));
+        }
+    }
+    Ok(())
+}
+
+/// Every row of an HDR is coded by itself: it is read as a picture of one row.
+fn hdr_rows(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<()> {
+    let failed = image_error(&photo.path);
+    let mut file = opened(photo)?;
+    let header = HdrDecoder::new(&mut file).map_err(&failed)?;
+    if header.dimensions() != (photo.width as u32, photo.height as u32) {
+        return Err(has_changed(photo));
+    }
+    let one_row = format!("#?RADIANCE\n\n-Y 1 +X {}\n", photo.width);
+    let mut bytes = vec![0; photo.width * photo.channels() * size_of::<f32>()];
+    let mut floats = Vec::new();
+    for y in 0..rows.end {
+        let row = Cursor::new(&one_row).chain(&mut file);
+        let decoder = HdrDecoder::new(row).map_err(&failed)?;
+        decoder.read_image(&mut bytes).map_err(&failed)?;
+        if y >= rows.start {
+            let (quads, _) = bytes.as_chunks::<4>();
+            floats.clear();
+            floats.extend(quads.iter().map(|&quad| f32::from_ne_bytes(quad)));
+            take(y, Samples::Float(&floats));
+        }
+    }
+    Ok(())
+}
+
+fn opened(photo: &StoredPhoto) -> Result<BufReader<File>> {
+    let file = open_input(&photo.path).map_err(Error::io(&photo.path, "read"))?;
+    Ok(BufReader::new(file))
+}
+
+pub(super) fn has_changed(photo: &StoredPhoto) -> Error {
+    Error::Damaged {
+        path: photo.path.clone(),
+        found: "has changed while it was read".into(),
+    }
+}
+
+fn png_error(photo: &StoredPhoto, error: png::DecodingError) -> Error {
+    let path = &photo.path;
+    match error {
+        png::DecodingError::IoError(error) => image_error(path)(ImageError::IoError(error)),
+        other => Error::Damaged {
+            path: path.clone(),
+            found: format!("is damaged ({})", one_line(&other.to_string())),
+        },
+    }
+}
