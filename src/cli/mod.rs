@@ -60,6 +60,11 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
     })
 }
 
+/// The commands and their flags, as clap knows them: for completions, manual pages, and whoever tries them all.
+pub fn command() -> clap::Command {
+    <args::Cli as clap::CommandFactory>::command()
+}
+
 fn run_typed(typed: &Invocation) -> Result<i32> {
     let command = match typed.parse() {
         Ok(parsed) => parsed.cli.command,

@@ -1,10 +1,13 @@
 //! Signals: the frame in hand is finished, or dropped; never half a file.
 
 use crate::io::output::drop_unfinished;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 /// The signal that asked to stop; 0 before.
 static ASKED: AtomicI32 = AtomicI32::new(0);
+
+/// Whether the first signal drops the frames in hand.
+static DROPS: AtomicBool = AtomicBool::new(false);
 
 /// Exit code of a run that was stopped by a signal, less the signal's number.
 const STOPPED: i32 = 128;
@@ -26,9 +29,17 @@ pub(super) fn asked() -> Option<i32> {
     }
 }
 
-/// Minds SIGINT and SIGTERM from now on. A second signal always drops what is in hand.
+/// Minds SIGINT and SIGTERM from now on. A second signal always drops what is in hand. A program that runs several command
+/// lines has one thread that waits for signals, and they do what the last command line wants first.
 #[cfg(unix)]
 pub(super) fn mind_signals(first: First) {
+    static MINDED: std::sync::Once = std::sync::Once::new();
+    DROPS.store(first == First::Drop, Ordering::Relaxed);
+    MINDED.call_once(wait_for_signals);
+}
+
+#[cfg(unix)]
+fn wait_for_signals() {
     use signal_hook::consts::{SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
     // Without a handler, or a thread for one, a signal still ends the program, and leaves a temporary file at worst.
@@ -38,7 +49,7 @@ pub(super) fn mind_signals(first: First) {
         };
         for signal in signals.forever() {
             let again = ASKED.swap(signal, Ordering::Relaxed) != 0;
-            if again || first == First::Drop {
+            if again || DROPS.load(Ordering::Relaxed) {
                 drop_unfinished();
                 std::process::exit(STOPPED + signal);
             }
