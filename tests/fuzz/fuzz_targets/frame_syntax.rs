@@ -1,18 +1,4 @@
-//! Any text as a list of frames, and as a name that holds their numbers.
+//! See `src/targets/frame_syntax.rs`.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use relievo::io::sequence::{FrameList, is_pattern, of_frame};
-
-fuzz_target!(|text: &str| {
-    if let Ok(list) = text.parse::<FrameList>() {
-        let numbers = list.numbers();
-        assert!(!numbers.is_empty());
-        assert!(numbers.windows(2).all(|pair| pair[0] < pair[1]));
-    }
-    let named = of_frame(text, -7);
-    assert!(!is_pattern(text) || named.is_some());
-    if let Some(name) = named {
-        assert!(name.contains('7'));
-    }
-});
+libfuzzer_sys::fuzz_target!(|data: &[u8]| relievo_fuzz::targets::run("frame_syntax", data));

@@ -1,0 +1,4 @@
+//! What the fuzz targets run, and how command lines are altered.
+
+pub mod mutate;
+pub mod targets;

@@ -1,0 +1,438 @@
+//! Command lines altered as command lines: whole words, real flags, hostile values.
+
+use arbitrary::{Arbitrary, Result, Unstructured};
+use clap::{Arg, Command};
+use libfuzzer_sys::fuzzer_mutate;
+use std::sync::LazyLock;
+
+/// Which flags are added.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Flags {
+    /// Those of any command.
+    Any,
+    /// Those of `relight` that name no file.
+    Light,
+}
+
+static PROGRAM: LazyLock<Command> = LazyLock::new(|| {
+    let mut program = relievo::cli::command();
+    program.build();
+    program
+});
+
+const COMMANDS: [&str; 6] = ["shape", "enhance", "relight", "hatch", "inspect", "run"];
+
+/// Names on the desk of `targets`, spelled in several ways, and one that is not there.
+const PATHS: [&str; 26] = [
+    "frame.exr",
+    "./frame.exr",
+    "sub/../frame.exr",
+    "link.exr",
+    "astray.exr",
+    "spoiled.exr",
+    "torn.exr",
+    "shot.####.exr",
+    "shot.%04d.exr",
+    "shot.0001.exr",
+    "plain.png",
+    "photo.jpg",
+    "scan.tif",
+    "sky.hdr",
+    "ball.png",
+    "camera.json",
+    "look.toml",
+    "extra",
+    "./extra",
+    "st",
+    "st/1.png",
+    "sub",
+    "pipe",
+    "absent.exr",
+    "N",
+    "Z",
+];
+
+/// Names of outputs.
+const OUTPUTS: [&str; 14] = [
+    "out.exr",
+    "out.png",
+    "out.jpg",
+    "out.tif",
+    "out.hdr",
+    "out.svg",
+    "out.####.exr",
+    "sub/out.exr",
+    "OUT.EXR",
+    "out",
+    "frame.exr",
+    "./plain.png",
+    "st/1.png",
+    "pipe",
+];
+
+/// Numbers that break formulas.
+const NUMBERS: [&str; 27] = [
+    "0",
+    "-0",
+    "1",
+    "-1",
+    "2",
+    "0.5",
+    "1e-300",
+    "1e300",
+    "1e-30",
+    "1e30",
+    "1e-7",
+    "65504",
+    "65505",
+    "1e38",
+    "3.5e38",
+    "-1e38",
+    "nan",
+    "inf",
+    "-inf",
+    "1e999",
+    "90",
+    "180",
+    "100000",
+    "65535",
+    "4294967295",
+    "4294967296",
+    "",
+];
+
+/// Alters the command line in `data`, of which `size` bytes are used, within `data`; the new size.
+pub fn words(data: &mut [u8], size: usize, seed: u32, flags: Flags) -> usize {
+    let room = data.len();
+    if seed.is_multiple_of(32) {
+        return fuzzer_mutate(data, size, room);
+    }
+    let noise = noise(seed);
+    let altered = altered(&data[..size], &mut Unstructured::new(&noise), flags);
+    let altered = altered.unwrap_or_default();
+    let size = altered.len().min(room);
+    data[..size].copy_from_slice(&altered[..size]);
+    size
+}
+
+/// Bytes that look random (xorshift), the same for every run of one seed.
+fn noise(seed: u32) -> Vec<u8> {
+    let mut state = u64::from(seed) << 1 | 1;
+    let mut next = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state
+    };
+    (0..256).flat_map(|_| next().to_le_bytes()).collect()
+}
+
+fn altered(data: &[u8], u: &mut Unstructured, flags: Flags) -> Result<Vec<u8>> {
+    let (words, extra) = match data.windows(2).position(|pair| pair == b"\n\n") {
+        Some(end) => (&data[..end], data[end + 2..].to_vec()),
+        None => (data, Vec::new()),
+    };
+    let lines = words.split(|&b| b == b'\n').filter(|line| !line.is_empty());
+    let mut lines: Vec<Vec<u8>> = lines.map(<[u8]>::to_vec).collect();
+    for _ in 0..u.int_in_range(1..=4)? {
+        alter_words(&mut lines, u, flags)?;
+    }
+    let extra = match u.int_in_range(0..=3)? {
+        0 => camera(u)?.into_bytes(),
+        1 if flags == Flags::Any => recipe(u)?.into_bytes(),
+        2 if u.ratio(1, 4)? => spoiled(extra, u)?,
+        _ => extra,
+    };
+    Ok([lines.join(&b'\n'), b"\n\n".to_vec(), extra].concat())
+}
+
+/// Longer command lines fail for one reason or another.
+const MOST_WORDS: usize = 12;
+
+fn alter_words(lines: &mut Vec<Vec<u8>>, u: &mut Unstructured, flags: Flags) -> Result<()> {
+    if lines.is_empty() && flags == Flags::Any || lines.len() > MOST_WORDS {
+        *lines = match flags {
+            Flags::Any => begun(u)?,
+            Flags::Light => Vec::new(),
+        };
+    }
+    match u.int_in_range(0..=15)? {
+        0..=3 if !lines.is_empty() => {
+            let at = u.choose_index(lines.len())?;
+            lines.remove(at);
+        }
+        4 if flags == Flags::Any => *lines = begun(u)?,
+        5 if flags == Flags::Any && !lines.is_empty() => {
+            let at = u.choose_index(lines.len())?;
+            lines[at] = value(u)?.into_bytes();
+        }
+        6 if !lines.is_empty() => {
+            let at = u.choose_index(lines.len())?;
+            lines[at] = spoiled(std::mem::take(&mut lines[at]), u)?;
+        }
+        _ => {
+            let command = match (flags, lines.first()) {
+                (Flags::Any, Some(word)) => String::from_utf8_lossy(word).into_owned(),
+                _ => "relight".into(),
+            };
+            lines.extend(flag(&command, flags, u)?);
+        }
+    }
+    Ok(())
+}
+
+/// A command line that can work.
+fn begun(u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
+    let words = [
+        *u.choose(&COMMANDS)?,
+        if u.ratio(2, 3)? {
+            "frame.exr"
+        } else {
+            u.choose(&PATHS)?
+        },
+        "-o",
+        if u.ratio(1, 2)? {
+            "out.exr"
+        } else {
+            u.choose(&OUTPUTS)?
+        },
+    ];
+    Ok(words.map(|word| word.as_bytes().to_vec()).into())
+}
+
+/// A flag of `command` with a value, mostly one that it takes.
+fn flag(command: &str, flags: Flags, u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
+    let command = PROGRAM.find_subcommand(command).unwrap_or(&PROGRAM);
+    let named = command
+        .get_arguments()
+        .filter(|arg| arg.get_long().is_some());
+    let named: Vec<_> = named
+        .filter(|arg| flags == Flags::Any || !names_a_file(arg))
+        .collect();
+    let Some(arg) = (!named.is_empty()).then(|| u.choose(&named)).transpose()? else {
+        return Ok(Vec::new());
+    };
+    let mut words = vec![format!("--{}", arg.get_long().unwrap_or_default())];
+    if arg.get_action().takes_values() {
+        words.push(value_of(arg, u)?);
+    }
+    // Joined, a value may begin with a hyphen, and both go when one does.
+    if flags == Flags::Light || u.ratio(1, 2)? {
+        words = vec![words.join("=")];
+    }
+    Ok(words.into_iter().map(String::into_bytes).collect())
+}
+
+fn value_name(arg: &Arg) -> String {
+    arg.get_value_names().unwrap_or_default().join(" ")
+}
+
+fn names_a_file(arg: &Arg) -> bool {
+    let name = value_name(arg);
+    ["FILE", "DIR", "LIST", "JSON"]
+        .iter()
+        .any(|file| name.contains(file))
+}
+
+fn value_of(arg: &Arg, u: &mut Unstructured) -> Result<String> {
+    let possible = arg.get_possible_values();
+    let name = value_name(arg);
+    Ok(match () {
+        () if u.ratio(1, 20)? => value(u)?,
+        () if !possible.is_empty() => u.choose(&possible)?.get_name().into(),
+        () if ["output", "save-recipe", "timings"]
+            .contains(&arg.get_long().unwrap_or_default()) =>
+        {
+            (*u.choose(&OUTPUTS)?).into()
+        }
+        () if name.contains("LIST") => list(u)?,
+        () if names_a_file(arg) => (*u.choose(&PATHS)?).into(),
+        // As many numbers as the name of the value has.
+        () => {
+            let commas = name
+                .split('|')
+                .next()
+                .unwrap_or_default()
+                .matches(',')
+                .count();
+            let least = name
+                .split('[')
+                .next()
+                .unwrap_or_default()
+                .matches(',')
+                .count();
+            let count = u.int_in_range(least..=commas)? + 1;
+            let numbers: Result<Vec<_>> = (0..count).map(|_| number(u)).collect();
+            numbers?.join(",")
+        }
+    })
+}
+
+/// Any value.
+fn value(u: &mut Unstructured) -> Result<String> {
+    Ok(match u.int_in_range(0..=5)? {
+        0 => (*u.choose(&PATHS)?).into(),
+        1 => (*u.choose(&OUTPUTS)?).into(),
+        2 => list(u)?,
+        3 => [
+            "auto",
+            "none",
+            "''",
+            "-",
+            "--",
+            "-q",
+            "N=1,2",
+            "\u{1b}[31m",
+            "\u{202e}x",
+            "é",
+            "0.3mm",
+        ][u.choose_index(11)?]
+        .into(),
+        _ => number(u)?,
+    })
+}
+
+fn list(u: &mut Unstructured) -> Result<String> {
+    let lists = [
+        "1-3",
+        "1",
+        "1-9y1",
+        "1-3x2",
+        "3-1",
+        "2:",
+        "-5--1",
+        "1-100000",
+        "1,1",
+        "0-4294967296",
+        "1-3x0",
+    ];
+    Ok((*u.choose(&lists)?).into())
+}
+
+/// A number: ordinary, hostile, or of any bits.
+fn number(u: &mut Unstructured) -> Result<String> {
+    Ok(match u.int_in_range(0..=7)? {
+        0 => format!("{}", f32::arbitrary(u)?),
+        1 | 2 => format!("{}", u.int_in_range(0..=100)?),
+        3 | 4 => format!("{}", f32::from(u8::arbitrary(u)?) / 255.0),
+        _ => (*u.choose(&NUMBERS)?).into(),
+    })
+}
+
+/// A number that JSON can hold.
+fn json_number(u: &mut Unstructured) -> Result<String> {
+    let hostile = [
+        "1e-300", "1e300", "-1e300", "1e-45", "1e38", "1e39", "0", "-0.0", "5e-324", "1.7e308",
+        "1", "12", "-7",
+    ];
+    Ok(match u.int_in_range(0..=2)? {
+        0 => format!(
+            "{:e}",
+            Some(f64::arbitrary(u)?)
+                .filter(|v| v.is_finite())
+                .unwrap_or(30.0)
+        ),
+        1 => format!("{}", u.int_in_range(1..=100)?),
+        _ => (*u.choose(&hostile)?).into(),
+    })
+}
+
+/// A camera file: well-formed, with hostile numbers.
+fn camera(u: &mut Unstructured) -> Result<String> {
+    let mut keys = Vec::new();
+    let lens = ["focal_px", "pixels_per_unit"];
+    match u.int_in_range(0..=2)? {
+        0 => {
+            let [fx, fy, cx, cy] = [
+                json_number(u)?,
+                json_number(u)?,
+                json_number(u)?,
+                json_number(u)?,
+            ];
+            keys.push(format!(
+                "\"intrinsics_px\": {{\"fx\": {fx}, \"fy\": {fy}, \"cx\": {cx}, \"cy\": {cy}}}"
+            ));
+        }
+        kind => keys.push(format!("\"{}\": {}", lens[kind - 1], json_number(u)?)),
+    }
+    if u.ratio(1, 3)? {
+        keys.push(format!(
+            "\"principal_point_px\": [{}, {}]",
+            json_number(u)?,
+            json_number(u)?
+        ));
+    }
+    if u.ratio(1, 3)? {
+        keys.push(format!(
+            "\"resolution\": [{}, {}]",
+            json_number(u)?,
+            json_number(u)?
+        ));
+    }
+    if u.ratio(1, 3)? {
+        keys.push(format!(
+            "\"camera_type\": \"{}\"",
+            u.choose(&["PERSP", "ORTHO", "PANO", ""])?
+        ));
+    }
+    if u.ratio(1, 2)? {
+        keys.push(format!("\"world_to_camera\": {}", matrix(u)?));
+    }
+    Ok(format!("{{{}}}", keys.join(", ")))
+}
+
+/// A turn about z, scaled and moved, or any sixteen numbers.
+fn matrix(u: &mut Unstructured) -> Result<String> {
+    let rigid = u.ratio(3, 4)?;
+    let scale = json_number(u)?;
+    let mut rows = Vec::new();
+    for row in 0..4 {
+        let mut cells = Vec::new();
+        for column in 0..4 {
+            cells.push(match (rigid, row, column) {
+                (true, 3, 3) => "1".into(),
+                (true, 3, _) => "0".into(),
+                (true, r, c) if r == c => scale.clone(),
+                (true, _, 3) | (false, ..) => json_number(u)?,
+                (true, ..) => "0".into(),
+            });
+        }
+        rows.push(format!("[{}]", cells.join(", ")));
+    }
+    Ok(format!("[{}]", rows.join(", ")))
+}
+
+/// A recipe with some settings of its command.
+fn recipe(u: &mut Unstructured) -> Result<String> {
+    let name = *u.choose(&["shape", "enhance", "relight", "hatch", "report"])?;
+    let mut text = format!("version = 1\ncommand = \"{name}\"\n");
+    for _ in 0..u.int_in_range(0..=4)? {
+        let flag = flag(name, Flags::Any, u)?;
+        let mut flag = flag.iter().map(|word| String::from_utf8_lossy(word));
+        let key = flag.next().unwrap_or_default();
+        let value = flag.next().unwrap_or_else(|| "true".into());
+        let quoted = if u.ratio(1, 2)? {
+            format!("\"{value}\"")
+        } else {
+            value.into()
+        };
+        text += &format!("{} = {quoted}\n", key.trim_start_matches('-'));
+    }
+    Ok(text)
+}
+
+/// The same with a few bytes changed, cut or added.
+fn spoiled(mut bytes: Vec<u8>, u: &mut Unstructured) -> Result<Vec<u8>> {
+    if bytes.is_empty() || u.ratio(1, 8)? {
+        bytes.extend(u.bytes(4)?);
+    }
+    for _ in 0..u.int_in_range(1..=3)? {
+        let at = u.choose_index(bytes.len())?;
+        let any = u8::arbitrary(u)?;
+        bytes[at] = *u.choose(&[0, 0x1b, b'-', b'0', b'9', b'e', b'#', 0x7f, 0xff, any])?;
+    }
+    if u.ratio(1, 8)? {
+        bytes.truncate(u.choose_index(bytes.len())?);
+    }
+    Ok(bytes)
+}
