@@ -1,13 +1,14 @@
 //! Signals: the frame in hand is finished, or dropped; never half a file.
 
 use crate::io::output::drop_unfinished;
-use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::atomic::{AtomicI32, Ordering};
 
 /// The signal that asked to stop; 0 before.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 
 /// Whether the first signal drops the frames in hand.
-static DROPS: AtomicBool = AtomicBool::new(false);
+#[cfg(unix)]
+static DROPS: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
 /// Exit code of a run that was stopped by a signal, less the signal's number.
 const STOPPED: i32 = 128;
@@ -35,36 +36,44 @@ pub(super) fn asked() -> Option<i32> {
 pub(super) fn mind_signals(first: First) {
     static MINDED: std::sync::Once = std::sync::Once::new();
     DROPS.store(first == First::Drop, Ordering::Relaxed);
-    MINDED.call_once(wait_for_signals);
+    MINDED.call_once(|| {
+        let (ready, begun) = std::sync::mpsc::channel();
+        let waiting = move || wait_for_signals(ready);
+        // Without a thread, or a handler, a signal still ends the program, and leaves a temporary file at worst.
+        if std::thread::Builder::new().spawn(waiting).is_ok() {
+            // It comes as soon as signals are minded, or ends where they cannot be.
+            let _ = begun.recv();
+        }
+    });
 }
 
 #[cfg(unix)]
-fn wait_for_signals() {
+fn wait_for_signals(ready: std::sync::mpsc::Sender<()>) {
     use signal_hook::consts::{SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
-    // Without a handler, or a thread for one, a signal still ends the program, and leaves a temporary file at worst.
-    let minds = move || {
-        let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
-            return;
-        };
-        for signal in signals.forever() {
-            let again = ASKED.swap(signal, Ordering::Relaxed) != 0;
-            if again || DROPS.load(Ordering::Relaxed) {
-                drop_unfinished();
-                std::process::exit(STOPPED + signal);
-            }
-            super::message::say("stopping after the frames in hand; once more drops them");
-        }
+    let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
+        return;
     };
-    let _ = std::thread::Builder::new().spawn(minds);
+    let _ = ready.send(());
+    for signal in signals.forever() {
+        let again = ASKED.swap(signal, Ordering::Relaxed) != 0;
+        if again || DROPS.load(Ordering::Relaxed) {
+            drop_unfinished();
+            std::process::exit(STOPPED + signal);
+        }
+        super::message::say("stopping after the frames in hand; once more drops them");
+    }
 }
 
 /// Makes a write beyond the largest size that the system allows fail, where it would end the program.
 #[cfg(unix)]
 pub(super) fn outlive_full_files() {
-    let noticed = std::sync::Arc::default();
-    // Without it the signal ends the program, and leaves a temporary file at worst.
-    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, noticed);
+    static OUTLIVED: std::sync::Once = std::sync::Once::new();
+    OUTLIVED.call_once(|| {
+        let noticed = std::sync::Arc::default();
+        // Without it the signal ends the program, and leaves a temporary file at worst.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, noticed);
+    });
 }
 
 /// There is no such signal here.

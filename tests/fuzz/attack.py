@@ -146,8 +146,7 @@ class Attack:
             return "(as made by the same seed)"
         kept = pathlib.Path(tempfile.gettempdir()) / f"relievo-failure-{self.seed}-{len(self.failures)}"
         shutil.rmtree(kept, ignore_errors=True)
-        shutil.copytree(self.desk, kept, symlinks=True, ignore=lambda folder, names: [
-            n for n in names if (pathlib.Path(folder) / n).is_fifo()])
+        shutil.copytree(self.desk, kept, symlinks=True, ignore=lambda folder, names: [n for n in names if is_special(pathlib.Path(folder, n))])
         return kept
 
     def check(self, words, *, cap=CAP, before="", may_abort=False, spoiled=False, **how):
@@ -204,6 +203,10 @@ class Attack:
     def left_behind(self):
         left = [p for p in self.desk.rglob(".relievo-*") if not p.is_fifo()]
         return [f"{path.name} is left behind" for path in left]
+
+
+def is_special(path):
+    return path.is_fifo() or path.is_socket()
 
 
 def shell_word(word):
