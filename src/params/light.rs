@@ -17,9 +17,9 @@ pub enum Adaptive {
 
 /// Luminance that counts as white, and factors of radiance: whatever pictures in single precision have, and as much
 /// as is chosen automatically.
-pub(super) const LEVELS: RangeInclusive<f32> = 1e-38..=1e38;
-/// Curvature gains, in pixels. Past a million a turn in as many pixels saturates; below, no slope is steep enough.
-const GAINS_PX: RangeInclusive<f32> = 1e-30..=1e6;
+pub(super) const LEVELS: RangeInclusive<f32> = 1e-38..=f32::MAX;
+/// Curvature gains, in pixels: every product with a curvature is a number.
+const GAINS_PX: RangeInclusive<f32> = 1e-30..=1e30;
 /// Scaling magnitudes. From 60 on nothing changes any more: see
 /// [`crate::light::radiance_scaling::ScalingCurve::of`].
 const MAGNITUDES: RangeInclusive<f32> = 0.0..=1000.0;
@@ -76,11 +76,11 @@ pub struct ScalingParams {
     /// Scaling-invariant point alpha, in (0, 1): intensities above it brighten on convexities and
     /// below it darken; concavities the other way round. Toward 0 convexities only brighten.
     pub invariant_point: f32,
-    /// Gain of the curvature mapped to -1..1, in pixels, 1e-30 to 1e6: a ball of this radius maps to tanh(2). `Auto`
+    /// Gain of the curvature mapped to -1..1, in pixels, 1e-30 to 1e30: a ball of this radius maps to tanh(2). `Auto`
     /// takes one that shows an ordinary bump of the frame clearly. Low gains show sharp features only;
     /// high ones saturate, and draw noise.
     pub curvature_gain: Adaptive,
-    /// The scene-linear luminance that counts as intensity 1, 1e-38 to 1e38. `Auto` takes a high percentile of the
+    /// The scene-linear luminance that counts as intensity 1, from 1e-38 on. `Auto` takes a high percentile of the
     /// surface's own. Above it every intensity scales alike.
     pub white_level: Adaptive,
     /// White levels of single kinds of light, where these are told apart; [`ScalingParams::white_level`] for others.

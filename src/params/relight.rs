@@ -244,7 +244,7 @@ pub struct RelightParams {
     pub quantisation: Option<Quantisation>,
     /// How many samples stand for an environment.
     pub samples: Samples,
-    /// Factor of the environment, 1e-38 to 1e38; `Auto` makes a white diffuse surface show 1 where it is brightest and
+    /// Factor of the environment, from 1e-38 on; `Auto` makes a white diffuse surface show 1 where it is brightest and
     /// still faces the viewer.
     pub environment_gain: Adaptive,
 }

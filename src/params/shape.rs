@@ -94,7 +94,7 @@ pub struct ShapeParams {
     /// a checkerboard never decays.
     pub time_step: f32,
     /// Height in pixels of the whole picture (its display window) for which the scale, and the gain of
-    /// the curvature, are meant: 1 to 1e6. In a picture f times as high the scale counts f times as many
+    /// the curvature, are meant: 1 or more. In a picture f times as high the scale counts f times as many
     /// pixels, and curvature is told per pixel of the reference, f times what it is per pixel, so that a
     /// proxy and the final picture look alike. `None` counts everything in the picture's own pixels: a
     /// look then grows finer with resolution. The thresholds of silhouettes and creases are jumps across
@@ -151,11 +151,11 @@ impl ShapeParams {
             ("--silhouette", self.occlusion_silhouette),
             ("--crease", self.crease),
         ] {
-            in_range(name, threshold.lo, 0.0..=1e6)?;
-            in_range(name, threshold.hi, threshold.lo..=1e6)?;
+            in_range(name, threshold.lo, 0.0..=1e30)?;
+            in_range(name, threshold.hi, threshold.lo..=1e30)?;
         }
-        if let Some(height) = self.reference_height {
-            in_range("--reference-height", height as f32, 1.0..=1e6)?;
+        if self.reference_height == Some(0) {
+            return bad("--reference-height", "is 0".into(), "give 1 or more");
         }
         if let Adaptive::Fixed(step) = self.direction_step
             && !(step.fract() == 0.0 && (1.0..=MAX_DIRECTION_STEP_PX as f32).contains(&step))
@@ -387,10 +387,6 @@ mod tests {
             },
             ShapeParams {
                 crease: wide(f32::NAN, 1.0),
-                ..good
-            },
-            ShapeParams {
-                reference_height: Some(u32::MAX),
                 ..good
             },
             ShapeParams {

@@ -28,11 +28,11 @@ fn numbers_out_of_range_are_refused_with_their_range() {
         ("enhance --scaling nan", "--scaling is NaN; give 0 to 1000"),
         (
             "enhance --curvature-gain 1e-40",
-            "--curvature-gain is 1e-40; give 1e-30 to 1e6",
+            "--curvature-gain is 1e-40; give 1e-30 to 1e30",
         ),
         (
-            "enhance --white-level 3e38",
-            "--white-level is 3e38; give 1e-38 to 1e38",
+            "enhance --white-level 1e-40",
+            "--white-level is 1e-40; give 1e-38 to 3.4028235e38",
         ),
         (
             "enhance --term-white-level diffuse=1e-40",
@@ -42,7 +42,10 @@ fn numbers_out_of_range_are_refused_with_their_range() {
             "enhance --tolerance 1e-30",
             "--tolerance is 1e-30; give 1e-9 to 1000",
         ),
-        ("enhance --crease 1,1e30", "--crease is 1e30; give 1 to 1e6"),
+        (
+            "enhance --crease 1,1e38",
+            "--crease is 1e38; give 1 to 1e30",
+        ),
         (
             "enhance --iterations 4294967295",
             "--iterations is 4294967295; give 0 to 41943039",
@@ -53,8 +56,8 @@ fn numbers_out_of_range_are_refused_with_their_range() {
         ),
         ("enhance --scale 4097", "--scale is 4097; give 0 to 4096"),
         (
-            "enhance --reference-height 4294967295",
-            "--reference-height is 4294967300; give 1 to",
+            "enhance --reference-height 0",
+            "--reference-height is 0; give 1 or more",
         ),
         (
             "relight --light 30,40 --warp 1e30",
@@ -97,8 +100,8 @@ fn numbers_out_of_range_are_refused_with_their_range() {
             "--fallback is 1e30; give -1e6 to 1e6",
         ),
         (
-            "hatch --white-point 3e38",
-            "--white-point is 3e38; give 1e-38 to 1e38",
+            "hatch --white-point 1e-40",
+            "--white-point is 1e-40; give 1e-38 to",
         ),
     ] {
         refused(

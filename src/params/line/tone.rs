@@ -8,7 +8,7 @@ use serde::Serialize;
 /// From the luminance of a picture to the tone of paper: 0 black, 1 the paper itself.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ToneParams {
-    /// Scene-linear luminance, 1e-38 to 1e38, from which on the paper stays white; `Auto` takes a high percentile of the
+    /// Scene-linear luminance, 1e-38 or more, from which on the paper stays white; `Auto` takes a high percentile of the
     /// surface's own.
     pub white_point: Adaptive,
     /// Share of the white point, 0 to 0.99, up to which the drawing is black.
