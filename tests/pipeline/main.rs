@@ -2,6 +2,7 @@
 
 mod colors;
 mod outputs;
+mod photos;
 mod recipes;
 mod sequences;
 #[cfg(unix)]
