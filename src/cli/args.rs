@@ -534,7 +534,7 @@ pub(super) struct RunArgs {
     /// Threads; all cores where not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()))]
     pub(super) threads: Option<u16>,
-    /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free.
+    /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free; photos then go in strips from 1.5G on.
     #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
     pub(super) max_memory: MaxMemory,
     /// Write the settings of this command line, and what was chosen automatically, as a recipe.

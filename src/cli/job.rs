@@ -9,7 +9,7 @@ use super::told::Told;
 use crate::backend::cpu::Outcome;
 use crate::backend::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::frame::{ColorPlanes, Frame, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
@@ -292,7 +292,11 @@ impl<'a> Job<'a> {
         self.write_output(&chosen, |output| {
             let start = Instant::now();
             write(output)?;
-            self.write_timings(done, start.elapsed())
+            let mut timings = Timings::of(&done.loaded.frame);
+            timings.stages.push(("read", done.read));
+            timings.stages.extend(&done.outcome.timings);
+            timings.stages.push(("write", start.elapsed()));
+            self.write_timings(&timings)
         })?;
         Ok(chosen)
     }
@@ -319,37 +323,70 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
-    fn write_timings(&self, done: &Done, write: Duration) -> Result<()> {
+    /// Writes the timings, where they are asked for.
+    pub(super) fn write_timings(&self, timings: &Timings) -> Result<()> {
         let Some(path) = &self.work.run.timings else {
             return Ok(());
         };
-        let total = self.started.elapsed();
-        let text = timings_json(&done.loaded.frame, &done.outcome, done.read, write, total);
+        let text = timings.json(self.started.elapsed());
         write_text(path, self.work.output.replace_beside(), &text)
     }
 }
 
-fn timings_json(
-    frame: &Frame,
-    outcome: &Outcome,
-    read: Duration,
-    write: Duration,
-    total: Duration,
-) -> String {
-    let seconds = |d: Duration| d.as_secs_f64();
-    let stages = std::iter::once(("read", read))
-        .chain(outcome.timings.iter().copied())
-        .chain(std::iter::once(("write", write)));
-    let stages: Vec<_> = stages
-        .map(|(name, time)| serde_json::json!({ "stage": name, "seconds": seconds(time) }))
-        .collect();
-    let summary = serde_json::json!({
-        "width": frame.data_window.width(),
-        "height": frame.data_window.height(),
-        "covered_pixels": frame.mask.count(),
-        "threads": rayon::current_num_threads(),
-        "stages": stages,
-        "total_seconds": seconds(total),
-    });
-    format!("{summary:#}\n")
+/// How long the stages of a frame took.
+pub(super) struct Timings {
+    /// Columns and rows.
+    size: [usize; 2],
+    /// Pixels that show a surface.
+    pub(super) covered: usize,
+    stages: Vec<(&'static str, Duration)>,
+}
+
+impl Timings {
+    fn of(frame: &Frame) -> Self {
+        Self {
+            covered: frame.mask.count(),
+            ..Self::of_window(frame.data_window)
+        }
+    }
+
+    /// Of a frame that comes part by part.
+    pub(super) fn of_window(window: Window) -> Self {
+        Self {
+            size: [window.width(), window.height()],
+            covered: 0,
+            stages: Vec::new(),
+        }
+    }
+
+    /// Adds what a stage took to what it took before.
+    pub(super) fn add(&mut self, name: &'static str, took: Duration) {
+        match self.stages.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, time)) => *time += took,
+            None => self.stages.push((name, took)),
+        }
+    }
+
+    /// Adds all stages of a run.
+    pub(super) fn add_all(&mut self, outcome: &Outcome) {
+        let stages = outcome.timings.iter();
+        stages.for_each(|&(name, took)| self.add(name, took));
+    }
+
+    fn json(&self, total: Duration) -> String {
+        let seconds = |d: Duration| d.as_secs_f64();
+        let stages = self.stages.iter();
+        let stages: Vec<_> = stages
+            .map(|&(name, time)| serde_json::json!({ "stage": name, "seconds": seconds(time) }))
+            .collect();
+        let summary = serde_json::json!({
+            "width": self.size[0],
+            "height": self.size[1],
+            "covered_pixels": self.covered,
+            "threads": rayon::current_num_threads(),
+            "stages": stages,
+            "total_seconds": seconds(total),
+        });
+        format!("{summary:#}\n")
+    }
 }

@@ -12,7 +12,7 @@ const SHARE: f64 = 0.6;
 /// What is taken to be free where the system does not tell.
 const UNKNOWN: u64 = 4 << 30;
 
-/// Most that a photo takes where nothing is told: beyond it goes in strips, which are as quick.
+/// Most that a photo takes where no amount is given: beyond it goes in strips.
 pub(super) const PHOTO_BYTES: u64 = 1536 << 20;
 
 /// An amount of memory: `2G`, `500M`, or bytes; or what this machine has to spare.

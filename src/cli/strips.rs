@@ -2,7 +2,7 @@
 
 use super::args::BackendArg;
 use super::chosen::Chosen;
-use super::job::{Job, MadePicture};
+use super::job::{Job, MadePicture, Timings};
 use super::memory::{MaxMemory, PHOTO_BYTES};
 use super::output::{Kind, ReadyOutput};
 use super::progress::strips_bar;
@@ -16,8 +16,10 @@ use crate::io::output::write_atomically;
 use crate::io::picture::Gathered;
 use crate::io::{InputFiles, Loaded, Needs, surroundings_bytes};
 use crate::plan::Plan;
+use std::cell::RefCell;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Memory that is taken whatever the strips are: histograms, the program.
 const FIXED_BYTES: u64 = 96 << 20;
@@ -215,6 +217,7 @@ struct Source<'a, W> {
     strips: Strips,
     work: &'a W,
     found: StripChoice,
+    timings: RefCell<Timings>,
 }
 
 impl<W: StripWork> Source<'_, W> {
@@ -225,9 +228,16 @@ impl<W: StripWork> Source<'_, W> {
             rows: Some(takes),
             ..self.inputs.clone()
         };
-        let loaded = self.files.load(&inputs, self.needs)?;
+        let loaded = self.timed("read", || self.files.load(&inputs, self.needs))?;
         let plan = self.work.plan(&loaded, &self.found)?;
         Ok((loaded, plan, within))
+    }
+
+    fn timed<T>(&self, name: &'static str, stage: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let done = stage();
+        self.timings.borrow_mut().add(name, start.elapsed());
+        done
     }
 }
 
@@ -262,18 +272,22 @@ pub(super) fn make<W: StripWork>(
         strips: Strips::new(job, whole, cost, plan.reach())?,
         work,
         found: StripChoice::default(),
+        timings: RefCell::new(Timings::of_window(whole)),
     };
     source.found = choose(&source, job, &plan)?;
     let plan = work.plan(&sample, &source.found)?;
     let outcome = work.run(&plan, &sample.frame);
     let chosen = read.with(&source.found, outcome.environment_gain);
-    job.write_output(&chosen, |output| match gathered {
-        Some(gathered) => write_gathered(&source, job, output, gathered),
-        None => {
-            let channels = work.channels(job, &sample, &outcome);
-            let recipe = job.recipe(&chosen);
-            write_exr(&source, job, output, (&sample, &channels), recipe)
+    job.write_output(&chosen, |output| {
+        match gathered {
+            Some(gathered) => write_gathered(&source, job, output, gathered)?,
+            None => {
+                let channels = work.channels(job, &sample, &outcome);
+                let recipe = job.recipe(&chosen);
+                write_exr(&source, job, output, (&sample, &channels), recipe)?;
+            }
         }
+        job.write_timings(&source.timings.borrow())
     })?;
     Ok(chosen)
 }
@@ -325,7 +339,8 @@ fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<St
     for look in 0..looks {
         for index in 0..source.strips.count() {
             let (loaded, plan, rows) = source.load(index)?;
-            search.look(source.work.runner(), &plan, &loaded.frame, rows);
+            let runner = source.work.runner();
+            source.timed("look", || search.look(runner, &plan, &loaded.frame, rows));
             bar.inc(1);
         }
         if look + 1 < looks {
@@ -377,7 +392,9 @@ fn write_gathered<W: StripWork>(
         Ok(())
     })?;
     source.files.release();
-    write_atomically(path, replace, |w| gathered.write(w, path))
+    source.timed("write", || {
+        write_atomically(path, replace, |w| gathered.write(w, path))
+    })
 }
 
 /// Makes every strip, from top to bottom, and hands its plan, itself and what came of it to `take`, with the rows that count.
@@ -390,7 +407,14 @@ fn each_made<W: StripWork>(
     for index in 0..source.strips.count() {
         let (loaded, plan, rows) = source.load(index)?;
         let outcome = source.work.run(&plan, &loaded.frame);
-        take((&plan, &loaded, &outcome), rows)?;
+        let covered = |y| loaded.frame.mask.row(y).iter().filter(|&&c| c).count();
+        let covered: usize = rows.clone().map(covered).sum();
+        {
+            let mut timings = source.timings.borrow_mut();
+            timings.covered += covered;
+            timings.add_all(&outcome);
+        }
+        source.timed("write", || take((&plan, &loaded, &outcome), rows))?;
         source.work.runner().take_back(outcome);
         bar.inc(1);
     }

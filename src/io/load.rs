@@ -191,7 +191,8 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     let whole = sources.common_window(&light)?;
     let part = inputs.rows.as_ref().map(|rows| rows_of(whole, rows));
     let data_window = part.unwrap_or(whole);
-    let (display_window, pixel_aspect) = shown(&main, data_window);
+    // A photo shows all of itself, whichever rows are read.
+    let (display_window, pixel_aspect) = shown(&main, whole);
     let told = inputs.colorspace.or_else(|| sources.interop_space());
     let (mut planes, light_planes) = sources.read(&light, data_window, part, told)?;
     let mut notes = Notes::about(&sources);

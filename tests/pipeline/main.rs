@@ -4,6 +4,7 @@ mod colors;
 mod names;
 mod numbers;
 mod outputs;
+mod photos;
 mod recipes;
 mod sequences;
 #[cfg(unix)]

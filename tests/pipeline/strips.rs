@@ -83,7 +83,10 @@ fn write_planes(path: &Path, [r, g, b]: [Plane; 3], alpha: Option<&Plane>, bits:
         transform: ViewTransform::None,
     };
     let format = PictureFormat::of_path(path).unwrap();
-    write_atomically(path, Replace::IfWritable, |w| write_picture(w, path, format, &picture)).unwrap();
+    write_atomically(path, Replace::IfWritable, |w| {
+        write_picture(w, path, format, &picture)
+    })
+    .unwrap();
 }
 
 /// A photo and its normal map, in 8 and 16 bits, with alpha in the latter.
