@@ -59,7 +59,7 @@ impl Desk {
     /// Runs a command line and checks what it leaves behind.
     pub(super) fn run(&self, words: &[&[u8]], extra: &[u8]) {
         if !words.iter().all(|word| stays_here(word)) || words.contains(&&b"report"[..]) {
-            // A report takes seconds at the least: `attack.py` makes some.
+            // A report takes seconds at the least.
             return;
         }
         // What runs the target has relative paths too.
