@@ -22,7 +22,7 @@ pub(super) const LEVELS: RangeInclusive<f32> = 1e-38..=f32::MAX;
 const GAINS_PX: RangeInclusive<f32> = 1e-30..=1e30;
 /// Scaling magnitudes. From 60 on nothing changes any more: see
 /// [`crate::light::radiance_scaling::ScalingCurve::of`].
-const MAGNITUDES: RangeInclusive<f32> = 0.0..=1000.0;
+const MAGNITUDES: RangeInclusive<f32> = 0.0..=1e6;
 
 impl Adaptive {
     /// Refuses a number that is given unless it lies in `range`.
@@ -64,7 +64,7 @@ impl std::str::FromStr for Adaptive {
 /// How radiance scaling alters a shading ([RS] section 4.2).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ScalingParams {
-    /// Scaling magnitude gamma, 0 to 1000. 0 changes nothing; 1 is plain to see; past
+    /// Scaling magnitude gamma, 0 to 1e6. 0 changes nothing; 1 is plain to see; past
     /// [`crate::light::radiance_scaling::monotone_limit`] concavities may show new dark rims.
     pub scaling: f32,
     /// Magnitude for ambient light and occlusion; [`ScalingParams::scaling`] where `None`.

@@ -36,7 +36,7 @@ impl Method {
 /// How light warping bends and brightens ([LW] sections 5 and 6.2).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WarpingParams {
-    /// Strength, 0 to 1e4; the paper's alpha is this times the curvature gain. 0 bends nothing; the
+    /// Strength, 0 to 1e6; the paper's alpha is this times the curvature gain. 0 bends nothing; the
     /// bend saturates at 60 degrees for light from the side.
     pub warp: f32,
     /// Contrast, -1..1: above 0 concavities brighten and convexities darken, below 0 the other way
@@ -82,7 +82,7 @@ pub enum Samples {
     Fixed(u32),
 }
 
-/// Factors of light.
+/// Factors of light, and of the warp.
 const FACTORS: RangeInclusive<f32> = 0.0..=1e6;
 
 /// Exponents of highlights: at a million they are a twentieth of a degree wide.
@@ -319,7 +319,7 @@ impl RelightParams {
             ..
         } = self.material;
         let ranges = [
-            ("--warp", self.warping.warp, 0.0..=1e4),
+            ("--warp", self.warping.warp, FACTORS),
             ("--contrast", self.warping.contrast, -1.0..=1.0),
             ("--ambient", ambient, FACTORS),
             ("--diffuse-gain", diffuse_gain, FACTORS),

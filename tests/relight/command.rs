@@ -246,7 +246,10 @@ fn what_cannot_be_done_is_refused_in_one_line() {
             &["--light", "0,45", "--material", "mirror"],
             "--environment",
         ),
-        (&["--light", "0,45", "--warp", "-1"], "0 or more"),
+        (
+            &["--light", "0,45", "--warp", "-1"],
+            "--warp is -1; give 0 to 1e6",
+        ),
         (&["--light", "0,45", "--contrast", "2"], "-1 to 1"),
         (
             &["--light", "0,45", "--material", "wood"],
