@@ -79,7 +79,10 @@ fn inspect_looks_at_the_middle_of_what_is_too_large() {
     for name in ["in.png", "n.png"] {
         write_grey(&desk.path().join(name), [4096, 2700], |x, y| (x + y) as u8);
     }
-    let output = relievo(desk.path(), "inspect in.png --normal n.png --normal-space view");
+    let output = relievo(
+        desk.path(),
+        "inspect in.png --normal n.png --normal-space view",
+    );
     let told = String::from_utf8(output.stdout.clone()).unwrap();
     ended(output, 0);
     let said: Vec<&str> = told
