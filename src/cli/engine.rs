@@ -98,11 +98,11 @@ impl Engine {
         &self,
         job: &Job,
         plan: &Plan,
-        frame: &Frame,
+        frame: &mut Frame,
         inputs: DrawingInputs,
     ) -> Result<Outcome> {
         let done = self.draw_on_device(&|text| job.warn(text), plan, frame, inputs)?;
-        Ok(done.unwrap_or_else(|| self.cpu.draw(plan, frame, inputs)))
+        Ok(done.unwrap_or_else(|| self.cpu.draw_sparingly(plan, frame, inputs)))
     }
 }
 

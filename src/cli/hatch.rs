@@ -126,12 +126,12 @@ impl FrameCommand for HatchArgs {
                     }),
                     ..inputs
                 };
-                let mut outcome = kit.engine.draw(job, &plan, &loaded.frame, inputs)?;
+                let mut outcome = kit.engine.draw(job, &plan, &mut loaded.frame, inputs)?;
                 let drawing = outcome.drawing.as_mut().expect("a drawing was planned");
                 course.coordinates = drawing.coordinates.take();
                 Ok(outcome)
             }),
-            _ => kit.engine.draw(job, &plan, &loaded.frame, inputs),
+            _ => kit.engine.draw(job, &plan, &mut loaded.frame, inputs),
         }?;
         let done = Done {
             loaded,

@@ -23,6 +23,7 @@ mod percentile;
 mod relight;
 mod runner;
 mod simd;
+mod sparing;
 mod specular;
 mod statistics;
 mod strips;
@@ -100,6 +101,8 @@ fn per_reference_pixel(mut per_pixel: Plane, factor: f64) -> Plane {
     }
     per_pixel
 }
+
+const WITH_A_PICTURE: &str = "radiance scaling needs a picture";
 
 struct Run<'a> {
     plan: &'a Plan,
@@ -349,12 +352,10 @@ impl Run<'_> {
         self.outcome.color = Some(color);
     }
 
-    fn scale_radiance(&mut self) {
-        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let color = frame
-            .color
-            .as_ref()
-            .expect("radiance scaling needs a picture");
+    /// How the radiance of the picture is scaled, by white level and gain.
+    fn scaler(&mut self) -> light::Scaler {
+        let (plan, frame) = (self.plan, self.frame);
+        let color = frame.color.as_ref().expect(WITH_A_PICTURE);
         let weights = frame.luminance_weights();
         let is_occlusion = frame.light.picture_is_occlusion;
         let mut params = plan.scaling;
@@ -380,6 +381,19 @@ impl Run<'_> {
             .outcome
             .gain
             .expect("the gain is chosen before scaling");
+        self.outcome.white_level = Some(white);
+        light::Scaler {
+            params,
+            gain,
+            white,
+            weights,
+        }
+    }
+
+    fn scale_radiance(&mut self) {
+        let scaler = self.scaler();
+        let (frame, memory) = (self.frame, &self.runner.memory);
+        let color = frame.color.as_ref().expect(WITH_A_PICTURE);
         let trace = self
             .outcome
             .shape
@@ -387,16 +401,9 @@ impl Run<'_> {
             .take()
             .expect("scaling needs the trace");
         let scaled = self.timed("radiance-scaling", || {
-            let scaler = light::Scaler {
-                params,
-                gain,
-                white,
-                weights,
-            };
             scaler.scale(color, &trace, &frame.mask, memory)
         });
         self.outcome.shape.trace = Some(trace);
-        self.outcome.white_level = Some(white);
         self.outcome.color = Some(scaled);
     }
 

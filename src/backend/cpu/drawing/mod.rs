@@ -134,6 +134,10 @@ impl Run<'_> {
                 )
             })
         };
+        match self.kept.as_deref_mut().filter(|_| seen.is_none()) {
+            Some(kept) => kept.field.put(directions),
+            None => memory.take_back(directions.into_iter().flat_map(|d| [d.x, d.y])),
+        }
         let scale = strokes.factor(factor);
         let drawn = params.contours.map(|contours| {
             let (covered, lines) = self.draw_contours(&edges, drawn, &contours.scaled(scale));
@@ -144,9 +148,6 @@ impl Run<'_> {
             (covered, lines)
         });
         let (contours, contour_lines) = drawn.unzip();
-        if let Some(kept) = self.kept.as_deref_mut().filter(|_| seen.is_none()) {
-            kept.field.put(directions);
-        }
         self.outcome.color = made;
         self.outcome.shape = own;
         self.outcome.drawing = Some(Drawing {
