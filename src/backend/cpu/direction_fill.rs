@@ -28,14 +28,14 @@ pub(super) fn fill(
     } = *parts;
     let width = mask.width();
     let fixed = |i: usize| fixed(i % width, i / width);
-    let is_flat = |i: &usize| flat.samples()[*i] != 0.0;
+    let is_flat = |i: &Pixel| flat.samples()[*i as usize] != 0.0;
     let turned = |i: usize, mean: Vec2, wave: usize, margin_px: usize| {
         let share = wave as f32 / margin_px as f32;
         let fixed = fixed(i);
         mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
     };
     let mut field = Field { directions, width };
-    let is_open = |i: &usize| conductance.samples()[*i] > 0.0;
+    let is_open = |i: &Pixel| conductance.samples()[*i as usize] > 0.0;
     let (open, closed): (Vec<_>, Vec<_>) = field.lacking(mask).into_iter().partition(is_open);
     let through_faces = |from: usize, to: usize| {
         let c = conductance.samples();
@@ -45,7 +45,7 @@ pub(super) fn fill(
         PLANE_MARGIN_PX,
         &open,
         through_faces,
-        |i, mean, wave| match is_flat(&i) {
+        |i, mean, wave| match flat.samples()[i] != 0.0 {
             true => turned(i, mean, wave, PLANE_MARGIN_PX),
             false => mean,
         },
@@ -86,6 +86,9 @@ pub(super) struct Parts<'a> {
     pub(super) flat: &'a Plane,
 }
 
+/// The number of a pixel, row by row: lists of them are as long as pictures.
+type Pixel = u32;
+
 struct Field<'a> {
     directions: &'a mut Vector2Planes,
     width: usize,
@@ -107,13 +110,16 @@ impl Field<'_> {
     }
 
     /// The covered pixels whose direction is 0, in order.
-    fn lacking(&self, mask: &Mask) -> Vec<usize> {
-        let rows: Vec<Vec<usize>> = (0..mask.height())
+    fn lacking(&self, mask: &Mask) -> Vec<Pixel> {
+        let rows: Vec<Vec<Pixel>> = (0..mask.height())
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
             .map(|y| {
                 let pixels = mask.runs(y).flatten().map(|x| y * self.width + x);
-                pixels.filter(|&i| self.lacks(i)).collect()
+                pixels
+                    .filter(|&i| self.lacks(i))
+                    .map(|i| i as Pixel)
+                    .collect()
             })
             .collect();
         rows.concat()
@@ -144,50 +150,54 @@ impl Field<'_> {
     fn spread(
         &mut self,
         waves: usize,
-        pixels: &[usize],
+        pixels: &[Pixel],
         weight: impl Fn(usize, usize) -> f32 + Sync,
         settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
     ) {
-        let lacking = pixels.iter().copied().filter(|&i| self.lacks(i));
-        let mut wave: Vec<usize> = lacking.collect();
+        let lacking = pixels.iter().copied().filter(|&i| self.lacks(i as usize));
+        let mut wave: Vec<Pixel> = lacking.collect();
         if wave.is_empty() {
             return;
         }
         let mut waiting = vec![false; self.directions.x.samples().len()];
         for &i in &wave {
-            waiting[i] = true;
+            waiting[i as usize] = true;
         }
         for number in 1..=waves {
             if wave.is_empty() {
                 break;
             }
-            let found: Vec<(usize, Vec2)> = wave
+            let found: Vec<(Pixel, Vec2)> = wave
                 .par_iter()
                 .with_min_len(PIXELS_PER_TASK)
-                .filter_map(|&i| Some((i, settle(i, self.mean_around(i, &weight)?, number))))
+                .filter_map(|&pixel| {
+                    let i = pixel as usize;
+                    Some((pixel, settle(i, self.mean_around(i, &weight)?, number)))
+                })
                 .collect();
             for &(i, direction) in &found {
-                self.set(i, direction);
-                waiting[i] = false;
+                self.set(i as usize, direction);
+                waiting[i as usize] = false;
             }
             wave = self.beyond(&found, &waiting);
         }
     }
 
     /// The waiting pixels beside those just filled, each once.
-    fn beyond(&self, filled: &[(usize, Vec2)], waiting: &[bool]) -> Vec<usize> {
-        let mut next: Vec<usize> = filled
+    fn beyond(&self, filled: &[(Pixel, Vec2)], waiting: &[bool]) -> Vec<Pixel> {
+        let mut next: Vec<Pixel> = filled
             .iter()
-            .flat_map(|&(i, _)| self.neighbours(i))
+            .flat_map(|&(i, _)| self.neighbours(i as usize))
             .filter(|&i| waiting[i])
+            .map(|i| i as Pixel)
             .collect();
         next.sort_unstable();
         next.dedup();
         next
     }
 
-    fn fix(&mut self, pixels: &[usize], fixed: impl Fn(usize) -> Vec2) {
-        for &i in pixels {
+    fn fix(&mut self, pixels: &[Pixel], fixed: impl Fn(usize) -> Vec2) {
+        for i in pixels.iter().map(|&i| i as usize) {
             if self.lacks(i) {
                 self.set(i, fixed(i));
             }

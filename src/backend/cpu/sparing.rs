@@ -52,7 +52,7 @@ impl Runner {
             kept: None,
             outcome,
         };
-        run.draw(params, inputs);
+        run.draw_keeping(params, inputs, false);
         let outcome = Outcome {
             shape: Shape::default(),
             ..run.outcome

@@ -35,7 +35,6 @@ use std::time::Instant;
 
 /// The edges that a drawing follows: those of the frame, or of what is seen in its mirrors and lenses.
 struct DrawnEdges<'a> {
-    conductance: Option<&'a Plane>,
     silhouette: Option<&'a Plane>,
     crease: Option<&'a Plane>,
 }
@@ -45,6 +44,16 @@ const WITH_EDGES: &str = "a drawing is planned with its edges";
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.
     pub(super) fn draw(&mut self, params: &LineParams, inputs: DrawingInputs) {
+        self.draw_keeping(params, inputs, true);
+    }
+
+    /// The same; the weights of edges are let go, unless `keeps_edges`, once lines are drawn along them.
+    pub(super) fn draw_keeping(
+        &mut self,
+        params: &LineParams,
+        inputs: DrawingInputs,
+        keeps_edges: bool,
+    ) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let seen = plan.specular.and_then(|specular| {
             let scene = inputs
@@ -56,7 +65,7 @@ impl Run<'_> {
             })
         });
         // Lines stop at the edges of what is seen in a mirror, as they do at those of other things.
-        let own = std::mem::take(&mut self.outcome.shape);
+        let mut own = std::mem::take(&mut self.outcome.shape);
         let through = seen.as_ref().map(|seen| {
             self.timed("specular-edges", || {
                 edges::edges_and_gradient(plan, &seen.frame, memory).0
@@ -65,17 +74,30 @@ impl Run<'_> {
         let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
         let edges = match &through {
             Some(edges) => DrawnEdges {
-                conductance: Some(&edges.conductance),
                 silhouette: edges.silhouette.as_ref(),
                 crease: edges.crease.as_ref(),
             },
             None => DrawnEdges {
-                conductance: own.conductance.as_ref(),
                 silhouette: own.silhouette.as_ref(),
                 crease: own.crease.as_ref(),
             },
         };
-        let conductance = edges.conductance.expect(WITH_EDGES);
+        let scale = params.strokes.factor(plan.resolution_factor as f32);
+        let contours = params.contours.map(|contours| {
+            let (covered, lines) = self.draw_contours(&edges, drawn, &contours.scaled(scale));
+            let covered = match params.strokes.style {
+                Style::Pencil => self.in_graphite(covered, params.strokes.seed),
+                Style::Pen | Style::Pictures | Style::Lines => covered,
+            };
+            (covered, lines)
+        });
+        if !keeps_edges {
+            memory.take_back(own.silhouette.take().into_iter().chain(own.crease.take()));
+        }
+        let conductance = match &through {
+            Some(edges) => &edges.conductance,
+            None => own.conductance.as_ref().expect(WITH_EDGES),
+        };
         let kept = |kept: &mut Kept| kept.field.take();
         let directions = self.kept_or(kept, "direction-field", || {
             let given = seen.as_ref().map(|seen| &seen.directions[..]);
@@ -138,16 +160,7 @@ impl Run<'_> {
             Some(kept) => kept.field.put(directions),
             None => memory.take_back(directions.into_iter().flat_map(|d| [d.x, d.y])),
         }
-        let scale = strokes.factor(factor);
-        let drawn = params.contours.map(|contours| {
-            let (covered, lines) = self.draw_contours(&edges, drawn, &contours.scaled(scale));
-            let covered = match params.strokes.style {
-                Style::Pencil => self.in_graphite(covered, params.strokes.seed),
-                Style::Pen | Style::Pictures | Style::Lines => covered,
-            };
-            (covered, lines)
-        });
-        let (contours, contour_lines) = drawn.unzip();
+        let (contours, contour_lines) = contours.unzip();
         self.outcome.color = made;
         self.outcome.shape = own;
         self.outcome.drawing = Some(Drawing {
