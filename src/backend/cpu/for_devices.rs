@@ -2,7 +2,7 @@
 //! what is chosen from, or found on, a frame that a device takes in strips.
 
 use super::contours::{self, DrawnLine, FoundEdges, Piece};
-use super::drawing::{self, Densities};
+use super::drawing::{self, Densities, ToneOf};
 use super::memory::Memory;
 use super::{Runner, SequenceInputs, TextureCoordinates, direction_field, light_layers, relight};
 use crate::backend::light_terms::light_terms;
@@ -123,7 +123,7 @@ impl Runner {
         conductance: &Plane,
     ) -> Vec<Streamline> {
         let weights = frame.luminance_weights();
-        let densities = Densities::new(tone, frame, weights, white, &params.tone);
+        let densities = Densities::new(ToneOf::Picture(tone, weights), frame, white, &params.tone);
         let factor = plan.resolution_factor as f32;
         let (strokes, memory) = (&params.strokes, &self.memory);
         drawing::lines(

@@ -43,7 +43,7 @@ impl Runner {
         run.outcome.shape.conductance = Some(conductance);
         let scaler = run.scaler();
         let outcome = run.outcome;
-        scale_in_bands(&scaler, frame, &trace, rows, self);
+        let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
         drop(trace);
         let mut run = Run {
             plan,
@@ -52,13 +52,11 @@ impl Runner {
             kept: None,
             outcome,
         };
-        run.draw_keeping(params, inputs, false);
-        let outcome = Outcome {
+        run.draw_tone(params, inputs, Some(&luminance));
+        Outcome {
             shape: Shape::default(),
             ..run.outcome
-        };
-        frame.color = None;
-        outcome
+        }
     }
 
     /// Edges and the trace of a frame, band by band.
@@ -143,35 +141,37 @@ fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
     }
 }
 
-/// Scales the picture of a frame in its place.
-fn scale_in_bands(
+/// The luminance of the scaled picture of a frame, which is used up.
+fn luminance_in_bands(
     scaler: &light::Scaler,
     frame: &mut Frame,
     trace: &Plane,
     rows: usize,
     runner: &Runner,
-) {
+) -> Plane {
     let (whole, mask) = (frame.data_window, &frame.mask);
-    let color = frame.color.as_mut().expect("the tone takes the picture");
+    let color = frame.color.take().expect("the tone takes the picture");
+    let ColorPlanes { mut r, g, b } = color;
     for (band, _) in bands(whole.height(), rows, 0) {
         let part = rows_of(whole, &band);
-        let cut = |plane: &Plane| plane.crop(whole, part);
+        let [old_r, old_g, old_b] = [&r, &g, &b].map(|plane| plane.crop(whole, part));
         let old = ColorPlanes {
-            r: cut(&color.r),
-            g: cut(&color.g),
-            b: cut(&color.b),
+            r: old_r,
+            g: old_g,
+            b: old_b,
         };
         let mask = mask.crop(whole, part);
-        let ColorPlanes { r, g, b } = scaler.scale(&old, &cut(trace), &mask, &runner.memory);
+        let trace = trace.crop(whole, part);
+        let scaled = scaler.scale(&old, &trace, &mask, &runner.memory);
         let samples = band.start * whole.width()..band.end * whole.width();
-        for (to, from) in [&mut color.r, &mut color.g, &mut color.b]
-            .into_iter()
-            .zip([&r, &g, &b])
-        {
-            to.samples_mut()[samples.clone()].copy_from_slice(from.samples());
+        let colors = scaled.r.samples().iter().zip(scaled.g.samples());
+        let colors = colors.zip(scaled.b.samples());
+        for (to, ((&r, &g), &b)) in r.samples_mut()[samples].iter_mut().zip(colors) {
+            *to = light::luminance([r, g, b], scaler.weights);
         }
-        runner.memory.take_back([r, g, b]);
+        runner.memory.take_back([scaled.r, scaled.g, scaled.b]);
     }
+    r
 }
 
 #[cfg(test)]

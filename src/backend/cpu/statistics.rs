@@ -54,6 +54,15 @@ pub(super) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -
     white_of(percentile(mask.height(), WHITE_PERCENT, luminances))
 }
 
+/// The same of a `luminance` that was made before.
+pub(super) fn white_level_of(luminance: &Plane, mask: &Mask) -> f32 {
+    let covered = |y| {
+        let (row, covered) = (luminance.row(y), mask.row(y));
+        mask.span(y).filter(|&x| covered[x]).map(|x| row[x])
+    };
+    white_of(percentile(mask.height(), WHITE_PERCENT, covered))
+}
+
 /// The luminance of the covered pixels of a row.
 pub(super) fn luminances(
     color: &ColorPlanes,

@@ -16,14 +16,14 @@ pub(super) use hatching::hatch_batch;
 pub(super) use lines::lines;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use sheet::Sheet;
-pub(super) use tone::{Densities, density_row};
+pub(super) use tone::{Densities, ToneOf, density_row};
 
 use super::contours::{DrawnLine, Overlap};
 use super::direction_field::stroke_fields;
 use super::kept::Kept;
 use super::memory::Memory;
 use super::specular::seen_through;
-use super::{Drawing, DrawingInputs, Run, contours, edges, light, statistics};
+use super::{Drawing, DrawingInputs, Run, contours, edges, light};
 use crate::frame::{Frame, Plane};
 use crate::line::contours::Contour;
 use crate::line::paper::{grain, graphite};
@@ -44,15 +44,16 @@ const WITH_EDGES: &str = "a drawing is planned with its edges";
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.
     pub(super) fn draw(&mut self, params: &LineParams, inputs: DrawingInputs) {
-        self.draw_keeping(params, inputs, true);
+        self.draw_tone(params, inputs, None);
     }
 
-    /// The same; the weights of edges are let go, unless `keeps_edges`, once lines are drawn along them.
-    pub(super) fn draw_keeping(
+    /// The same from the `luminance` of a picture that is not kept: nor then are the weights of edges, once lines are drawn
+    /// along them.
+    pub(super) fn draw_tone(
         &mut self,
         params: &LineParams,
         inputs: DrawingInputs,
-        keeps_edges: bool,
+        luminance: Option<&Plane>,
     ) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let seen = plan.specular.and_then(|specular| {
@@ -91,7 +92,7 @@ impl Run<'_> {
             };
             (covered, lines)
         });
-        if !keeps_edges {
+        if luminance.is_some() {
             memory.take_back(own.silhouette.take().into_iter().chain(own.crease.take()));
         }
         let conductance = match &through {
@@ -105,21 +106,24 @@ impl Run<'_> {
             stroke_fields(plan, field, wanted, drawn, conductance, given, memory)
         });
         let made = self.outcome.color.take();
-        let color = made.as_ref().or(frame.color.as_ref());
-        let color = color.expect("a drawing is planned with its tone");
-        let weights = frame.luminance_weights();
+        let tone = match luminance {
+            Some(luminance) => ToneOf::Luminance(luminance),
+            None => {
+                let color = made.as_ref().or(frame.color.as_ref());
+                let color = color.expect("a drawing is planned with its tone");
+                ToneOf::Picture(color, frame.luminance_weights())
+            }
+        };
         let white = match params.tone.white_point {
             Adaptive::Fixed(white) => white,
-            Adaptive::Auto => self.timed("auto-white", || {
-                statistics::white_level(color, weights, &frame.mask)
-            }),
+            Adaptive::Auto => self.timed("auto-white", || tone.white_level(&frame.mask)),
         };
         let coordinates = inputs.sequence.map(|sequence| {
             self.timed("texture-coordinates", || {
                 TextureCoordinates::of(frame, sequence, memory)
             })
         });
-        let densities = Densities::new(color, frame, weights, white, &params.tone);
+        let densities = Densities::new(tone, frame, white, &params.tone);
         let strokes = &params.strokes;
         let factor = plan.resolution_factor as f32;
         let mut lines = Vec::new();

@@ -2,15 +2,46 @@
 
 use super::light::luminance;
 use crate::backend::cpu::simd::Simd;
-use crate::frame::{ColorPlanes, Frame};
+use crate::backend::cpu::statistics;
+use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::hatching::BATCH;
 use crate::params::ToneParams;
 use std::ops::Range;
 
+/// What a drawing's tone is the luminance of.
+#[derive(Clone, Copy)]
+pub(in crate::backend::cpu) enum ToneOf<'a> {
+    /// A picture, by the weights of its primaries.
+    Picture(&'a ColorPlanes, [f32; 3]),
+    /// The luminance itself.
+    Luminance(&'a Plane),
+}
+
+impl<'a> ToneOf<'a> {
+    /// A high percentile of the luminance of the covered pixels; 1 where none has any.
+    pub(in crate::backend::cpu) fn white_level(self, mask: &Mask) -> f32 {
+        match self {
+            Self::Picture(color, weights) => statistics::white_level(color, weights, mask),
+            Self::Luminance(plane) => statistics::white_level_of(plane, mask),
+        }
+    }
+
+    /// Three planes, zeros where there is none, and the weights that make them the luminance.
+    fn planes(self) -> ([Option<&'a Plane>; 3], [f32; 3]) {
+        match self {
+            Self::Picture(color, weights) => ([&color.r, &color.g, &color.b].map(Some), weights),
+            Self::Luminance(plane) => ([Some(plane), None, None], [1.0, 0.0, 0.0]),
+        }
+    }
+}
+
+/// Samples of a plane that there is not.
+static ZEROS: [f32; BATCH] = [0.0; BATCH];
+
 /// The optical density of a picture, -ln(tone), looked up by luminance.
 pub(in crate::backend::cpu) struct Densities<'a> {
-    color: &'a ColorPlanes,
+    planes: [Option<&'a Plane>; 3],
     frame: &'a Frame,
     weights: [f32; 3],
     /// Luminance of paper white.
@@ -21,14 +52,14 @@ pub(in crate::backend::cpu) struct Densities<'a> {
 
 impl<'a> Densities<'a> {
     pub(in crate::backend::cpu) fn new(
-        color: &'a ColorPlanes,
+        tone: ToneOf<'a>,
         frame: &'a Frame,
-        weights: [f32; 3],
         white: f32,
         params: &ToneParams,
     ) -> Self {
+        let (planes, weights) = tone.planes();
         Self {
-            color,
+            planes,
             frame,
             weights,
             white,
@@ -38,8 +69,10 @@ impl<'a> Densities<'a> {
 
     /// The densities of `columns` of row `y`, at most a batch.
     pub(super) fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
-        let color = [&self.color.r, &self.color.g, &self.color.b]
-            .map(|plane| &plane.row(y)[columns.clone()]);
+        let color = self.planes.map(|plane| match plane {
+            Some(plane) => &plane.row(y)[columns.clone()],
+            None => &ZEROS[..columns.len()],
+        });
         let alpha = self.frame.alpha.as_ref();
         let alpha = alpha.map(|plane| &plane.row(y)[columns.clone()]);
         simd.density_row(out, color, alpha, self);
