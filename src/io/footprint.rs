@@ -1,6 +1,7 @@
 //! How much memory a frame takes, told from headers alone.
 
 use super::exr::{ExrFile, Limits};
+use super::photo::StoredPhoto;
 use std::path::Path;
 
 /// Bytes per pixel while a frame is made, at the least. Measured at 1920x1080, the program included: `enhance` 74,
@@ -28,8 +29,8 @@ pub fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
         Some(largest.saturating_mul(per_pixel + scales))
     };
     let of_photo = || {
-        let (width, height) = image::image_dimensions(path).ok()?;
-        Some(pixels(width as usize, height as usize).saturating_mul(LEAST_PER_PIXEL + scales))
+        let photo = StoredPhoto::open(path, u64::MAX).ok()?;
+        Some(pixels(photo.width, photo.height).saturating_mul(LEAST_PER_PIXEL + scales))
     };
     of_exr().or_else(of_photo).unwrap_or(0)
 }
