@@ -12,8 +12,10 @@ mod stops;
 mod strips;
 mod threads;
 
-use relievo::frame::{Plane, Window};
+use relievo::frame::{ColorPlanes, Plane, Window};
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
+use relievo::io::output::{Replace, write_atomically};
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use std::fs;
 use std::io::BufWriter;
 use std::path::Path;
@@ -54,6 +56,28 @@ fn write_bumps(
         ("Z", plane(&|_, _| 5.0)),
     ];
     write_part(path, &channels, Part::default());
+}
+
+/// A picture of these planes, by the extension of its name.
+fn write_planes(
+    path: &Path,
+    [r, g, b]: [Plane; 3],
+    alpha: Option<&Plane>,
+    bits: u8,
+    transform: ViewTransform,
+) {
+    let picture = Picture {
+        color: &ColorPlanes { r, g, b },
+        alpha,
+        grey: false,
+        bits,
+        transform,
+    };
+    let format = PictureFormat::of_path(path).unwrap();
+    write_atomically(path, Replace::IfWritable, |w| {
+        write_picture(w, path, format, &picture)
+    })
+    .unwrap();
 }
 
 /// What a part of a file has beside its channels.

@@ -1,10 +1,9 @@
 //! Photos and what goes with them: headers first, pixels when they are needed, no more than fits.
 
-use super::{ended, relievo};
-use relievo::frame::{ColorPlanes, Plane};
-use relievo::io::output::{Replace, write_atomically};
+use super::{ended, relievo, write_planes};
+use relievo::frame::Plane;
 use relievo::io::photo::Photo;
-use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::ViewTransform;
 use std::fs::{self, File};
 use std::path::Path;
 
@@ -27,19 +26,8 @@ fn write_header(path: &Path, [width, height]: [u32; 2]) {
 
 /// A colour picture by the extension of its name, of light from 0 to 1.
 fn write_color(path: &Path, [width, height]: [usize; 2], light: impl Fn(usize, usize) -> [f32; 3]) {
-    let [r, g, b] = [0, 1, 2].map(|c| Plane::from_fn(width, height, |x, y| light(x, y)[c]));
-    let picture = Picture {
-        color: &ColorPlanes { r, g, b },
-        alpha: None,
-        grey: false,
-        bits: 8,
-        transform: ViewTransform::Srgb,
-    };
-    let format = PictureFormat::of_path(path).unwrap();
-    write_atomically(path, Replace::IfWritable, |w| {
-        write_picture(w, path, format, &picture)
-    })
-    .unwrap();
+    let planes = [0, 1, 2].map(|c| Plane::from_fn(width, height, |x, y| light(x, y)[c]));
+    write_planes(path, planes, None, 8, ViewTransform::Srgb);
 }
 
 /// A small picture and its normal map: a plane that faces the viewer.

@@ -1,9 +1,8 @@
 //! Pictures that do not fit in the memory they are given: the same bits, strip by strip.
 
-use super::{bytes, ended, relievo, write_bumps};
-use relievo::frame::{ColorPlanes, Plane};
-use relievo::io::output::{Replace, write_atomically};
-use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+use super::{bytes, ended, relievo, write_bumps, write_planes};
+use relievo::frame::Plane;
+use relievo::io::picture::ViewTransform;
 use std::path::Path;
 
 /// 512 x 6400 pixels take about 310 MiB, of 100 bytes each; in 300 MiB a strip has some 900 rows.
@@ -73,22 +72,6 @@ fn what_needs_the_picture_whole_is_refused() {
     }
 }
 
-/// A picture of these planes, by the extension of its name.
-fn write_planes(path: &Path, [r, g, b]: [Plane; 3], alpha: Option<&Plane>, bits: u8) {
-    let picture = Picture {
-        color: &ColorPlanes { r, g, b },
-        alpha,
-        grey: false,
-        bits,
-        transform: ViewTransform::None,
-    };
-    let format = PictureFormat::of_path(path).unwrap();
-    write_atomically(path, Replace::IfWritable, |w| {
-        write_picture(w, path, format, &picture)
-    })
-    .unwrap();
-}
-
 /// A photo and its normal map, in 8 and 16 bits, with alpha in the latter.
 fn write_photos(here: &Path) {
     let [width, height] = SIZE;
@@ -106,10 +89,11 @@ fn write_photos(here: &Path) {
     let alpha = Plane::from_fn(width, height, |_, y| {
         (y as f32 / 20.0 - 1.0).clamp(0.0, 1.0)
     });
-    write_planes(&here.join("in8.jpg"), color.clone(), None, 8);
-    write_planes(&here.join("n8.png"), normals.clone(), None, 8);
-    write_planes(&here.join("in16.png"), color, Some(&alpha), 16);
-    write_planes(&here.join("n16.tif"), normals, None, 16);
+    let transform = ViewTransform::None;
+    write_planes(&here.join("in8.jpg"), color.clone(), None, 8, transform);
+    write_planes(&here.join("n8.png"), normals.clone(), None, 8, transform);
+    write_planes(&here.join("in16.png"), color, Some(&alpha), 16, transform);
+    write_planes(&here.join("n16.tif"), normals, None, 16, transform);
 }
 
 #[test]

@@ -1,0 +1,106 @@
+//! From numbers to the codes that pictures store.
+
+use super::ViewTransform;
+use crate::io::srgb;
+use std::sync::LazyLock;
+
+/// Colour divided by alpha, and the alpha to be stored.
+pub(super) fn straight(color: [f64; 3], alpha: Option<f64>, max: u32) -> ([f64; 3], Option<f64>) {
+    let Some(alpha) = alpha else {
+        return (color, None);
+    };
+    let alpha = clipped(alpha);
+    let least = 0.5 / f64::from(max);
+    let strongest = color.iter().fold(0.0, |most: f64, &v| most.max(v)).min(1.0);
+    let alpha = if alpha < least { strongest } else { alpha };
+    match alpha < least {
+        true => ([0.0; 3], Some(0.0)),
+        false => (color.map(|v| v / alpha), Some(alpha)),
+    }
+}
+
+fn clipped(v: f64) -> f64 {
+    if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) }
+}
+
+pub(super) fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
+    match (transform, max) {
+        (ViewTransform::Srgb, 255) => SRGB_8.code(v),
+        _ => computed_code(v, transform, max),
+    }
+}
+
+/// The codes of the sRGB curve in 8 bits, looked up: a power for each sample takes longer than all else.
+pub(super) struct SrgbCodes {
+    /// The least value of each code above 0.
+    pub(super) least: [f64; 255],
+    /// The least single number of each code above 0, and what none reaches.
+    pub(super) least_single: [f32; 256],
+    /// The code at the beginning of each of so many equal parts of 0..1, and of those beyond.
+    at: [u8; 2 * SRGB_PARTS],
+}
+
+/// Many enough that a part holds no more than two codes.
+const SRGB_PARTS: usize = 4096;
+
+pub(super) static SRGB_8: LazyLock<SrgbCodes> = LazyLock::new(SrgbCodes::new);
+
+impl SrgbCodes {
+    fn new() -> Self {
+        let computed = |v| computed_code(v, ViewTransform::Srgb, 255);
+        let least = std::array::from_fn(|below| {
+            // Numbers above 0 are in the order of their bits.
+            let (mut lower, mut upper) = (0, 1.0_f64.to_bits());
+            while lower < upper {
+                let middle = lower.midpoint(upper);
+                match usize::from(computed(f64::from_bits(middle))) > below {
+                    true => upper = middle,
+                    false => lower = middle + 1,
+                }
+            }
+            f64::from_bits(lower)
+        });
+        let at = std::array::from_fn(|part| computed(part as f64 / SRGB_PARTS as f64) as u8);
+        let least_single = std::array::from_fn(|below| match least.get(below) {
+            Some(&least) => {
+                let single = least as f32;
+                let is_below = f64::from(single) < least;
+                if is_below { single.next_up() } else { single }
+            }
+            None => f32::INFINITY,
+        });
+        Self {
+            least,
+            least_single,
+            at,
+        }
+    }
+
+    /// The code of a single number. Codes are farther apart than parts: one step is enough.
+    #[inline]
+    pub(super) fn code_of_single(&self, v: f32) -> u8 {
+        // As an index NaN is 0, and it reaches no code; the mask only spares a check.
+        let v = v.clamp(0.0, 1.0);
+        let code = self.at[(v * SRGB_PARTS as f32) as usize & (2 * SRGB_PARTS - 1)];
+        code + u8::from(v >= self.least_single[usize::from(code)])
+    }
+
+    pub(super) fn code(&self, v: f64) -> u16 {
+        let v = clipped(v);
+        let mut code = self.at[(v * SRGB_PARTS as f64) as usize];
+        while let Some(&least) = self.least.get(usize::from(code))
+            && v >= least
+        {
+            code += 1;
+        }
+        code.into()
+    }
+}
+
+pub(super) fn computed_code(v: f64, transform: ViewTransform, max: u32) -> u16 {
+    let encoded = match transform {
+        ViewTransform::Srgb => srgb::encoded(clipped(v)),
+        ViewTransform::None => clipped(v),
+    };
+    (encoded * f64::from(max)).round() as u16
+}

@@ -1,0 +1,262 @@
+//! Samples as picture files hold them, gathered by rows and encoded at once.
+
+use super::codes::{code, straight};
+use super::{Picture, PictureFormat, ViewTransform};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, Plane};
+use crate::io::photo::{max_code, one_line, unsupported};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+use rayon::prelude::*;
+use std::io::{Seek, Write};
+use std::ops::Range;
+use std::path::Path;
+
+/// Quality of written JPEG files, of 100.
+const JPEG_QUALITY: u8 = 95;
+
+/// A picture of which the stored samples are gathered, some rows at a time, before it is written.
+#[derive(Debug, Clone)]
+pub struct Gathered {
+    format: PictureFormat,
+    size: [usize; 2],
+    /// Samples of each pixel: 1, 3, or 4 with alpha.
+    channels: usize,
+    grey: bool,
+    /// Whether alpha was 1 everywhere so far.
+    is_opaque: bool,
+    samples: Samples,
+}
+
+/// Samples as files hold them, those of a pixel side by side.
+#[derive(Debug, Clone)]
+enum Samples {
+    Narrow(Vec<u8>),
+    /// Of 16 bits, in this machine's order of bytes.
+    Wide(Vec<[u8; 2]>),
+    Float(Vec<image::Rgb<f32>>),
+}
+
+impl Gathered {
+    /// A picture of `size`, columns and rows, of which all parts are like `part`: grey or not, with alpha or without, of
+    /// as many bits.
+    ///
+    /// # Panics
+    /// If its `bits` are neither 8 nor 16.
+    pub fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
+        assert!([8, 16].contains(&part.bits), "bits must be 8 or 16");
+        let channels = match part.alpha {
+            Some(_) if format.holds_alpha() => 4,
+            _ if part.grey => 1,
+            _ => 3,
+        };
+        let pixels = size[0] * size[1];
+        let samples = match (format, part.bits) {
+            (PictureFormat::Hdr, _) => Samples::Float(Vec::with_capacity(pixels)),
+            (PictureFormat::Jpeg, _) | (_, 8) => {
+                Samples::Narrow(Vec::with_capacity(pixels * channels))
+            }
+            _ => Samples::Wide(Vec::with_capacity(pixels * channels)),
+        };
+        Self {
+            format,
+            size,
+            channels,
+            grey: part.grey,
+            is_opaque: true,
+            samples,
+        }
+    }
+
+    /// Bytes that its samples take.
+    pub fn bytes(&self) -> u64 {
+        let pixels = self.size[0] as u64 * self.size[1] as u64;
+        pixels
+            * self.channels as u64
+            * match self.samples {
+                Samples::Narrow(_) => 1,
+                Samples::Wide(_) => 2,
+                // Always three floats.
+                Samples::Float(_) => return pixels * 12,
+            }
+    }
+
+    /// Bytes that encoding takes besides: what is compressed, and samples of 16 bits in another order of bytes.
+    pub fn encoding_bytes(&self) -> u64 {
+        match self.samples {
+            Samples::Wide(_) => 2 * self.bytes(),
+            Samples::Narrow(_) => self.bytes(),
+            Samples::Float(_) => 0,
+        }
+    }
+
+    /// Adds the rows `rows` of `part`, below those that were added before.
+    ///
+    /// # Panics
+    /// If planes differ in size, or `part` is not as wide as the picture.
+    pub fn push(&mut self, part: &Picture, rows: Range<usize>) {
+        let planes = [&part.color.r, &part.color.g, &part.color.b];
+        let size = (self.size[0], part.color.r.height());
+        for plane in planes.into_iter().chain(part.alpha) {
+            let own = (plane.width(), plane.height());
+            assert_eq!(own, size, "planes differ in size");
+        }
+        let channels = self.channels;
+        let alpha = part.alpha.filter(|_| channels == 4);
+        if let Some(alpha) = alpha {
+            let shows = |&a: &f32| a < 1.0 || a.is_nan();
+            let mut rows = rows.clone();
+            self.is_opaque &= !rows.any(|y| alpha.row(y).iter().any(shows));
+        }
+        match &mut self.samples {
+            Samples::Narrow(samples) => {
+                let part = Part {
+                    picture: part,
+                    alpha,
+                    rows,
+                    max: max_code(8),
+                };
+                part.add_to(samples, channels, |code| code as u8);
+            }
+            Samples::Wide(samples) => {
+                let part = Part {
+                    picture: part,
+                    alpha,
+                    rows,
+                    max: max_code(16),
+                };
+                part.add_to(samples, channels, u16::to_ne_bytes);
+            }
+            Samples::Float(samples) => rows.for_each(|y| {
+                let [r, g, b] = planes.map(|plane| plane.row(y));
+                let pixel = |((&r, &g), &b)| image::Rgb([r, g, b].map(finite));
+                samples.extend(r.iter().zip(g).zip(b).map(pixel));
+            }),
+        }
+    }
+
+    /// Writes the picture; `target` is only named in errors.
+    ///
+    /// # Errors
+    /// Any [`Error`] of writing.
+    ///
+    /// # Panics
+    /// If rows are missing.
+    pub fn write(mut self, w: &mut (impl Write + Seek), target: &Path) -> Result<()> {
+        if self.channels == 4 && self.is_opaque {
+            self.drop_alpha();
+        }
+        self.encode(w).map_err(|error| match error {
+            ImageError::IoError(source) => Error::io(target, "write")(source),
+            other => unsupported(
+                target,
+                &format!("cannot be written ({})", one_line(&other.to_string())),
+            ),
+        })
+    }
+
+    /// Leaves alpha out; of a grey picture all but one sample.
+    fn drop_alpha(&mut self) {
+        let kept = if self.grey { 1 } else { 3 };
+        match &mut self.samples {
+            Samples::Narrow(samples) => keep_first(samples, kept),
+            Samples::Wide(samples) => keep_first(samples, kept),
+            Samples::Float(_) => return,
+        }
+        self.channels = kept;
+    }
+
+    fn encode(&self, w: &mut (impl Write + Seek)) -> image::ImageResult<()> {
+        let [width, height] = self.size;
+        let (bytes, kind) = match (&self.samples, self.channels) {
+            (Samples::Float(pixels), _) => {
+                return image::codecs::hdr::HdrEncoder::new(w).encode(pixels, width, height);
+            }
+            (Samples::Narrow(samples), 1) => (&samples[..], ExtendedColorType::L8),
+            (Samples::Narrow(samples), 4) => (&samples[..], ExtendedColorType::Rgba8),
+            (Samples::Narrow(samples), _) => (&samples[..], ExtendedColorType::Rgb8),
+            (Samples::Wide(samples), 1) => (samples.as_flattened(), ExtendedColorType::L16),
+            (Samples::Wide(samples), 4) => (samples.as_flattened(), ExtendedColorType::Rgba16),
+            (Samples::Wide(samples), _) => (samples.as_flattened(), ExtendedColorType::Rgb16),
+        };
+        let (width, height) = (width as u32, height as u32);
+        match self.format {
+            PictureFormat::Jpeg => {
+                image::codecs::jpeg::JpegEncoder::new_with_quality(w, JPEG_QUALITY)
+                    .write_image(bytes, width, height, kind)
+            }
+            PictureFormat::Tiff => {
+                image::codecs::tiff::TiffEncoder::new(w).write_image(bytes, width, height, kind)
+            }
+            _ => image::codecs::png::PngEncoder::new(w).write_image(bytes, width, height, kind),
+        }
+    }
+}
+
+/// Of every four samples the first few.
+fn keep_first<T: Copy>(samples: &mut Vec<T>, kept: usize) {
+    let pixels = samples.len() / 4;
+    for pixel in 0..pixels {
+        samples.copy_within(4 * pixel..4 * pixel + kept, kept * pixel);
+    }
+    samples.truncate(kept * pixels);
+}
+
+fn finite(v: f32) -> f32 {
+    if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e30) }
+}
+
+/// Rows of a picture to be stored as codes up to `max`.
+pub(super) struct Part<'a> {
+    pub(super) picture: &'a Picture<'a>,
+    pub(super) alpha: Option<&'a Plane>,
+    pub(super) rows: Range<usize>,
+    pub(super) max: u32,
+}
+
+impl Part<'_> {
+    /// Adds the codes, `channels` of each pixel.
+    pub(super) fn add_to<T: Copy + Default + Send>(
+        &self,
+        samples: &mut Vec<T>,
+        channels: usize,
+        stored: impl Fn(u16) -> T + Sync,
+    ) {
+        let (width, before) = (self.picture.color.r.width(), samples.len());
+        samples.resize(before + width * channels * self.rows.len(), T::default());
+        let rows = samples[before..].par_chunks_mut((width * channels).max(1));
+        rows.zip(self.rows.clone())
+            .for_each(|(row, y)| match channels {
+                1 => {
+                    let samples = self.picture.color.r.row(y);
+                    for (to, &v) in row.iter_mut().zip(samples) {
+                        *to = stored(code(v.into(), self.picture.transform, self.max));
+                    }
+                }
+                4 => self.interleave::<4, T>(row, y, &stored),
+                _ => self.interleave::<3, T>(row, y, &stored),
+            });
+    }
+
+    /// The first `N` of red, green, blue and alpha of each pixel of a row, as codes.
+    fn interleave<const N: usize, T: Copy>(
+        &self,
+        row: &mut [T],
+        y: usize,
+        stored: impl Fn(u16) -> T,
+    ) {
+        let (ColorPlanes { r, g, b }, max) = (self.picture.color, self.max);
+        let transform = self.picture.transform;
+        let color = r.row(y).iter().zip(g.row(y)).zip(b.row(y));
+        let (pixels, _) = row.as_chunks_mut::<N>();
+        for (x, (pixel, ((&r, &g), &b))) in pixels.iter_mut().zip(color).enumerate() {
+            let color = [r, g, b].map(f64::from);
+            let alpha = self.alpha.map(|a| f64::from(a.at(x, y)));
+            let (color, alpha) = straight(color, alpha, max);
+            let [r, g, b] = color.map(|v| code(v, transform, max));
+            let alpha = alpha.map_or(max as u16, |a| code(a, ViewTransform::None, max));
+            for (to, code) in pixel.iter_mut().zip([r, g, b, alpha]) {
+                *to = stored(code);
+            }
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! Writing pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
+
+mod codes;
+mod gathered;
+
+pub use gathered::Gathered;
+
+use super::photo::max_code;
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Plane};
+use codes::SRGB_8;
+use gathered::Part;
+use rayon::prelude::*;
+use std::io::{Seek, Write};
+use std::path::Path;
+
+/// The kinds of pictures that are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PictureFormat {
+    /// PNG, 8 or 16 bits, with alpha.
+    Png,
+    /// JPEG, 8 bits, over black.
+    Jpeg,
+    /// TIFF, 8 or 16 bits, with alpha.
+    Tiff,
+    /// Radiance HDR, linear, over black.
+    Hdr,
+}
+
+impl PictureFormat {
+    /// The format that the extension of `path` stands for.
+    pub fn of_path(path: &Path) -> Option<PictureFormat> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "png" => Some(PictureFormat::Png),
+            "jpg" | "jpeg" => Some(PictureFormat::Jpeg),
+            "tif" | "tiff" => Some(PictureFormat::Tiff),
+            "hdr" => Some(PictureFormat::Hdr),
+            _ => None,
+        }
+    }
+
+    fn holds_alpha(self) -> bool {
+        matches!(self, PictureFormat::Png | PictureFormat::Tiff)
+    }
+}
+
+/// How linear values become stored ones in integer formats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ViewTransform {
+    /// The sRGB curve: for pictures to be looked at.
+    Srgb,
+    /// None: for normals, masks and other data.
+    None,
+}
+
+/// A picture to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// Linear colour, multiplied by alpha.
+    pub color: &'a ColorPlanes,
+    /// Coverage, 0..1.
+    pub alpha: Option<&'a Plane>,
+    /// Whether it is grey, its planes alike: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
+    pub grey: bool,
+    /// Bits per sample, 8 or 16; JPEG always has 8, HDR its own.
+    pub bits: u8,
+    /// How values are encoded; HDR is always linear.
+    pub transform: ViewTransform,
+}
+
+impl<'a> Picture<'a> {
+    /// Its planes: three of colour, and alpha where it has one.
+    pub(crate) fn planes(&self) -> Vec<&'a Plane> {
+        let ColorPlanes { r, g, b } = self.color;
+        [r, g, b].into_iter().chain(self.alpha).collect()
+    }
+}
+
+/// Writes a picture. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
+///
+/// Where alpha is stored, colour is divided by it. A pixel whose alpha would be stored as 0 although
+/// it has colour (a glow over nothing) gets the alpha that just holds that colour. An alpha of 1
+/// everywhere is left out.
+///
+/// # Errors
+/// Any [`Error`] of writing.
+///
+/// # Panics
+/// If planes differ in size, or `bits` is neither 8 nor 16.
+pub fn write_picture(
+    w: &mut (impl Write + Seek),
+    target: &Path,
+    format: PictureFormat,
+    picture: &Picture,
+) -> Result<()> {
+    let size = [picture.color.r.width(), picture.color.r.height()];
+    let mut gathered = Gathered::new(format, size, picture);
+    gathered.push(picture, 0..size[1]);
+    gathered.write(w, target)
+}
+/// Red, green, blue and alpha of each pixel in 8 bits: what a PNG of them would hold, opaque where there is no alpha.
+///
+/// # Panics
+/// If planes differ in size.
+pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
+    if picture.alpha.is_none() && picture.transform == ViewTransform::Srgb {
+        return opaque_pixels(picture.color);
+    }
+    let part = Part {
+        picture,
+        alpha: picture.alpha,
+        rows: 0..picture.color.r.height(),
+        max: max_code(8),
+    };
+    let mut samples = Vec::new();
+    part.add_to(&mut samples, 4, |code| code as u8);
+    samples.as_chunks::<4>().0.to_vec()
+}
+
+/// The most frequent case, which a window asks for many times a second.
+fn opaque_pixels(color: &ColorPlanes) -> Vec<[u8; 4]> {
+    let width = color.r.width();
+    let mut pixels = vec![[0; 4]; color.r.samples().len()];
+    let rows = pixels.par_chunks_mut(width.max(1)).with_min_len(8);
+    let codes = &*SRGB_8;
+    rows.enumerate().for_each(|(y, row)| {
+        let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| &plane.row(y)[..row.len()]);
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let [r, g, b] = [r[x], g[x], b[x]].map(|v| codes.code_of_single(v));
+            *pixel = [r, g, b, 255];
+        }
+    });
+    pixels
+}
+#[cfg(test)]
+mod tests {
+    use super::codes::computed_code;
+    use super::*;
+    use crate::io::photo::Photo;
+    use std::io::Cursor;
+
+    fn grey(width: usize, height: usize, samples: Vec<f32>) -> ColorPlanes {
+        let plane = Plane::from_samples(width, height, samples);
+        ColorPlanes {
+            r: plane.clone(),
+            g: plane.clone(),
+            b: plane,
+        }
+    }
+
+    fn round_trip(format: PictureFormat, picture: &Picture) -> Photo {
+        let mut file = Cursor::new(Vec::new());
+        let name = Path::new("test");
+        write_picture(&mut file, name, format, picture).unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("picture");
+        std::fs::write(&path, file.into_inner()).unwrap();
+        Photo::read(&path).unwrap()
+    }
+
+    #[test]
+    fn a_grey_picture_holds_one_sample_per_pixel_and_looks_the_same() {
+        let color = grey(64, 48, (0..64 * 48).map(|i| i as f32 / 3072.0).collect());
+        for format in [PictureFormat::Png, PictureFormat::Tiff] {
+            for bits in [8, 16] {
+                let of = |grey| Picture {
+                    color: &color,
+                    alpha: None,
+                    grey,
+                    bits,
+                    transform: ViewTransform::Srgb,
+                };
+                let size = |picture: &Picture| {
+                    let mut file = Cursor::new(Vec::new());
+                    write_picture(&mut file, Path::new("test"), format, picture).unwrap();
+                    file.into_inner().len()
+                };
+                assert!(size(&of(true)) < size(&of(false)), "{format:?} {bits}");
+                let [one, three] = [true, false].map(|grey| round_trip(format, &of(grey)));
+                assert_eq!(
+                    one.to_linear()[0],
+                    three.to_linear()[0],
+                    "{format:?} {bits}"
+                );
+                // With alpha there are four samples either way.
+                let half = Plane::filled(64, 48, 0.5);
+                let with_alpha = |grey| Picture {
+                    alpha: Some(&half),
+                    ..of(grey)
+                };
+                assert_eq!(size(&with_alpha(true)), size(&with_alpha(false)));
+            }
+        }
+    }
+
+    #[test]
+    fn codes_that_are_looked_up_are_those_computed() {
+        let computed = |v| computed_code(v, ViewTransform::Srgb, 255);
+        for &least in &SRGB_8.least {
+            for v in [least.next_down(), least, least.next_up()] {
+                assert_eq!(SRGB_8.code(v), computed(v), "{v:e}");
+            }
+        }
+        for &least in &SRGB_8.least_single[..255] {
+            for v in [least.next_down(), least, least.next_up()] {
+                let expected = computed(f64::from(v));
+                assert_eq!(u16::from(SRGB_8.code_of_single(v)), expected, "{v:e}");
+            }
+        }
+        // A step that hits no part and no code evenly.
+        for step in 0..200_000 {
+            let v = f64::from(step) * 5.17e-6;
+            assert_eq!(SRGB_8.code(v), computed(v), "{v}");
+            let single = v as f32;
+            let expected = computed(f64::from(single));
+            assert_eq!(
+                u16::from(SRGB_8.code_of_single(single)),
+                expected,
+                "{single}"
+            );
+        }
+        for odd in [f64::NAN, -1.0, -0.0, 1.0, 2.0, f64::INFINITY, 1e-310] {
+            assert_eq!(SRGB_8.code(odd), computed(odd), "{odd}");
+            let single = SRGB_8.code_of_single(odd as f32);
+            assert_eq!(u16::from(single), computed(f64::from(odd as f32)), "{odd}");
+        }
+    }
+
+    #[test]
+    fn every_code_survives_the_way_to_linear_and_back() {
+        for bits in [8, 16] {
+            let count = 1usize << bits;
+            let codes: Vec<f32> = (0..count)
+                .map(|c| (c as f64 / (count - 1) as f64) as f32)
+                .collect();
+            let photo = Photo {
+                width: 256,
+                height: count / 256,
+                bits,
+                is_float: false,
+                channels: vec![Plane::from_samples(256, count / 256, codes)],
+                alpha: None,
+            };
+            let linear = photo.to_linear().remove(0);
+            let color = grey(256, count / 256, linear.samples().to_vec());
+            let picture = Picture {
+                color: &color,
+                alpha: None,
+                grey: false,
+                bits,
+                transform: ViewTransform::Srgb,
+            };
+            for format in [PictureFormat::Png, PictureFormat::Tiff] {
+                let again = round_trip(format, &picture);
+                assert_eq!(again.bits, bits);
+                for plane in &again.channels {
+                    assert_eq!(plane, &photo.channels[0], "{format:?} {bits}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn raw_codes_survive_without_a_transform() {
+        let codes: Vec<f32> = (0..65536).map(|c| f32::from(c as u16) / 65535.0).collect();
+        let color = grey(256, 256, codes.clone());
+        let picture = Picture {
+            color: &color,
+            alpha: None,
+            grey: false,
+            bits: 16,
+            transform: ViewTransform::None,
+        };
+        let again = round_trip(PictureFormat::Png, &picture);
+        assert_eq!(again.channels[0].samples(), codes);
+    }
+
+    #[test]
+    fn alpha_is_stored_straight_and_glow_is_kept() {
+        // Half covered white; nothing; glow over nothing; NaN.
+        let color = grey(4, 1, vec![0.5, 0.0, 0.25, f32::NAN]);
+        let alpha = Plane::from_samples(4, 1, vec![0.5, 0.0, 0.0, 1.0]);
+        let picture = Picture {
+            color: &color,
+            alpha: Some(&alpha),
+            grey: false,
+            bits: 16,
+            transform: ViewTransform::None,
+        };
+        for format in [PictureFormat::Png, PictureFormat::Tiff] {
+            let photo = round_trip(format, &picture);
+            let stored = photo.alpha.unwrap();
+            assert_eq!(photo.channels[0].samples(), [1.0, 0.0, 1.0, 0.0]);
+            for (stored, expected) in stored.samples().iter().zip([0.5, 0.0, 0.25, 1.0]) {
+                assert!((stored - expected).abs() < 1e-5, "{stored} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn full_alpha_is_left_out() {
+        let color = grey(2, 1, vec![0.0, 1.0]);
+        let alpha = Plane::filled(2, 1, 1.0);
+        let picture = Picture {
+            color: &color,
+            alpha: Some(&alpha),
+            grey: false,
+            bits: 8,
+            transform: ViewTransform::Srgb,
+        };
+        assert!(round_trip(PictureFormat::Png, &picture).alpha.is_none());
+    }
+
+    #[test]
+    fn jpeg_and_hdr_are_readable() {
+        let color = grey(16, 16, vec![0.25; 256]);
+        let picture = Picture {
+            color: &color,
+            alpha: None,
+            grey: false,
+            bits: 16,
+            transform: ViewTransform::Srgb,
+        };
+        let jpeg = round_trip(PictureFormat::Jpeg, &picture);
+        assert_eq!((jpeg.bits, jpeg.is_float), (8, false));
+        assert!((jpeg.to_linear()[0].at(3, 3) - 0.25).abs() < 0.01);
+        let hdr = round_trip(PictureFormat::Hdr, &picture);
+        assert!(hdr.is_float);
+        assert!((hdr.to_linear()[0].at(3, 3) - 0.25).abs() < 0.01);
+    }
+}
