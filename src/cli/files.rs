@@ -18,9 +18,9 @@ pub(super) fn refuse_collisions<C: FrameCommand>(
     frames: &[Option<i32>],
 ) -> Result<()> {
     let mut files = Files::default();
-    if let Some(path) = recipe {
-        files.reads(path);
-    }
+    recipe.into_iter().for_each(|path| files.reads(path));
+    let folder = command.folder();
+    folder.into_iter().for_each(|path| files.reads_all_in(path));
     let works = frames.iter().map(|&frame| match frame {
         Some(number) => (frame, command.work().of_frame(number)),
         None => (frame, command.work().clone()),

@@ -32,6 +32,11 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
     /// Files that only this command reads, of one frame of a sequence.
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf>;
 
+    /// A folder that it reads all files of.
+    fn folder(&self) -> Option<&Path> {
+        None
+    }
+
     /// Whether a frame cannot be made without those before it.
     fn follows_on(&self) -> bool {
         false

@@ -67,8 +67,15 @@ impl FrameCommand for HatchArgs {
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
         let motion = frame.and_then(|frame| self.motion.of_frame(frame));
         let motion = motion.map(PathBuf::from).filter(|path| path.exists());
-        let named = motion.into_iter().chain(self.pictures().map(PathBuf::from));
-        self.relight.files(frame).into_iter().chain(named).collect()
+        self.relight
+            .files(frame)
+            .into_iter()
+            .chain(motion)
+            .collect()
+    }
+
+    fn folder(&self) -> Option<&Path> {
+        self.pictures()
     }
 
     fn follows_on(&self) -> bool {

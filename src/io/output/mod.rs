@@ -213,7 +213,7 @@ mod tests {
         let refusal = |outputs: &[&str]| {
             let mut files = Files::default();
             files.reads(&at("in"));
-            files.reads(&at("style"));
+            files.reads_all_in(&at("style"));
             let mut written = outputs.iter().map(|output| files.writes("-o", &at(output)));
             written
                 .find_map(std::result::Result::err)

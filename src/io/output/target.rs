@@ -158,14 +158,17 @@ pub struct Files {
 }
 
 impl Files {
-    /// Notes an input: a file, or a folder of files. One that does not exist cannot be written over.
+    /// Notes an input. One that does not exist cannot be written over.
     pub fn reads(&mut self, path: &Path) {
         if let Some(id) = FileId::of(path) {
-            let kind = match path.is_dir() {
-                true => &mut self.folders,
-                false => &mut self.read,
-            };
-            kind.insert(id, path.into());
+            self.read.insert(id, path.into());
+        }
+    }
+
+    /// Notes a folder all files of which are inputs.
+    pub fn reads_all_in(&mut self, folder: &Path) {
+        if let Some(id) = FileId::of(folder) {
+            self.folders.insert(id, folder.into());
         }
     }
 

@@ -268,7 +268,9 @@ fn samples(path: &Path) -> relievo::Result<Vec<Plane>> {
 fn check_output(path: &Path, finite: bool) {
     let name = path.to_string_lossy().to_lowercase();
     assert!(!name.ends_with(".part"), "{path:?} is left");
-    if !path.is_file() {
+    // Recipes and timings may be asked for under any name.
+    let is_text = |bytes: Vec<u8>| bytes.starts_with(b"version = ") || bytes.starts_with(b"{");
+    if !path.is_file() || fs::read(path).is_ok_and(is_text) {
         return;
     }
     assert!(is_whole(path), "{path:?} is not whole");
