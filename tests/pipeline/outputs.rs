@@ -167,9 +167,9 @@ fn files_are_compared_and_not_their_names() {
 fn bad_paths_are_found_before_any_work() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
-    fs::create_dir(here.join("folder")).unwrap();
+    fs::create_dir(here.join("folder.png")).unwrap();
     for flag in ["-o", "--timings", "--save-recipe"] {
-        for path in ["none/x.png", "folder"] {
+        for path in ["none/x.png", "folder.png"] {
             let output = if flag == "-o" { "" } else { "-o o.png" };
             let words = format!("enhance none.exr {output} {flag} {path}");
             let said = ended(relievo(here, &words), 1);

@@ -58,8 +58,11 @@ impl Desk {
 
     /// Runs a command line and checks what it leaves behind.
     pub(super) fn run(&self, words: &[&[u8]], extra: &[u8]) {
-        if !words.iter().all(|word| stays_here(word)) || words.contains(&&b"report"[..]) {
-            // A report takes seconds at the least.
+        // A report takes seconds at the least, and help makes nothing of what it stands beside.
+        let left_out = [&b"report"[..], b"--help", b"-h"];
+        if !words.iter().all(|word| stays_here(word))
+            || words.iter().any(|word| left_out.contains(word))
+        {
             return;
         }
         // What runs the target has relative paths too.
