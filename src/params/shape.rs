@@ -1,6 +1,6 @@
 //! What shape analysis can be told.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, short};
 use crate::params::{Adaptive, in_range};
 use serde::Serialize;
 
@@ -143,8 +143,13 @@ impl ShapeParams {
         in_range("--foreshortening", self.foreshortening, 0.0..=4.0)?;
         // The steepest slope is its -4th power: 1e12, whose square single precision holds.
         in_range("min_nz", self.min_nz, 1e-3..=1.0)?;
-        // Explicit diffusion is stable only up to 0.25.
-        in_range("time_step", self.time_step, 0.001..=0.25)?;
+        if !(0.001..=0.25).contains(&self.time_step) {
+            return bad(
+                "time_step",
+                format!("is {}", short(self.time_step)),
+                "give 0.001 to 0.25: explicit diffusion is stable only up to there",
+            );
+        }
         in_range("--tolerance", self.tolerance, 1e-9..=1000.0)?;
         for (name, threshold) in [
             ("--silhouette", self.silhouette),

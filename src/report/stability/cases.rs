@@ -336,11 +336,12 @@ fn time_cases() -> Vec<Case> {
         straight("t = 0", "sigma 0 px", of_time(0.0), random),
         straight("t = 1e5", "sigma 447 px on 29x23", of_time(1e5), random),
         straight(
-            "t = 1e5 explicit",
-            "500,000 steps of 0.2 on 7x5",
+            "t = 1e4 explicit",
+            "50,000 steps of 0.2 on 7x5",
             ShapeParams {
                 solver: Solver::Explicit,
-                ..of_time(1e5)
+                scale: Scale::Iterations(50_000),
+                ..steep()
             },
             || Frame {
                 normal: normals(7, 5, rough),
@@ -383,6 +384,11 @@ fn time_cases() -> Vec<Case> {
             "dt just above it",
             "0.25 and one bit",
             explicit(0.25_f32.next_up(), 60),
+        ),
+        refused(
+            "t = 1e5 explicit",
+            "500,000 steps: more than anybody waits for",
+            explicit(0.2, 500_000),
         ),
         refused("dt 1", "explicit steps of 1", explicit(1.0, 1)),
         refused("dt NaN", "explicit steps of NaN", explicit(f32::NAN, 1)),
