@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example before_after -- IN.exr OUT.png`
 
-use relievo::backend::cpu;
+use relievo::engine::cpu;
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};

@@ -5,7 +5,7 @@
 //! `max` and `min` are the fields of the larger and the lesser curvature, made calm; `layer` is the
 //! direction layer, pixel by pixel.
 
-use relievo::backend::cpu::Runner;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{light_from, load};
-use relievo::backend::cpu::{DrawingInputs, Runner};
+use relievo::engine::cpu::{DrawingInputs, Runner};
 use relievo::frame::{Frame, Plane};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;

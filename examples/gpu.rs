@@ -4,9 +4,10 @@
 //! takes, with the bytes that an ideal pass would move in that time.
 //! Without a file, waves of that size, 1920x1080 where none is given.
 
-use relievo::backend::cpu::{self, DrawingInputs};
-use relievo::backend::gpu::{Choice, Device, Runner};
-use relievo::backend::{Product, products};
+use relievo::engine::cpu;
+use relievo::engine::cpu::DrawingInputs;
+use relievo::engine::gpu::{Choice, Device, Runner};
+use relievo::engine::{Product, products};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example live -- render.exr` prints the median and the longest of a few dozen changes.
 
-use relievo::backend::cpu::{LiveRunner, Outcome};
+use relievo::engine::cpu::{LiveRunner, Outcome};
 use relievo::frame::Frame;
 use relievo::io::inputs::{Inputs, LightInputs};
 use relievo::io::picture::{Picture, ViewTransform, pixels};

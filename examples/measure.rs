@@ -6,7 +6,7 @@
 //! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too. Light is
 //! held against double precision at some hundred pixels, the ink of drawings against the tone asked for.
 
-use relievo::backend::cpu::{DrawingInputs, Outcome, Runner};
+use relievo::engine::cpu::{DrawingInputs, Outcome, Runner};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};

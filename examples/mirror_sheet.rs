@@ -4,7 +4,7 @@
 
 mod common;
 
-use relievo::backend::cpu::{DrawingInputs, Runner};
+use relievo::engine::cpu::{DrawingInputs, Runner};
 use relievo::frame::{ColorPlanes, Frame, SpecularScene};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, SpecularInputs, load_specular};

@@ -4,7 +4,7 @@
 
 mod common;
 
-use relievo::backend::cpu::Runner;
+use relievo::engine::cpu::Runner;
 use relievo::frame::Frame;
 use relievo::params::{Method, RelightParams, ScalingParams, ShapeParams};
 use relievo::plan::{Available, LightKinds, Plan};

@@ -3,10 +3,10 @@
 //! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, where there are
 //! any, depth, a mask, a camera, and the picture made of it. [`io::load`] makes one of a renderer's
 //! layers or of a photo with its normal map. A [`plan::Plan`] names the stages that a goal needs and no
-//! others; [`backend::cpu::run`] runs it, and a [`backend::cpu::Runner`] runs many in the same memory.
+//! others; [`engine::cpu::run`] runs it, and a [`engine::cpu::Runner`] runs many in the same memory.
 //!
 //! ```
-//! use relievo::backend::cpu;
+//! use relievo::engine::cpu;
 //! use relievo::io::{self, Needs, inputs::Inputs};
 //! use relievo::params::{ScalingParams, ShapeParams};
 //! use relievo::plan::{Available, Goal, Plan};
@@ -34,7 +34,7 @@
 //! **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is the only place where
 //! the sign turns. Directions are modulo pi.
 //!
-//! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `backend` runs. The
+//! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `engine` runs. The
 //! kernels in [`shape`], [`light`] and [`line`] are plain functions of samples and rows, to be called
 //! from any renderer. [`trace`] follows sight lines through mirrors and lenses, for light and lines alike.
 //!
@@ -54,7 +54,8 @@
 //! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 
-pub mod backend;
+pub mod engine;
+
 pub mod cli;
 pub mod error;
 pub mod fast_math;

@@ -6,7 +6,7 @@ mod common;
 use common::scenes::{DISTANCE, Scene, Surface};
 use common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
 use glam::{DVec3, Vec2};
-use relievo::backend::cpu::{Drawing, DrawingInputs, Runner};
+use relievo::engine::cpu::{Drawing, DrawingInputs, Runner};
 use relievo::frame::{Frame, Mask, Plane};
 use relievo::line::contours::{Contour, ContourKind};
 use relievo::params::{ContourParams, LineParams, ScalingParams, ShapeParams};

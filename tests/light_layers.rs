@@ -7,7 +7,8 @@ mod real_files;
 use common::scenes::{Scene, Surface};
 use glam::Vec3;
 use real_files::real;
-use relievo::backend::cpu::{self, Outcome};
+use relievo::engine::cpu;
+use relievo::engine::cpu::Outcome;
 use relievo::frame::{
     ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Mask, Plane, Window,
 };

@@ -1,6 +1,6 @@
 //! A runner that keeps a frame makes what one makes that begins anew, and no more of it than a change touches.
 
-use relievo::backend::cpu::{DrawingInputs, LiveRunner, Outcome, Runner};
+use relievo::engine::cpu::{DrawingInputs, LiveRunner, Outcome, Runner};
 use relievo::frame::{Frame, Plane};
 use relievo::io::{self, Needs, inputs::Inputs, inputs::LightInputs};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};

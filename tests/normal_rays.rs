@@ -5,7 +5,7 @@ mod common;
 use common::scenes::{Exact, Scene, Surface};
 use common::{mirrored, poisoned, quarter_turned};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
-use relievo::backend::cpu;
+use relievo::engine::cpu;
 use relievo::frame::{DepthKind, Frame, Plane, Projection, Vector2Planes, Vector3Planes};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};

@@ -4,7 +4,7 @@ mod common;
 
 use common::scenes::{Scene, Surface};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use relievo::backend::cpu;
+use relievo::engine::cpu;
 use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection, Window};
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use relievo::io::{self, Loaded, Needs, inputs::Inputs};

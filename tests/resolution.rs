@@ -7,7 +7,8 @@ mod common;
 
 use common::scenes::{Scene, Surface};
 use glam::{DVec2, DVec3};
-use relievo::backend::cpu::{self, Outcome};
+use relievo::engine::cpu;
+use relievo::engine::cpu::Outcome;
 use relievo::frame::{Frame, Projection, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};

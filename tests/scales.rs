@@ -3,7 +3,7 @@
 mod common;
 
 use common::scenes::Scene;
-use relievo::backend::cpu;
+use relievo::engine::cpu;
 use relievo::frame::{Frame, Plane, Vector2Planes};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};

@@ -4,7 +4,8 @@ mod common;
 
 use common::scenes::{Scene, Surface, trace_of_gradient_on_ball};
 use glam::{DMat3, DQuat, DVec3};
-use relievo::backend::cpu::{self, Outcome};
+use relievo::engine::cpu;
+use relievo::engine::cpu::Outcome;
 use relievo::frame::{Frame, Plane};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};

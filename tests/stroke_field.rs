@@ -5,7 +5,7 @@ mod common;
 use common::scenes::{Exact, Scene, Surface};
 use common::{mirrored, quarter_turned};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec2, Vec3};
-use relievo::backend::cpu::Runner;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Window};
 use relievo::params::{Fallback, FieldParams, ScalingParams, ShapeParams, StrokeDirections};
 use relievo::plan::{Available, Goal, Plan};

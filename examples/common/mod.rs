@@ -4,7 +4,7 @@
 
 pub(crate) mod room;
 
-use relievo::backend::cpu::Runner;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};

@@ -6,7 +6,7 @@ use crate::path::{Direct, Tracing};
 use crate::render::Job;
 use crate::stage::{self, Setting};
 use crate::urn::urn;
-use relievo::backend::cpu;
+use relievo::engine::cpu;
 use relievo::io::{self, Needs, inputs::Inputs};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};

@@ -2,10 +2,11 @@
 
 use super::args::BackendArg;
 use super::job::Job;
-use crate::backend::cpu;
-use crate::backend::cpu::{DrawingInputs, Outcome};
+use crate::engine::cpu;
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::DrawingInputs;
 #[cfg(feature = "gpu")]
-use crate::backend::gpu;
+use crate::engine::gpu;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, SpecularScene};
 use crate::light::lights::Illumination;
@@ -270,8 +271,8 @@ fn no_kernels(what: &str) -> Error {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
-    use crate::backend::gpu::{Choice, Device};
-    use crate::backend::products;
+    use crate::engine::gpu::device::{Choice, Device};
+    use crate::engine::tolerances::products;
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal};
     use crate::report::scenes::Scene;

@@ -6,7 +6,9 @@ use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
 use super::strips::{self, StripWork};
-use crate::backend::cpu::{Outcome, Runner, StripChoice};
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::strips::StripChoice;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, LightLayers};
 use crate::io::exr::OutputChannel;
@@ -14,7 +16,8 @@ use crate::io::inputs::Inputs;
 use crate::io::{Loaded, Needs};
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::ScalingParams;
-use crate::plan::{Available, Goal, LightAvailable, Plan};
+use crate::plan::LightAvailable;
+use crate::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
 
 impl FrameCommand for EnhanceArgs {

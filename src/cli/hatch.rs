@@ -10,7 +10,8 @@ use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
 use super::strips::{refuse_large_surroundings, refuse_too_large};
-use crate::backend::cpu::{Drawing, DrawingInputs, SequenceInputs, TextureCoordinates};
+use crate::engine::cpu::outcome::Drawing;
+use crate::engine::cpu::runner::{DrawingInputs, SequenceInputs};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
@@ -20,12 +21,14 @@ use crate::io::svg;
 use crate::io::{self, Loaded, Needs, load_specular};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
 use crate::line::paper::on_paper;
+use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
     LineParams, Material, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
     Style,
 };
-use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use crate::plan::LightKinds;
+use crate::plan::{Available, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;

@@ -8,7 +8,9 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use super::strips::{self, StripWork};
-use crate::backend::cpu::{Outcome, Runner, StripChoice};
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::strips::StripChoice;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::environment::{read_environment_within, read_lit_sphere_within};
@@ -22,7 +24,8 @@ use crate::light::lit_sphere::LitSphere;
 use crate::params::{
     ANGLES_DEG, AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples, in_range,
 };
-use crate::plan::{Available, LightKinds, Plan};
+use crate::plan::LightKinds;
+use crate::plan::{Available, Plan};
 use glam::Vec3;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use super::args::BackendArg;
 #[cfg(feature = "gpu")]
-use crate::backend::cpu::DrawingInputs;
+use crate::engine::cpu::runner::DrawingInputs;
 use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::frame::Frame;
@@ -40,7 +40,7 @@ pub(super) enum ReportDevice {
     None(String),
     /// What it takes.
     Runner {
-        runner: Box<crate::backend::gpu::Runner>,
+        runner: Box<crate::engine::gpu::runner::Runner>,
         is_required: bool,
     },
 }
@@ -50,7 +50,8 @@ impl ReportDevice {
     /// # Errors
     /// [`crate::Error::NoGpu`] where there has to be a device and is none.
     pub(super) fn of(backend: BackendArg) -> Result<Self> {
-        use crate::backend::gpu::{Choice, Device, Runner};
+        use crate::engine::gpu::device::{Choice, Device};
+        use crate::engine::gpu::runner::Runner;
         let opened = match backend {
             BackendArg::Cpu => return Ok(Self::None("the backend asked for is the CPU".into())),
             BackendArg::Gpu => Device::open(Choice::Any)?,

@@ -1,5 +1,7 @@
 //! A function over a row of numbers.
 
+use crate::engine::cpu::simd::widened;
+
 use super::{atan, exp, ln, pow, tan_to_eighth_turn, tanh};
 
 /// A function of this module.
@@ -30,6 +32,10 @@ pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
         Function::Tan => map(out, x, tan_to_eighth_turn),
         Function::Pow(exponent) => map(out, x, |x| pow(x, exponent)),
     }
+}
+
+widened! {
+    fn map_row(function: Function, out: &mut [f32], x: &[f32]);
 }
 
 #[inline(always)]

@@ -158,3 +158,9 @@ impl Frame {
         }
     }
 }
+
+/// The luminance of a colour.
+#[inline(always)]
+pub(crate) fn luminance(rgb: [f32; 3], weights: [f32; 3]) -> f32 {
+    rgb[0] * weights[0] + rgb[1] * weights[1] + rgb[2] * weights[2]
+}

@@ -1,5 +1,8 @@
 //! Light made to tell of shape: pure kernels per sample.
 
+pub(crate) mod prepared_environment;
+pub(crate) mod relight;
+
 pub mod albedo;
 pub mod batch;
 pub mod brdf;

@@ -1,6 +1,10 @@
 //! Lines along the surface: the directions they follow, the strokes drawn along them. Pure kernels, no
 //! files, threads or clock.
 
+pub(crate) mod drawing;
+pub(crate) mod specular;
+pub(crate) mod tone;
+
 pub mod contours;
 pub(crate) mod density;
 pub mod direction;

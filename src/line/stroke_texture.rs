@@ -126,7 +126,7 @@ impl StrokeTexture {
 
 /// Places in a texture, in texels across and down, and then what lies there.
 #[derive(Debug)]
-pub(super) struct Places {
+pub(crate) struct Places {
     /// Across; where texels were fetched, from the left ones to the right ones.
     pub(super) x: [f32; BATCH],
     /// Down; likewise.

@@ -1,10 +1,12 @@
 //! The decision for each stage, with its reason: the rules of the plan, written once.
 
 use super::enhancement::{Enhancement, Subject};
-use super::{Available, Goal, Points, Relighting, Stage, Sweeps};
+use super::{Available, Goal, Points, Stage};
 use crate::params::{
     Adaptive, Bend, LineParams, ScalingParams, ShapeParams, SpecularParams, Style,
 };
+use crate::plan::relight::Relighting;
+use crate::shape::diffusion::sweeps::Sweeps;
 use serde::Serialize;
 
 /// Whether a stage runs, and why.
@@ -496,7 +498,8 @@ pub(super) fn skip(stage: Stage, reason: impl Into<String>) -> Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{LightAvailable, Plan};
+    use crate::plan::Plan;
+    use crate::plan::enhancement::LightAvailable;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {

@@ -4,12 +4,11 @@
 mod enhancement;
 mod explain;
 mod relight;
-mod sweeps;
 
+pub use crate::shape::diffusion::sweeps::{Importance, Readout, Recurrence, Sweeps};
 pub use enhancement::LightAvailable;
 pub use explain::Decision;
 pub use relight::{Albedo, EnvironmentUse, LightKinds, Relighting};
-pub use sweeps::{Importance, Readout, Recurrence, Sweeps};
 
 use crate::error::{Error, Result};
 use crate::frame::{DepthKind, Frame};

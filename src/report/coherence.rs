@@ -4,12 +4,15 @@
 //! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
 //! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
 
-use crate::backend::cpu::{DrawingInputs, Outcome, Runner, SequenceInputs, TextureCoordinates};
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::{DrawingInputs, Runner, SequenceInputs};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
+use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, ToneParams};
-use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use crate::plan::LightKinds;
+use crate::plan::{Available, Plan, ToneFrom};
 use serde::Serialize;
 
 /// A frame of a sequence.

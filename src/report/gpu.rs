@@ -4,14 +4,17 @@
 use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
-use crate::backend::cpu::{self, DrawingInputs, Outcome};
-use crate::backend::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
-use crate::backend::{Product, products};
+use crate::engine::cpu;
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
+use crate::engine::tolerances::{Product, products};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::params::{LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use crate::plan::LightKinds;
+use crate::plan::{Available, Goal, Plan, ToneFrom};
 use serde::Serialize;
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -134,7 +137,7 @@ pub enum GpuReport {
 
 impl<'a> Gpu<'a> {
     /// A device of this name, on which `run` runs plans; an outcome's times are called as
-    /// [`crate::backend::device_times`] says.
+    /// [`crate::engine::device_times`] says.
     pub fn new(name: String, is_software: bool, is_required: bool, run: Run<'a>) -> Self {
         Self {
             name,

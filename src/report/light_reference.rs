@@ -6,7 +6,7 @@
 //! scaling is the printed fraction. It starts from the Hessian and the gain that the backend found, so
 //! that it tells the error of light and nothing else.
 
-use crate::backend::cpu;
+use crate::engine::cpu;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;

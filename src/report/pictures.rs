@@ -9,7 +9,8 @@ use super::light::lit::{off, some_covered, white};
 use super::light::{bare, environment};
 use super::light_reference::lit_at;
 use super::timing::{Effort, Times, measure_runs};
-use crate::backend::cpu::{DrawingInputs, Outcome, Runner};
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::{DrawingInputs, Runner};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::light_samples::uniform_lights;
@@ -18,7 +19,8 @@ use crate::params::{
     AUTO_SAMPLES, LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams, Style,
     WarpBy,
 };
-use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use crate::plan::LightKinds;
+use crate::plan::{Available, Plan, ToneFrom};
 use serde::Serialize;
 
 /// Pixels at which new light is compared, at the most.

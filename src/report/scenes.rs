@@ -451,7 +451,7 @@ mod tests {
 
     #[test]
     fn barriers_are_of_every_strength() {
-        use crate::backend::cpu;
+        use crate::engine::cpu;
         use crate::params::{ScalingParams, ShapeParams};
         use crate::plan::{Available, Goal, Plan};
         let frame = Scene::barriers(320, 240).frame;

@@ -6,7 +6,7 @@
 //! as one operation, divisions as one, and a logarithm, power, sine or arc tangent as twenty.
 
 use crate::params::ShapeParams;
-use crate::plan::{Recurrence, Sweeps};
+use crate::shape::diffusion::sweeps::{Recurrence, Sweeps};
 
 /// Bytes and operations per covered pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +109,7 @@ mod tests {
         let frame = Scene::waves(8, 8).frame;
         for goal in [Goal::Layers, Goal::Display] {
             let plan = timing::plan(goal, &frame, ShapeParams::default()).unwrap();
-            for (name, _) in crate::backend::cpu::run(&plan, &frame).timings {
+            for (name, _) in crate::engine::cpu::run(&plan, &frame).timings {
                 assert!(
                     of_stage(name, &plan.shape, &plan.sweeps).is_some(),
                     "{name}"

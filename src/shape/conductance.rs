@@ -1,5 +1,7 @@
 //! Conductance: how freely the gradient may spread through a pixel, and across its faces.
 
+use crate::engine::cpu::simd::widened;
+
 /// Conductance of a pixel, 0..1, from its silhouette and crease weights ([LW] section 4.4).
 #[inline(always)]
 pub fn conductance(silhouette: f32, crease: f32) -> f32 {
@@ -15,6 +17,10 @@ pub fn conductance_row(out: &mut [f32], silhouette: &[f32], crease: &[f32], cove
         let open = conductance(silhouette[x], crease[x]);
         out[x] = if covered[x] { open } else { 0.0 };
     }
+}
+
+widened! {
+    fn conductance_row(out: &mut [f32], silhouette: &[f32], crease: &[f32], covered: &[bool]);
 }
 
 /// Conductance of the face between two pixels: their harmonic mean, 0 where either is 0.
@@ -33,6 +39,10 @@ pub fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]) {
     for ((face, &a), &b) in faces.iter_mut().zip(a).zip(b) {
         *face = face_conductance(a, b);
     }
+}
+
+widened! {
+    fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]);
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! and a pixel whose filtered normal came out short holds a crease within itself, for the mean of two
 //! unit normals at an angle t has the length cos(t/2).
 
+use crate::engine::cpu::simd::widened;
 use crate::frame::Vector3Planes;
 use crate::params::SoftThreshold;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns};
@@ -178,6 +179,15 @@ pub fn least_cosine_row(
         }
         out[i] = least;
     }
+}
+
+widened! {
+    fn least_cosine_row(
+        out: &mut [f32],
+        normals: &NormalRows,
+        covered: &Rows<bool>,
+        columns: Range<usize>,
+    );
 }
 
 #[inline(always)]

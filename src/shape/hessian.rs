@@ -6,6 +6,7 @@
 //! surfaces; in the open the fit is Sobel's derivative itself. Practice: scaled by the pixel's own
 //! conductance, edges count as flat.
 
+use crate::engine::cpu::simd::widened;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 
@@ -57,6 +58,16 @@ pub fn hessian_row(
     }
 }
 
+widened! {
+    fn hessian_row(
+        out: [&mut [f32]; 3],
+        gx: &Rows,
+        gy: &Rows,
+        conductance: &Rows,
+        columns: Range<usize>,
+    );
+}
+
 /// Trace of [`hessian`] alone, of the pixels of a row in `columns`: all that isotropic scaling needs.
 #[inline(always)]
 pub fn trace_row(
@@ -88,6 +99,16 @@ pub fn trace_row(
             }
         }
     }
+}
+
+widened! {
+    fn trace_row(
+        trace: &mut [f32],
+        gx: &Rows,
+        gy: &Rows,
+        conductance: &Rows,
+        columns: Range<usize>,
+    );
 }
 
 /// Columns that are looked at together: where all around them is open they need no fit.

@@ -3,6 +3,10 @@
 //! Rows run down while y points up: `d/dy` is (row above - row below) / 2. Every kernel says how
 //! many pixels it reads to each side.
 
+pub(crate) mod auto_levels;
+pub(crate) mod curvature_display;
+pub(crate) mod edges;
+
 use std::ops::Range;
 
 pub mod chebyshev;

@@ -5,6 +5,7 @@
 //! and 1/z alike; the border of coverage is always a silhouette. Practice: give depth where there
 //! is any, else an occlusion map or alpha.
 
+use crate::engine::cpu::simd::widened;
 use crate::fast_math::ln;
 use crate::params::SoftThreshold;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
@@ -46,6 +47,10 @@ pub fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]) {
     }
 }
 
+widened! {
+    fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]);
+}
+
 /// [`silhouette_weight`] of the pixels of a row in `columns`; where they are uncovered no matter what.
 #[inline(always)]
 pub fn silhouette_row(
@@ -76,12 +81,26 @@ pub fn silhouette_row(
     }
 }
 
+widened! {
+    fn silhouette_row(
+        weight: &mut [f32],
+        map: &Rows,
+        covered: &Rows<bool>,
+        columns: Range<usize>,
+        threshold: SoftThreshold,
+    );
+}
+
 /// 1 for the pixels of a row in `columns` that are [`on_border`], 0 for the others.
 #[inline(always)]
 pub fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>) {
     for x in columns {
         weight[x] = f32::from(on_border(covered, x));
     }
+}
+
+widened! {
+    fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>);
 }
 
 /// Whether the pixel at column `x` has an uncovered pixel among its eight neighbours.

@@ -428,7 +428,7 @@ impl View {
     }
 
     /// How often each pass has run on the frame in hand, under the names of
-    /// [`Outcome::timings`](crate::backend::cpu::Outcome::timings).
+    /// [`Outcome::timings`](crate::engine::cpu::outcome::Outcome::timings).
     pub fn counts(&self) -> BTreeMap<&'static str, u32> {
         self.shown
             .as_ref()

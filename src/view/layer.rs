@@ -1,8 +1,8 @@
 //! What is shown of a frame.
 
 use super::flow;
-use crate::backend::cpu::Outcome;
 use crate::cli::look::{Pixels, Said, What};
+use crate::engine::cpu::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Picture, ViewTransform};
 

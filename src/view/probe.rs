@@ -1,6 +1,6 @@
 //! The values at a pixel.
 
-use crate::backend::cpu::Outcome;
+use crate::engine::cpu::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::shape::curvature::{mapped_curvature, principal_curvatures};
 

@@ -1,7 +1,7 @@
 //! The program with `--backend gpu`.
 
 use super::on_gpu;
-use relievo::backend::{Product, difference};
+use relievo::engine::{Product, difference};
 use relievo::frame::{Plane, Vector2Planes};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use std::path::{Path, PathBuf};

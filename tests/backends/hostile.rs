@@ -2,8 +2,8 @@
 
 use super::common::poisoned;
 use super::{assert_same, on_gpu, plan, waves};
-use relievo::backend::cpu;
-use relievo::backend::gpu::{Choice, Device, Runner};
+use relievo::engine::cpu;
+use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{Frame, Mask, Plane, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Goal, Stage};

@@ -1,6 +1,6 @@
 //! The kernels as text: valid wherever there is no device to say so.
 
-use relievo::backend::gpu::kernel_sources;
+use relievo::engine::gpu::kernel_sources;
 use wgpu::naga::front::wgsl;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 

@@ -16,9 +16,11 @@ mod relight;
 mod report;
 
 use common::scenes::{Scene, Surface};
-use relievo::backend::cpu::{self, Outcome};
-use relievo::backend::gpu::{self, Choice, Device};
-use relievo::backend::{Product, products};
+use relievo::engine::cpu;
+use relievo::engine::cpu::Outcome;
+use relievo::engine::gpu;
+use relievo::engine::gpu::{Choice, Device};
+use relievo::engine::{Product, products};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};

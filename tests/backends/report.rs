@@ -1,7 +1,7 @@
 //! `relievo report` with a device beside the CPU.
 
 use super::on_gpu;
-use relievo::backend::Product;
+use relievo::engine::Product;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

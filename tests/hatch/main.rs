@@ -9,7 +9,7 @@ mod stiff;
 mod strokes;
 
 use common::scenes::Scene;
-use relievo::backend::cpu::{Drawing, DrawingInputs, Runner};
+use relievo::engine::cpu::{Drawing, DrawingInputs, Runner};
 use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{BATCH, Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;

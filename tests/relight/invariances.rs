@@ -3,7 +3,7 @@
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use crate::{Asked, LIT, METHODS, bits, sky, torus, torus_in_perspective};
 use glam::Vec3;
-use relievo::backend::cpu::Runner;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
 use relievo::params::{Adaptive, Material, Method, Samples, Tangent};
 

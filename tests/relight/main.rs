@@ -11,7 +11,7 @@ mod sums;
 
 use common::scenes::{Scene, Surface};
 use glam::{DVec3, Vec3};
-use relievo::backend::cpu::{Outcome, Runner};
+use relievo::engine::cpu::{Outcome, Runner};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};

@@ -8,7 +8,7 @@ mod measured;
 mod real_files;
 mod rendered;
 
-use relievo::backend::cpu::{Drawing, DrawingInputs, Runner, SequenceInputs, TextureCoordinates};
+use relievo::engine::cpu::{Drawing, DrawingInputs, Runner, SequenceInputs, TextureCoordinates};
 use relievo::frame::{
     ColorPlanes, Frame, LightLayers, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };

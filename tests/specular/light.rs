@@ -3,7 +3,7 @@
 use crate::exact::{CENTER, IOR, Scene, Thing};
 use crate::traced;
 use glam::{DVec2, DVec3};
-use relievo::backend::cpu::Runner;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane, SpecularScene};
 use relievo::light::brdf::fresnel;
 use relievo::light::lights::Illumination;

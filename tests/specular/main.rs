@@ -8,7 +8,7 @@ mod propagation;
 mod rendered;
 mod stiff;
 
-use relievo::backend::cpu::Runner;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{Frame, SpecularScene, Vector2Planes};
 use relievo::params::{
     Bend, LineParams, RelightParams, ScalingParams, SearchParams, ShapeParams, SpecularParams,

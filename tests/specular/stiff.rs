@@ -3,7 +3,7 @@
 use crate::exact::{Scene, Thing};
 use crate::{drawing, fields};
 use glam::DVec3;
-use relievo::backend::cpu::{Drawing, DrawingInputs, Runner};
+use relievo::engine::cpu::{Drawing, DrawingInputs, Runner};
 use relievo::frame::{Frame, Mask, Plane, SpecularScene, Vector3Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{Bend, Fallback, FieldParams, LineParams, StrokeDirections};

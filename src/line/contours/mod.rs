@@ -6,6 +6,16 @@
 //! [`ridge`] say where edges are, [`network`] makes lines of them, and
 //! [`round_stroke`] says what a line covers.
 
+pub(crate) mod coverage;
+pub(crate) mod cpu;
+pub(crate) mod cracks;
+pub(crate) mod creases;
+#[cfg(feature = "gpu")]
+pub(crate) mod found;
+pub(crate) mod ground;
+pub(crate) mod map_tile;
+pub(crate) mod silhouettes;
+
 pub mod crack;
 pub mod gaps;
 pub mod lattice;

@@ -13,7 +13,8 @@ use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
 use super::timing::{Effort, Timed, measure_runs};
 use crate::Result;
-use crate::backend::cpu::{DrawingInputs, Outcome, Runner};
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::{DrawingInputs, Runner};
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::params::{
     Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, ToneParams,

@@ -4,7 +4,7 @@
 //! Ours run in the widest vectors that the machine has, as the stages do; those of the standard library
 //! are calls, one number at a time, whatever the vectors.
 
-use crate::backend::cpu;
+use crate::engine::cpu;
 use crate::fast_math::Function;
 use crate::report::Extent;
 use serde::Serialize;

@@ -2,7 +2,8 @@
 
 use super::bare;
 use crate::Result;
-use crate::backend::cpu::{Outcome, Runner};
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::Runner;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
@@ -10,7 +11,8 @@ use crate::light::lights::Illumination;
 use crate::params::{
     Material, MaterialParams, Method, RelightParams, Samples, ScalingParams, ShapeParams, WarpBy,
 };
-use crate::plan::{Available, LightKinds, Plan};
+use crate::plan::LightKinds;
+use crate::plan::{Available, Plan};
 use crate::report::compare::{Errors, Tally, compare};
 use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};

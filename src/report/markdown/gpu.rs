@@ -1,7 +1,7 @@
 //! The section on the device beside the CPU.
 
 use super::{pair, place, table};
-use crate::backend::Product;
+use crate::engine::tolerances::Product;
 use crate::report::Report;
 use crate::report::advice::scientific;
 use crate::report::compare::Errors;

@@ -3,7 +3,7 @@
 use super::ball::{Ball, Shown};
 use super::{Row, Setting, Spread, is_column, room};
 use crate::Result;
-use crate::backend::cpu::{DrawingInputs, Runner};
+use crate::engine::cpu::runner::{DrawingInputs, Runner};
 use crate::frame::{Frame, SpecularScene};
 use crate::params::{
     Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, SpecularParams,

@@ -4,7 +4,7 @@ use super::cases::case;
 use super::frames::{masked, normals, relief, rough};
 use super::{Case, Expected, Verdict};
 use crate::Result;
-use crate::backend::cpu::{DrawingInputs, Runner};
+use crate::engine::cpu::runner::{DrawingInputs, Runner};
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::params::{
     Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, StrokeParams,

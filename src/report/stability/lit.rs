@@ -2,11 +2,13 @@
 
 use super::{Verdict, largest};
 use crate::Result;
-use crate::backend::cpu::{self, Runner};
+use crate::engine::cpu;
+use crate::engine::cpu::runner::Runner;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Adaptive, Material, Method, RelightParams, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, LightKinds, Plan};
+use crate::plan::LightKinds;
+use crate::plan::{Available, Goal, Plan};
 use crate::report::light::bare;
 use crate::report::timing;
 

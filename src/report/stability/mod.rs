@@ -10,7 +10,7 @@ mod lit;
 pub use cases::all;
 
 use super::timing;
-use crate::backend::cpu;
+use crate::engine::cpu;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::params::ShapeParams;

@@ -9,7 +9,7 @@ pub mod solver;
 use super::reference::{self, Field, Operator};
 use super::timing;
 use crate::Result;
-use crate::backend::cpu;
+use crate::engine::cpu;
 use crate::frame::{Frame, Plane};
 use crate::params::{Scale, ShapeParams};
 use crate::plan::Goal;

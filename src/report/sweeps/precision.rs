@@ -2,7 +2,7 @@
 
 use super::{Measuring, named};
 use crate::Result;
-use crate::backend::cpu;
+use crate::engine::cpu;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use crate::params::{Scale, ShapeParams};
 use crate::plan::Goal;

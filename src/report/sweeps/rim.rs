@@ -3,7 +3,7 @@
 
 use super::Measuring;
 use crate::Result;
-use crate::backend::cpu;
+use crate::engine::cpu;
 use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::Goal;

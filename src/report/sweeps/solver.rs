@@ -2,17 +2,19 @@
 
 use super::{Measuring, named};
 use crate::Result;
-use crate::backend::cpu::{self, Outcome};
+use crate::engine::cpu;
+use crate::engine::cpu::outcome::Outcome;
 use crate::frame::{Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
-use crate::plan::{Goal, Plan, Recurrence, Sweeps};
+use crate::plan::{Goal, Plan};
 use crate::report::compare::{Errors, Tally, compare};
 use crate::report::gpu::{Gpu, GpuRow};
 use crate::report::machine::Machine;
 use crate::report::pareto;
 use crate::report::timing::{self, Effort, Timed, Times, Utilisation, measure_in_turn};
 use crate::report::work;
+use crate::shape::diffusion::sweeps::{Recurrence, Sweeps};
 use serde::Serialize;
 
 /// Tolerances tried.

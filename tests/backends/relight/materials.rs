@@ -2,7 +2,7 @@
 
 use super::super::on_gpu;
 use super::{Asked, LIT, METHODS, torus, torus_from_near};
-use relievo::backend::cpu;
+use relievo::engine::cpu;
 use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
 use relievo::params::{Adaptive, Material, Method, Quantisation, Scale};

@@ -3,7 +3,6 @@
 mod reading;
 
 use super::{Look, Said};
-use crate::backend::cpu::{DrawingInputs, LiveRunner, Outcome, StripChoice};
 use crate::cli::args::{Command, OutputArgs, WorkArgs};
 use crate::cli::chosen::Chosen;
 use crate::cli::engine::Engine;
@@ -14,12 +13,17 @@ use crate::cli::message;
 use crate::cli::recipe::RecipeText;
 use crate::cli::relight_args::RelightArgs;
 use crate::cli::{relight, shape};
+use crate::engine::cpu::live::LiveRunner;
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::cpu::strips::StripChoice;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
 use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::plan::{Goal, LightKinds, Plan};
+use crate::plan::LightKinds;
+use crate::plan::{Goal, Plan};
 use reading::{Around, Source};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -412,8 +416,8 @@ fn work_of(command: &Command) -> &WorkArgs {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
-    use crate::backend::gpu::to_test_on;
     use crate::cli::args::BackendArg;
+    use crate::engine::gpu::device::to_test_on;
     use std::path::Path;
 
     /// The picture of each command, as it is shown.

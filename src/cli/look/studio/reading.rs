@@ -1,7 +1,6 @@
 //! What a look is made of: files, read again only when others are named.
 
 use super::{A_COMMAND, Held, Reading, Sitter, Studio, work_of};
-use crate::backend::cpu::LiveRunner;
 use crate::cli::args::Command;
 use crate::cli::hatch;
 use crate::cli::job::Job;
@@ -12,6 +11,7 @@ use crate::cli::relight;
 use crate::cli::relight_args::{LightFlags, RelightArgs};
 use crate::cli::strips::refuse_too_large;
 use crate::cli::told::Told;
+use crate::engine::cpu::live::LiveRunner;
 use crate::error::Result;
 use crate::io::inputs::Inputs;
 use crate::io::{self, Needs, SpecularInputs, load_specular};

@@ -1,0 +1,99 @@
+//! Planes of finished runs, used again: a system hands out fresh memory page by page, which costs more
+//! than many a pass over it.
+
+use crate::engine::cpu::outcome::Outcome;
+use crate::frame::{ColorPlanes, Mask, Plane, SymmetricPlanes, Vector2Planes};
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// Planes to be used again.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    spare: Mutex<Vec<Vec<f32>>>,
+}
+
+impl Memory {
+    /// A plane of the size of `mask`, 0 where uncovered. Where covered its samples are of no meaning, and
+    /// have to be written.
+    pub(crate) fn plane(&self, mask: &Mask) -> Plane {
+        let (width, height) = (mask.width(), mask.height());
+        let Some(mut samples) = self.spare_of(width * height) else {
+            return Plane::filled(width, height, 0.0);
+        };
+        if mask.count() < samples.len() {
+            samples
+                .par_chunks_mut(1 << 16)
+                .for_each(|part| part.fill(0.0));
+        }
+        Plane::from_samples(width, height, samples)
+    }
+
+    /// A plane of the size of `mask` whose samples are of no meaning, and all have to be written.
+    pub(crate) fn unwritten(&self, mask: &Mask) -> Plane {
+        let (width, height) = (mask.width(), mask.height());
+        match self.spare_of(width * height) {
+            Some(samples) => Plane::from_samples(width, height, samples),
+            None => Plane::filled(width, height, 0.0),
+        }
+    }
+
+    /// Two planes as [`Memory::plane`] gives them.
+    pub(crate) fn vectors(&self, mask: &Mask) -> Vector2Planes {
+        Vector2Planes {
+            x: self.plane(mask),
+            y: self.plane(mask),
+        }
+    }
+
+    fn spare_of(&self, samples: usize) -> Option<Vec<f32>> {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        // Planes of another size will not be asked for again soon.
+        spare.retain(|plane| plane.len() == samples);
+        spare.pop()
+    }
+
+    /// Takes planes whose samples are no longer needed.
+    pub(crate) fn take_back(&self, planes: impl IntoIterator<Item = Plane>) {
+        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        spare.extend(planes.into_iter().map(Plane::into_samples));
+    }
+}
+
+impl Outcome {
+    /// All of its planes.
+    pub(crate) fn into_planes(self) -> impl Iterator<Item = Plane> {
+        let shape = self.shape;
+        let alone = [
+            shape.silhouette,
+            shape.crease,
+            shape.conductance,
+            shape.trace,
+            shape.kappa,
+        ];
+        let more = shape.more_scales.into_iter();
+        let (curvatures, kappas): (Vec<_>, Vec<_>) =
+            more.map(|scale| (scale.curvatures, scale.kappa)).unzip();
+        let vectors = [shape.gradient, shape.direction, shape.direction_view];
+        let vectors = vectors
+            .into_iter()
+            .flatten()
+            .flat_map(|Vector2Planes { x, y }| [x, y]);
+        let hessian = shape.hessian.into_iter();
+        let hessian = hessian.flat_map(|SymmetricPlanes { xx, xy, yy }| [xx, xy, yy]);
+        let curvatures = shape.curvatures.into_iter().chain(curvatures);
+        let curvatures = curvatures.flat_map(|c| [c.u, c.v, c.mean]);
+        let drawing = self.drawing.into_iter();
+        let drawing = drawing.flat_map(|d| std::iter::once(d.hatching).chain(d.contours));
+        let color = self.color.into_iter();
+        let color = color.flat_map(|ColorPlanes { r, g, b }| [r, g, b]);
+        alone
+            .into_iter()
+            .flatten()
+            .chain(kappas)
+            .chain(vectors)
+            .chain(drawing)
+            .chain(hessian)
+            .chain(curvatures)
+            .chain(color)
+    }
+}

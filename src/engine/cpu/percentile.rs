@@ -1,0 +1,196 @@
+//! The value below which a given percentage of many others lies, without sorting or copying them.
+//!
+//! Floats are ordered as their bits are, once those of negative ones are turned about. So a histogram of
+//! the upper half of the bits tells in which bin the value lies, and one of the lower half, over that
+//! bin, which value it is: exactly the one that sorting would find. Counts are whole numbers, the same
+//! for any number of threads.
+
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Bins of a histogram over half of the bits.
+const BINS: usize = 1 << 16;
+
+/// The value below which `percent` of the finite ones lie; `None` if there are none. `row(y)`
+/// are the values of row `y`, asked for twice.
+pub(crate) fn percentile<Values: Iterator<Item = f32>>(
+    height: usize,
+    percent: u32,
+    row: impl Fn(usize) -> Values + Sync,
+) -> Option<f32> {
+    let mut search = PercentileSearch::new(percent);
+    search.add(0..height, &row);
+    search.narrow();
+    search.add(0..height, &row);
+    search.found()
+}
+
+/// A search among values that come some at a time, all of them twice: once before [`PercentileSearch::narrow`], and
+/// once after.
+#[derive(Debug, Clone)]
+pub(crate) struct PercentileSearch {
+    percent: u32,
+    counts: Vec<u64>,
+    /// The upper half of the value's bits, and its rank among those that have it.
+    upper: Option<(u32, u64)>,
+    is_narrow: bool,
+}
+
+impl PercentileSearch {
+    pub(crate) fn new(percent: u32) -> Self {
+        Self {
+            percent,
+            counts: vec![0; BINS],
+            upper: None,
+            is_narrow: false,
+        }
+    }
+
+    /// Counts the values of these rows.
+    pub(crate) fn add<Values: Iterator<Item = f32>>(
+        &mut self,
+        rows: Range<usize>,
+        row: impl Fn(usize) -> Values + Sync,
+    ) {
+        let keys = |y| row(y).map(key);
+        let counts = match (self.is_narrow, self.upper) {
+            (false, _) => histogram(rows, |y| keys(y).map(|key| key >> 16)),
+            (true, Some((upper, _))) => {
+                let within = |y| keys(y).filter(move |key| key >> 16 == upper);
+                histogram(rows, |y| within(y).map(|key| key & 0xffff))
+            }
+            (true, None) => return,
+        };
+        let sums = self.counts.iter_mut().zip(counts);
+        sums.for_each(|(sum, count)| *sum += u64::from(count));
+    }
+
+    /// Ends the first time, and begins the second.
+    pub(crate) fn narrow(&mut self) {
+        let upper = &mut self.counts;
+        // Forgetting the bins of infinities and NaN is cheaper than looking for these among the values.
+        upper[..=key(f32::NEG_INFINITY) as usize >> 16].fill(0);
+        upper[key(f32::INFINITY) as usize >> 16..].fill(0);
+        let count: u64 = upper.iter().sum();
+        self.upper = count.checked_sub(1).map(|last| {
+            let rank = (f64::from(self.percent) / 100.0 * last as f64).round() as u64;
+            bin_at(upper, rank)
+        });
+        self.counts.fill(0);
+        self.is_narrow = true;
+    }
+
+    /// What was searched for, when all values have come twice.
+    pub(crate) fn found(&self) -> Option<f32> {
+        let (upper, rank) = self.upper?;
+        let (lower, _) = bin_at(&self.counts, rank);
+        Some(value(upper << 16 | lower))
+    }
+}
+
+/// How often each of the bins is named over all rows.
+fn histogram<Bins: Iterator<Item = u32>>(
+    rows: Range<usize>,
+    bins: impl Fn(usize) -> Bins + Sync,
+) -> Vec<u32> {
+    // A histogram for each task: few tasks, yet enough to even out threads that were kept waiting.
+    let rows_per_task = rows.len().div_ceil(2 * rayon::current_num_threads());
+    rows.into_par_iter()
+        .with_min_len(rows_per_task)
+        .fold(
+            || vec![0; BINS],
+            |mut counts, y| {
+                bins(y).for_each(|bin| counts[bin as usize % BINS] += 1);
+                counts
+            },
+        )
+        .reduce_with(|mut sum, counts| {
+            sum.iter_mut().zip(&counts).for_each(|(s, n)| *s += n);
+            sum
+        })
+        .unwrap_or_else(|| vec![0; BINS])
+}
+
+/// The bin of the value that comes `rank`-th, from 0, and its rank within the bin.
+fn bin_at(counts: &[u64], mut rank: u64) -> (u32, u64) {
+    for (bin, &count) in counts.iter().enumerate() {
+        match rank.checked_sub(count) {
+            Some(rest) => rank = rest,
+            None => return (bin as u32, rank),
+        }
+    }
+    unreachable!("a rank is less than the sum of the counts")
+}
+
+/// Bits that are ordered as `f32::total_cmp` orders the values.
+#[inline(always)]
+fn key(value: f32) -> u32 {
+    let bits = value.to_bits();
+    let negative = ((bits as i32) >> 31) as u32;
+    bits ^ (negative | SIGN)
+}
+
+/// The value with this key.
+fn value(key: u32) -> f32 {
+    f32::from_bits(if key & SIGN == 0 { !key } else { key ^ SIGN })
+}
+
+const SIGN: u32 = 1 << 31;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of_rows(rows: &[Vec<f32>], percent: u32) -> Option<f32> {
+        percentile(rows.len(), percent, |y| rows[y].iter().copied())
+    }
+
+    #[test]
+    fn percentiles_of_hostile_values() {
+        assert_eq!(of_rows(&[], 50), None);
+        assert_eq!(of_rows(&[vec![], vec![]], 50), None);
+        assert_eq!(of_rows(&[vec![f32::NAN, f32::INFINITY]], 50), None);
+        let some = vec![vec![3.0, f32::NAN], vec![1.0, 2.0, f32::NEG_INFINITY]];
+        assert_eq!(of_rows(&some, 50), Some(2.0));
+        assert_eq!(of_rows(&[vec![7.5; 1000]], 98), Some(7.5));
+    }
+
+    #[test]
+    fn it_is_what_sorting_finds() {
+        // Many sizes and both signs, some of them often, in rows of unequal length.
+        let mut seed = 1_u32;
+        let mut random = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            seed >> 8
+        };
+        let rows: Vec<Vec<f32>> = (0..97)
+            .map(|y| {
+                let values = (0..y * 7 % 41).map(|_| match random() % 4 {
+                    0 => f32::from_bits(random() << 7),
+                    1 => -f32::from_bits(random() << 7),
+                    2 => 0.25,
+                    _ => random() as f32 * 1e-7,
+                });
+                values.collect()
+            })
+            .collect();
+        let mut sorted: Vec<f32> = rows.iter().flatten().copied().collect();
+        sorted.retain(|v| v.is_finite());
+        sorted.sort_by(f32::total_cmp);
+        for percent in [0, 10, 50, 80, 98, 100] {
+            let share = f64::from(percent) / 100.0;
+            let index = (share * (sorted.len() - 1) as f64).round() as usize;
+            let found = of_rows(&rows, percent).unwrap();
+            assert_eq!(found.to_bits(), sorted[index].to_bits(), "{percent} %");
+        }
+    }
+
+    #[test]
+    fn keys_give_their_values_back_in_order() {
+        let values = [-f32::MAX, -1.0, -1e-45, -0.0, 0.0, 1e-45, 1.0, f32::MAX];
+        assert!(values.windows(2).all(|pair| key(pair[0]) < key(pair[1])));
+        for v in values {
+            assert_eq!(value(key(v)).to_bits(), v.to_bits());
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Passes over the frame: rows in parallel, columns that hold no surface skipped.
+
+use crate::engine::cpu::memory::Memory;
+use crate::frame::{Mask, Plane};
+use rayon::prelude::*;
+
+/// Rows that one task takes at the least: enough work to be worth handing out.
+pub(crate) const ROWS_PER_TASK: usize = 8;
+
+/// Planes of `row(y)(x)` where covered, 0 elsewhere.
+pub(crate) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
+    mask: &Mask,
+    memory: &Memory,
+    row: impl Fn(usize) -> Sample + Sync,
+) -> [Plane; N] {
+    map_rows(mask, memory, |y, mut rows| {
+        let (covered, sample) = (mask.row(y), row(y));
+        for x in mask.span(y).filter(|&x| covered[x]) {
+            for (row, value) in rows.iter_mut().zip(sample(x)) {
+                row[x] = value;
+            }
+        }
+    })
+}
+
+/// Planes whose rows are filled by `fill(y, rows)`, which has to write all that is covered; 0 elsewhere.
+pub(crate) fn map_rows<const N: usize>(
+    mask: &Mask,
+    memory: &Memory,
+    fill: impl Fn(usize, [&mut [f32]; N]) + Sync,
+) -> [Plane; N] {
+    let mut planes = [(); N].map(|()| memory.plane(mask));
+    rows_of(&mut planes)
+        .into_par_iter()
+        .enumerate()
+        .with_min_len(ROWS_PER_TASK)
+        .filter(|(y, _)| !mask.span(*y).is_empty())
+        .for_each(|(y, rows)| fill(y, rows));
+    planes
+}
+
+/// The rows of several planes of one size, gathered by row.
+fn rows_of<const N: usize>(planes: &mut [Plane; N]) -> Vec<[&mut [f32]; N]> {
+    let width = planes[0].width();
+    let mut rows = planes
+        .each_mut()
+        .map(|plane| plane.samples_mut().chunks_mut(width));
+    let height = rows[0].len();
+    (0..height)
+        .map(|_| {
+            rows.each_mut()
+                .map(|r| r.next().expect("planes of one size"))
+        })
+        .collect()
+}

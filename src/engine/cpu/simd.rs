@@ -1,0 +1,256 @@
+//! Row kernels compiled for wider vectors than the baseline has, chosen at run time.
+//!
+//! The compiler makes wider code of the same loops; it neither reorders nor contracts floating-point operations, so every
+//! level gives the same bits.
+
+/// Vectors that this machine has. Only [`Simd::available`] makes one, of features it has found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Simd(Level);
+
+/// What vectors a kernel is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Level {
+    /// What every machine of the target has.
+    Baseline,
+    /// 256 bits.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// 512 bits.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Simd {
+    /// All that this machine has, the widest last.
+    pub(crate) fn available() -> Vec<Self> {
+        #[cfg(not(target_arch = "x86_64"))]
+        let levels = vec![Self(Level::Baseline)];
+        #[cfg(target_arch = "x86_64")]
+        let levels = {
+            let mut levels = vec![Self(Level::Baseline)];
+            if is_x86_feature_detected!("avx2") {
+                levels.push(Self(Level::Avx2));
+            }
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq")
+            {
+                levels.push(Self(Level::Avx512));
+            }
+            levels
+        };
+        levels
+    }
+
+    /// The widest that this machine has.
+    pub(crate) fn widest() -> Self {
+        *Self::available()
+            .last()
+            .expect("the baseline is always there")
+    }
+
+    /// Its level.
+    pub(crate) fn level(self) -> Level {
+        self.0
+    }
+
+    /// Bits of its vectors.
+    pub(crate) fn bits(self) -> u32 {
+        match self.0 {
+            Level::Baseline => 128,
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => 256,
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => 512,
+        }
+    }
+}
+
+/// Methods of [`Simd`] that call a row kernel as compiled for its level. A kernel asks for one in its own file.
+macro_rules! widened {
+    ($(fn $name:ident($($arg:ident: $type:ty),* $(,)?);)*) => {
+        #[allow(
+            unsafe_code,
+            reason = "calling a function compiled for features that were just detected"
+        )]
+        impl $crate::engine::cpu::simd::Simd {$(
+            #[inline]
+            pub(crate) fn $name(self, $($arg: $type),*) {
+                use $crate::engine::cpu::simd::Level;
+                #[cfg(target_arch = "x86_64")]
+                #[target_feature(enable = "avx2")]
+                fn avx2($($arg: $type),*) {
+                    $name($($arg),*)
+                }
+                #[cfg(target_arch = "x86_64")]
+                #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq")]
+                fn avx512($($arg: $type),*) {
+                    $name($($arg),*)
+                }
+                match self.level() {
+                    Level::Baseline => $name($($arg),*),
+                    // SAFETY: only `available` makes this level, where it found the features.
+                    #[cfg(target_arch = "x86_64")]
+                    Level::Avx2 => unsafe { avx2($($arg),*) },
+                    // SAFETY: as above.
+                    #[cfg(target_arch = "x86_64")]
+                    Level::Avx512 => unsafe { avx512($($arg),*) },
+                }
+            }
+        )*}
+    };
+}
+pub(crate) use widened;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::layers::{LobeRow, TermScaling};
+    use crate::line::direction_field::Weighted;
+    use crate::params::SoftThreshold;
+    use crate::shape::Rows;
+    use crate::shape::crease::NormalRows;
+    use crate::shape::diffusion::{Faces, LEVELS, Stencil, Update};
+
+    const WIDTH: usize = 83;
+
+    /// A row of numbers between 0 and 1, the same for the same seed.
+    fn row(seed: u32) -> Vec<f32> {
+        let hash = |x: u32| (x.wrapping_mul(0x9e37_79b9) ^ seed.wrapping_mul(0x85eb_ca6b)) >> 8;
+        let value = |x| (hash(hash(x)) % 1000) as f32 / 1000.0;
+        (0..WIDTH as u32 + 2).map(value).collect()
+    }
+
+    fn rows(seed: u32) -> [Vec<f32>; 3] {
+        [row(seed), row(seed + 1), row(seed + 2)]
+    }
+
+    fn around(rows: &[Vec<f32>; 3]) -> Rows<'_> {
+        Rows {
+            above: &rows[0],
+            at: &rows[1],
+            below: &rows[2],
+        }
+    }
+
+    /// What the kernels make of some rows.
+    fn made(simd: Simd) -> Vec<Vec<f32>> {
+        let (gx, gy) = (rows(1), rows(4));
+        let open = rows(7).map(|row| row.into_iter().map(|c| c.max(0.4) / 0.4).collect());
+        let open = open.map(|row: Vec<f32>| row.into_iter().map(|c| 1.0 / c).collect::<Vec<f32>>());
+        let covered = [0, 1, 2].map(|y| row(30 + y).into_iter().map(|v| v > 0.1).collect());
+        let covered: [Vec<bool>; 3] = covered;
+        let seen = Rows {
+            above: &covered[0],
+            at: &covered[1],
+            below: &covered[2],
+        };
+        let columns = || 0..WIDTH;
+        let blank = || vec![0.0; WIDTH];
+        let [mut trace, mut faces, mut logs] = [blank(), blank(), blank()];
+        let [mut cosines, mut silhouette, mut conductance] = [blank(), blank(), blank()];
+
+        let [x, y, c] = [&gx, &gy, &open].map(around);
+        simd.trace_row(&mut trace, &x, &y, &c, columns());
+        simd.face_conductance_row(&mut faces, &open[0], &open[1]);
+        simd.log_depth_row(&mut logs, &gx[0], &covered[0]);
+        let normals = NormalRows { x, y, z: c };
+        simd.least_cosine_row(&mut cosines, &normals, &seen, columns());
+        let threshold = SoftThreshold { lo: 0.1, hi: 0.5 };
+        simd.silhouette_row(&mut silhouette, &x, &seen, columns(), threshold);
+        simd.conductance_row(&mut conductance, &gx[0], &gy[0], &covered[0]);
+        let [mut half_x, mut half_y] = [gx[0].clone(), gy[0].clone()];
+        simd.halve_row(&mut half_x, &mut half_y);
+
+        let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
+        results.extend([half_x, half_y]);
+        let chain: Vec<Weighted> = (0..WIDTH)
+            .map(|i| [gx[0][i], gy[0][i], gx[1][i], 1.0])
+            .collect();
+        let reach: Vec<f32> = gy[1].iter().map(|v| 0.5 + 9.0 * v).collect();
+        let mut sums = vec![[0.0; 4]; WIDTH];
+        simd.sums_along(&mut sums, &chain, &reach[..WIDTH], &mut Vec::new());
+        results.push(sums.concat());
+        for update in [Update::Step(0.2), Update::First, Update::Next] {
+            let [mut out_x, mut out_y] = [20, 21].map(|seed| row(seed)[..WIDTH].to_vec());
+            let g = [&gx, &gy].map(|rows| Stencil {
+                above: &rows[0][..WIDTH],
+                at: &rows[1],
+                below: &rows[2][..WIDTH],
+            });
+            let faces = Faces {
+                left: &open[0][..WIDTH + 1],
+                above: &open[1][..WIDTH],
+                below: &open[2][..WIDTH],
+            };
+            simd.sweep_row([&mut out_x, &mut out_y], g, faces, update);
+            let levels: Vec<u16> = (0..WIDTH as u16).map(|x| x % 8).collect();
+            let weights = std::array::from_fn::<f32, LEVELS, _>(|i| 0.3 + i as f32);
+            let few = weights.first_chunk().expect("there are more in all");
+            let terms = [
+                [&gx[0][..WIDTH], &gx[1][..WIDTH]],
+                [&gy[0][..WIDTH], &gy[1][..WIDTH]],
+            ];
+            let mut by_few = [out_x.clone(), out_y.clone()];
+            let [x, y] = &mut by_few;
+            simd.add_terms_by_few_levels_row([x, y], terms, &levels, [few, few]);
+            let (x, y) = (&mut out_x, &mut out_y);
+            simd.add_terms_by_level_row([x, y], terms, &levels, [&weights, &weights]);
+            assert_eq!(by_few, [out_x.clone(), out_y.clone()]);
+            simd.add_terms_row(&mut out_x, terms[0], [0.7, -0.2]);
+            results.extend([out_x, out_y]);
+        }
+        results.extend(made_of_light(simd, &gx, &gy));
+        results
+    }
+
+    /// What the kernels of light layers make of some rows.
+    fn made_of_light(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
+        let [a, b] = [a, b].map(|rows| [&rows[0][..WIDTH], &rows[1][..WIDTH], &rows[2][..WIDTH]]);
+        let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();
+        let by = TermScaling {
+            magnitude: 1.3,
+            invariant_point: 0.25,
+            white: 0.8,
+            weights: [0.2, 0.7, 0.1],
+        };
+        let blank = || vec![0.0; WIDTH];
+        let [mut kappa, mut toward, mut lobe, mut group] = [blank(), blank(), blank(), blank()];
+        let [mut plain, mut scaled, mut change, mut told] = [blank(), blank(), blank(), blank()];
+        simd.kappa_row(&mut kappa, a[0], -3.0);
+        simd.kappa_toward_row(&mut toward, a, [0.6, -0.3], 2.0, 0.7);
+        let row = LobeRow {
+            direct: a,
+            indirect: b,
+            color: a,
+            albedo: b,
+        };
+        simd.lobe_sigma_row(&mut lobe, &row, &kappa, &by);
+        simd.add_direction_row(&mut plain, &mut scaled, a, [0.6, 0.0, -0.8], &toward, &by);
+        simd.group_sigma_row(&mut group, &plain, &scaled);
+        simd.add_change_row(&mut change, &mut told, a, &lobe);
+        let mut out = blank();
+        simd.changed_row(&mut out, b[0], &change, &told, &covered);
+        let [mut red, mut green, mut blue] = b.map(<[f32]>::to_vec);
+        let color = [&mut red[..], &mut green[..], &mut blue[..]];
+        simd.occlude_row(color, a[1], &kappa, &covered, &by);
+        let mut luminance = blank();
+        simd.lobe_luminance_row(&mut luminance, &row, by.weights);
+        vec![
+            luminance, toward, plain, scaled, group, out, red, green, blue,
+        ]
+    }
+
+    #[test]
+    fn wider_vectors_give_the_same_bits() {
+        let bits = |rows: Vec<Vec<f32>>| -> Vec<u32> {
+            rows.into_iter().flatten().map(f32::to_bits).collect()
+        };
+        let expected = bits(made(Simd(Level::Baseline)));
+        for simd in Simd::available() {
+            println!("{simd:?}");
+            assert!(bits(made(simd)) == expected, "{simd:?} has other bits");
+        }
+    }
+}

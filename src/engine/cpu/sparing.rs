@@ -1,0 +1,232 @@
+//! Drawings of large pictures: the shape and the tone are made in bands, and what strokes do not take is not kept.
+
+use crate::engine::cpu::Run;
+use crate::engine::cpu::outcome::{Outcome, Shape};
+use crate::engine::cpu::runner::{DrawingInputs, Runner};
+use crate::frame::{ColorPlanes, Frame, Plane, Window};
+use crate::light::radiance_scaling::cpu as light;
+use crate::params::Adaptive;
+use crate::plan::{Goal, Plan, Stage};
+use std::ops::Range;
+
+/// Pixels beyond which a drawing is made sparingly.
+const LARGE: usize = 1 << 24;
+
+/// Rows that a band gives: many to what it takes above and below.
+const BAND_ROWS: usize = 512;
+
+impl Runner {
+    /// [`Runner::draw`], bit for bit. Of a large frame that is drawn in its own light it takes half the memory: its
+    /// picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
+    ///
+    /// # Panics
+    /// As [`Runner::draw`] does.
+    pub fn draw_sparingly(&self, plan: &Plan, frame: &mut Frame, inputs: DrawingInputs) -> Outcome {
+        let is_large = frame.mask.width() * frame.mask.height() > LARGE;
+        match is_large && goes_in_bands(plan, frame) {
+            true => self.draw_in_bands(plan, frame, inputs, BAND_ROWS),
+            false => self.draw(plan, frame, inputs),
+        }
+    }
+
+    fn draw_in_bands(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: DrawingInputs,
+        rows: usize,
+    ) -> Outcome {
+        let params = plan.drawing.as_ref().expect("a drawing is planned");
+        let mut run = self.shape_in_bands(plan, frame, rows);
+        let trace = run.outcome.shape.trace.take();
+        let trace = trace.expect("the tone takes the trace");
+        let conductance = run.outcome.shape.conductance.take();
+        let conductance = conductance.expect("the trace takes the conductance");
+        run.choose_gain(&trace, &conductance);
+        run.outcome.shape.conductance = Some(conductance);
+        let scaler = run.scaler();
+        let outcome = run.outcome;
+        let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
+        drop(trace);
+        let mut run = Run {
+            plan,
+            frame,
+            runner: self,
+            kept: None,
+            outcome,
+        };
+        run.draw_tone(params, inputs, Some(&luminance));
+        Outcome {
+            shape: Shape::default(),
+            ..run.outcome
+        }
+    }
+
+    /// Edges and the trace of a frame, band by band.
+    fn shape_in_bands<'a>(&'a self, plan: &'a Plan, frame: &'a Frame, rows: usize) -> Run<'a> {
+        let (whole, reach) = (frame.data_window, plan.reach());
+        // The gain is chosen from the whole.
+        let mut given = plan.clone();
+        given.scaling.curvature_gain = Adaptive::Fixed(1.0);
+        let mut run = Run {
+            plan,
+            frame,
+            runner: self,
+            kept: None,
+            outcome: Outcome::default(),
+        };
+        for (takes, gives) in bands(whole.height(), rows, reach) {
+            let made = self.find_shape(&given, &frame.crop(rows_of(whole, &takes)));
+            let outcome = &mut run.outcome;
+            let (to, from) = (&mut outcome.shape, &made.shape);
+            for (to, from) in [
+                (&mut to.silhouette, &from.silhouette),
+                (&mut to.crease, &from.crease),
+                (&mut to.conductance, &from.conductance),
+                (&mut to.trace, &from.trace),
+            ] {
+                let Some(from) = from else { continue };
+                let blank = || Plane::filled(whole.width(), whole.height(), 0.0);
+                let to = to.get_or_insert_with(blank);
+                gives.clone().for_each(|y| {
+                    to.row_mut(y).copy_from_slice(from.row(y - takes.start));
+                });
+            }
+            for &(name, took) in &made.timings {
+                match outcome.timings.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, time)) => *time += took,
+                    None => outcome.timings.push((name, took)),
+                }
+            }
+            self.take_back(made);
+        }
+        run
+    }
+}
+
+/// Whether a drawing takes nothing of the shape but edges, and of the light nothing but the picture's radiance.
+fn goes_in_bands(plan: &Plan, frame: &Frame) -> bool {
+    let takes_more = [
+        Stage::Hessian,
+        Stage::Curvatures,
+        Stage::CurvatureDisplay,
+        Stage::LightLobes,
+        Stage::LightGroups,
+        Stage::AmbientOcclusion,
+    ];
+    plan.goal != Goal::Relight
+        && plan.specular.is_none()
+        && !frame.light.picture_is_occlusion
+        && plan.has(Stage::Trace)
+        && plan.has(Stage::RadianceScaling)
+        && !takes_more.into_iter().any(|stage| plan.has(stage))
+}
+
+/// The rows that each band takes, and those of them that it gives.
+fn bands(
+    height: usize,
+    rows: usize,
+    reach: usize,
+) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+    (0..height).step_by(rows).map(move |first| {
+        let gives = first..(first + rows).min(height);
+        let takes = gives.start.saturating_sub(reach)..(gives.end + reach).min(height);
+        (takes, gives)
+    })
+}
+
+fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
+    let row = |y: usize| whole.y0 + y as i32;
+    Window {
+        y0: row(rows.start),
+        y1: row(rows.end),
+        ..whole
+    }
+}
+
+/// The luminance of the scaled picture of a frame, which is used up.
+fn luminance_in_bands(
+    scaler: &light::Scaler,
+    frame: &mut Frame,
+    trace: &Plane,
+    rows: usize,
+    runner: &Runner,
+) -> Plane {
+    let (whole, mask) = (frame.data_window, &frame.mask);
+    let color = frame.color.take().expect("the tone takes the picture");
+    let ColorPlanes { mut r, g, b } = color;
+    for (band, _) in bands(whole.height(), rows, 0) {
+        let part = rows_of(whole, &band);
+        let [old_r, old_g, old_b] = [&r, &g, &b].map(|plane| plane.crop(whole, part));
+        let old = ColorPlanes {
+            r: old_r,
+            g: old_g,
+            b: old_b,
+        };
+        let mask = mask.crop(whole, part);
+        let trace = trace.crop(whole, part);
+        let scaled = scaler.scale(&old, &trace, &mask, &runner.memory);
+        let samples = band.start * whole.width()..band.end * whole.width();
+        let colors = scaled.r.samples().iter().zip(scaled.g.samples());
+        let colors = colors.zip(scaled.b.samples());
+        for (to, ((&r, &g), &b)) in r.samples_mut()[samples].iter_mut().zip(colors) {
+            *to = crate::frame::luminance([r, g, b], scaler.weights);
+        }
+        runner.memory.take_back([scaled.r, scaled.g, scaled.b]);
+    }
+    r
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Mask, Vector3Planes};
+    use crate::params::{LineParams, ScalingParams, ShapeParams};
+    use crate::plan::{Available, ToneFrom};
+
+    /// Bumps of 20 pixels with a hole, under a light that varies.
+    fn bumps(width: usize, height: usize) -> Frame {
+        let wave = |x: usize| x as f64 * std::f64::consts::TAU / 20.0;
+        let normal = Vector3Planes::from_fn(width, height, |x, y| {
+            let (x, y) = (wave(x), wave(y));
+            glam::DVec3::new(0.5 * x.sin() * y.cos(), -0.5 * x.cos() * y.sin(), 1.0).normalize()
+        });
+        let covered = Plane::from_fn(width, height, |x, y| x.abs_diff(30) + y.abs_diff(70) > 9);
+        let channel = |hue: f32| {
+            Plane::from_fn(width, height, |x, y| {
+                hue * (0.5 + 0.4 * ((x + 2 * y) as f32 / 9.0).sin())
+            })
+        };
+        Frame {
+            color: Some(ColorPlanes {
+                r: channel(0.9),
+                g: channel(0.7),
+                b: channel(0.5),
+            }),
+            ..Frame::of_normals(normal, Mask::new(covered))
+        }
+    }
+
+    #[test]
+    fn bands_draw_what_the_whole_draws_bit_for_bit() {
+        let frame = bumps(90, 150);
+        let tone = ToneFrom::Enhanced;
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let available = Available::in_frame(&frame);
+        let plan = Plan::hatch(available, shape, scaling, tone, LineParams::default()).unwrap();
+        assert!(goes_in_bands(&plan, &frame));
+        let runner = Runner::default();
+        let whole = runner.draw(&plan, &frame, DrawingInputs::default());
+        for rows in [37, 64] {
+            let mut used = frame.clone();
+            let made = runner.draw_in_bands(&plan, &mut used, DrawingInputs::default(), rows);
+            let chosen = |o: &Outcome| (o.gain, o.white_level);
+            assert_eq!(chosen(&made), chosen(&whole));
+            let [made, whole] = [&made, &whole].map(|o| o.drawing.as_ref().unwrap());
+            assert!(whole.hatching.samples().iter().any(|&ink| ink > 0.5));
+            assert_eq!(made.hatching, whole.hatching, "{rows}");
+            assert_eq!(made.contours, whole.contours, "{rows}");
+            assert_eq!(made.white_point, whole.white_point);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! What is chosen from a whole picture that comes strip by strip.
+
+use crate::engine::cpu::outcome::Shape;
+use crate::engine::cpu::percentile::PercentileSearch;
+use crate::engine::cpu::runner::Runner;
+use crate::frame::{Frame, Window};
+use crate::light::albedo::AlbedoEstimate;
+use crate::light::layers::cpu::add_to_searches;
+use crate::light::relight::albedo::AlbedoSearch;
+use crate::params::{Adaptive, ScalingParams};
+use crate::plan::{Plan, Stage};
+use crate::shape::auto_levels::WHITE_PERCENT;
+use crate::shape::auto_levels::cpu::{GainSearch, luminances, white_of};
+use std::ops::Range;
+
+/// A search for the gain, the white levels and the estimate of the albedo that a picture would be given as a whole. All
+/// strips come, from top to bottom, as often as [`StripSearch::looks`] says, with [`StripSearch::next_look`] in between.
+#[derive(Debug, Clone)]
+pub struct StripSearch {
+    gain: Option<GainSearch>,
+    white: Option<PercentileSearch>,
+    terms: Vec<(&'static str, PercentileSearch)>,
+    albedo: Option<AlbedoSearch>,
+    /// Looks that have ended.
+    ended: usize,
+}
+
+/// Looks that a percentile takes.
+const PERCENTILE_LOOKS: usize = 2;
+
+/// What a search came to; `None` for what was given.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StripChoice {
+    /// Gain of the curvature mapping.
+    pub gain: Option<f32>,
+    /// White level of the picture.
+    pub white_level: Option<f32>,
+    /// White levels of the kinds of light that are scaled by themselves, with their names.
+    pub term_white_levels: Vec<(&'static str, f32)>,
+    /// What the albedo is estimated by.
+    pub albedo: Option<AlbedoEstimate>,
+}
+
+impl StripSearch {
+    /// A search in a picture of this window for what `plan` leaves open; `None` where that is nothing.
+    pub fn new(plan: &Plan, whole: Window) -> Option<Self> {
+        let size = [whole.width(), whole.height()];
+        let scales = plan.scaling.curvature_gain == Adaptive::Auto && plan.has(Stage::AutoGain);
+        let factor = plan.resolution_factor as f32;
+        let search = Self {
+            gain: scales.then(|| GainSearch::new(size, factor)),
+            white: (plan.has(Stage::AutoWhite) && plan.has(Stage::RadianceScaling))
+                .then(|| PercentileSearch::new(WHITE_PERCENT)),
+            terms: Vec::new(),
+            albedo: plan.has(Stage::AlbedoEstimate).then(AlbedoSearch::new),
+            ended: 0,
+        };
+        let open = search.gain.is_some() || search.albedo.is_some() || plan.has(Stage::AutoWhite);
+        open.then_some(search)
+    }
+
+    /// How often all strips are to come.
+    pub fn looks(&self) -> usize {
+        // The shading is fitted before the white level over it is searched for.
+        PERCENTILE_LOOKS + usize::from(self.albedo.is_some())
+    }
+
+    /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
+    ///
+    /// # Panics
+    /// As [`Runner::run`] does, and if the plan is for a drawing.
+    pub fn look(&mut self, runner: &Runner, plan: &Plan, strip: &Frame, rows: Range<usize>) {
+        assert!(plan.drawing.is_none(), "a drawing takes the picture whole");
+        if let Some(search) = &mut self.albedo {
+            let weights = strip.luminance_weights();
+            search.add(strip, weights, rows.clone(), &runner.memory);
+        }
+        if self.ended >= PERCENTILE_LOOKS {
+            return;
+        }
+        if let Some(search) = &mut self.gain {
+            // The gain depends neither on itself nor on directions.
+            let mut given = plan.clone().without_directions();
+            given.scaling.curvature_gain = Adaptive::Fixed(1.0);
+            let outcome = runner.find_shape(&given, strip);
+            let Shape {
+                trace,
+                curvatures,
+                conductance,
+                ..
+            } = &outcome.shape;
+            let summed = curvatures.as_ref().map(|c| c.trace());
+            let trace = trace.as_ref().or(summed.as_ref());
+            let trace = trace.expect("the gain takes the trace");
+            let conductance = conductance.as_ref();
+            let conductance = conductance.expect("the trace takes the conductance");
+            search.add(rows.clone(), trace, conductance);
+            runner.take_back(outcome);
+        }
+        if let (Some(search), Some(color)) = (&mut self.white, &strip.color) {
+            let weights = strip.luminance_weights();
+            search.add(rows.clone(), |y| luminances(color, weights, &strip.mask, y));
+        }
+        if plan.has(Stage::AutoWhite) && plan.has(Stage::LightLobes) {
+            let (searches, memory) = (&mut self.terms, &runner.memory);
+            add_to_searches(searches, strip, &plan.scaling, &rows, memory);
+        }
+    }
+
+    /// Ends a look, and begins the next.
+    pub fn next_look(&mut self) {
+        if let Some(search) = &mut self.albedo {
+            search.next_look();
+        }
+        self.ended += 1;
+        if self.ended >= PERCENTILE_LOOKS {
+            return;
+        }
+        let gain = self.gain.iter_mut().map(|search| &mut search.0);
+        let terms = self.terms.iter_mut().map(|(_, search)| search);
+        gain.chain(&mut self.white)
+            .chain(terms)
+            .for_each(PercentileSearch::narrow);
+    }
+
+    /// What was searched for, when all strips have come for the last time.
+    pub fn found(&self) -> StripChoice {
+        let terms = self.terms.iter();
+        StripChoice {
+            gain: self.gain.as_ref().map(GainSearch::gain),
+            white_level: self.white.as_ref().map(|search| white_of(search.found())),
+            term_white_levels: terms
+                .map(|(name, search)| (*name, search.found().unwrap_or(1.0)))
+                .collect(),
+            albedo: self.albedo.as_ref().and_then(AlbedoSearch::found),
+        }
+    }
+}
+
+impl StripChoice {
+    /// `scaling` with what was found in the place of what was left open; what was given for a kind of light stays.
+    pub fn given(&self, mut scaling: ScalingParams) -> ScalingParams {
+        if let Some(gain) = self.gain {
+            scaling.curvature_gain = Adaptive::Fixed(gain);
+        }
+        if let Some(white) = self.white_level {
+            scaling.white_level = Adaptive::Fixed(white);
+        }
+        let found = self.term_white_levels.iter().copied();
+        scaling.term_white_levels = scaling.term_white_levels.or(found);
+        scaling
+    }
+}

@@ -1,0 +1,170 @@
+//! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
+
+use crate::engine::gpu::constants::{SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::uniforms::{CountParams, NarrowParams};
+use crate::shape::auto_levels::{
+    CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, typical_exponent,
+};
+use std::ops::Range;
+
+/// Workgroups that count, at the most; each takes every so-manieth row. Each also sets all bins to 0 and adds them
+/// up, which devices in software feel.
+pub(crate) const MOST_GROUPS: u32 = 1024;
+const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
+
+/// Percentage of numbers that the median leaves below it.
+const MEDIAN_PERCENT: u32 = 50;
+
+/// What is searched for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Search {
+    /// The gain of the curvature mapping, in a picture of this size whose curvature is told by this factor.
+    Gain { size: [usize; 2], factor: f32 },
+    /// The white level, by these weights of luminance.
+    White([f32; 3]),
+    /// The white level of a term of the light, from its luminance.
+    TermWhite,
+    /// The median depth of patches, of so many columns and rows; it takes the place of a white level.
+    Depth([u32; 2]),
+}
+
+impl Search {
+    /// Whether it looks at a picture, not at the shape.
+    pub(crate) fn is_of_picture(&self) -> bool {
+        matches!(self, Self::White(_))
+    }
+}
+
+/// A search, and its state on the device.
+pub(crate) struct Searching {
+    search: Search,
+    /// Bits found, rank, and how many numbers there are.
+    state: wgpu::Buffer,
+    bins: wgpu::Buffer,
+}
+
+impl Searching {
+    pub(crate) fn new(run: &mut Run, search: Search) -> Self {
+        let state = run.take(12);
+        let bins = run.take(4 * u64::from(SEARCH_BINS));
+        run.recorder.clear(&state);
+        run.recorder.clear(&bins);
+        Self {
+            search,
+            state,
+            bins,
+        }
+    }
+
+    /// Columns and rows of the planes.
+    fn size(&self, run: &Run) -> [u32; 2] {
+        match self.search {
+            Search::Depth(size) => size,
+            _ => run.surface.size,
+        }
+    }
+
+    /// Where the bits begin that pass number `pass` finds.
+    fn shift(pass: u32) -> u32 {
+        u32::BITS.saturating_sub((pass + 1) * SEARCH_BITS)
+    }
+
+    /// Counts the numbers in some rows of three planes: a trace, the conductance and either again; a picture; or
+    /// luminance, three times over.
+    pub(crate) fn count(
+        &self,
+        run: &mut Run,
+        pass: u32,
+        [a, b, c]: [&wgpu::Buffer; 3],
+        rows: Range<u32>,
+    ) {
+        let [width, height] = self.size(run);
+        let (least, weights) = match self.search {
+            Search::Gain { size, factor } => (flat_curvature(size, factor), [0.0; 3]),
+            Search::White(weights) => (0.0, weights),
+            Search::TermWhite | Search::Depth(_) => (0.0, [0.0; 3]),
+        };
+        let params = CountParams {
+            width,
+            height,
+            rows_start: rows.start,
+            rows_end: rows.end,
+            known_bits: match pass {
+                0 => 0,
+                _ => u32::MAX << Self::shift(pass - 1),
+            },
+            shift: Self::shift(pass),
+            least,
+            weight_r: weights[0],
+            weight_g: weights[1],
+            weight_b: weights[2],
+        };
+        let switches = [
+            ("OF_TRACE", matches!(self.search, Search::Gain { .. })),
+            (
+                "OF_LIGHT",
+                matches!(self.search, Search::TermWhite | Search::Depth(_)),
+            ),
+        ];
+        let most = match run.device.is_software() {
+            true => MOST_GROUPS_IN_SOFTWARE,
+            false => MOST_GROUPS,
+        };
+        let groups = [rows.end.clamp(1, most), 1];
+        run.recorder.dispatch(
+            self.stage(),
+            (Kernel::Count, &switches),
+            &params,
+            &[&run.surface.covered, a, b, c, &self.state, &self.bins],
+            groups,
+        );
+    }
+
+    /// Ends pass number `pass`; the last one puts what it chooses into its place in `chosen`.
+    pub(crate) fn narrow(&self, run: &mut Run, pass: u32, chosen: &wgpu::Buffer) {
+        let (percent, is_gain) = match self.search {
+            Search::Gain { .. } => (CURVATURE_PERCENT, true),
+            Search::White(_) | Search::TermWhite => (WHITE_PERCENT, false),
+            Search::Depth(_) => (MEDIAN_PERCENT, false),
+        };
+        let params = NarrowParams {
+            is_first: u32::from(pass == 0),
+            shift: Self::shift(pass),
+            share: percent,
+            share_of: 100,
+            target_times: typical_exponent(),
+        };
+        run.recorder.dispatch(
+            self.stage(),
+            (Kernel::Narrow, &[("IS_GAIN", is_gain)]),
+            &params,
+            &[&self.bins, &self.state, chosen],
+            [1, 1],
+        );
+    }
+
+    /// All passes over planes that are there.
+    pub(crate) fn choose(self, run: &mut Run, planes: [&wgpu::Buffer; 3], chosen: &wgpu::Buffer) {
+        let rows = 0..self.size(run)[1];
+        for pass in 0..SEARCH_PASSES {
+            self.count(run, pass, planes, rows.clone());
+            self.narrow(run, pass, chosen);
+        }
+        run.buffers.take_back(self.into_buffers());
+    }
+
+    /// Its buffers.
+    pub(crate) fn into_buffers(self) -> [wgpu::Buffer; 2] {
+        [self.state, self.bins]
+    }
+
+    fn stage(&self) -> &'static str {
+        match self.search {
+            Search::Gain { .. } => "auto-gain",
+            Search::White(_) | Search::TermWhite => "auto-white",
+            Search::Depth(_) => "direction-field",
+        }
+    }
+}

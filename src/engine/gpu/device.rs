@@ -1,0 +1,218 @@
+//! The device: found among the adapters of this machine, asked for what it can do.
+
+use crate::engine::gpu::limits;
+use crate::engine::gpu::wait::look_after;
+use crate::error::{Error, Result};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Which adapters will do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Choice {
+    /// Any, one in software where there is no other.
+    Any,
+    /// Hardware alone: software is no faster than the CPU backend.
+    Hardware,
+}
+
+/// An adapter that has been opened.
+#[derive(Debug)]
+pub struct Device {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    info: wgpu::AdapterInfo,
+    /// The most bytes that a plane may have.
+    pub(crate) plane_bytes: u64,
+    /// The most columns and rows of a picture.
+    pub(crate) most_pixels: [u64; 2],
+    /// Whether it is waited for after every copy, so that each has a time of its own.
+    pub(crate) is_timed_apart: bool,
+    /// Nanoseconds of a tick of its clock, where it has one.
+    pub(crate) tick_ns: Option<f32>,
+    /// Why it was lost, once it was.
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl Device {
+    /// Opens the best adapter there is: a card before what is built in, and that before software.
+    ///
+    /// # Errors
+    /// [`Error::NoGpu`] where there is none of that choice, or it lacks what the kernels take.
+    pub fn open(choice: Choice) -> Result<Self> {
+        pollster::block_on(Self::opened(choice, |_| ()))
+    }
+
+    /// Opens the same, as if its limits were changed.
+    pub(crate) async fn opened(choice: Choice, change: fn(&mut wgpu::Limits)) -> Result<Self> {
+        // Vulkan, Metal and DirectX 12; OpenGL has no use here.
+        let backends = wgpu::Backends::PRIMARY;
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let mut adapters = instance.enumerate_adapters(backends).await;
+        adapters.retain(|adapter| {
+            choice == Choice::Any || adapter.get_info().device_type != wgpu::DeviceType::Cpu
+        });
+        adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
+        let Some(adapter) = adapters.first() else {
+            return Err(none(choice));
+        };
+        let mut limits = adapter.limits();
+        change(&mut limits);
+        Self::of(adapter, limits).await
+    }
+
+    /// Opens an adapter, as if it had no more than these limits.
+    async fn of(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> Result<Self> {
+        let info = adapter.get_info();
+        if let Some(lacking) = limits::lacking(&limits) {
+            return Err(Error::NoGpu {
+                found: format!("{} {lacking}", info.name),
+                remedy: "use --backend cpu",
+            });
+        }
+        let plane_bytes = limits::plane_bytes(&limits);
+        let most_pixels = limits::most_pixels(limits.max_compute_workgroups_per_dimension);
+        let request = wgpu::DeviceDescriptor {
+            label: Some("relievo"),
+            required_features: limits::wanted_features(adapter.features()),
+            required_limits: limits,
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let opened = adapter.request_device(&request).await;
+        let (device, queue) = opened.map_err(|error| Error::NoGpu {
+            found: format!("{} cannot be opened: {}", info.name, one_line(&error)),
+            remedy: "use --backend cpu",
+        })?;
+        let lost = Arc::new(Mutex::new(None));
+        let told = lost.clone();
+        device.set_device_lost_callback(move |reason, why| {
+            let why = match one_line(&why) {
+                nothing if nothing.is_empty() => format!("{reason:?}").to_lowercase(),
+                why => why,
+            };
+            *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+        });
+        let clock = wgpu::Features::TIMESTAMP_QUERY;
+        let has_clock = device.features().contains(clock);
+        Ok(Self {
+            plane_bytes,
+            most_pixels,
+            is_timed_apart: false,
+            tick_ns: has_clock.then(|| queue.get_timestamp_period()),
+            device,
+            queue,
+            info,
+            lost,
+        })
+    }
+
+    /// Its name and what speaks to it: `NVIDIA H200 (Vulkan)`.
+    pub fn name(&self) -> String {
+        format!("{} ({:?})", self.info.name, self.info.backend)
+    }
+
+    /// Whether it computes in software.
+    pub fn is_software(&self) -> bool {
+        self.info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// The same, as if it took planes of no more than this many bytes: larger pictures go in strips.
+    pub fn limited_to(self, plane_bytes: u64) -> Self {
+        Self {
+            plane_bytes: plane_bytes.min(self.plane_bytes),
+            ..self
+        }
+    }
+
+    /// The same, waiting after copies to it and from it, so that the times of a run tell them from the kernels. That
+    /// takes a little longer.
+    pub fn timed_apart(self) -> Self {
+        Self {
+            is_timed_apart: true,
+            ..self
+        }
+    }
+
+    /// Whether it has a clock that tells what each stage takes.
+    pub fn has_clock(&self) -> bool {
+        self.tick_ns.is_some()
+    }
+
+    /// Whether it was lost: nothing runs on it any more.
+    pub fn is_lost(&self) -> bool {
+        self.lost().is_some()
+    }
+
+    fn lost(&self) -> Option<String> {
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
+        lost.clone()
+    }
+
+    /// The same, taken for one in software, or for one in hardware.
+    #[cfg(test)]
+    pub(crate) fn taken_for(self, is_software: bool) -> Self {
+        let mut info = self.info;
+        info.device_type = match is_software {
+            true => wgpu::DeviceType::Cpu,
+            false => wgpu::DeviceType::Other,
+        };
+        Self { info, ..self }
+    }
+
+    /// Loses the device, as a driver does that is reset.
+    #[cfg(test)]
+    pub(crate) fn lose(&self) {
+        self.device.destroy();
+    }
+
+    /// What went wrong, as an error; that the device was lost, if it was.
+    pub(crate) fn error(&self, found: impl std::fmt::Display) -> Error {
+        look_after(&self.device);
+        let found = match self.lost() {
+            Some(why) => format!("was lost ({why})"),
+            None => one_line(&found),
+        };
+        Error::Gpu {
+            device: self.name(),
+            found,
+        }
+    }
+}
+
+/// What tests run on; `None` where there is no device, which is said, and is an error on a machine that has to have one.
+#[cfg(test)]
+pub(crate) fn to_test_on<T>(opened: Result<T>) -> Option<T> {
+    if let Err(error) = &opened {
+        assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
+        println!("SKIPPED: {error}");
+    }
+    opened.ok()
+}
+
+/// The order in which adapters are tried.
+fn rank(info: &wgpu::AdapterInfo) -> u32 {
+    match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+fn none(choice: Choice) -> Error {
+    Error::NoGpu {
+        found: match choice {
+            Choice::Any => "no adapter was found".into(),
+            Choice::Hardware => "no adapter in hardware was found".into(),
+        },
+        remedy: "install a driver (Debian: libvulkan1 and mesa-vulkan-drivers, or the vendor's), or use --backend cpu",
+    }
+}
+
+/// A message of several lines in one.
+pub(crate) fn one_line(text: &impl std::fmt::Display) -> String {
+    let text = text.to_string();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,189 @@
+//! Directions for pixels that have none of their own: their neighbours', in waves.
+
+use crate::engine::gpu::constants::{CLOSED_COUNT, LIST_GROUPS, OPEN_COUNT};
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::lines;
+use crate::engine::gpu::uniforms::SpreadParams;
+use crate::frame::{Frame, SightLines};
+use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX};
+use crate::line::direction_field::setting::REST_REACH_PX;
+
+/// Waves over the pixels of a list, and after them the fallback.
+pub(crate) struct Round {
+    /// Which of the lists, and where its length stands.
+    count: u32,
+    waves: usize,
+    /// Whether directions go through open faces alone, or to whatever is beside.
+    through_faces: bool,
+    turning: Turning,
+}
+
+/// What turns to the fallback on the way, and takes it in the end.
+enum Turning {
+    /// Planes.
+    Planes,
+    /// Everything.
+    All,
+    /// Nothing turns; all takes it in the end.
+    None,
+}
+
+/// The rounds that fill directions of the surface, in order: see the file of the same name of the CPU.
+pub(crate) const OF_SURFACES: &[Round] = &[
+    Round {
+        count: OPEN_COUNT,
+        waves: PLANE_MARGIN_PX,
+        through_faces: true,
+        turning: Turning::Planes,
+    },
+    Round {
+        count: OPEN_COUNT,
+        waves: SURFACE_MARGIN_PX,
+        through_faces: true,
+        turning: Turning::All,
+    },
+    Round {
+        count: CLOSED_COUNT,
+        waves: EDGE_MARGIN_PX,
+        through_faces: false,
+        turning: Turning::All,
+    },
+];
+
+/// The round that gives what belongs to no patch the directions of strokes.
+pub(crate) const OF_THE_REST: &[Round] = &[Round {
+    count: OPEN_COUNT,
+    waves: REST_REACH_PX,
+    through_faces: false,
+    turning: Turning::None,
+}];
+
+/// What is known of directions before the gaps between them are filled.
+pub(crate) struct Gaps {
+    /// Unit directions in the picture, x right and y up: x, and y; 0 where there is none.
+    pub(crate) directions: [wgpu::Buffer; 2],
+    /// Whether pixels have one.
+    pub(crate) filled: wgpu::Buffer,
+    /// Where the surface is a plane.
+    pub(crate) marks: wgpu::Buffer,
+    /// Lists of the pixels that lack a direction, in the order of their counts.
+    pub(crate) lacking: Vec<wgpu::Buffer>,
+    /// Their lengths, and those of the lists of all waves.
+    pub(crate) counts: wgpu::Buffer,
+}
+
+/// Where the length stands of the list that a wave makes for the next one.
+const fn count_after(wave: u32) -> u32 {
+    CLOSED_COUNT + wave
+}
+
+impl Run<'_> {
+    /// Lengths of the lists of pixels, all 0: those of what lacks a direction, and one after each wave.
+    pub(crate) fn gap_counts(&mut self, rounds: &[Round]) -> wgpu::Buffer {
+        let waves: u32 = rounds.iter().map(|round| round.waves as u32 + 1).sum();
+        let counts = self.take(4 * u64::from(count_after(waves) + 1));
+        self.recorder.clear(&counts);
+        counts
+    }
+
+    /// The directions that were found, and others where there was none; `told` tells of sight lines and the fallback.
+    pub(crate) fn fill_gaps(
+        &mut self,
+        stage: &'static str,
+        rounds: &[Round],
+        told: &SpreadParams,
+        conductance: &wgpu::Buffer,
+        gaps: Gaps,
+    ) -> [wgpu::Buffer; 2] {
+        let Gaps {
+            directions: [x, y],
+            filled,
+            marks,
+            lacking,
+            counts,
+        } = gaps;
+        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
+        let plane = self.surface.plane_bytes();
+        let fronts = [(); 2].map(|()| self.take(plane));
+        let mut wave = 0;
+        for round in rounds {
+            for number in 1..=round.waves + 1 {
+                wave += 1;
+                let is_last = number > round.waves;
+                let is_of_all = number == 1 || is_last;
+                let turned = (number as f32 / round.waves as f32).min(1.0);
+                let params = SpreadParams {
+                    wave,
+                    list_count: match is_of_all {
+                        true => round.count,
+                        false => count_after(wave - 1),
+                    },
+                    next_count: count_after(wave),
+                    flat_share: turned,
+                    share: match round.turning {
+                        Turning::Planes => 0.0,
+                        Turning::All => turned,
+                        Turning::None => f32::from(u8::from(is_last)),
+                    },
+                    ..*told
+                };
+                let [last, next] = [wave - 1, wave].map(|wave| &fronts[wave as usize % 2]);
+                let list = if is_of_all {
+                    &lacking[round.count as usize]
+                } else {
+                    last
+                };
+                let switches = [
+                    ("THROUGH_FACES", round.through_faces),
+                    ("IS_FIXED", is_last),
+                ];
+                self.recorder.dispatch(
+                    stage,
+                    (Kernel::SpreadDirections, &switches),
+                    &params,
+                    &[
+                        conductance,
+                        &normal_x,
+                        &normal_y,
+                        &normal_z,
+                        list,
+                        next,
+                        &counts,
+                        &x,
+                        &y,
+                        &filled,
+                        &marks,
+                    ],
+                    [LIST_GROUPS, 1],
+                );
+            }
+        }
+        let used = [filled, marks, counts].into_iter();
+        self.buffers.take_back(used.chain(lacking).chain(fronts));
+        [x, y]
+    }
+}
+
+/// What waves are told of a frame's sight lines; the fallback is that of the surface.
+pub(crate) fn spread_params(frame: &Frame, sight: &SightLines) -> SpreadParams {
+    let line = lines(frame, sight);
+    SpreadParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        line_x: line.first[0],
+        line_x_step: line.step[0],
+        line_y: line.first[1],
+        line_y_step: line.step[1],
+        pixel_shape: sight.pixel_shape() as f32,
+        wave: 0,
+        list_count: 0,
+        next_count: 0,
+        flat_share: 0.0,
+        share: 0.0,
+        order: 0,
+        is_fixed: 0,
+        fixed_x: 0.0,
+        fixed_y: 0.0,
+    }
+}

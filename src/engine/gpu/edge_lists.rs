@@ -1,0 +1,213 @@
+//! Edges as lists: of what is made per pixel only what lies along edges is read.
+
+use crate::engine::cpu::for_devices::{contour_lines, contours_along};
+use crate::engine::gpu::constants::{CANDIDATES, CRACKS, CREASES};
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::recorder::Submitted;
+use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::runner::apart;
+use crate::engine::gpu::shape::Edges;
+use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
+use crate::engine::gpu::uniforms::{CrackParams, SizeParams};
+use crate::error::Result;
+use crate::frame::{Frame, Plane};
+use crate::line::contours::Contour;
+use crate::line::contours::found::{FoundCrack, FoundEdges};
+use crate::params::ContourParams;
+use crate::plan::{Available, Plan, Stage};
+use rayon::prelude::*;
+
+/// Bytes of a crack that a silhouette may pass in its list, and likewise of one that it does, and of a crease.
+const CANDIDATE: u64 = 4;
+const CRACK: u64 = 16;
+const CREASE: u64 = 8;
+
+/// Workgroups that look at cracks, however many there are: enough to keep a device busy.
+const GROUPS: u32 = 128;
+
+/// Lists of edges on the device.
+pub(crate) struct EdgeLists {
+    /// How many there are, be there room for them or not.
+    pub(crate) counts: wgpu::Buffer,
+    candidates: wgpu::Buffer,
+    cracks: wgpu::Buffer,
+    creases: wgpu::Buffer,
+}
+
+/// Edges on their way from the device.
+pub(crate) enum Coming<'d> {
+    /// In lists, of which so many are cracks and creases.
+    Listed(Submitted<'d>, [usize; 2]),
+    /// As planes of weights: there are too many for lists.
+    InPlanes(Submitted<'d>),
+}
+
+impl<'a> Run<'a> {
+    /// Lists the edges of these weights: one crack for four pixels at the most, of one that there may be for each, and
+    /// one crease for two.
+    pub(crate) fn edge_lists(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        edges: &Edges,
+        params: &ContourParams,
+    ) -> EdgeLists {
+        let [width, height] = self.surface.size;
+        let room = self.surface.plane_bytes().max(NOWHERE);
+        let counts = self.take(12);
+        let [candidates, cracks, creases] = [(); 3].map(|()| self.take(room));
+        self.recorder.clear(&counts);
+        let weights = edges.weights.as_ref();
+        let weights = weights.expect("contours are planned with their weights");
+        self.recorder.over_pixels(
+            "edge-lists",
+            (
+                Kernel::EdgeLists,
+                &[("CREASES_WANTED", params.has_creases())],
+            ),
+            &SizeParams { width, height },
+            &[weights, &counts, &candidates, &creases],
+            [width, height],
+        );
+        let surface = &self.surface;
+        let [x, y, z] = &surface.normal;
+        let is_depth = plan.has(Stage::DepthSilhouettes);
+        let threshold = match is_depth {
+            true => plan.shape.silhouette,
+            false => plan.shape.occlusion_silhouette,
+        };
+        let (to_eye, starts) = (to_eye(frame), starts(frame));
+        self.recorder.dispatch(
+            "edge-lists",
+            (
+                Kernel::Cracks,
+                &[
+                    ("HAS_MAP", surface.map.is_some()),
+                    ("IS_DEPTH", is_depth),
+                    ("HAS_SIGHT", Available::in_frame(frame).positions),
+                    ("IS_EYE_FAR", is_eye_far(frame)),
+                ],
+            ),
+            &CrackParams {
+                width,
+                height,
+                least_jump: threshold.lo,
+                to_eye_x: to_eye.first[0],
+                to_eye_x_step: to_eye.step[0],
+                to_eye_y: to_eye.first[1],
+                to_eye_y_step: to_eye.step[1],
+                start_x_step: starts.step[0],
+                start_y_step: starts.step[1],
+            },
+            &[
+                &surface.covered,
+                surface.map.as_ref().unwrap_or(x),
+                x,
+                y,
+                z,
+                &counts,
+                &candidates,
+                &cracks,
+            ],
+            [GROUPS, 1],
+        );
+        EdgeLists {
+            counts,
+            candidates,
+            cracks,
+            creases,
+        }
+    }
+
+    /// Has the device hand out the edges whose numbers were read from `lists`; where there was no room for all, their
+    /// weights.
+    pub(crate) fn hand_out(
+        &mut self,
+        lists: EdgeLists,
+        counts: &[f32],
+        weights: &wgpu::Buffer,
+    ) -> Coming<'a> {
+        let EdgeLists {
+            counts: counted,
+            candidates,
+            cracks,
+            creases,
+        } = lists;
+        let [may_be, counts @ ..] =
+            [CANDIDATES, CRACKS, CREASES].map(|at| counts[at as usize].to_bits());
+        let is_looked_at = u64::from(may_be) * CANDIDATE <= candidates.size();
+        let listed = [(&cracks, CRACK), (&creases, CREASE)];
+        let parts = listed
+            .into_iter()
+            .zip(counts)
+            .map(|((list, bytes), count)| {
+                // In few sizes, so that there are buffers of them.
+                let wanted = u64::from(count).max(1).next_power_of_two() * bytes;
+                let has_room = u64::from(count) * bytes <= list.size();
+                (has_room && is_looked_at).then_some((list, wanted.min(list.size())))
+            });
+        let coming = match parts.collect::<Option<Vec<_>>>() {
+            Some(parts) => {
+                let submitted = self.recorder.submit_for_parts(parts);
+                Coming::Listed(submitted, counts.map(|count| count as usize))
+            }
+            None => Coming::InPlanes(self.recorder.submit(&[weights])),
+        };
+        self.buffers
+            .take_back([counted, candidates, cracks, creases]);
+        coming
+    }
+}
+
+impl Coming<'_> {
+    /// The lines along these edges, once they are here.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub(crate) fn lines(
+        self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &ContourParams,
+    ) -> Result<Vec<Contour>> {
+        match self {
+            Self::Listed(submitted, counts) => {
+                let (read, _) = submitted.read()?;
+                let edges = listed(&read, counts);
+                Ok(contours_along(plan, frame, &edges, params))
+            }
+            Self::InPlanes(submitted) => {
+                let (read, _) = submitted.read()?;
+                let plane =
+                    |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
+                let [silhouette, crease] = apart::<2>(&read[0]).map(plane);
+                Ok(contour_lines(plan, frame, [&silhouette, &crease], params))
+            }
+        }
+    }
+}
+
+/// The edges in lists of so many cracks and creases, put in order.
+fn listed(read: &[Vec<f32>], [crack_count, crease_count]: [usize; 2]) -> FoundEdges {
+    let (cracks, _) = read[0].as_chunks::<4>();
+    let mut cracks = cracks[..crack_count].to_vec();
+    cracks.par_sort_unstable_by_key(|crack| crack[0].to_bits());
+    let found = |[key, offset, strength, log_depth]: [f32; 4]| FoundCrack {
+        pixel: key.to_bits() >> 2,
+        is_left: key.to_bits() & 2 != 0,
+        is_beside: key.to_bits() & 1 != 0,
+        offset,
+        strength,
+        log_depth,
+    };
+    let (creases, _) = read[1].as_chunks::<2>();
+    let creases = creases[..crease_count].iter();
+    let mut creases: Vec<(u32, f32)> = creases
+        .map(|&[pixel, weight]| (pixel.to_bits(), weight))
+        .collect();
+    creases.par_sort_unstable_by_key(|crease| crease.0);
+    FoundEdges {
+        cracks: cracks.into_iter().map(found).collect(),
+        creases,
+    }
+}

@@ -1,0 +1,244 @@
+//! Tests: devices that are lost, have too little memory, or absurd limits.
+
+use crate::engine::cpu;
+use crate::engine::cpu::outcome::Outcome;
+use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::gpu::device::{Choice, Device, to_test_on};
+use crate::engine::gpu::fault::{Fault, in_memory, watched};
+use crate::engine::gpu::limits;
+use crate::engine::gpu::runner::Runner;
+use crate::engine::tolerances::{Product, products};
+use crate::error::Error;
+use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::params::{LineParams, Scale, ScalingParams, ShapeParams};
+use crate::plan::{Available, Goal, Plan, ToneFrom};
+use crate::report::scenes::Scene;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The device of this machine, if any, as if it had no more than some limits.
+fn device(change: fn(&mut wgpu::Limits)) -> Option<Device> {
+    to_test_on(pollster::block_on(Device::opened(Choice::Any, change)))
+}
+
+fn waves(width: usize, height: usize) -> (Plan, Frame) {
+    let frame = Scene::waves(width, height).frame;
+    let shape = ShapeParams {
+        scale: Scale::Iterations(4),
+        ..ShapeParams::default()
+    };
+    let available = Available::in_frame(&frame);
+    let plan = Plan::new(Goal::Display, available, shape, ScalingParams::default()).unwrap();
+    (plan, frame)
+}
+
+#[track_caller]
+fn assert_is_of_the_cpu(found: &Outcome, plan: &Plan, frame: &Frame) {
+    let expected = cpu::run(plan, frame).color.unwrap();
+    let planes = [&expected.r, &expected.g, &expected.b];
+    let mut count = 0;
+    for ((product, found), expected) in products(found).zip(planes) {
+        let apart = product.apart(found, expected);
+        assert!(
+            apart <= product.tolerance(),
+            "{product:?} is off by {apart:e}"
+        );
+        count += 1;
+    }
+    assert_eq!(count, 3);
+}
+
+/// Asserts that an error is a line that says what happened to which device, and what to do.
+#[track_caller]
+fn assert_tells(error: &Error, runner: &Runner, what: &str) {
+    let line = error.to_string();
+    assert!(matches!(error, Error::Gpu { .. }), "{line}");
+    assert!(line.starts_with(&runner.device().name()), "{line}");
+    assert!(
+        line.contains(what) && line.contains("--backend cpu"),
+        "{line}"
+    );
+    assert_eq!(line.lines().count(), 1, "{line}");
+}
+
+#[test]
+fn after_a_loss_every_run_is_an_error_at_once() {
+    let Some(device) = device(|_| ()) else { return };
+    let runner = Runner::new(device);
+    let (plan, frame) = waves(90, 70);
+    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    runner.device().lose();
+    for _ in 0..3 {
+        let start = Instant::now();
+        let error = runner.run(&plan, &frame).unwrap_err();
+        assert_tells(&error, &runner, "was lost (destroyed)");
+        assert!(start.elapsed() < Duration::from_secs(2));
+        assert!(runner.device().is_lost());
+    }
+}
+
+#[test]
+fn a_loss_in_the_middle_of_a_run_ends_it() {
+    let (plan, frame) = waves(300, 200);
+    for delay_ms in [0, 1, 3, 10, 30, 60] {
+        let Some(device) = device(|_| ()) else { return };
+        let runner = Runner::new(device);
+        let runs = thread::scope(|scope| {
+            let runner = &runner;
+            scope.spawn(move || {
+                thread::sleep(Duration::from_millis(delay_ms));
+                runner.device().lose();
+            });
+            let runs = (0..10_000).map(|_| runner.run(&plan, &frame));
+            let mut ended = Vec::new();
+            for run in runs {
+                let is_lost = run.is_err();
+                ended.push(run);
+                if is_lost {
+                    break;
+                }
+            }
+            ended
+        });
+        for run in &runs {
+            match run {
+                Ok(outcome) => assert_is_of_the_cpu(outcome, &plan, &frame),
+                Err(error) => assert_tells(error, &runner, "was lost"),
+            }
+        }
+        assert!(runs.last().unwrap().is_err());
+        assert!(runner.run(&plan, &frame).is_err());
+    }
+}
+
+#[test]
+fn after_a_buffer_that_was_refused_smaller_runs_work() {
+    let small = |limits: &mut wgpu::Limits| limits.max_buffer_size = 64 << 10;
+    let Some(mut device) = device(small) else {
+        return;
+    };
+    // As if it had not said so.
+    device.plane_bytes = u64::MAX;
+    let runner = Runner::new(device);
+    let (large_plan, large) = waves(200, 100);
+    let (plan, frame) = waves(60, 50);
+    for _ in 0..2 {
+        let error = runner.run(&large_plan, &large).unwrap_err();
+        assert_tells(&error, &runner, "65536");
+        // Among what was given back while it was recorded are buffers that were never made.
+        assert!(runner.buffers.is_empty());
+        assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    }
+}
+
+#[test]
+fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
+    let Some(device) = device(|_| ()) else { return };
+    let runner = Runner::new(device);
+    let (plan, frame) = waves(64, 50);
+    let device = runner.device();
+    let size = device.device.limits().max_buffer_size;
+    let asked = watched(device, || {
+        let _unused = device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: size - size % 4,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        Ok(())
+    });
+    println!("{size} bytes: {asked:?}");
+    match asked {
+        Err(Fault::Memory(error)) => assert_tells(&error, &runner, "has too little memory"),
+        Err(other) => panic!("{other:?}"),
+        // There is as much.
+        Ok(()) => {}
+    }
+    assert!(!runner.device().is_lost());
+    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+}
+
+#[test]
+fn where_memory_is_wanting_the_same_picture_comes_in_strips() {
+    let Some(device) = device(|_| ()) else { return };
+    let runner = Runner::new(device);
+    let (plan, frame) = waves(64, 400);
+    let mut attempts = 0;
+    let made = in_memory(8 * 64 * 400, |bytes| {
+        attempts += 1;
+        match bytes {
+            0..=60_000 => runner.attempt(&plan, &frame, DrawingInputs::default(), bytes),
+            _ => Err(Fault::Memory(runner.device().error("is full"))),
+        }
+    });
+    assert_eq!(attempts, 3);
+    assert_is_of_the_cpu(&made.unwrap(), &plan, &frame);
+}
+
+#[test]
+fn where_memory_is_wanting_the_same_drawing_comes_in_strips() {
+    let Some(device) = device(|_| ()) else { return };
+    let runner = Runner::new(device);
+    let mut frame = Scene::waves(64, 400).frame;
+    let gray = Plane::from_fn(64, 400, |x, y| 0.2 + 0.01 * ((x + y) % 50) as f32);
+    frame.color = Some(ColorPlanes {
+        r: gray.clone(),
+        g: gray.clone(),
+        b: gray,
+    });
+    let plan = Plan::hatch(
+        Available::in_frame(&frame),
+        ShapeParams::default(),
+        ScalingParams::default(),
+        ToneFrom::Enhanced,
+        LineParams::default(),
+    );
+    let (plan, inputs) = (plan.unwrap(), DrawingInputs::default());
+    let made = in_memory(8 * 64 * 400, |bytes| match bytes {
+        0..=60_000 => runner.attempt(&plan, &frame, inputs, bytes),
+        _ => Err(Fault::Memory(runner.device().error("is full"))),
+    });
+    let expected = cpu::Runner::default().draw(&plan, &frame, inputs);
+    let drawn = |outcome: &Outcome| outcome.drawing.as_ref().unwrap().hatching.clone();
+    let apart = Product::Strokes.apart(&drawn(&made.unwrap()), &drawn(&expected));
+    assert!(apart <= Product::Strokes.tolerance(), "{apart:e}");
+}
+
+#[test]
+fn few_workgroups_make_strips_and_refuse_what_is_too_wide() {
+    let few = |limits: &mut wgpu::Limits| limits.max_compute_workgroups_per_dimension = 1024;
+    let Some(device) = device(few) else { return };
+    let [columns, rows] = limits::most_pixels(1024).map(|most| most as usize);
+    let runner = Runner::new(device);
+    let (plan, frame) = waves(3, rows + 100);
+    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    let (plan, frame) = waves(columns, 2);
+    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    let (plan, frame) = waves(columns + 1, 2);
+    let error = runner.run(&plan, &frame).unwrap_err();
+    assert_tells(&error, &runner, &format!("takes {columns} columns"));
+}
+
+#[test]
+fn planes_of_a_few_bytes_are_an_error() {
+    let Some(device) = device(|_| ()) else { return };
+    let runner = Runner::new(device.limited_to(4 << 10));
+    let (plan, frame) = waves(90, 70);
+    let error = runner.run(&plan, &frame).unwrap_err();
+    assert_tells(&error, &runner, "rows of this picture at a time");
+}
+
+#[test]
+fn a_device_that_lacks_what_kernels_take_is_not_opened() {
+    let weak = |limits: &mut wgpu::Limits| limits.max_compute_workgroup_storage_size = 1024;
+    // Where there is none it is not opened either.
+    let opened = Device::opened(Choice::Any, weak);
+    let error = pollster::block_on(opened).unwrap_err();
+    let line = error.to_string();
+    let is_none = line.contains("no adapter");
+    assert!(matches!(error, Error::NoGpu { .. }), "{line}");
+    assert!(
+        is_none || line.contains("takes 1024 bytes of workgroup memory"),
+        "{line}"
+    );
+}

@@ -1,0 +1,239 @@
+//! Strokes: from tone to density, and a texture along a field of directions.
+
+use crate::engine::gpu::choose::{Search, Searching};
+use crate::engine::gpu::constants::WHITE;
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sheets::Sheets;
+use crate::engine::gpu::surface::{Picture, Upload};
+use crate::engine::gpu::uniforms::{DensityParams, StrokeParams};
+use crate::frame::Frame;
+use crate::line::density::density_table;
+use crate::line::hatching::Hatching;
+use crate::line::tonal_art_map::{Texels, TonalArtMap};
+use crate::params;
+use crate::params::{Adaptive, ToneParams};
+use std::f32::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A texture of strokes on the device.
+#[derive(Debug, Clone)]
+pub(crate) struct Texture {
+    texels: wgpu::Buffer,
+    thresholds: wgpu::Buffer,
+    size: [u32; 2],
+    /// 0 for strokes, which take their ink by thresholds of their own.
+    slices: u32,
+}
+
+impl Texture {
+    /// A copy of `map` on the device.
+    pub(crate) fn new(map: &TonalArtMap, upload: Upload) -> Self {
+        let size = map.period();
+        let (texels, slices) = match map.texels() {
+            Texels::Strokes(words) => (upload.bytes(bytemuck::cast_slice(&words)), 0),
+            Texels::Slices(samples) => {
+                let slices = samples.len() / (size[0] * size[1]);
+                (upload.bytes(bytemuck::cast_slice(&samples)), slices as u32)
+            }
+        };
+        Self {
+            texels,
+            thresholds: upload.bytes(bytemuck::cast_slice(map.thresholds())),
+            size: size.map(|texels| texels as u32),
+            slices,
+        }
+    }
+}
+
+/// A texture on the device, and how it lies at every level.
+pub(crate) struct Strokes {
+    texture: Texture,
+    /// Of each family.
+    turned: [Vec<[f32; 4]>; 2],
+}
+
+impl Strokes {
+    /// Strokes of `texture`, which is a copy of `map`.
+    pub(crate) fn new(map: &TonalArtMap, texture: Texture, params: &params::StrokeParams) -> Self {
+        let turned = |family| Hatching::new(map, params, family).turned().collect();
+        Self {
+            texture,
+            turned: [turned(0), turned(1)],
+        }
+    }
+}
+
+/// The texture of the last drawing, with what it was copied of.
+#[derive(Debug, Default)]
+pub(crate) struct KeptTexture(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
+
+impl KeptTexture {
+    /// Forgets it: what was copied in a run that failed may be nothing.
+    pub(crate) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// The copy of `map`.
+    pub(crate) fn of(&self, map: &Arc<TonalArtMap>, upload: Upload) -> Texture {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((copied, texture)) = &*kept
+            && Arc::ptr_eq(copied, map)
+        {
+            return texture.clone();
+        }
+        let texture = Texture::new(map, upload);
+        *kept = Some((map.clone(), texture.clone()));
+        texture
+    }
+}
+
+impl Run<'_> {
+    /// The numbers chosen, with the luminance of paper white for the white level by which the tone was made.
+    pub(crate) fn choose_paper_white(
+        &mut self,
+        params: &ToneParams,
+        frame: &Frame,
+        [red, green, blue]: &Picture,
+    ) -> wgpu::Buffer {
+        if let Adaptive::Fixed(white) = params.white_point {
+            let mut chosen = [0.0; 2];
+            chosen[WHITE as usize] = white;
+            return self.hold(&chosen);
+        }
+        let paper = self.copy_of(&self.chosen.clone());
+        let search = Searching::new(self, Search::White(frame.luminance_weights()));
+        search.choose(self, [red, green, blue], &paper);
+        paper
+    }
+
+    /// The optical density that is wanted of each pixel; `chosen` tells paper white.
+    pub(crate) fn densities(
+        &mut self,
+        params: &ToneParams,
+        frame: &Frame,
+        [red, green, blue]: &Picture,
+        chosen: &wgpu::Buffer,
+    ) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let [weight_r, weight_g, weight_b] = frame.luminance_weights();
+        let densities = self.take(self.surface.plane_bytes());
+        let table = self.hold(&density_table(params));
+        let alpha = frame.alpha.as_ref().map(|alpha| self.hold(alpha.samples()));
+        self.recorder.over_pixels(
+            "density",
+            (Kernel::Density, &[("HAS_ALPHA", alpha.is_some())]),
+            &DensityParams {
+                width,
+                height,
+                weight_r,
+                weight_g,
+                weight_b,
+            },
+            &[
+                &self.surface.covered,
+                red,
+                green,
+                blue,
+                alpha.as_ref().unwrap_or(red),
+                chosen,
+                &table,
+                &densities,
+            ],
+            [width, height],
+        );
+        densities
+    }
+
+    /// How much of the paper strokes cover, along one field of directions, x and y, for each of their families.
+    pub(crate) fn hatched(
+        &mut self,
+        params: &params::StrokeParams,
+        frame: &Frame,
+        densities: &wgpu::Buffer,
+        directions: &[[wgpu::Buffer; 2]],
+        strokes: &Strokes,
+        sheets: &Sheets,
+    ) -> wgpu::Buffer {
+        let paper = self.take(self.surface.plane_bytes());
+        let Strokes { texture, turned } = strokes;
+        let turned = turned
+            .each_ref()
+            .map(|turned| self.hold(turned.as_flattened()));
+        let families = directions.len();
+        let layers = sheets.each.iter().flat_map(|sheet| {
+            let families = directions.iter().zip(&turned).enumerate();
+            families.map(move |family| (sheet, family))
+        });
+        let count = sheets.each.len() * families;
+        for (layer, (sheet, (family, ([x, y], turned)))) in layers.enumerate() {
+            let kernel = match texture.slices {
+                0 => Kernel::Strokes,
+                _ => Kernel::PictureStrokes,
+            };
+            let switches = [
+                ("MOVES", sheet.place.is_some()),
+                ("HAS_DEPTH", sheets.depth.is_some()),
+                ("HAS_MOTION", sheets.motion.is_some()),
+                ("HAS_SHARE", sheet.share.is_some()),
+                ("IS_FIRST", layer == 0),
+                ("IS_LAST", layer + 1 == count),
+            ];
+            let [place_x, place_y] = sheet
+                .place
+                .as_ref()
+                .map_or([x, y], |place| place.each_ref());
+            let motion = sheets.motion.as_ref();
+            let [motion_x, motion_y] = motion.map_or([x, y], |motion| motion.each_ref());
+            self.recorder.over_pixels(
+                "hatching",
+                (kernel, &switches),
+                &stroke_params(params, frame, texture, sheet.origin, [family, families]),
+                &[
+                    &self.surface.covered,
+                    densities,
+                    x,
+                    y,
+                    &texture.thresholds,
+                    turned,
+                    &texture.texels,
+                    &paper,
+                    place_x,
+                    place_y,
+                    sheets.depth.as_ref().unwrap_or(x),
+                    motion_x,
+                    motion_y,
+                    sheet.share.as_ref().unwrap_or(x),
+                ],
+                self.surface.size,
+            );
+        }
+        paper
+    }
+}
+
+/// What is told of one of several families of strokes, of a texture that is moved by `origin` where it lies still.
+fn stroke_params(
+    params: &params::StrokeParams,
+    frame: &Frame,
+    texture: &Texture,
+    origin: [f32; 2],
+    [family, families]: [usize; 2],
+) -> StrokeParams {
+    let window = frame.data_window;
+    StrokeParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        first_x: window.x0 as f32 + 0.5 + origin[0],
+        first_y: window.y0 as f32 + 0.5 + origin[1],
+        levels: params.levels,
+        levels_per_radian: params.levels as f32 / PI,
+        sets: params.sets,
+        share_of_set: 1.0 / params.sets as f32,
+        family: family as u32,
+        families: families as u32,
+        texture_width: texture.size[0],
+        texture_height: texture.size[1],
+        slices: texture.slices,
+    }
+}

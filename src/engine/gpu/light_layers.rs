@@ -1,0 +1,344 @@
+//! Radiance scaling of the light layers of a frame: what each term changes is summed, and the picture takes the sum.
+
+use crate::engine::gpu::choose::{Search, Searching};
+use crate::engine::gpu::constants::WHITE;
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::runner::WIDEST;
+use crate::engine::gpu::shape::{Hessian, Shape};
+use crate::engine::gpu::surface::Picture;
+use crate::engine::gpu::uniforms::{SizeParams, TermParams};
+use crate::frame::{ColorPlanes, Frame};
+use crate::light::layers::terms::{LightTerm, light_terms};
+use crate::params::Adaptive;
+use crate::plan::{Plan, Stage};
+
+/// The white level of each term, in a buffer like that of what is chosen.
+pub(crate) type TermWhites = Vec<(&'static str, wgpu::Buffer)>;
+
+/// The white levels of terms, of the numbers that were read of their buffers.
+pub(crate) fn levels_of(
+    whites: &TermWhites,
+    read: impl Iterator<Item = Vec<f32>>,
+) -> Vec<(&'static str, f32)> {
+    let pairs = whites.iter().zip(read);
+    pairs
+        .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
+        .collect()
+}
+
+/// What the terms so far change of the picture, and the light that they tell of.
+struct Changes {
+    change: wgpu::Buffer,
+    told: wgpu::Buffer,
+    is_empty: bool,
+}
+
+/// The layers of a term on the device, each as three planes one after the other.
+struct Layers {
+    direct: Option<wgpu::Buffer>,
+    indirect: Option<wgpu::Buffer>,
+    color: Option<wgpu::Buffer>,
+    albedo: Option<wgpu::Buffer>,
+}
+
+const WITH_CURVATURE: &str = "scaling takes curvature";
+
+impl Run<'_> {
+    /// Scales a picture in place by the light layers of its frame, as far as that is planned.
+    pub(crate) fn scale_layers(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        shape: &Shape,
+        picture: &Picture,
+    ) -> TermWhites {
+        let mut whites = TermWhites::new();
+        if plan.has(Stage::LightLobes) {
+            whites = self.scale_lobes(plan, frame, shape, picture);
+        }
+        if plan.has(Stage::LightGroups) {
+            self.scale_groups(plan, frame, shape, picture);
+        }
+        if plan.has(Stage::AmbientOcclusion) {
+            self.scale_by_occlusion(plan, frame, shape, picture);
+        }
+        whites
+    }
+
+    fn scale_lobes(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        shape: &Shape,
+        picture: &Picture,
+    ) -> TermWhites {
+        let hessian = shape.hessian.as_ref().expect(WITH_CURVATURE);
+        let mut changes = self.no_changes();
+        let sigma = self.take(self.surface.plane_bytes());
+        let mut whites = TermWhites::new();
+        for term in light_terms(&frame.light.lobes, &plan.scaling) {
+            let params = TermParams {
+                magnitude: term.magnitude,
+                ..self.term_params(plan, frame)
+            };
+            let layers = self.layers(&term);
+            let white = self.term_white(plan, &term, &layers, &params);
+            let [direct, indirect, albedo] = bound(
+                [&layers.direct, &layers.indirect, &layers.albedo],
+                &self.surface.covered,
+            );
+            self.recorder.over_pixels(
+                "light-lobes",
+                (Kernel::LobeSigma, &layers.lobe_switches()),
+                &params,
+                &[
+                    &self.surface.covered,
+                    direct,
+                    indirect,
+                    albedo,
+                    &hessian.trace,
+                    &self.chosen,
+                    &white,
+                    &sigma,
+                ],
+                self.surface.size,
+            );
+            self.add_changes("light-lobes", &mut changes, &sigma, &layers, &params);
+            whites.push((term.name, white));
+        }
+        self.change(picture, changes);
+        self.buffers.take_back([sigma]);
+        whites
+    }
+
+    fn scale_groups(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
+        let Hessian { trace, entries } = shape.hessian.as_ref().expect(WITH_CURVATURE);
+        let mut changes = self.no_changes();
+        let sigma = self.take(self.surface.plane_bytes());
+        let toward_light = plan.has(Stage::Hessian);
+        for group in &frame.light.groups {
+            let to_light: Vec<f32> = group.to_light.iter().flat_map(|l| l.to_array()).collect();
+            let params = TermParams {
+                magnitude: plan.scaling.magnitudes().diffuse,
+                light_count: group.to_light.len() as u32,
+                ..self.term_params(plan, frame)
+            };
+            let to_light = self.hold(&to_light);
+            let [x, y, z] = &self.surface.normal;
+            let [xx, xy, yy] = match entries {
+                Some(entries) => entries.each_ref(),
+                None => [trace; 3],
+            };
+            self.recorder.over_pixels(
+                "light-groups",
+                (Kernel::GroupSigma, &[("TOWARD_LIGHT", toward_light)]),
+                &params,
+                &[
+                    &self.surface.covered,
+                    x,
+                    y,
+                    z,
+                    xx,
+                    xy,
+                    yy,
+                    &self.chosen,
+                    &to_light,
+                    &sigma,
+                ],
+                self.surface.size,
+            );
+            let layers = Layers {
+                direct: Some(self.hold_color(&group.light)),
+                indirect: None,
+                color: None,
+                albedo: None,
+            };
+            self.add_changes("light-groups", &mut changes, &sigma, &layers, &params);
+        }
+        self.change(picture, changes);
+        self.buffers.take_back([sigma]);
+    }
+
+    fn scale_by_occlusion(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
+        let hessian = shape.hessian.as_ref().expect(WITH_CURVATURE);
+        let occlusion = frame.light.occlusion.as_ref();
+        let occlusion = occlusion.expect("the plan has seen occlusion");
+        let occlusion = self.hold(occlusion.samples());
+        let params = TermParams {
+            magnitude: plan.scaling.magnitudes().ambient,
+            ..self.term_params(plan, frame)
+        };
+        let [red, green, blue] = picture;
+        self.recorder.over_pixels(
+            "ambient-occlusion",
+            (Kernel::Occlude, &[]),
+            &params,
+            &[
+                &self.surface.covered,
+                &hessian.trace,
+                &occlusion,
+                &self.chosen,
+                red,
+                green,
+                blue,
+            ],
+            self.surface.size,
+        );
+    }
+
+    /// What all terms share.
+    fn term_params(&self, plan: &Plan, frame: &Frame) -> TermParams {
+        let [width, height] = self.surface.size;
+        let [weight_r, weight_g, weight_b] = frame.luminance_weights();
+        TermParams {
+            width,
+            height,
+            magnitude: 0.0,
+            invariant_point: plan.scaling.invariant_point,
+            weight_r,
+            weight_g,
+            weight_b,
+            anisotropy: plan.scaling.anisotropy,
+            light_count: 0,
+        }
+    }
+
+    /// Copies a colour to the device: its planes, one after the other.
+    fn hold_color(&mut self, color: &ColorPlanes) -> wgpu::Buffer {
+        let planes = [&color.r, &color.g, &color.b].map(|plane| plane.samples());
+        self.hold(&planes.concat())
+    }
+
+    fn layers(&mut self, term: &LightTerm) -> Layers {
+        let mut held = |color: Option<&ColorPlanes>| color.map(|color| self.hold_color(color));
+        Layers {
+            direct: held(term.direct),
+            indirect: held(term.indirect),
+            color: held(term.color),
+            albedo: held(term.albedo),
+        }
+    }
+
+    /// The white level of a term: as told, or chosen from its light.
+    fn term_white(
+        &mut self,
+        plan: &Plan,
+        term: &LightTerm,
+        layers: &Layers,
+        params: &TermParams,
+    ) -> wgpu::Buffer {
+        let told = plan.scaling.term_white_levels.of(term.name);
+        let mut chosen = [0.0; 2];
+        let known = match (told, plan.scaling.white_level) {
+            (Some(level), _) | (None, Adaptive::Fixed(level)) => Some(level),
+            (None, Adaptive::Auto) => None,
+        };
+        chosen[WHITE as usize] = known.unwrap_or(1.0);
+        let white = self.hold(&chosen);
+        if known.is_none() {
+            let luminance = self.take(self.surface.plane_bytes());
+            let [direct, indirect, albedo] = bound(
+                [&layers.direct, &layers.indirect, &layers.albedo],
+                &self.surface.covered,
+            );
+            let buffers = [&self.surface.covered, direct, indirect, albedo, &luminance];
+            self.recorder.over_pixels(
+                "auto-white",
+                (Kernel::LobeLuminance, &layers.lobe_switches()),
+                params,
+                &buffers,
+                self.surface.size,
+            );
+            let search = Searching::new(self, Search::TermWhite);
+            search.choose(self, [&luminance; 3], &white);
+            self.buffers.take_back([luminance]);
+        }
+        white
+    }
+
+    fn no_changes(&self) -> Changes {
+        let [change, told] = [(); 2].map(|()| self.take(WIDEST * self.surface.plane_bytes()));
+        Changes {
+            change,
+            told,
+            is_empty: true,
+        }
+    }
+
+    /// Adds what `sigma` changes of a light.
+    fn add_changes(
+        &mut self,
+        stage: &'static str,
+        changes: &mut Changes,
+        sigma: &wgpu::Buffer,
+        layers: &Layers,
+        params: &TermParams,
+    ) {
+        let [direct, indirect, color] =
+            bound([&layers.direct, &layers.indirect, &layers.color], sigma);
+        let switches = [
+            ("HAS_DIRECT", layers.direct.is_some()),
+            ("HAS_INDIRECT", layers.indirect.is_some()),
+            ("HAS_COLOR", layers.color.is_some()),
+            ("IS_FIRST", changes.is_empty),
+        ];
+        self.recorder.over_pixels(
+            stage,
+            (Kernel::AddChange, &switches),
+            params,
+            &[
+                sigma,
+                direct,
+                indirect,
+                color,
+                &changes.change,
+                &changes.told,
+            ],
+            self.surface.size,
+        );
+        changes.is_empty = false;
+    }
+
+    /// Makes the changes to a picture in place.
+    fn change(&mut self, picture: &Picture, changes: Changes) {
+        let [width, height] = self.surface.size;
+        let [red, green, blue] = picture;
+        if !changes.is_empty {
+            self.recorder.over_pixels(
+                "changes",
+                (Kernel::ChangePicture, &[]),
+                &SizeParams { width, height },
+                &[
+                    &self.surface.covered,
+                    &changes.change,
+                    &changes.told,
+                    red,
+                    green,
+                    blue,
+                ],
+                [width, height],
+            );
+        }
+        self.buffers.take_back([changes.change, changes.told]);
+    }
+}
+
+impl Layers {
+    /// The switches of kernels that look at the light itself.
+    fn lobe_switches(&self) -> [(&'static str, bool); 3] {
+        [
+            ("HAS_DIRECT", self.direct.is_some()),
+            ("HAS_INDIRECT", self.indirect.is_some()),
+            ("HAS_ALBEDO", self.albedo.is_some()),
+        ]
+    }
+}
+
+/// What to bind for layers: `any` buffer for those that are absent, which no kernel reads.
+fn bound<'b>(
+    layers: [&'b Option<wgpu::Buffer>; 3],
+    any: &'b wgpu::Buffer,
+) -> [&'b wgpu::Buffer; 3] {
+    layers.map(|layer| layer.as_ref().unwrap_or(any))
+}

@@ -1,0 +1,105 @@
+//! Directions of the surface's own curvature, from its normal rays.
+
+use crate::engine::gpu::direction_fill::{Gaps, OF_SURFACES, spread_params};
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::{apart, is_eye_far, lines, starts};
+use crate::engine::gpu::uniforms::RayParams;
+use crate::frame::{DepthKind, Frame};
+use crate::line::normal_rays::setting::RaySetting;
+use crate::plan::{Plan, Stage};
+
+/// What is recorded as the time of rays and of what fills the gaps between them.
+const STAGE: &str = "normal-rays";
+
+impl Run<'_> {
+    /// The directions of the surface's own curvature: unit ones in the picture where covered, x right and y up, 0
+    /// elsewhere.
+    pub(crate) fn surface_directions(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        conductance: &wgpu::Buffer,
+    ) -> [wgpu::Buffer; 2] {
+        let setting = RaySetting::new(plan, frame);
+        let gaps = self.normal_rays(plan, frame, &setting, conductance);
+        let told = spread_params(frame, &setting.sight);
+        self.fill_gaps(STAGE, OF_SURFACES, &told, conductance, gaps)
+    }
+
+    fn normal_rays(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        setting: &RaySetting,
+        conductance: &wgpu::Buffer,
+    ) -> Gaps {
+        let depth = setting
+            .depth
+            .map(|plane| match plan.has(Stage::DepthSilhouettes) {
+                true => self.surface.map.clone().expect("silhouettes are of depth"),
+                false => self.hold(plane.samples()),
+            });
+        let counts = self.gap_counts(OF_SURFACES);
+        let plane = self.surface.plane_bytes();
+        let [x, y, filled, marks, open, closed] = [(); 6].map(|()| self.take(plane));
+        let covered = self.surface.covered.clone();
+        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
+        let switches = [
+            ("HAS_DEPTH", depth.is_some()),
+            ("IS_PARALLEL", is_eye_far(frame)),
+            ("DEPTH_ALONG_RAY", frame.source.depth_kind == DepthKind::Ray),
+        ];
+        self.recorder.over_pixels(
+            STAGE,
+            (Kernel::NormalRays, &switches),
+            &ray_params(frame, setting),
+            &[
+                &covered,
+                conductance,
+                &normal_x,
+                &normal_y,
+                &normal_z,
+                depth.as_ref().unwrap_or(&normal_x),
+                &x,
+                &y,
+                &filled,
+                &marks,
+                &open,
+                &closed,
+                &counts,
+            ],
+            self.surface.size,
+        );
+        Gaps {
+            directions: [x, y],
+            filled,
+            marks,
+            lacking: vec![open, closed],
+            counts,
+        }
+    }
+}
+
+fn ray_params(frame: &Frame, setting: &RaySetting) -> RayParams {
+    let line = lines(frame, &setting.sight);
+    let (start, apart) = (starts(frame), apart(frame, &setting.sight));
+    let [first_step, most_step] = setting.steps_px.map(|step| step as i32);
+    RayParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        line_x: line.first[0],
+        line_x_step: line.step[0],
+        line_y: line.first[1],
+        line_y_step: line.step[1],
+        start_x_step: start.step[0],
+        start_y_step: start.step[1],
+        apart_x_step: apart[0],
+        apart_y_step: apart[1],
+        pixel_shape: setting.sight.pixel_shape() as f32,
+        normal_noise: setting.normal_noise as f32,
+        offset_noise: setting.offset_noise as f32,
+        first_step,
+        most_step,
+    }
+}

@@ -1,0 +1,397 @@
+//! Kernels in the order in which they run, and what they take.
+
+use crate::engine::device_times::{KERNELS, READ_BACK, RECORD};
+use crate::engine::gpu::buffers::Buffers;
+use crate::engine::gpu::constants::{GROUP, STRIP_ROWS};
+use crate::engine::gpu::device::Device;
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::uniforms::Uniforms;
+use crate::engine::gpu::wait::wait_for;
+use crate::error::{Error, Result};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::{Duration, Instant};
+
+/// A kernel with its switches, as it was compiled for the device.
+type Compiled = HashMap<(Kernel, Vec<(&'static str, bool)>), Arc<wgpu::ComputePipeline>>;
+
+/// Kernels compiled so far.
+#[derive(Debug, Default)]
+pub(crate) struct Programs(Mutex<Compiled>);
+
+impl Programs {
+    /// Forgets all: what was compiled in a run that failed may be nothing.
+    pub(crate) fn forget(&self) {
+        let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        compiled.clear();
+    }
+
+    fn of(
+        &self,
+        device: &wgpu::Device,
+        kernel: Kernel,
+        switches: &[(&'static str, bool)],
+    ) -> Arc<wgpu::ComputePipeline> {
+        let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (kernel, switches.to_vec());
+        if let Some(program) = compiled.get(&key) {
+            return program.clone();
+        }
+        let label = format!("{kernel:?}");
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(&label),
+            source: wgpu::ShaderSource::Wgsl(kernel.source().into()),
+        });
+        let constants: Vec<_> = switches
+            .iter()
+            .map(|&(name, on)| (name, f64::from(u8::from(on))))
+            .collect();
+        let program = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants,
+                // Kernels write what they read.
+                zero_initialize_workgroup_memory: false,
+            },
+            cache: None,
+        });
+        let program = Arc::new(program);
+        compiled.insert(key, program.clone());
+        program
+    }
+}
+
+/// How long each stage took, in order.
+pub(crate) type Timings = Vec<(&'static str, Duration)>;
+
+/// Kernels that a run can time, at the most: half as many as a set of queries may have.
+const MAX_TIMED: u32 = wgpu::QUERY_SET_MAX_QUERIES / 2;
+
+/// Records kernels, and runs them.
+pub(crate) struct Recorder<'d> {
+    device: &'d Device,
+    programs: &'d Programs,
+    buffers: &'d Buffers,
+    encoder: wgpu::CommandEncoder,
+    /// The clock, and the stage of each pair of its readings.
+    clock: Option<(wgpu::QuerySet, Vec<&'static str>)>,
+    /// When it began.
+    start: Instant,
+    /// Why nothing that is recorded will run.
+    failed: Option<Error>,
+}
+
+impl<'d> Recorder<'d> {
+    pub(crate) fn new(device: &'d Device, programs: &'d Programs, buffers: &'d Buffers) -> Self {
+        let clock = device.tick_ns.map(|_| {
+            let set = device.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: None,
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * MAX_TIMED,
+            });
+            (set, Vec::new())
+        });
+        Self {
+            device,
+            programs,
+            buffers,
+            encoder: device.device.create_command_encoder(&Default::default()),
+            clock,
+            start: Instant::now(),
+            failed: None,
+        }
+    }
+
+    /// Runs a kernel over as many workgroups, on buffers in the order of its bindings.
+    pub(crate) fn dispatch<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        (kernel, switches): (Kernel, &[(&'static str, bool)]),
+        uniforms: &U,
+        buffers: &[&wgpu::Buffer],
+        groups: [u32; 2],
+    ) {
+        let device = &self.device.device;
+        let program = self.programs.of(device, kernel, switches);
+        let bytes = uniforms.bytes();
+        let told = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM,
+            mapped_at_creation: true,
+        });
+        match told.slice(..).get_mapped_range_mut() {
+            Ok(mut range) => range.copy_from_slice(&bytes),
+            // It was mapped when it was made: it was not made.
+            Err(error) => {
+                self.failed.get_or_insert_with(|| self.device.error(error));
+                return;
+            }
+        }
+        told.unmap();
+        let bound = std::iter::once(&told).chain(buffers.iter().copied());
+        let entries: Vec<_> = (0..)
+            .zip(bound)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &program.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        // One kernel more than there are readings for, and none is told.
+        self.clock = self
+            .clock
+            .take()
+            .filter(|(_, stages)| (stages.len() as u32) < MAX_TIMED);
+        let timestamp_writes = self.clock.as_mut().map(|(set, stages)| {
+            let index = 2 * stages.len() as u32;
+            stages.push(stage);
+            wgpu::ComputePassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(index),
+                end_of_pass_write_index: Some(index + 1),
+            }
+        });
+        let mut pass = self
+            .encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(stage),
+                timestamp_writes,
+            });
+        pass.set_pipeline(&program);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(groups[0], groups[1], 1);
+    }
+
+    /// Runs a kernel that makes a pixel per invocation of a picture of this size.
+    pub(crate) fn over_pixels<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        kernel: (Kernel, &[(&'static str, bool)]),
+        uniforms: &U,
+        buffers: &[&wgpu::Buffer],
+        [width, height]: [u32; 2],
+    ) {
+        let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
+        self.dispatch(stage, kernel, uniforms, buffers, groups);
+    }
+
+    /// Runs a kernel that makes some rows per invocation of a picture of this size.
+    pub(crate) fn over_rows<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        kernel: (Kernel, &[(&'static str, bool)]),
+        uniforms: &U,
+        buffers: &[&wgpu::Buffer],
+        [width, height]: [u32; 2],
+    ) {
+        let size = [width, height.div_ceil(STRIP_ROWS)];
+        self.over_pixels(stage, kernel, uniforms, buffers, size);
+    }
+
+    /// Copies a buffer.
+    pub(crate) fn copy(&mut self, from: &wgpu::Buffer, to: &wgpu::Buffer) {
+        self.encoder
+            .copy_buffer_to_buffer(from, 0, to, 0, from.size());
+    }
+
+    /// Sets a buffer to 0.
+    pub(crate) fn clear(&mut self, buffer: &wgpu::Buffer) {
+        self.encoder.clear_buffer(buffer, 0, None);
+    }
+
+    /// Runs what was recorded, waits for it, and hands out what `wanted` then hold, with the time of recording, of each
+    /// stage where the device has a clock, else of all kernels, and of reading back.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub(crate) fn run(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+        let recorded = self.start.elapsed();
+        let mut start = Instant::now();
+        let mut kernels = None;
+        if self.device.is_timed_apart {
+            let copies = self
+                .device
+                .device
+                .create_command_encoder(&Default::default());
+            let encoder = std::mem::replace(&mut self.encoder, copies);
+            self.device.queue.submit([encoder.finish()]);
+            wait_for(&self.device.device, None).map_err(|error| self.device.error(error))?;
+            kernels = Some(start.elapsed());
+            start = Instant::now();
+        }
+        let (read, stages) = self.submit(wanted).read()?;
+        let waited = start.elapsed();
+        let mut timings = vec![(RECORD, recorded)];
+        let (stages, read_back) = match (stages, kernels) {
+            (Some(stages), Some(_)) => (stages, waited),
+            (None, Some(kernels)) => (vec![(KERNELS, kernels)], waited),
+            // Copies and waiting are what the kernels leave of the time.
+            (Some(stages), None) => {
+                let computed = stages.iter().map(|(_, time)| *time).sum();
+                (stages, waited.saturating_sub(computed))
+            }
+            (None, None) => (vec![(KERNELS, waited)], Duration::ZERO),
+        };
+        timings.extend(stages);
+        timings.push((READ_BACK, read_back));
+        Ok((read, timings))
+    }
+
+    /// Has the device begin with what was recorded, and records on from there; what `wanted` then hold can be read.
+    pub(crate) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
+        let whole = wanted.iter().map(|&buffer| (buffer, buffer.size()));
+        self.submit_for_parts(whole)
+    }
+
+    /// The same for as many bytes from the start of each.
+    pub(crate) fn submit_for_parts<'a>(
+        &mut self,
+        wanted: impl IntoIterator<Item = (&'a wgpu::Buffer, u64)>,
+    ) -> Submitted<'d> {
+        let device = &self.device.device;
+        let readable = |size: u64| self.buffers.take_to_read(self.device, size);
+        let mut to_read: Vec<wgpu::Buffer> = Vec::new();
+        for (buffer, size) in wanted {
+            let target = readable(size);
+            self.encoder
+                .copy_buffer_to_buffer(buffer, 0, &target, 0, size);
+            to_read.push(target);
+        }
+        let mut timed = None;
+        if let Some((set, stages)) = self.clock.take() {
+            let readings = 2 * stages.len() as u32;
+            let size = u64::from(readings.max(1)) * 8;
+            let resolved = device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            });
+            self.encoder
+                .resolve_query_set(&set, 0..readings, &resolved, 0);
+            let target = readable(size);
+            self.encoder
+                .copy_buffer_to_buffer(&resolved, 0, &target, 0, size);
+            to_read.push(target);
+            timed = Some(stages);
+        }
+        let next = Self::new(self.device, self.programs, self.buffers);
+        let recorded = std::mem::replace(self, next);
+        let submission = self.device.queue.submit([recorded.encoder.finish()]);
+        Submitted {
+            device: self.device,
+            buffers: self.buffers,
+            submission,
+            to_read,
+            timed,
+            failed: recorded.failed,
+        }
+    }
+}
+
+/// What a device works on.
+pub(crate) struct Submitted<'d> {
+    device: &'d Device,
+    buffers: &'d Buffers,
+    submission: wgpu::SubmissionIndex,
+    /// Copies of what is wanted, and the readings of the clock last.
+    to_read: Vec<wgpu::Buffer>,
+    /// The stages that were timed, where the device has a clock.
+    timed: Option<Vec<&'static str>>,
+    /// Why it came to nothing.
+    failed: Option<Error>,
+}
+
+impl Submitted<'_> {
+    /// Waits until the device is done with it, but not with what it was given since; hands out what was wanted, and the
+    /// time of each stage where the device has a clock.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] where the device fails.
+    pub(crate) fn read(mut self) -> Result<(Vec<Vec<f32>>, Option<Timings>)> {
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        wait(self.device, &self.to_read, self.submission)?;
+        let times = match self.timed.zip(self.device.tick_ns) {
+            Some((stages, tick_ns)) => {
+                let clock = self.to_read.pop().expect("the clock is read last");
+                let readings = contents(self.device, &clock)?;
+                self.buffers.take_back_read([clock]);
+                Some(times(&stages, &readings, tick_ns))
+            }
+            None => None,
+        };
+        let numbers = self.to_read.par_iter();
+        let numbers = numbers.map(|buffer| contents(self.device, buffer));
+        let numbers = numbers.collect::<Result<_>>()?;
+        self.buffers.take_back_read(self.to_read);
+        Ok((numbers, times))
+    }
+}
+
+/// Waits until buffers can be read that a submission fills.
+fn wait(
+    device: &Device,
+    buffers: &[wgpu::Buffer],
+    submission: wgpu::SubmissionIndex,
+) -> Result<()> {
+    let (sender, receiver) = mpsc::channel();
+    for buffer in buffers {
+        let sender = sender.clone();
+        buffer
+            .slice(..)
+            .map_async(wgpu::MapMode::Read, move |mapped| {
+                // Where nobody waits any more nothing is to be told.
+                let _ = sender.send(mapped);
+            });
+    }
+    wait_for(&device.device, Some(submission)).map_err(|error| device.error(error))?;
+    for _ in buffers {
+        // All that there is to be told was told while it was waited for.
+        let mapped = receiver.try_recv().map_err(|error| device.error(error))?;
+        mapped.map_err(|error| device.error(error))?;
+    }
+    Ok(())
+}
+
+/// What a buffer holds that can be read, once.
+fn contents<T: bytemuck::AnyBitPattern>(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
+    let range = buffer.slice(..).get_mapped_range();
+    let range = range.map_err(|error| device.error(error))?;
+    // Mapped memory is aligned to 8 bytes.
+    let numbers = bytemuck::cast_slice(&range).to_vec();
+    drop(range);
+    buffer.unmap();
+    Ok(numbers)
+}
+
+/// Adds times to those of the same stages.
+pub(crate) fn add_timings(sum: &mut Timings, more: &[(&'static str, Duration)]) {
+    for &(stage, time) in more {
+        match sum.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, sum)) => *sum += time,
+            None => sum.push((stage, time)),
+        }
+    }
+}
+
+/// The time of each stage, its passes taken together, in the order of their first.
+fn times(stages: &[&'static str], readings: &[u64], tick_ns: f32) -> Timings {
+    let mut times = Timings::new();
+    for (&stage, pair) in stages.iter().zip(readings.chunks_exact(2)) {
+        let ticks = pair[1].saturating_sub(pair[0]);
+        let time = Duration::from_nanos((ticks as f64 * f64::from(tick_ns)) as u64);
+        add_timings(&mut times, &[(stage, time)]);
+    }
+    times
+}

@@ -1,0 +1,49 @@
+//! Strokes that move with the surface: the maps by which a texture lies, on the device.
+
+use crate::engine::gpu::run::Run;
+use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::line::texture_coordinates::sheet::Sheet;
+use std::ops::Range;
+
+/// The drawings that share a hatching.
+pub(crate) struct Sheets {
+    pub(crate) each: Vec<LaidSheet>,
+    /// What tells surfaces apart where they move.
+    pub(crate) depth: Option<wgpu::Buffer>,
+    pub(crate) motion: Option<[wgpu::Buffer; 2]>,
+}
+
+/// A [`Sheet`] on the device.
+pub(crate) struct LaidSheet {
+    pub(crate) place: Option<[wgpu::Buffer; 2]>,
+    pub(crate) origin: [f32; 2],
+    pub(crate) share: Option<wgpu::Buffer>,
+}
+
+impl Run<'_> {
+    /// These rows of what a drawing is made of; without coordinates its texture lies still in the picture.
+    pub(crate) fn sheets(
+        &mut self,
+        coordinates: Option<&TextureCoordinates>,
+        rows: &Range<usize>,
+    ) -> Sheets {
+        let sheets = coordinates.map_or(vec![Sheet::STILL], TextureCoordinates::sheets);
+        let surface = sheets.iter().find_map(|sheet| sheet.place);
+        let surface = surface.map(|(_, surface)| surface);
+        let depth = surface.and_then(|surface| surface.depth);
+        let motion = surface.and_then(|surface| surface.motion);
+        Sheets {
+            each: sheets.iter().map(|sheet| self.laid(sheet, rows)).collect(),
+            depth: depth.map(|depth| self.hold_rows(depth, rows)),
+            motion: motion.map(|motion| self.hold_field(motion, rows)),
+        }
+    }
+
+    fn laid(&mut self, sheet: &Sheet, rows: &Range<usize>) -> LaidSheet {
+        LaidSheet {
+            place: sheet.place.map(|(place, _)| self.hold_field(place, rows)),
+            origin: sheet.origin,
+            share: sheet.share.map(|share| self.hold_rows(share, rows)),
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Sight lines as kernels are told of them.
+
+use crate::frame::{Frame, Projection, SightLines};
+use glam::{DVec2, DVec3};
+
+/// A vector that is linear in column and row: at the first of both, and what each further one adds.
+pub(crate) struct Linear {
+    pub(crate) first: [f32; 2],
+    pub(crate) step: [f32; 2],
+}
+
+impl Linear {
+    /// The one that is `vector` at every place of the picture.
+    fn of(frame: &Frame, vector: impl Fn(f64, f64) -> DVec2) -> Self {
+        let window = frame.data_window;
+        let at = |column: i32, row: i32| {
+            let [x, y] = [window.x0 + column, window.y0 + row].map(|at| f64::from(at) + 0.5);
+            vector(x, y)
+        };
+        let first = at(0, 0);
+        let step = at(1, 1) - first;
+        Self {
+            first: first.as_vec2().to_array(),
+            step: step.as_vec2().to_array(),
+        }
+    }
+}
+
+/// The direction to the eye, scaled to z = 1.
+pub(crate) fn to_eye(frame: &Frame) -> Linear {
+    let camera = frame.camera;
+    Linear::of(frame, |x, y| {
+        camera.map_or(DVec2::ZERO, |camera| camera.projection.to_eye(x, y))
+    })
+}
+
+/// Where sight lines begin, x and y of view space.
+pub(crate) fn starts(frame: &Frame) -> Linear {
+    Linear::of(frame, |x, y| {
+        let lines = frame
+            .camera
+            .map(|camera| SightLines::new(camera.projection));
+        lines.map_or(DVec2::ZERO, |lines| lines.line(x, y).0.truncate())
+    })
+}
+
+/// The direction of sight lines, scaled to z = -1.
+pub(crate) fn lines(frame: &Frame, sight: &SightLines) -> Linear {
+    Linear::of(frame, |x, y| sight.line(x, y).1.truncate())
+}
+
+/// How far apart points at a depth of 1 are that are a column, or a row, apart.
+pub(crate) fn apart(frame: &Frame, sight: &SightLines) -> [f32; 2] {
+    let point = |x, y| {
+        let (start, line): (DVec3, DVec3) = sight.line(x, y);
+        (start + line).truncate()
+    };
+    Linear::of(frame, point).step
+}
+
+/// Whether the eye is far away, along z at every pixel.
+pub(crate) fn is_eye_far(frame: &Frame) -> bool {
+    let projection = frame.camera.map(|camera| camera.projection);
+    !matches!(projection, Some(Projection::Perspective { .. }))
+}

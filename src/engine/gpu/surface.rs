@@ -1,0 +1,136 @@
+//! A frame on the device.
+
+use crate::engine::gpu::buffers::Buffers;
+use crate::engine::gpu::device::Device;
+use crate::frame::{ColorPlanes, Frame, Mask, Plane};
+use crate::plan::{Plan, Stage};
+use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::sweeps::Sweeps;
+use std::ops::Range;
+
+/// A picture on the device: red, green and blue.
+pub(crate) type Picture = [wgpu::Buffer; 3];
+
+/// What shape is made of, on the device.
+pub(crate) struct Surface {
+    /// Columns and rows.
+    pub(crate) size: [u32; 2],
+    /// Where it is covered, in words of 32 pixels.
+    pub(crate) covered: wgpu::Buffer,
+    pub(crate) normal: [wgpu::Buffer; 3],
+    pub(crate) normal_length: Option<wgpu::Buffer>,
+    /// Depth, or an occlusion map.
+    pub(crate) map: Option<wgpu::Buffer>,
+    /// The levels of importance, where the sweeps are read out by them.
+    pub(crate) importance: Option<Importance>,
+}
+
+/// Importance, in levels.
+pub(crate) struct Importance {
+    /// The level of each pixel.
+    pub(crate) levels: wgpu::Buffer,
+    /// How many there are.
+    pub(crate) count: u32,
+    /// For every term the weight of every level.
+    pub(crate) weights: Vec<f32>,
+}
+
+/// What copies planes to the device.
+#[derive(Clone, Copy)]
+pub(crate) struct Upload<'a> {
+    pub(crate) device: &'a Device,
+    pub(crate) buffers: &'a Buffers,
+}
+
+impl Upload<'_> {
+    pub(crate) fn plane(self, plane: &Plane) -> wgpu::Buffer {
+        self.bytes(bytemuck::cast_slice(plane.samples()))
+    }
+
+    pub(crate) fn bytes(self, bytes: &[u8]) -> wgpu::Buffer {
+        let buffer = self.buffers.take_to_copy(self.device, bytes.len() as u64);
+        self.device.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// The picture of a frame, where it has one.
+    pub(crate) fn picture(self, frame: &Frame) -> Option<Picture> {
+        let color = frame.color.as_ref()?;
+        Some([&color.r, &color.g, &color.b].map(|plane| self.plane(plane)))
+    }
+
+    /// These rows of a picture.
+    pub(crate) fn rows(self, picture: &ColorPlanes, rows: &Range<usize>) -> Picture {
+        [&picture.r, &picture.g, &picture.b].map(|plane| self.rows_of(plane, rows))
+    }
+
+    /// These rows of a plane.
+    pub(crate) fn rows_of(self, plane: &Plane, rows: &Range<usize>) -> wgpu::Buffer {
+        let width = plane.width();
+        let samples = &plane.samples()[rows.start * width..rows.end * width];
+        self.bytes(bytemuck::cast_slice(samples))
+    }
+
+    fn coverage(self, mask: &Mask) -> wgpu::Buffer {
+        let words: Vec<u32> = (0..mask.height())
+            .flat_map(|y| {
+                mask.row(y).chunks(32).map(|pixels| {
+                    let bits = pixels.iter().enumerate();
+                    bits.fold(0, |word, (i, &covered)| word | u32::from(covered) << i)
+                })
+            })
+            .collect();
+        self.bytes(bytemuck::cast_slice(&words))
+    }
+
+    fn importance(self, frame: &Frame, sweeps: &Sweeps) -> Option<Importance> {
+        let levels = Levels::of(frame, sweeps)?;
+        let numbers = levels.plane.map(u32::from);
+        let kept = levels
+            .weights
+            .iter()
+            .map(|of_term| &of_term[..levels.count]);
+        Some(Importance {
+            levels: self.bytes(bytemuck::cast_slice(numbers.samples())),
+            count: levels.count as u32,
+            weights: kept.flatten().copied().collect(),
+        })
+    }
+
+    /// What `plan` takes of `frame`.
+    pub(crate) fn surface(self, plan: &Plan, frame: &Frame) -> Surface {
+        let map = if plan.has(Stage::DepthSilhouettes) {
+            frame.depth.as_ref()
+        } else if plan.has(Stage::OcclusionSilhouettes) {
+            frame.occlusion.as_ref()
+        } else {
+            None
+        };
+        let normal = &frame.normal;
+        Surface {
+            size: [frame.mask.width() as u32, frame.mask.height() as u32],
+            covered: self.coverage(&frame.mask),
+            normal: [&normal.x, &normal.y, &normal.z].map(|plane| self.plane(plane)),
+            normal_length: frame.normal_length.as_ref().map(|plane| self.plane(plane)),
+            map: map.map(|plane| self.plane(plane)),
+            importance: self.importance(frame, &plan.sweeps),
+        }
+    }
+}
+
+impl Surface {
+    /// Bytes of a plane of numbers.
+    pub(crate) fn plane_bytes(&self) -> u64 {
+        4 * u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// All of its buffers.
+    pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
+        let importance = self.importance.map(|importance| importance.levels);
+        std::iter::once(self.covered)
+            .chain(self.normal)
+            .chain(self.normal_length)
+            .chain(self.map)
+            .chain(importance)
+    }
+}

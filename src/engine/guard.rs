@@ -1,0 +1,311 @@
+//! The last guard: no result holds a number that is not finite where all that went into it is.
+//!
+//! Ranges of parameters, cameras and attributes keep every stage within single precision. What slips through them, as
+//! pictures of 1e38 that are brightened, is found here, before anything is written.
+
+use crate::engine::cpu;
+use crate::engine::cpu::outcome::{CurvaturePlanes, Outcome, Shape};
+use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use crate::plan::{Available, Goal, Plan, Stage};
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Results that are not finite although everything they were made of is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NotFinite {
+    /// The stage that first gave such a sample; several where they cannot be told apart.
+    pub stage: String,
+    /// How many samples there are, and where.
+    pub found: String,
+}
+
+/// Looks for samples of `results` that are not finite where all planes of `frame` are. `results` have the size of the
+/// frame, and are of what `plan` made of it, `outcome`.
+pub fn not_finite(
+    plan: &Plan,
+    frame: &Frame,
+    outcome: &Outcome,
+    results: &[&Plane],
+) -> Option<NotFinite> {
+    let spoiled = results.iter().filter(|plane| !is_finite(plane));
+    let spoiled = spoiled.flat_map(|plane| non_finite_pixels(plane));
+    let inputs = inputs(frame);
+    let mut ours = spoiled.filter(|&(x, y)| inputs.iter().all(|plane| plane.at(x, y).is_finite()));
+    let (x, y) = ours.next()?;
+    let count = 1 + ours.count();
+    let samples = if count == 1 { "sample" } else { "samples" };
+    let corner = frame.data_window;
+    Some(NotFinite {
+        stage: stage(plan, frame, outcome),
+        found: format!(
+            "{count} {samples} that are not finite, the first at ({}, {})",
+            i64::from(corner.x0) + x as i64,
+            i64::from(corner.y0) + y as i64
+        ),
+    })
+}
+
+/// Looks for lines of a drawing that are not finite.
+pub fn lines_not_finite(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<NotFinite> {
+    let drawing = outcome.drawing.as_ref()?;
+    let strokes = drawing.lines.iter().map(|l| (&l.points[..], &l.widths[..]));
+    let contours = drawing.contour_lines.iter();
+    let contours = contours.map(|l| (&l.points[..], &l.widths[..]));
+    let is_finite = |(points, widths): &(&[Vec2], &[f32])| {
+        points.iter().all(|point| point.is_finite()) && widths.iter().all(|width| width.is_finite())
+    };
+    let count = strokes
+        .chain(contours)
+        .filter(|line| !is_finite(line))
+        .count();
+    (count > 0).then(|| NotFinite {
+        stage: stage(plan, frame, outcome),
+        found: format!("{count} lines that are not finite"),
+    })
+}
+
+/// Samples that one task looks at.
+const SAMPLES_PER_TASK: usize = 1 << 16;
+
+/// Exponent bits of a single: all are set in infinities and NaN alone.
+const EXPONENT: u32 = 0x7f80_0000;
+
+/// Whether all samples are finite. A count of bit patterns, so that the loop vectorises.
+fn is_finite(plane: &Plane) -> bool {
+    let finite = |samples: &[f32]| {
+        let bad = samples
+            .iter()
+            .map(|v| u32::from(v.to_bits() & EXPONENT == EXPONENT));
+        bad.sum::<u32>() == 0
+    };
+    plane.samples().par_chunks(SAMPLES_PER_TASK).all(finite)
+}
+
+/// Column and row of each sample that is not finite.
+fn non_finite_pixels(plane: &Plane) -> impl Iterator<Item = (usize, usize)> {
+    let samples = plane.samples().iter().enumerate();
+    let bad = samples.filter(|(_, sample)| !sample.is_finite());
+    bad.map(|(i, _)| (i % plane.width(), i / plane.width()))
+}
+
+/// Every plane of a frame.
+fn inputs(frame: &Frame) -> Vec<&Plane> {
+    let light = &frame.light;
+    let lobes = light.lobes.iter();
+    let lobes = lobes.flat_map(|l| [&l.direct, &l.indirect, &l.color, &l.albedo]);
+    let colors = [&frame.color, &frame.albedo].into_iter().chain(lobes);
+    let colors = colors.flatten();
+    let colors = colors.chain(light.groups.iter().map(|group| &group.light));
+    let normal = &frame.normal;
+    let single = [
+        &frame.normal_length,
+        &frame.depth,
+        &frame.occlusion,
+        &frame.importance,
+        &frame.alpha,
+        &light.occlusion,
+    ];
+    colors
+        .flat_map(planes_of)
+        .chain([&normal.x, &normal.y, &normal.z])
+        .chain(single.into_iter().flatten())
+        .collect()
+}
+
+fn planes_of(color: &ColorPlanes) -> [&Plane; 3] {
+    [&color.r, &color.g, &color.b]
+}
+
+/// The first stage of `plan` that gives samples that are not finite. Everything about shape is made again: this is
+/// rare, and a device or a picture alone does not have it.
+fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
+    let by_shape = || {
+        plan.has(Stage::Gradient)
+            .then(|| shape_stage(plan, frame, outcome))
+            .flatten()
+    };
+    let color_is_finite = |color: &ColorPlanes| planes_of(color).into_iter().all(is_finite);
+    let picture = || !outcome.color.as_ref().is_none_or(color_is_finite);
+    if let Some(stage) = by_shape() {
+        return stage.name().into();
+    }
+    let stages: &[Stage] = match picture() {
+        true => &PICTURE,
+        false if outcome.drawing.is_some() => &DRAWING,
+        false => &[],
+    };
+    let planned = stages.iter().filter(|&&stage| plan.has(stage));
+    let names: Vec<_> = planned.map(|stage| stage.name()).collect();
+    match names.is_empty() {
+        // All is finite until colours are turned to those of a display.
+        true => "view-transform".into(),
+        false => names.join(" or "),
+    }
+}
+
+/// The stages that make a picture.
+const PICTURE: [Stage; 11] = [
+    Stage::RadianceScaling,
+    Stage::LightLobes,
+    Stage::LightGroups,
+    Stage::AmbientOcclusion,
+    Stage::CurvatureDisplay,
+    Stage::AlbedoEstimate,
+    Stage::LightSum,
+    Stage::LightLookups,
+    Stage::Contrast,
+    Stage::Tones,
+    Stage::SpecularTrace,
+];
+
+/// The stages that draw one.
+const DRAWING: [Stage; 4] = [
+    Stage::DirectionField,
+    Stage::Hatching,
+    Stage::Streamlines,
+    Stage::Contours,
+];
+
+/// The stage of shape that first fails: on the CPU, undiffused and diffused, else where it was run.
+fn shape_stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<Stage> {
+    let again = |scale| {
+        let shape = ShapeParams {
+            scale,
+            ..plan.shape
+        };
+        let scaling = ScalingParams {
+            curvature_gain: outcome.gain.map_or(Adaptive::Auto, Adaptive::Fixed),
+            ..plan.scaling
+        };
+        let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling).ok()?;
+        Some(cpu::run(&plan, frame).shape)
+    };
+    let silhouettes = [
+        Stage::DepthSilhouettes,
+        Stage::OcclusionSilhouettes,
+        Stage::BorderSilhouettes,
+    ];
+    let silhouette = silhouettes.into_iter().find(|&stage| plan.has(stage));
+    let silhouette = silhouette.unwrap_or(Stage::Conductance);
+    again(Scale::Iterations(0))
+        .and_then(|shape| first_of_shape(&shape, silhouette, Stage::Gradient))
+        .or_else(|| first_of_shape(&again(plan.shape.scale)?, silhouette, Stage::Diffusion))
+        .or_else(|| first_of_shape(&outcome.shape, silhouette, Stage::Diffusion))
+        .filter(|&stage| stage != Stage::Directions || plan.has(stage))
+}
+
+/// The first stage whose planes are not finite, where the gradient comes from the stage `gradient`.
+fn first_of_shape(shape: &Shape, silhouette: Stage, gradient: Stage) -> Option<Stage> {
+    let slopes = shape.gradient.iter().flat_map(|g| [&g.x, &g.y]);
+    let hessian = shape.hessian.iter().flat_map(|h| [&h.xx, &h.xy, &h.yy]);
+    let more = shape.more_scales.iter();
+    let curvatures = shape.curvatures.iter();
+    let curvatures = curvatures.chain(more.clone().map(|scale| &scale.curvatures));
+    let curvatures = curvatures.flat_map(|CurvaturePlanes { u, v, mean }| [u, v, mean]);
+    let directions = shape.direction_view.iter().flat_map(|d| [&d.x, &d.y]);
+    let rays = shape.direction.iter().flat_map(|d| [&d.x, &d.y]);
+    let kappa = shape.kappa.iter().chain(more.map(|scale| &scale.kappa));
+    let all: [(Stage, Vec<&Plane>); 10] = [
+        (silhouette, shape.silhouette.iter().collect()),
+        (Stage::Creases, shape.crease.iter().collect()),
+        (Stage::Conductance, shape.conductance.iter().collect()),
+        (gradient, slopes.collect()),
+        (Stage::Trace, shape.trace.iter().collect()),
+        (Stage::Hessian, hessian.collect()),
+        (Stage::Curvatures, curvatures.collect()),
+        (Stage::Directions, directions.collect()),
+        (Stage::NormalRays, rays.collect()),
+        (Stage::MappedCurvature, kappa.collect()),
+    ];
+    let mut bad = all
+        .into_iter()
+        .filter(|(_, planes)| !planes.iter().all(|p| is_finite(p)));
+    bad.next().map(|(stage, _)| stage)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::scenes::Scene;
+
+    /// Waves with a grey picture, and the plan that enhances them with these parameters.
+    fn waves(shape: ShapeParams) -> (Plan, Frame) {
+        let mut frame = Scene::waves(40, 30).frame;
+        let grey = Plane::filled(40, 30, 0.5);
+        frame.color = Some(ColorPlanes {
+            r: grey.clone(),
+            g: grey.clone(),
+            b: grey,
+        });
+        let scaling = ScalingParams::default();
+        let plan = Plan::new(Goal::Enhance, Available::in_frame(&frame), shape, scaling);
+        (plan.unwrap(), frame)
+    }
+
+    fn checked(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<NotFinite> {
+        let color = outcome.color.as_ref().unwrap();
+        not_finite(plan, frame, outcome, &planes_of(color))
+    }
+
+    #[test]
+    fn a_result_that_is_not_finite_passes_only_where_an_input_is_not() {
+        let (plan, mut frame) = waves(ShapeParams::default());
+        let mut outcome = cpu::run(&plan, &frame);
+        assert_eq!(checked(&plan, &frame, &outcome), None);
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            // The last sample of all, and two of one pixel.
+            let color = outcome.color.as_mut().unwrap();
+            color.b.samples_mut()[40 * 30 - 1] = bad;
+            color.r.samples_mut()[40 * 7 + 3] = bad;
+            let found = checked(&plan, &frame, &outcome).unwrap();
+            assert_eq!(found.stage, "radiance-scaling");
+            assert!(found.found.starts_with("2 samples") && found.found.ends_with("(3, 7)"));
+        }
+        // Fireflies of the picture itself.
+        let color = frame.color.as_mut().unwrap();
+        color.g.samples_mut()[40 * 7 + 3] = f32::NAN;
+        let found = checked(&plan, &frame, &outcome).unwrap();
+        assert!(found.found.starts_with("1 sample that"), "{found:?}");
+        let color = frame.color.as_mut().unwrap();
+        color.g.samples_mut()[40 * 30 - 1] = f32::INFINITY;
+        assert_eq!(checked(&plan, &frame, &outcome), None);
+    }
+
+    #[test]
+    fn the_stage_that_failed_first_is_named() {
+        let (plan, frame) = waves(ShapeParams::default());
+        let mut outcome = cpu::run(&plan, &frame);
+        let name = |outcome: &Outcome| stage(&plan, &frame, outcome);
+        // What was made is finite, and made again too: colours were turned after it.
+        assert_eq!(name(&outcome), "view-transform");
+        let spoil = |plane: &mut Plane| plane.samples_mut()[77] = f32::NAN;
+        spoil(&mut outcome.color.as_mut().unwrap().g);
+        assert_eq!(name(&outcome), "radiance-scaling");
+        // A device alone gave these: from the last stage to the first.
+        spoil(outcome.shape.trace.as_mut().unwrap());
+        assert_eq!(name(&outcome), "trace");
+        spoil(&mut outcome.shape.gradient.as_mut().unwrap().y);
+        assert_eq!(name(&outcome), "diffusion");
+        spoil(outcome.shape.conductance.as_mut().unwrap());
+        assert_eq!(name(&outcome), "conductance");
+    }
+
+    #[test]
+    fn slopes_that_the_gradient_itself_makes_infinite_are_its_own() {
+        // Normals of a length of 1e30, which no file gives: where n_z is 0 slopes are 0.001^-4 times as large, 1e42.
+        let (plan, mut frame) = waves(ShapeParams {
+            foreshortening: 4.0,
+            min_nz: 1e-3,
+            ..ShapeParams::default()
+        });
+        frame.normal.x.samples_mut().fill(1e30);
+        frame.normal.z.samples_mut().fill(0.0);
+        let outcome = cpu::run(&plan, &frame);
+        let gradient = outcome.shape.gradient.as_ref().unwrap();
+        assert!(!is_finite(&gradient.x));
+        let conductance = outcome.shape.conductance.as_ref().unwrap();
+        assert!(is_finite(conductance));
+        assert_eq!(stage(&plan, &frame, &outcome), "gradient");
+    }
+}

@@ -1,0 +1,282 @@
+//! How far backends may be apart: one table, for the tests and the report.
+
+use crate::engine::cpu::outcome::Outcome;
+use crate::frame::{Plane, Vector2Planes};
+use crate::light::lights::Illumination;
+use crate::params::{Material, MaterialParams};
+use crate::plan::{EnvironmentUse, Relighting};
+use glam::DVec2;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// What a run gives, as far as backends are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Product {
+    /// Silhouette, crease and conductance.
+    Weights,
+    /// The gradient after diffusion.
+    Gradient,
+    /// The Hessian.
+    Hessian,
+    /// Principal and mean curvature.
+    Curvature,
+    /// Mapped curvature.
+    MappedCurvature,
+    /// The direction of the surface's own curvature.
+    Direction,
+    /// The picture, enhanced or in new light, and the curvature display.
+    Picture,
+    /// What strokes cover.
+    Strokes,
+    /// What contours cover.
+    Contours,
+}
+
+impl Product {
+    /// All there are.
+    pub const ALL: [Self; 9] = [
+        Self::Weights,
+        Self::Gradient,
+        Self::Hessian,
+        Self::Curvature,
+        Self::MappedCurvature,
+        Self::Direction,
+        Self::Picture,
+        Self::Strokes,
+        Self::Contours,
+    ];
+
+    /// How far a layer is from the CPU's: by [`difference`], by [`ink_difference`] where it is drawn, directions by
+    /// [`direction_difference`]; infinitely where only one of both is of directions.
+    pub fn apart<'a>(self, found: impl Into<Layer<'a>>, expected: impl Into<Layer<'a>>) -> f64 {
+        match (found.into(), expected.into()) {
+            (Layer::Directions(found), Layer::Directions(expected)) => {
+                direction_difference(found, expected)
+            }
+            (Layer::Plane(found), Layer::Plane(expected)) => match self {
+                Self::Strokes | Self::Contours => ink_difference(found, expected),
+                _ => difference(found, expected),
+            },
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The most that a layer may be [apart](Self::apart) from the CPU's.
+    ///
+    /// Kernels use the polynomials of the CPU, and devices round sums of products once or twice: 1e-5. A
+    /// Chebyshev expansion adds up as many roundings as it has terms, and derivatives divide what is left of a
+    /// difference.
+    ///
+    /// Where strokes are looked up in their texture is told to 2^-12 texels four thousand pixels from the origin, and
+    /// once or twice rounded; ink changes by a quarter per texel on average: 6e-5. A density whose rounding reaches
+    /// the next entry of the response, 1.5e-3 away, is one in a thousand: 1.5e-6. Contours are as much again as their
+    /// edges are apart, over the few pixels that are theirs.
+    ///
+    /// Differences of normals and of points are within three roundings of themselves, 2e-7. Of the direction of a
+    /// curvature that is as much over twice the share by which both curvatures differ, which is a hundredth at the
+    /// least: 1e-5. A comparison that tells whether there is a direction goes the other way where its sides are as near
+    /// as 2e-7; there are three of them, and as many as 16 pixels take the direction of one: 1e-5 again.
+    pub const fn tolerance(self) -> f64 {
+        match self {
+            Self::Weights | Self::Gradient | Self::Picture | Self::Contours => 1e-5,
+            Self::Hessian | Self::Curvature | Self::MappedCurvature => 2e-5,
+            Self::Direction => 2e-5,
+            Self::Strokes => 1e-4,
+        }
+    }
+}
+
+/// What of an outcome is compared at a time.
+#[derive(Debug, Clone, Copy)]
+pub enum Layer<'a> {
+    /// A plane of numbers.
+    Plane(&'a Plane),
+    /// Unit directions, each equal to its opposite; 0 for none.
+    Directions(&'a Vector2Planes),
+}
+
+impl<'a> From<&'a Plane> for Layer<'a> {
+    fn from(plane: &'a Plane) -> Self {
+        Self::Plane(plane)
+    }
+}
+
+impl<'a> From<&'a Vector2Planes> for Layer<'a> {
+    fn from(directions: &'a Vector2Planes) -> Self {
+        Self::Directions(directions)
+    }
+}
+
+/// Error of a scalar product of unit vectors: two roundings of each half of it, on either side.
+const COSINE_ERROR: f64 = 1.0 / (1 << 22) as f64;
+
+/// Error of an angle, in radians: that of the arc tangent, and of the direction it is the angle of.
+const ANGLE_ERROR: f64 = 4e-7 + COSINE_ERROR;
+
+/// The largest difference from the CPU of a picture in new light, relative to its largest value: that of
+/// [`Product::Picture`], but for light that turns a rounding into more.
+///
+/// A lobe with the exponent p is, at its brightest, p times as far off as the cosine that it is a power of; one with an
+/// exponent below 1 is, beside the terminator, as far off as that power of the rounding itself. A picture that is looked
+/// up is read a share of a pixel beside, which counts where neighbours are unlike. The step between two tones is 1.5
+/// over its softness times as steep as what it quantises; hard ones may put a pixel to the next tone.
+pub fn relit_tolerance(relighting: &Relighting, light: &Illumination) -> f64 {
+    let params = &relighting.params;
+    let lobe = lobe_error(&params.material);
+    let seen = match &light.environment {
+        Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
+            let [width, height] = [map.width(), map.height()].map(|n| n as f64);
+            (width / 2.0 + height) * ANGLE_ERROR / PI
+        }
+        _ => 0.0,
+    };
+    let spheres = light.lit_spheres.iter();
+    let painted = spheres.map(|sphere| sphere.size().iter().sum::<usize>() as f64 * COSINE_ERROR);
+    let smooth = [lobe, seen, painted.fold(0.0, f64::max)]
+        .into_iter()
+        .fold(Product::Picture.tolerance(), f64::max);
+    match params.tones() {
+        Some(tones) if tones.softness > 0.0 => smooth * (1.5 / f64::from(tones.softness)).max(1.0),
+        Some(_) => 1.0,
+        None => smooth,
+    }
+}
+
+/// How far a lobe of this material, 1 at its brightest, may be off.
+fn lobe_error(material: &MaterialParams) -> f64 {
+    let largest = |exponent: f32| f64::from(exponent) * COSINE_ERROR;
+    match material.material {
+        Material::Phong | Material::BlinnPhong => largest(material.shininess),
+        Material::AshikhminShirley => largest(material.coat[0].max(material.coat[1])),
+        Material::Sublambert => COSINE_ERROR.powf(material.flatness.into()),
+        Material::Lambert | Material::Toon | Material::Mirror | Material::Glass => 0.0,
+    }
+}
+
+/// The layers of an outcome, each as one of the products.
+pub fn products(outcome: &Outcome) -> impl Iterator<Item = (Product, Layer<'_>)> {
+    let shape = &outcome.shape;
+    let weights = [&shape.silhouette, &shape.crease, &shape.conductance];
+    let weights = weights.into_iter().flatten();
+    let gradient = shape.gradient.iter().flat_map(|g| [&g.x, &g.y]);
+    let hessian = shape.hessian.iter().flat_map(|h| [&h.xx, &h.xy, &h.yy]);
+    let scales = shape.more_scales.iter();
+    let curvatures = shape.curvatures.iter();
+    let curvatures = curvatures.chain(scales.clone().map(|scale| &scale.curvatures));
+    let curvatures = curvatures.flat_map(|c| [&c.u, &c.v, &c.mean]);
+    let kappa = shape.kappa.iter().chain(scales.map(|scale| &scale.kappa));
+    let direction = shape.direction.iter();
+    let picture = outcome.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
+    let strokes = outcome.drawing.iter().map(|drawing| &drawing.hatching);
+    let contours = outcome.drawing.iter();
+    let contours = contours.flat_map(|drawing| &drawing.contours);
+    fn of<'a, L: Into<Layer<'a>>>(
+        product: Product,
+        layers: impl Iterator<Item = L>,
+    ) -> impl Iterator<Item = (Product, Layer<'a>)> {
+        layers.map(move |layer| (product, layer.into()))
+    }
+    of(Product::Weights, weights)
+        .chain(of(Product::Gradient, gradient))
+        .chain(of(Product::Hessian, hessian))
+        .chain(of(Product::Curvature, curvatures))
+        .chain(of(Product::MappedCurvature, kappa))
+        .chain(of(Product::Direction, direction))
+        .chain(of(Product::Picture, picture))
+        .chain(of(Product::Strokes, strokes))
+        .chain(of(Product::Contours, contours))
+}
+
+/// The largest difference between two planes, relative to the largest value of the second one, or to 1 where it has
+/// none. NaN agrees with NaN, and infinite values with themselves, alone.
+pub fn difference(found: &Plane, expected: &Plane) -> f64 {
+    let sizes = expected.samples().iter().map(|value| value.abs());
+    let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f32::max);
+    let unit = if largest > 0.0 {
+        f64::from(largest)
+    } else {
+        1.0
+    };
+    let pairs = found.samples().iter().zip(expected.samples());
+    let apart = pairs.map(|(&found, &expected)| {
+        if found == expected || found.is_nan() && expected.is_nan() {
+            return 0.0;
+        }
+        let apart = (f64::from(found) - f64::from(expected)).abs() / unit;
+        if apart.is_nan() { f64::INFINITY } else { apart }
+    });
+    apart.fold(0.0, f64::max)
+}
+
+/// The mean difference between two planes of ink, 0..1, where a pixel that is further apart than a sixteenth counts as
+/// all wrong.
+///
+/// A texture of strokes is compared with thresholds, and a rounding that reaches the next one changes the ink of a pixel
+/// by a leap: the largest difference says little. A stroke in a wrong place is wrong by more than a sixteenth.
+pub fn ink_difference(found: &Plane, expected: &Plane) -> f64 {
+    let pairs = found.samples().iter().zip(expected.samples());
+    let apart = pairs.map(|(&found, &expected)| {
+        let apart = f64::from((found - expected).abs());
+        // NaN fails the comparison.
+        if apart <= LEAP { apart } else { 1.0 }
+    });
+    apart.sum::<f64>() / found.samples().len().max(1) as f64
+}
+
+/// Ink by which no rounding changes a pixel: see [`ink_difference`].
+const LEAP: f64 = 1.0 / 16.0;
+
+/// The mean difference between directions, over the pixels where either is one: the sine of the angle between both, which
+/// is the same for opposites, or by how much one is longer.
+///
+/// Where a direction is told at all is a matter of comparisons with what is uncertain of it. A rounding that decides one
+/// makes of a pixel one that takes its neighbours' direction: the largest difference says little.
+pub fn direction_difference(found: &Vector2Planes, expected: &Vector2Planes) -> f64 {
+    fn vectors(planes: &Vector2Planes) -> impl Iterator<Item = DVec2> {
+        let pairs = planes.x.samples().iter().zip(planes.y.samples());
+        pairs.map(|(&x, &y)| DVec2::new(x.into(), y.into()))
+    }
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for (found, expected) in vectors(found).zip(vectors(expected)) {
+        if found == DVec2::ZERO && expected == DVec2::ZERO {
+            continue;
+        }
+        let sine = found.perp_dot(expected).abs();
+        let apart = sine.max((found.length() - expected.length()).abs());
+        // NaN fails the comparison.
+        sum += if apart <= 1.0 { apart } else { 1.0 };
+        count += 1;
+    }
+    sum / f64::from(count.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn directions(vectors: &[[f32; 2]]) -> Vector2Planes {
+        let plane = |axis: usize| Plane::from_fn(vectors.len(), 1, |x, _| vectors[x][axis]);
+        Vector2Planes {
+            x: plane(0),
+            y: plane(1),
+        }
+    }
+
+    #[test]
+    fn directions_are_compared_up_to_their_sign_and_what_is_none_is_wrong() {
+        let expected = directions(&[[0.6, 0.8], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
+        let apart = |second: [f32; 2], last: [f32; 2]| {
+            let found = [[-0.6, -0.8], second, [0.0, 0.0], [0.0, 1.0], last];
+            Product::Direction.apart(&directions(&found), &expected)
+        };
+        assert!(apart([1.0, 0.0], [0.0, -1.0]) < 1e-7);
+        // One of the four that are directions: by the sine of an angle, at right angles, none, no number, too long.
+        assert!((apart([0.8, 0.6], [0.0, 1.0]) - 0.15).abs() < 1e-7);
+        for wrong in [[1.0, 0.0], [0.0, 0.0], [f32::NAN, 1.0], [0.0, 9.0]] {
+            assert!((apart([1.0, 0.0], wrong) - 0.25).abs() < 1e-7, "{wrong:?}");
+        }
+        // A direction where there is none.
+        assert!(direction_difference(&expected, &directions(&[[0.0; 2]; 5])) > 0.99);
+    }
+}

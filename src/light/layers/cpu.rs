@@ -1,0 +1,295 @@
+//! Radiance scaling of the light layers of a frame: all terms of a row at a time, rows in parallel.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::percentile::{PercentileSearch, percentile};
+use crate::engine::cpu::rows::ROWS_PER_TASK;
+use crate::engine::cpu::rows::map_rows;
+use crate::engine::cpu::simd::Simd;
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes};
+use crate::light::layers::terms::{LightTerm, light_terms};
+use crate::light::layers::{ColorRow, LobeRow, TermScaling};
+use crate::params::{Adaptive, ScalingParams};
+use crate::shape::auto_levels::WHITE_PERCENT;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// The curvature that light is scaled by.
+#[derive(Clone, Copy)]
+pub(crate) struct Curvature<'a> {
+    pub(crate) trace: &'a Plane,
+    /// The whole Hessian, where the direction of light counts.
+    pub(crate) hessian: Option<&'a SymmetricPlanes>,
+    pub(crate) gain: f32,
+}
+
+/// Rows that stand for absent layers.
+struct Absent {
+    zeros: Vec<f32>,
+    ones: Vec<f32>,
+}
+
+impl Absent {
+    fn new(width: usize) -> Self {
+        Self {
+            zeros: vec![0.0; width],
+            ones: vec![1.0; width],
+        }
+    }
+}
+
+impl LightTerm<'_> {
+    fn row<'b>(&'b self, y: usize, absent: &'b Absent) -> LobeRow<'b> {
+        let row = |planes: Option<&'b ColorPlanes>, absent: &'b [f32]| match planes {
+            Some(planes) => color_row(planes, y),
+            None => [absent; 3],
+        };
+        LobeRow {
+            direct: row(self.direct, &absent.zeros),
+            indirect: row(self.indirect, &absent.zeros),
+            color: row(self.color, &absent.ones),
+            albedo: row(self.albedo, &absent.ones),
+        }
+    }
+
+    /// A high percentile of the luminance of this light where there is any; 1 where there is none.
+    fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
+        let luminance = self.luminance(weights, mask, absent, memory);
+        let lit = |y| lit(&luminance, mask, y);
+        let white = percentile(mask.height(), WHITE_PERCENT, lit).unwrap_or(1.0);
+        memory.take_back([luminance]);
+        white
+    }
+
+    fn luminance(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> Plane {
+        let simd = Simd::widest();
+        let [luminance] = map_rows(mask, memory, |y, [out]| {
+            simd.lobe_luminance_row(out, &self.row(y, absent), weights);
+        });
+        luminance
+    }
+}
+
+/// The luminance of the covered pixels of a row that have any.
+fn lit<'a>(luminance: &'a Plane, mask: &'a Mask, y: usize) -> impl Iterator<Item = f32> + 'a {
+    let span = mask.span(y);
+    let (row, covered) = (&luminance.row(y)[span.clone()], &mask.row(y)[span]);
+    let lit = row.iter().zip(covered);
+    lit.filter(|&(&luminance, &covered)| covered && luminance > 0.0)
+        .map(|(&luminance, _)| luminance)
+}
+
+/// Counts the luminance of each term, in `rows`, for the search of its white level; those given need none.
+pub(crate) fn add_to_searches(
+    searches: &mut Vec<(&'static str, PercentileSearch)>,
+    frame: &Frame,
+    params: &ScalingParams,
+    rows: &Range<usize>,
+    memory: &Memory,
+) {
+    let (weights, absent) = (frame.luminance_weights(), Absent::new(frame.mask.width()));
+    for term in light_terms(&frame.light.lobes, params) {
+        let luminance = term.luminance(weights, &frame.mask, &absent, memory);
+        let known = searches.iter().position(|(name, _)| *name == term.name);
+        let index = known.unwrap_or_else(|| {
+            searches.push((term.name, PercentileSearch::new(WHITE_PERCENT)));
+            searches.len() - 1
+        });
+        let values = |y| lit(&luminance, &frame.mask, y);
+        searches[index].1.add(rows.clone(), values);
+        memory.take_back([luminance]);
+    }
+}
+
+/// The white levels of all terms, with the terms' names.
+pub(crate) fn white_levels(
+    terms: &[LightTerm],
+    frame: &Frame,
+    params: &ScalingParams,
+    memory: &Memory,
+) -> Vec<(&'static str, f32)> {
+    let (weights, absent) = (frame.luminance_weights(), Absent::new(frame.mask.width()));
+    let level =
+        |term: &LightTerm| match (params.term_white_levels.of(term.name), params.white_level) {
+            (Some(level), _) | (None, Adaptive::Fixed(level)) => level,
+            (None, Adaptive::Auto) => term.white_level(weights, &frame.mask, &absent, memory),
+        };
+    terms.iter().map(|term| (term.name, level(term))).collect()
+}
+
+/// The picture with its lobes scaled one by one.
+pub(crate) fn scale_lobes(
+    terms: &[LightTerm],
+    whites: &[(&'static str, f32)],
+    frame: &Frame,
+    params: &ScalingParams,
+    curvature: Curvature,
+    memory: &Memory,
+) -> ColorPlanes {
+    let simd = Simd::widest();
+    let absent = Absent::new(frame.mask.width());
+    let weights = frame.luminance_weights();
+    let scalings: Vec<_> = terms
+        .iter()
+        .zip(whites)
+        .map(|(term, &(_, white))| TermScaling {
+            magnitude: term.magnitude,
+            invariant_point: params.invariant_point,
+            white,
+            weights,
+        })
+        .collect();
+    changed(frame, memory, |y, scratch| {
+        let trace = curvature.trace.row(y);
+        simd.kappa_row(&mut scratch.kappa, trace, curvature.gain);
+        for (term, by) in terms.iter().zip(&scalings) {
+            let row = term.row(y, &absent);
+            simd.lobe_sigma_row(&mut scratch.sigma, &row, &scratch.kappa, by);
+            scratch.add_changes(simd, [row.direct, row.indirect, row.color]);
+        }
+    })
+}
+
+/// The picture with its light groups scaled by the directions of their lights.
+pub(crate) fn scale_groups(
+    frame: &Frame,
+    params: &ScalingParams,
+    curvature: Curvature,
+    memory: &Memory,
+) -> ColorPlanes {
+    let simd = Simd::widest();
+    let absent = Absent::new(frame.mask.width());
+    let by = TermScaling {
+        magnitude: params.magnitudes().diffuse,
+        invariant_point: params.invariant_point,
+        white: 1.0,
+        weights: frame.luminance_weights(),
+    };
+    let normal = [&frame.normal.x, &frame.normal.y, &frame.normal.z];
+    changed(frame, memory, |y, scratch| {
+        let normal = normal.map(|plane| plane.row(y));
+        if curvature.hessian.is_none() {
+            simd.kappa_row(&mut scratch.kappa, curvature.trace.row(y), curvature.gain);
+        }
+        for group in &frame.light.groups {
+            scratch.plain.fill(0.0);
+            scratch.scaled.fill(0.0);
+            for to_light in &group.to_light {
+                if let Some(hessian) = curvature.hessian {
+                    let hessian = [&hessian.xx, &hessian.xy, &hessian.yy].map(|plane| plane.row(y));
+                    let l_xy = [to_light.x, to_light.y];
+                    let kappa = &mut scratch.kappa;
+                    simd.kappa_toward_row(kappa, hessian, l_xy, curvature.gain, params.anisotropy);
+                }
+                let (plain, scaled) = (&mut scratch.plain, &mut scratch.scaled);
+                let to_light = to_light.to_array();
+                simd.add_direction_row(plain, scaled, normal, to_light, &scratch.kappa, &by);
+            }
+            simd.group_sigma_row(&mut scratch.sigma, &scratch.plain, &scratch.scaled);
+            let (zeros, ones) = ([&absent.zeros[..]; 3], [&absent.ones[..]; 3]);
+            scratch.add_changes(simd, [color_row(&group.light, y), zeros, ones]);
+        }
+    })
+}
+
+/// The colours scaled by ambient occlusion.
+pub(crate) fn scale_by_occlusion(
+    mut color: ColorPlanes,
+    occlusion: &Plane,
+    mask: &Mask,
+    curvature: Curvature,
+    by: TermScaling,
+) -> ColorPlanes {
+    let (width, simd) = (mask.width(), Simd::widest());
+    rows_of(&mut color)
+        .enumerate()
+        .with_min_len(ROWS_PER_TASK)
+        .for_each_init(
+            || vec![0.0; width],
+            |kappa, (y, rows)| {
+                simd.kappa_row(kappa, curvature.trace.row(y), curvature.gain);
+                simd.occlude_row(rows, occlusion.row(y), kappa, mask.row(y), &by);
+            },
+        );
+    color
+}
+
+/// Rows in the cache, of one task.
+struct Scratch {
+    kappa: Vec<f32>,
+    sigma: Vec<f32>,
+    /// Sums over the directions of a group: of n.l, and of n.l scaled.
+    plain: Vec<f32>,
+    scaled: Vec<f32>,
+    /// What the terms so far change of each channel, and the light they change.
+    change: [Vec<f32>; 3],
+    told: [Vec<f32>; 3],
+}
+
+impl Scratch {
+    fn new(width: usize) -> Self {
+        let row = || vec![0.0; width];
+        Self {
+            kappa: row(),
+            sigma: row(),
+            plain: row(),
+            scaled: row(),
+            change: [row(), row(), row()],
+            told: [row(), row(), row()],
+        }
+    }
+
+    /// Adds what `sigma` changes of a light: direct, indirect and the colour of both.
+    fn add_changes(&mut self, simd: Simd, light: [ColorRow; 3]) {
+        for (i, (change, told)) in self.change.iter_mut().zip(&mut self.told).enumerate() {
+            simd.add_change_row(change, told, light.map(|row| row[i]), &self.sigma);
+        }
+    }
+}
+
+/// The picture with the changes that `add(y, scratch)` gathers of each row.
+fn changed(
+    frame: &Frame,
+    memory: &Memory,
+    add: impl Fn(usize, &mut Scratch) + Sync,
+) -> ColorPlanes {
+    let (mask, simd) = (&frame.mask, Simd::widest());
+    let color = frame.color.as_ref().expect("scaling needs a picture");
+    let [r, g, b] = [(); 3].map(|()| memory.plane(mask));
+    let mut made = ColorPlanes { r, g, b };
+    rows_of(&mut made)
+        .enumerate()
+        .with_min_len(ROWS_PER_TASK)
+        .for_each_init(
+            || Scratch::new(mask.width()),
+            |scratch, (y, rows)| {
+                let from = color_row(color, y);
+                if mask.span(y).is_empty() {
+                    for (out, from) in rows.into_iter().zip(from) {
+                        out.copy_from_slice(from);
+                    }
+                    return;
+                }
+                for sum in scratch.change.iter_mut().chain(&mut scratch.told) {
+                    sum.fill(0.0);
+                }
+                add(y, scratch);
+                for (i, out) in rows.into_iter().enumerate() {
+                    let (change, told) = (&scratch.change[i], &scratch.told[i]);
+                    simd.changed_row(out, from[i], change, told, mask.row(y));
+                }
+            },
+        );
+    made
+}
+
+fn color_row(color: &ColorPlanes, y: usize) -> ColorRow<'_> {
+    [&color.r, &color.g, &color.b].map(|plane| plane.row(y))
+}
+
+/// The rows of a picture, to be written.
+fn rows_of(color: &mut ColorPlanes) -> impl IndexedParallelIterator<Item = [&mut [f32]; 3]> {
+    let width = color.r.width();
+    let [r, g, b] = [&mut color.r, &mut color.g, &mut color.b]
+        .map(|plane| plane.samples_mut().par_chunks_mut(width));
+    r.zip(g).zip(b).map(|((r, g), b)| [r, g, b])
+}

@@ -1,0 +1,298 @@
+//! What is around the surface: an environment as lights, as maps prefiltered by the lobes, or as it is;
+//! or a lit sphere in its place. Every backend is given the same.
+
+use crate::frame::luminance;
+use crate::frame::{ColorPlanes, Plane};
+use crate::light::environment::Environment;
+use crate::light::glossy::GlossyFilter;
+use crate::light::irradiance::irradiance_filter;
+use crate::light::light_samples::uniform_directions;
+use crate::light::lights::{DirectionalLight, Illumination};
+use crate::light::lit_sphere::LitSphere;
+use crate::light::median_cut::median_cut;
+use crate::params::{Adaptive, Material};
+use crate::plan::{EnvironmentUse, Relighting};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::f32::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Columns of a map prefiltered by a highlight; narrower highlights are looked up as if they were as wide.
+const GLOSSY_WIDTH: usize = 512;
+
+/// The surroundings as one plan uses them.
+pub(crate) struct Around<'a> {
+    pub(crate) ready: Arc<Ready>,
+    pub(crate) spheres: &'a [LitSphere],
+}
+
+/// What is made of an environment once, for all frames that it lights.
+#[derive(Debug)]
+pub(crate) struct Ready {
+    /// Factor of radiance; `None` without an environment.
+    gain: Option<f32>,
+    pub(crate) used: Used,
+}
+
+/// What it is used as.
+#[derive(Debug)]
+pub(crate) enum Used {
+    Nothing,
+    Lights(Vec<DirectionalLight>),
+    /// Even directions, and the environment no finer than they are.
+    Lookups(Vec<Vec3>, Environment),
+    Prefiltered {
+        diffuse: Map,
+        specular: Option<Map>,
+    },
+    Mirrored(Map),
+    /// The luminance that counts as intensity 1.
+    LitSpheres(f32),
+}
+
+/// What an environment was made ready for.
+#[derive(Debug, Clone, PartialEq)]
+struct Purpose {
+    used: EnvironmentUse,
+    gain: Adaptive,
+    material: Material,
+    shininess: f32,
+    weights: [f32; 3],
+}
+
+/// The environment of the last run, made ready.
+#[derive(Debug, Default)]
+pub(crate) struct KeptEnvironment(Mutex<Option<Kept>>);
+
+#[derive(Debug)]
+struct Kept {
+    environment: Arc<Environment>,
+    purpose: Purpose,
+    ready: Arc<Ready>,
+}
+
+impl KeptEnvironment {
+    /// Forgets it.
+    pub(crate) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// What is kept for `purpose`, where it was made of the very same environment.
+    fn ready(&self, environment: &Arc<Environment>, purpose: &Purpose) -> Option<Arc<Ready>> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = kept.as_ref()?;
+        let same = Arc::ptr_eq(&kept.environment, environment) && kept.purpose == *purpose;
+        same.then(|| kept.ready.clone())
+    }
+
+    fn keep(&self, environment: &Arc<Environment>, purpose: &Purpose, ready: &Arc<Ready>) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Kept {
+            environment: environment.clone(),
+            purpose: purpose.clone(),
+            ready: ready.clone(),
+        });
+    }
+}
+
+/// A map to be looked up, and the luminance that counts as intensity 1.
+#[derive(Debug)]
+pub(crate) struct Map {
+    pub(crate) environment: Environment,
+    pub(crate) largest: f32,
+}
+
+impl<'a> Around<'a> {
+    /// No environment; a lit sphere perhaps.
+    fn nothing(illumination: &'a Illumination, weights: [f32; 3]) -> Self {
+        let spheres = &illumination.lit_spheres;
+        let used = if spheres.is_empty() {
+            Used::Nothing
+        } else {
+            let largest = spheres.iter().map(|s| s.largest_luminance(weights));
+            Used::LitSpheres(largest.fold(f32::MIN_POSITIVE, f32::max))
+        };
+        let ready = Arc::new(Ready { gain: None, used });
+        Self { ready, spheres }
+    }
+
+    /// The surroundings made ready for their use; an environment by `making` unless it is kept from an earlier run.
+    pub(crate) fn new(
+        illumination: &'a Illumination,
+        relighting: &Relighting,
+        weights: [f32; 3],
+        kept: &KeptEnvironment,
+        making: impl FnOnce(&dyn Fn() -> Self) -> Self,
+    ) -> Self {
+        if relighting.environment == EnvironmentUse::None {
+            return Self::nothing(illumination, weights);
+        }
+        let environment = illumination
+            .environment
+            .as_ref()
+            .expect("an environment is planned with");
+        let params = &relighting.params;
+        let purpose = Purpose {
+            used: relighting.environment,
+            gain: params.environment_gain,
+            material: params.material.material,
+            shininess: params.material.shininess,
+            weights,
+        };
+        let spheres = &illumination.lit_spheres;
+        if let Some(ready) = kept.ready(environment, &purpose) {
+            return Self { ready, spheres };
+        }
+        making(&|| {
+            let ready = Arc::new(Ready::of(environment, &purpose));
+            kept.keep(environment, &purpose, &ready);
+            Self { ready, spheres }
+        })
+    }
+
+    /// Factor of the environment's radiance; `None` without one.
+    pub(crate) fn gain(&self) -> Option<f32> {
+        self.ready.gain
+    }
+
+    /// Lights that stand for the environment.
+    pub(crate) fn lights(&self) -> &[DirectionalLight] {
+        match &self.ready.used {
+            Used::Lights(lights) => lights,
+            _ => &[],
+        }
+    }
+
+    /// Even directions in which the environment is looked up at every pixel.
+    pub(crate) fn even_directions(&self) -> &[Vec3] {
+        match &self.ready.used {
+            Used::Lookups(directions, _) => directions,
+            _ => &[],
+        }
+    }
+
+    /// Whether something is looked up once per pixel.
+    pub(crate) fn has_lookups(&self) -> bool {
+        matches!(
+            self.ready.used,
+            Used::Prefiltered { .. } | Used::Mirrored(_) | Used::LitSpheres(_)
+        )
+    }
+
+    /// Whether the mirrored view is looked up.
+    pub(crate) fn is_mirrored(&self) -> bool {
+        matches!(
+            self.ready.used,
+            Used::Mirrored(_)
+                | Used::Prefiltered {
+                    specular: Some(_),
+                    ..
+                }
+        )
+    }
+
+    /// The environment that the even directions are looked up in, and the intensity that radiance of 1 has
+    /// from each of them.
+    pub(crate) fn looked_up(&self) -> Option<(&Environment, f32)> {
+        match &self.ready.used {
+            // Each stands for 4 pi / n; intensities are over pi.
+            Used::Lookups(directions, environment) => {
+                let share = 4.0 / directions.len() as f32;
+                Some((environment, self.ready.gain.unwrap_or(1.0) * share))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Ready {
+    fn of(environment: &Environment, purpose: &Purpose) -> Self {
+        let weights = purpose.weights;
+        let prefiltered = purpose.used == EnvironmentUse::Prefiltered;
+        let irradiance = (prefiltered || purpose.gain == Adaptive::Auto)
+            .then(|| Map::of_normals(filtered(&irradiance_filter(environment)), weights));
+        let gain = match purpose.gain {
+            Adaptive::Fixed(gain) => gain,
+            Adaptive::Auto => {
+                let largest = irradiance.as_ref().map_or(1.0, |map| map.largest);
+                if largest > f32::MIN_POSITIVE {
+                    1.0 / largest
+                } else {
+                    1.0
+                }
+            }
+        };
+        let used = match purpose.used {
+            EnvironmentUse::None => Used::Nothing,
+            EnvironmentUse::Lights(count) => {
+                let lights = median_cut(environment, count as usize).into_iter();
+                Used::Lights(lights.map(|light| brightened(light, gain)).collect())
+            }
+            EnvironmentUse::Lookups(count) => {
+                // A pixel on the horizon, (2 pi / width)^2, then has the solid angle of a direction.
+                let width = (PI * count as f32).sqrt().ceil() as usize;
+                let coarse = environment.resized(width);
+                Used::Lookups(uniform_directions(count as usize), coarse)
+            }
+            EnvironmentUse::Prefiltered => Used::Prefiltered {
+                diffuse: irradiance.expect("made above"),
+                specular: (purpose.material == Material::Phong).then(|| {
+                    let filter = GlossyFilter::new(environment, purpose.shininess, GLOSSY_WIDTH);
+                    Map::new(filtered(&filter), weights)
+                }),
+            },
+            EnvironmentUse::Mirrored => Used::Mirrored(Map::new(environment.clone(), weights)),
+        };
+        Self {
+            gain: Some(gain),
+            used,
+        }
+    }
+}
+
+impl Map {
+    /// A map by normal, of which only those that face the viewer are looked up.
+    fn of_normals(environment: Environment, weights: [f32; 3]) -> Self {
+        let pixels =
+            (0..environment.height()).flat_map(|y| (0..environment.width()).map(move |x| (x, y)));
+        let seen = pixels.filter(|&(x, y)| environment.direction(x, y).z >= 0.0);
+        let largest = seen
+            .map(|(x, y)| luminance(environment.pixel(x, y), weights))
+            .fold(f32::MIN_POSITIVE, f32::max);
+        Self {
+            environment,
+            largest,
+        }
+    }
+
+    fn new(environment: Environment, weights: [f32; 3]) -> Self {
+        let largest = environment
+            .largest_luminance(weights)
+            .max(f32::MIN_POSITIVE);
+        Self {
+            environment,
+            largest,
+        }
+    }
+}
+
+fn brightened(light: DirectionalLight, gain: f32) -> DirectionalLight {
+    DirectionalLight {
+        intensity: light.intensity.map(|channel| gain * channel),
+        ..light
+    }
+}
+
+/// The filtered map, its rows in parallel.
+fn filtered(filter: &GlossyFilter) -> Environment {
+    let (width, height) = (filter.width(), filter.height());
+    let mut planes = [(); 3].map(|()| Plane::filled(width, height, 0.0));
+    let [r, g, b] = planes
+        .each_mut()
+        .map(|plane| plane.samples_mut().par_chunks_mut(width));
+    r.zip(g)
+        .zip(b)
+        .enumerate()
+        .for_each(|(y, ((r, g), b))| filter.row(y, [r, g, b]));
+    let [r, g, b] = planes;
+    filter.finish(ColorPlanes { r, g, b })
+}

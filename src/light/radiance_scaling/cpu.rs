@@ -1,0 +1,140 @@
+//! Passes that make colours.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::rows::ROWS_PER_TASK;
+use crate::engine::cpu::rows::map_covered;
+use crate::engine::cpu::simd::Simd;
+use crate::engine::cpu::simd::widened;
+use crate::frame::luminance;
+use crate::frame::{ColorPlanes, Mask, Plane};
+use crate::light::radiance_scaling::scaling;
+use crate::params::ScalingParams;
+use crate::shape::curvature::mapped_curvature;
+use crate::shape::curvature_display::palette;
+use rayon::prelude::*;
+
+/// Radiance scaling of a finished picture: intensity is its luminance over the white level.
+pub(crate) struct Scaler {
+    pub(crate) params: ScalingParams,
+    pub(crate) gain: f32,
+    pub(crate) white: f32,
+    pub(crate) weights: [f32; 3],
+}
+
+impl Scaler {
+    /// The scaled picture. Uncovered pixels, and those where curvature is 0, keep their bits.
+    pub(crate) fn scale(
+        &self,
+        color: &ColorPlanes,
+        trace: &Plane,
+        mask: &Mask,
+        memory: &Memory,
+    ) -> ColorPlanes {
+        let width = mask.width();
+        let simd = Simd::widest();
+        let mut scaled = [(); 3].map(|()| memory.plane(mask));
+        let [r, g, b] = scaled
+            .each_mut()
+            .map(|plane| plane.samples_mut().par_chunks_mut(width));
+        r.zip(g)
+            .zip(b)
+            .enumerate()
+            .with_min_len(ROWS_PER_TASK)
+            .for_each(|(y, ((r, g), b))| {
+                let from = [&color.r, &color.g, &color.b].map(|plane| plane.row(y));
+                let span = mask.span(y);
+                let (before, after) = (..span.start, span.end..);
+                let mut to = [r, g, b];
+                for (to, from) in to.iter_mut().zip(from) {
+                    to[before].copy_from_slice(&from[before]);
+                    to[after.clone()].copy_from_slice(&from[after.clone()]);
+                }
+                let (trace, covered) = (&trace.row(y)[span.clone()], &mask.row(y)[span.clone()]);
+                let to = to.map(|to| &mut to[span.clone()]);
+                let from = from.map(|from| &from[span.clone()]);
+                simd.scale_row(self, to, from, trace, covered);
+            });
+        let [r, g, b] = scaled;
+        ColorPlanes { r, g, b }
+    }
+
+    #[inline(always)]
+    fn sigma(&self, rgb: [f32; 3], trace: f32) -> f32 {
+        let exponent = self.params.scaling * mapped_curvature(trace, self.gain);
+        let intensity = luminance(rgb, self.weights) / self.white;
+        scaling(intensity, exponent, self.params.invariant_point)
+    }
+}
+
+/// A row of the scaled picture, all slices of one length. Without a branch, so that it vectorises.
+#[inline(always)]
+pub(crate) fn scale_row(
+    scaler: &Scaler,
+    out: [&mut [f32]; 3],
+    from: [&[f32]; 3],
+    trace: &[f32],
+    covered: &[bool],
+) {
+    let width = trace.len();
+    let [r, g, b] = out;
+    let (r, g, b) = (&mut r[..width], &mut g[..width], &mut b[..width]);
+    let [from_r, from_g, from_b] = from;
+    let (from_r, from_g, from_b) = (&from_r[..width], &from_g[..width], &from_b[..width]);
+    let covered = &covered[..width];
+    for x in 0..width {
+        let rgb = [from_r[x], from_g[x], from_b[x]];
+        let sigma = scaler.sigma(rgb, trace[x]);
+        let changes = covered[x] & (trace[x] != 0.0);
+        let scaled = |c: f32| {
+            let scaled = (c * sigma).clamp(-f32::MAX, f32::MAX);
+            if changes { scaled } else { c }
+        };
+        r[x] = scaled(rgb[0]);
+        g[x] = scaled(rgb[1]);
+        b[x] = scaled(rgb[2]);
+    }
+}
+
+widened! {
+    fn scale_row(
+        scaler: &Scaler,
+        out: [&mut [f32]; 3],
+        from: [&[f32]; 3],
+        trace: &[f32],
+        covered: &[bool],
+    );
+}
+
+/// The curvature display: silhouettes and creases black, concave warm, convex cold, plane neutral,
+/// background white. Values are display-referred: to be written without a view transform.
+pub(crate) fn curvature_display(
+    trace: &Plane,
+    conductance: &Plane,
+    mask: &Mask,
+    gain: f32,
+    memory: &Memory,
+) -> ColorPlanes {
+    let [r, g, b] = map_covered(mask, memory, |y| {
+        let (trace, open) = (trace.row(y), conductance.row(y));
+        move |x| {
+            let kappa = mapped_curvature(trace[x], gain);
+            let toward = if kappa >= 0.0 {
+                palette::CONVEX
+            } else {
+                palette::CONCAVE
+            };
+            let blend = |neutral: f32, toward: f32| neutral + kappa.abs() * (toward - neutral);
+            std::array::from_fn(|i| open[x] * blend(palette::NEUTRAL[i], toward[i]))
+        }
+    });
+    let mut display = ColorPlanes { r, g, b };
+    let channels = [&mut display.r, &mut display.g, &mut display.b];
+    for (plane, background) in channels.into_iter().zip(palette::BACKGROUND) {
+        for (sample, &covered) in plane.samples_mut().iter_mut().zip(mask.plane().samples()) {
+            if !covered {
+                *sample = background;
+            }
+        }
+    }
+    display
+}

@@ -1,0 +1,152 @@
+//! The albedo of a frame, estimated from its picture.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::percentile::PercentileSearch;
+use crate::frame::{ColorPlanes, Frame};
+use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
+use crate::shape::auto_levels::cpu as statistics;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Luminance that the white level of the albedo is brought to: of paper.
+const BRIGHT: f32 = 0.8;
+
+/// The picture over its best-fitting shading, so bright that all but a few pixels are darker than paper.
+/// White where the picture is black.
+pub(crate) fn estimated(frame: &Frame, weights: [f32; 3], memory: &Memory) -> ColorPlanes {
+    let rows = 0..frame.mask.height();
+    let shading = fitted(ShadingFit::default(), frame, weights, rows).solved();
+    let albedo = over_shading(frame, shading, memory);
+    let factor = BRIGHT / statistics::white_level(&albedo, weights, &frame.mask);
+    brightened(albedo, factor)
+}
+
+/// The albedo of a strip, by what was found in the whole picture.
+pub(crate) fn by_estimate(
+    frame: &Frame,
+    estimate: &AlbedoEstimate,
+    memory: &Memory,
+) -> ColorPlanes {
+    brightened(
+        over_shading(frame, estimate.shading, memory),
+        estimate.factor,
+    )
+}
+
+/// A search for an estimate in a picture that comes some rows at a time, from top to bottom: three times, the last two
+/// after [`AlbedoSearch::next_look`] each.
+#[derive(Debug, Clone)]
+pub(crate) struct AlbedoSearch {
+    fit: ShadingFit,
+    /// The shading that was found, and the search for the white level over it.
+    white: Option<(Option<FittedShading>, PercentileSearch)>,
+}
+
+impl AlbedoSearch {
+    pub(crate) fn new() -> Self {
+        Self {
+            fit: ShadingFit::default(),
+            white: None,
+        }
+    }
+
+    /// Looks at these rows of a strip.
+    pub(crate) fn add(
+        &mut self,
+        strip: &Frame,
+        weights: [f32; 3],
+        rows: Range<usize>,
+        memory: &Memory,
+    ) {
+        match &mut self.white {
+            None => self.fit = fitted(self.fit, strip, weights, rows),
+            Some((shading, search)) => {
+                let albedo = over_shading(strip, *shading, memory);
+                search.add(rows, |y| {
+                    statistics::luminances(&albedo, weights, &strip.mask, y)
+                });
+                memory.take_back([albedo.r, albedo.g, albedo.b]);
+            }
+        }
+    }
+
+    /// Ends the first look, or the second.
+    pub(crate) fn next_look(&mut self) {
+        match &mut self.white {
+            None => {
+                let search = PercentileSearch::new(statistics::WHITE_PERCENT);
+                self.white = Some((self.fit.solved(), search));
+            }
+            Some((_, search)) => search.narrow(),
+        }
+    }
+
+    /// What was searched for, after three looks.
+    pub(crate) fn found(&self) -> Option<AlbedoEstimate> {
+        let (shading, search) = self.white.as_ref()?;
+        Some(AlbedoEstimate {
+            shading: *shading,
+            factor: BRIGHT / statistics::white_of(search.found()),
+        })
+    }
+}
+
+/// The colour of a pixel, which is premultiplied, without its coverage.
+fn bare(frame: &Frame) -> impl Fn(usize, usize) -> [f32; 3] + Sync + '_ {
+    let color = frame.color.as_ref().expect("an estimate takes a picture");
+    let alpha = frame.alpha.as_ref();
+    move |x, y| {
+        let cover = alpha.map_or(1.0, |alpha| alpha.at(x, y));
+        let per_cover = if cover > 0.0 { 1.0 / cover } else { 0.0 };
+        [&color.r, &color.g, &color.b].map(|plane| plane.at(x, y) * per_cover)
+    }
+}
+
+fn normal(frame: &Frame, x: usize, y: usize) -> [f32; 3] {
+    let n = &frame.normal;
+    [n.x.at(x, y), n.y.at(x, y), n.z.at(x, y)]
+}
+
+/// `fit` with the pixels of some rows counted in.
+fn fitted(fit: ShadingFit, frame: &Frame, weights: [f32; 3], rows: Range<usize>) -> ShadingFit {
+    let (mask, bare) = (&frame.mask, bare(frame));
+    let rows = rows.into_par_iter().map(|y| {
+        let mut fit = ShadingFit::default();
+        let covered = mask.row(y);
+        for x in mask.span(y).filter(|&x| covered[x]) {
+            fit.add(
+                normal(frame, x, y),
+                crate::frame::luminance(bare(x, y), weights),
+            );
+        }
+        fit
+    });
+    // Added row after row: the same bits for any number of threads, and for any strips.
+    let fits: Vec<ShadingFit> = rows.collect();
+    fits.into_iter().fold(fit, ShadingFit::merged)
+}
+
+/// The picture over a shading; white without one.
+fn over_shading(frame: &Frame, shading: Option<FittedShading>, memory: &Memory) -> ColorPlanes {
+    let bare = bare(frame);
+    let albedo = |shading: FittedShading, x, y| {
+        let per_light = 1.0 / shading.at(normal(frame, x, y));
+        bare(x, y).map(|channel| channel * per_light)
+    };
+    let [r, g, b] = crate::engine::cpu::rows::map_covered(&frame.mask, memory, |y| {
+        let albedo = &albedo;
+        move |x| match shading {
+            Some(shading) => albedo(shading, x, y),
+            None => [1.0; 3],
+        }
+    });
+    ColorPlanes { r, g, b }
+}
+
+fn brightened(mut albedo: ColorPlanes, factor: f32) -> ColorPlanes {
+    for plane in [&mut albedo.r, &mut albedo.g, &mut albedo.b] {
+        let samples = plane.samples_mut().par_iter_mut();
+        samples.for_each(|v| *v = (*v * factor).clamp(0.0, 1.0));
+    }
+    albedo
+}

@@ -1,0 +1,196 @@
+//! Gathering covered pixels from the planes, and scattering what they show.
+
+use crate::frame::{DepthKind, Plane};
+use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
+use crate::light::relight::Scene;
+use crate::light::relight::curvature::{CurvatureRow, Kind};
+use crate::light::sum::LightSum;
+use glam::DVec3;
+use std::ops::Range;
+
+/// Neighbouring pixels of a row that lie in neighbouring lanes.
+#[derive(Debug, Clone)]
+struct Piece {
+    y: usize,
+    columns: Range<usize>,
+    lane: usize,
+}
+
+/// A batch on its way.
+pub(crate) struct Batch {
+    pieces: Vec<Piece>,
+    pub(crate) pixels: Pixels,
+    pub(crate) sum: LightSum,
+    /// Trace of the Hessian.
+    pub(crate) trace: Lanes,
+    /// Mapped curvature.
+    pub(crate) kappa: Lanes,
+    pub(crate) albedo: [Lanes; 3],
+    /// Ambient occlusion, 1 in the open: it dims even light and the diffuse light of an environment.
+    pub(crate) occlusion: Lanes,
+    /// Coverage that the result is multiplied by.
+    pub(crate) alpha: Lanes,
+    /// Grain in the picture.
+    pub(crate) grain: [Lanes; 2],
+    /// Points of the surface, for lights near it.
+    pub(crate) points: [Lanes; 3],
+    /// Directions to a light near the surface, and the share that arrives.
+    pub(crate) near: ([Lanes; 3], Lanes),
+    /// Where something is looked up.
+    pub(crate) toward: Vectors,
+    /// The share of it that counts.
+    pub(crate) share: Lanes,
+    /// What was looked up.
+    pub(crate) looked_up: [Lanes; 3],
+    /// What the pixels show.
+    pub(crate) shown: [Lanes; 3],
+}
+
+const ZERO: Lanes = [0.0; BATCH];
+const ONE: Lanes = [1.0; BATCH];
+
+impl Batch {
+    pub(crate) fn new() -> Self {
+        Self {
+            pieces: Vec::new(),
+            pixels: Pixels::new(),
+            sum: LightSum::new(),
+            trace: ZERO,
+            kappa: ZERO,
+            albedo: [ONE; 3],
+            occlusion: ONE,
+            alpha: ONE,
+            grain: [ZERO; 2],
+            points: [ZERO; 3],
+            near: ([ZERO; 3], ZERO),
+            toward: [ZERO; 3],
+            share: ZERO,
+            looked_up: [ZERO; 3],
+            shown: [ZERO; 3],
+        }
+    }
+
+    /// Takes a run of covered pixels; calls `full` whenever the batch is.
+    pub(crate) fn take_run(
+        &mut self,
+        scene: &Scene,
+        curvature: &CurvatureRow,
+        y: usize,
+        mut columns: Range<usize>,
+        mut full: impl FnMut(&mut Self),
+    ) {
+        while !columns.is_empty() {
+            let count = columns.len().min(BATCH - self.pixels.count);
+            let piece = columns.start..columns.start + count;
+            columns.start += count;
+            self.gather(scene, curvature, y, piece);
+            if self.pixels.count == BATCH {
+                full(self);
+                self.empty();
+            }
+        }
+    }
+
+    /// Calls `light` for what is left.
+    pub(crate) fn finish(&mut self, light: impl FnOnce(&mut Self)) {
+        if self.pixels.count > 0 {
+            light(self);
+            self.empty();
+        }
+    }
+
+    fn empty(&mut self) {
+        self.pieces.clear();
+        self.pixels.count = 0;
+    }
+
+    /// Copies what is known of the pixels at `columns` of row `y` to the next lanes.
+    fn gather(&mut self, scene: &Scene, curvature: &CurvatureRow, y: usize, columns: Range<usize>) {
+        let lane = self.pixels.count;
+        let lanes = lane..lane + columns.len();
+        let copy_row = |to: &mut Lanes, from: &[f32]| {
+            to[lanes.clone()].copy_from_slice(&from[columns.clone()]);
+        };
+        let copy = |to: &mut Lanes, from: &Plane| copy_row(to, from.row(y));
+        let frame = scene.frame;
+        let [x_lanes, y_lanes, z_lanes] = &mut self.pixels.normal.vector;
+        copy(x_lanes, &frame.normal.x);
+        copy(y_lanes, &frame.normal.y);
+        copy(z_lanes, &frame.normal.z);
+        match scene.curvature.as_ref().map(|curvature| &curvature.kind) {
+            Some(Kind::Hessian) => {
+                for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
+                    copy_row(lanes, curvature.entry(k));
+                }
+            }
+            Some(Kind::Trace | Kind::Made(_)) => copy_row(&mut self.trace, curvature.entry(0)),
+            None => {}
+        }
+        if let Some(color) = scene.albedo {
+            let [r, g, b] = &mut self.albedo;
+            copy(r, &color.r);
+            copy(g, &color.g);
+            copy(b, &color.b);
+        }
+        if let Some(occlusion) = &frame.light.occlusion {
+            copy(&mut self.occlusion, occlusion);
+        }
+        if let Some(alpha) = &frame.alpha {
+            copy(&mut self.alpha, alpha);
+        }
+        if let Some(grain) = scene.grain {
+            let [x, y] = &mut self.grain;
+            copy(x, &grain.x);
+            copy(y, &grain.y);
+        }
+        if let Some([eye_x, eye_y]) = &scene.eye {
+            let [x_lanes, y_lanes, _] = &mut self.pixels.to_eye.vector;
+            x_lanes[lanes.clone()].copy_from_slice(&eye_x[columns.clone()]);
+            y_lanes[lanes.clone()].fill(eye_y[y]);
+        }
+        if !scene.points.is_empty() {
+            self.find_points(scene, y, columns.clone());
+        }
+        self.pixels.count += columns.len();
+        self.pieces.push(Piece { y, columns, lane });
+    }
+
+    /// Where in view space the surface lies.
+    fn find_points(&mut self, scene: &Scene, y: usize, columns: Range<usize>) {
+        let frame = scene.frame;
+        let depth = frame.depth.as_ref().expect("points are planned with depth");
+        let kind: DepthKind = frame.source.depth_kind;
+        let (x0, y0) = (frame.data_window.x0, frame.data_window.y0);
+        for (i, x) in columns.enumerate() {
+            let lane = self.pixels.count + i;
+            let position = [f64::from(x0) + x as f64, f64::from(y0) + y as f64].map(|p| p + 0.5);
+            let depth = f64::from(depth.at(x, y));
+            let point = scene.sight.point(position[0], position[1], depth, kind);
+            let DVec3 { x, y, z } = point;
+            (
+                self.points[0][lane],
+                self.points[1][lane],
+                self.points[2][lane],
+            ) = (x as f32, y as f32, z as f32);
+        }
+    }
+
+    /// The lane, column and row of every pixel.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, usize, usize)> + '_ {
+        self.pieces.iter().flat_map(|piece| {
+            let columns = piece.columns.clone().enumerate();
+            columns.map(|(i, x)| (piece.lane + i, x, piece.y))
+        })
+    }
+
+    /// Writes what the pixels show to rows that begin with row `first` of the frame.
+    pub(crate) fn scatter(&self, rows: &mut [&mut [f32]; 3], first: usize, width: usize) {
+        for Piece { y, columns, lane } in &self.pieces {
+            let start = (y - first) * width + columns.start;
+            for (row, shown) in rows.iter_mut().zip(&self.shown) {
+                row[start..start + columns.len()]
+                    .copy_from_slice(&shown[*lane..lane + columns.len()]);
+            }
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! What is looked up once per pixel, in an environment or a lit sphere.
+
+use crate::light::batch::{BATCH, Vectors};
+use crate::light::brdf::{fresnel, refracted, thin_sheet};
+use crate::light::environment::Environment;
+use crate::light::light_warping::{Warp, half_vector};
+use crate::light::lit_sphere::LitSphere;
+use crate::light::prepared_environment::{Map, Used};
+use crate::light::relight::Scene;
+use crate::light::relight::batch::Batch;
+use crate::light::relight::shade::Term;
+use crate::light::relight::traced::add_traced;
+use crate::params::{Material, MaterialParams};
+
+/// Looks `map` up where `toward` says: first where that is, all lanes at once, then the samples there.
+#[inline(always)]
+pub(crate) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, count: usize) {
+    let [x, y, z] = toward;
+    let mut positions = [[0.0; BATCH]; 2];
+    let [columns, rows] = &mut positions;
+    for i in 0..BATCH {
+        [columns[i], rows[i]] = map.position([x[i], y[i], z[i]]);
+    }
+    let [r, g, b] = found;
+    for i in 0..count {
+        [r[i], g[i], b[i]] = map.at_position(columns[i], rows[i]);
+    }
+}
+
+/// Adds what is looked up once per pixel to the sums.
+#[inline(always)]
+pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
+    let gain = scene.around.gain().unwrap_or(1.0);
+    if let Some(mirrors) = &scene.mirrors {
+        let far_away = match &scene.around.ready.used {
+            Used::Mirrored(map) => Some((map, gain)),
+            _ => None,
+        };
+        add_traced(batch, scene, mirrors, far_away);
+        return;
+    }
+    match &scene.around.ready.used {
+        Used::Nothing | Used::Lights(_) | Used::Lookups(..) => {}
+        Used::Prefiltered { diffuse, specular } => {
+            for i in 0..BATCH {
+                batch.share[i] = gain * batch.occlusion[i];
+            }
+            batch.toward = batch.pixels.normal.vector;
+            add_seen(batch, scene, Term::Diffuse, diffuse);
+            if let Some(map) = specular {
+                // The lobe of a sum over lights is 1 at its brightest; the map's holds as much as a cosine.
+                let lobe = 2.0 / (scene.params().material.shininess + 1.0);
+                batch.share = [gain * lobe; BATCH];
+                batch.toward = batch.pixels.mirrored.vector;
+                add_seen(batch, scene, Term::Specular, map);
+            }
+        }
+        Used::Mirrored(map) => {
+            let material = scene.params().material;
+            batch.share = [gain; BATCH];
+            if material.material == Material::Glass {
+                add_refracted(batch, scene, map, &material);
+            }
+            batch.toward = batch.pixels.mirrored.vector;
+            add_seen(batch, scene, Term::Specular, map);
+        }
+        Used::LitSpheres(largest) => {
+            add_spheres(batch, scene, scene.around.spheres, *largest);
+        }
+    }
+}
+
+/// Adds what `map` shows toward `batch.toward`, warped, times `batch.share`, scaled by its own brightness
+/// ([RS] section 5.3).
+#[inline(always)]
+fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
+    warp_lookups(batch, scene);
+    look_up(
+        &mut batch.looked_up,
+        &map.environment,
+        &batch.toward,
+        batch.pixels.count,
+    );
+    let [r, g, b] = &batch.looked_up;
+    let w = scene.luminance;
+    if scene.relighting.scales {
+        let curves = batch.pixels.curve(term as usize);
+        for i in 0..BATCH {
+            let luminance = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
+            let sigma = curves
+                .at(i)
+                .at(luminance / map.largest, scene.invariant_point);
+            batch.share[i] *= sigma;
+        }
+    }
+    let sums = match term {
+        Term::Specular => &mut batch.sum.specular,
+        _ => &mut batch.sum.diffuse,
+    };
+    for (sum, found) in sums.iter_mut().zip([r, g, b]) {
+        for i in 0..BATCH {
+            sum[i] += found[i] * batch.share[i];
+        }
+    }
+}
+
+/// Adds what is seen through glass, and leaves the share that it mirrors.
+#[inline(always)]
+fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &MaterialParams) {
+    let mut mirrored = [0.0; BATCH];
+    let all = batch.share;
+    for i in 0..batch.pixels.count {
+        let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
+        let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
+        let one_surface = fresnel(cosine, material.ior);
+        let straight_on = [-eye[0], -eye[1], -eye[2]];
+        let (share, through) = match material.thin {
+            true => (thin_sheet(one_surface), Some(straight_on)),
+            false => (one_surface, refracted(n, eye, material.ior)),
+        };
+        let [x, y, z] = through.unwrap_or(straight_on);
+        (batch.toward[0][i], batch.toward[1][i], batch.toward[2][i]) = (x, y, z);
+        mirrored[i] = if through.is_some() { share } else { 1.0 };
+        batch.share[i] = all[i] * (1.0 - mirrored[i]);
+    }
+    add_seen(batch, scene, Term::Specular, map);
+    for i in 0..BATCH {
+        batch.share[i] = all[i] * mirrored[i];
+    }
+}
+
+/// Adds the colours of the lit sphere, or of both mixed by curvature. They hold their own gains.
+#[inline(always)]
+fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest: f32) {
+    let own = 1.0 / scene.params().material.diffuse_gain.max(f32::MIN_POSITIVE);
+    batch.toward = batch.pixels.normal.vector;
+    warp_lookups(batch, scene);
+    for i in 0..batch.pixels.count {
+        let across = [batch.toward[0][i], batch.toward[1][i]];
+        let color = match spheres {
+            [convex, concave] => {
+                let share = 0.5 + 0.5 * batch.kappa[i];
+                let (convex, concave) = (convex.color(across), concave.color(across));
+                [0, 1, 2].map(|k| concave[k] + share * (convex[k] - concave[k]))
+            }
+            spheres => spheres
+                .first()
+                .map_or([0.0; 3], |sphere| sphere.color(across)),
+        };
+        let sigma = match scene.relighting.scales {
+            true => {
+                let luminance = crate::frame::luminance(color, scene.luminance);
+                let curves = batch.pixels.curve(Term::Diffuse as usize);
+                curves.at(i).at(luminance / largest, scene.invariant_point)
+            }
+            false => 1.0,
+        };
+        for (sum, color) in batch.sum.diffuse.iter_mut().zip(color) {
+            sum[i] += color * sigma * own;
+        }
+    }
+}
+
+/// Warps the directions of look-ups ([LW] equation 1).
+#[inline(always)]
+pub(crate) fn warp_lookups(batch: &mut Batch, scene: &Scene) {
+    if !scene.relighting.warps {
+        return;
+    }
+    let [xx, xy, yy] = &batch.pixels.unwarp;
+    let [x, y, z] = &mut batch.toward;
+    for i in 0..BATCH {
+        let inverse = Warp {
+            xx: xx[i],
+            xy: xy[i],
+            yy: yy[i],
+        };
+        let half = half_vector([x[i], y[i], z[i]]);
+        [x[i], y[i], z[i]] = inverse.inverse().direction(half);
+    }
+}

@@ -1,0 +1,278 @@
+//! New light: batches of covered pixels, gathered from the frame's planes, lit, and scattered again.
+
+pub(crate) mod albedo;
+pub(crate) mod batch;
+pub(crate) mod curvature;
+pub(crate) mod look_up;
+pub(crate) mod rim;
+pub(crate) mod shade;
+pub(crate) mod traced;
+
+use crate::engine::cpu::Run;
+use crate::engine::cpu::kept::Kept;
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::outcome::Shape;
+use crate::engine::cpu::simd::Simd;
+use crate::frame::{
+    ColorPlanes, Frame, Mask, Plane, Projection, SightLines, SpecularScene, Vector2Planes,
+};
+use crate::light::lights::{DirectionalLight, Illumination, PointLight};
+use crate::light::prepared_environment::Around;
+use crate::light::relight::batch::Batch;
+use crate::light::relight::curvature::{Curvature, CurvatureRow, Kind};
+use crate::light::relight::traced::Mirrors;
+use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
+use crate::line::normal_rays::cpu as normal_rays;
+use crate::params::{Adaptive, Magnitudes, Quantisation, RelightParams};
+use crate::plan::Stage;
+use crate::plan::{Albedo, Relighting};
+use rayon::prelude::*;
+
+/// Rows that one task lights: few, so that threads end together, and enough to fill batches.
+const ROWS_PER_TASK: usize = 8;
+
+/// Everything that all batches share.
+pub(crate) struct Scene<'a> {
+    frame: &'a Frame,
+    relighting: &'a Relighting,
+    /// Curvature, where it is needed.
+    curvature: Option<Curvature<'a>>,
+    /// Grain in the picture, where it follows the curvature.
+    grain: Option<&'a Vector2Planes>,
+    albedo: Option<&'a ColorPlanes>,
+    /// Curvature gain.
+    gain: f32,
+    magnitudes: Magnitudes,
+    invariant_point: f32,
+    luminance: [f32; 3],
+    /// How single lights act; `None` where none are summed.
+    shading: Option<Shading>,
+    /// Whether anything adds to specular light.
+    is_glossy: bool,
+    lights: &'a [DirectionalLight],
+    points: &'a [PointLight],
+    sight: SightLines,
+    around: Around<'a>,
+    /// What mirrors and lenses show, where that is more than the environment.
+    mirrors: Option<Mirrors<'a>>,
+    /// The pixels that are lit.
+    lit: &'a Mask,
+    /// Direction to the eye per column and row, of z 1; `None` for parallel sight lines.
+    eye: Option<[Vec<f32>; 2]>,
+    tones: Option<Quantisation>,
+}
+
+impl Scene<'_> {
+    fn params(&self) -> &RelightParams {
+        &self.relighting.params
+    }
+}
+
+impl Run<'_> {
+    /// Lights the frame anew.
+    pub(crate) fn relight(
+        &mut self,
+        illumination: &Illumination,
+        specular: Option<&SpecularScene>,
+    ) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        let relighting = plan
+            .relighting
+            .as_ref()
+            .expect("the plan says how to light");
+        let weights = frame.luminance_weights();
+        let kept = &self.runner.environment;
+        let around = Around::new(illumination, relighting, weights, kept, |make| {
+            self.timed("environment", make)
+        });
+        self.outcome.environment_gain = around.gain();
+        let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
+            let kept = |kept: &mut Kept| kept.albedo.take();
+            self.kept_or(kept, "albedo-estimate", || match &relighting.estimate {
+                Some(found) => albedo::by_estimate(frame, found, memory),
+                None => albedo::estimated(frame, weights, memory),
+            })
+        });
+        let traced = specular.zip(plan.specular).filter(|_| relighting.traced);
+        let mirrors = traced.and_then(|(scene, params)| {
+            self.timed("specular-maps", || {
+                Mirrors::new(frame, scene, &params, weights)
+            })
+        });
+        let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));
+        let shape = std::mem::take(&mut self.outcome.shape);
+        let gain = self.outcome.gain.unwrap_or(0.0);
+        let eye = eye_directions(frame);
+        let shading = self.shading(relighting, gain, eye.is_none());
+        let scene = Scene {
+            frame,
+            relighting,
+            curvature: self.curvature(&shape),
+            grain: shape.direction.as_ref().filter(|_| relighting.grain),
+            albedo: match relighting.albedo {
+                Albedo::Layer => frame.albedo.as_ref(),
+                Albedo::Picture => frame.color.as_ref(),
+                Albedo::Estimate => estimate.as_ref(),
+                Albedo::White => None,
+            },
+            gain,
+            magnitudes: plan.scaling.magnitudes(),
+            invariant_point: plan.scaling.invariant_point,
+            luminance: weights,
+            is_glossy: mirrors.is_some()
+                || around.is_mirrored()
+                || shading.is_some_and(|s| s.lobes.are_glossy()),
+            shading,
+            lights: &illumination.directional,
+            points: &illumination.points,
+            sight: SightLines::of(frame),
+            around,
+            mirrors,
+            lit: specular_mask.as_ref().unwrap_or(&frame.mask),
+            eye,
+            tones: relighting.params.tones(),
+        };
+        let color = self.timed("relight", || lit(&scene, memory));
+        drop(scene);
+        match (estimate, &mut self.kept) {
+            (Some(estimate), Some(kept)) => kept.albedo = Some(estimate),
+            (Some(ColorPlanes { r, g, b }), None) => memory.take_back([r, g, b]),
+            (None, _) => {}
+        }
+        self.outcome.shape = shape;
+        self.outcome.color = Some(color);
+    }
+
+    /// What curvature is made of, where it is needed.
+    fn curvature<'s>(&self, shape: &'s Shape) -> Option<Curvature<'s>> {
+        let kind = match &shape.trace {
+            _ if self.plan.has(Stage::Hessian) => Kind::Hessian,
+            Some(trace) => Kind::Made(trace),
+            None if self.plan.has(Stage::Trace) => Kind::Trace,
+            None => return None,
+        };
+        let shape_is_there = "curvature is planned with its gradient";
+        Some(Curvature {
+            gradient: shape.gradient.as_ref().expect(shape_is_there),
+            conductance: shape.conductance.as_ref().expect(shape_is_there),
+            factor: self.plan.resolution_factor as f32,
+            kind,
+        })
+    }
+
+    /// How single lights act, where any are summed.
+    fn shading(&self, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
+        let scaling = &self.plan.scaling;
+        let magnitudes = scaling.magnitudes();
+        let toward_light = relighting.toward_light.then_some(TowardLight {
+            gain,
+            anisotropy: scaling.anisotropy,
+            magnitudes: [magnitudes.diffuse, magnitudes.specular],
+        });
+        let lobes = Lobes::of(&relighting.params.material, far)?;
+        relighting.sums.then_some(Shading {
+            warped: relighting.has_jacobian(),
+            scaled: relighting.scales.then_some(Scaled {
+                invariant_point: scaling.invariant_point,
+                toward_light,
+            }),
+            lobes,
+        })
+    }
+
+    /// What of the shape has to be there before any light comes: a gain that is chosen from the frame, the
+    /// direction that a grain follows. Curvature itself is made row by row, where it is used.
+    pub(crate) fn prepare_light(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
+        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
+        if plan.has(Stage::AutoGain) {
+            self.find_trace(gradient, conductance);
+        } else if let Adaptive::Fixed(gain) = plan.scaling.curvature_gain
+            && (plan.has(Stage::Hessian) || plan.has(Stage::Trace))
+        {
+            self.outcome.gain = Some(gain);
+        }
+        let has_grain = plan.relighting.is_some_and(|relighting| relighting.grain);
+        if has_grain && plan.has(Stage::NormalRays) {
+            let kept = |kept: &mut Kept| kept.rays.take();
+            let direction = self.kept_or(kept, "normal-rays", || {
+                normal_rays::directions(plan, frame, conductance, memory)
+            });
+            self.outcome.shape.direction = Some(direction);
+        }
+    }
+}
+
+/// Directions to the eye by column and by row; `None` where all are along z.
+fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
+    let projection = frame.camera.as_ref()?.projection;
+    let Projection::Perspective { .. } = projection else {
+        return None;
+    };
+    let data = frame.data_window;
+    let centre = |first: i32, i: usize| f64::from(first) + i as f64 + 0.5;
+    let columns = (0..data.width()).map(|x| projection.to_eye(centre(data.x0, x), 0.0).x as f32);
+    let rows = (0..data.height()).map(|y| projection.to_eye(0.0, centre(data.y0, y)).y as f32);
+    Some([columns.collect(), rows.collect()])
+}
+
+/// The lit picture; where uncovered that of the frame, or black.
+fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
+    let mask = scene.lit;
+    let width = mask.width();
+    let simd = Simd::widest();
+    let mut planes = [(); 3].map(|()| memory.unwritten(mask));
+    let [r, g, b] = planes
+        .each_mut()
+        .map(|plane| plane.samples_mut().par_chunks_mut(width * ROWS_PER_TASK));
+    r.zip(g).zip(b).enumerate().for_each_init(
+        || (Box::new(Batch::new()), CurvatureRow::new(width)),
+        |(batch, curvature), (task, ((r, g), b))| {
+            let first = task * ROWS_PER_TASK;
+            let mut rows = [r, g, b];
+            keep_uncovered(scene, first, &mut rows);
+            let count = rows[0].len() / width;
+            for y in first..first + count {
+                if let Some(made_of) = &scene.curvature {
+                    curvature.make(made_of, scene.frame, y, simd);
+                }
+                for run in mask.runs(y) {
+                    batch.take_run(scene, curvature, y, run, |batch| {
+                        simd.light_batch(batch, scene);
+                        batch.scatter(&mut rows, first, width);
+                    });
+                }
+            }
+            batch.finish(|batch| {
+                simd.light_batch(batch, scene);
+                batch.scatter(&mut rows, first, width);
+            });
+        },
+    );
+    let [r, g, b] = planes;
+    let mut color = ColorPlanes { r, g, b };
+    if let Some(alpha) = &scene.frame.alpha
+        && mask.count() < alpha.samples().len()
+    {
+        rim::light_rims(&mut color, alpha, mask);
+    }
+    color
+}
+
+/// Fills what shows no surface: with the picture of the frame where there is one, else black.
+fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
+    let mask = scene.lit;
+    let width = mask.width();
+    let color = scene.frame.color.as_ref();
+    let planes = color.map(|color| [&color.r, &color.g, &color.b]);
+    for (k, rows) in rows.iter_mut().enumerate() {
+        for (i, row) in rows.chunks_mut(width).enumerate() {
+            let y = first + i;
+            for gap in mask.gaps(y) {
+                match planes {
+                    Some(planes) => row[gap.clone()].copy_from_slice(&planes[k].row(y)[gap]),
+                    None => row[gap].fill(0.0),
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,412 @@
+//! Lighting one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors
+//! that the machine has.
+
+use crate::engine::cpu::simd::widened;
+use crate::light::batch::{Above, BATCH, Facing, Lanes};
+use crate::light::brdf::mirrored;
+use crate::light::environment::Environment;
+use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
+use crate::light::lights::DirectionalLight;
+use crate::light::radiance_scaling::ScalingCurve;
+use crate::light::relight::Scene;
+use crate::light::relight::batch::Batch;
+use crate::light::relight::curvature::{Curvature, Kind};
+use crate::light::relight::look_up::{add_lookups, look_up, warp_lookups};
+use crate::light::sum::{Incoming, Intensity, Lobes, Shading};
+use crate::light::tones::tone_factor;
+use crate::params::{Material, Tangent};
+use crate::plan::Albedo;
+use crate::shape::curvature::mapped_curvature;
+
+/// Which of [`crate::light::batch::Pixels::curves`] scales a term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Term {
+    Ambient,
+    Diffuse,
+    Specular,
+}
+
+/// Squared length below which the grain points along the normal, and is no tangent.
+pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
+
+/// Lights from which on it pays to know which way a batch faces.
+const WORTH_A_CONE: usize = 4;
+
+/// Lights the pixels of a batch.
+#[inline(always)]
+pub(crate) fn light_batch(batch: &mut Batch, scene: &Scene) {
+    prepare(batch, scene);
+    batch.sum.clear();
+    add_lights(batch, scene);
+    compose(batch, scene);
+}
+
+widened! {
+    fn light_batch(batch: &mut Batch, scene: &Scene);
+}
+
+/// What is known of the pixels before any light comes.
+#[inline(always)]
+fn prepare(batch: &mut Batch, scene: &Scene) {
+    let relighting = scene.relighting;
+    if scene.eye.is_some() {
+        normalise_eyes(batch);
+    }
+    if scene.frame.alpha.is_some() && matches!(relighting.albedo, Albedo::Layer | Albedo::Picture) {
+        bare_albedo(batch);
+    }
+    let lobes = scene.shading.map(|shading| shading.lobes);
+    let phong = relighting.params.material.material == Material::Phong;
+    if phong || scene.around.is_mirrored() {
+        for i in 0..BATCH {
+            let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
+            batch.pixels.mirrored.set(i, mirrored(n, eye));
+        }
+    }
+    if matches!(lobes, Some(Lobes::AshikhminShirley(_))) {
+        set_grain(batch, scene);
+    }
+    if relighting.warps {
+        let pixels = &mut batch.pixels;
+        pixels.warp_by(relighting.params.warping.warp * scene.gain);
+        match lobes {
+            Some(Lobes::Phong { .. }) => pixels.mirrored.unwarp(&pixels.unwarp),
+            Some(Lobes::BlinnPhong { far: false, .. }) => pixels.to_eye.unwarp(&pixels.unwarp),
+            Some(Lobes::AshikhminShirley(_)) => {
+                pixels.to_eye.unwarp(&pixels.unwarp);
+                pixels.along.unwarp(&pixels.unwarp);
+                pixels.across.unwarp(&pixels.unwarp);
+            }
+            _ => {}
+        }
+    }
+    if relighting.scales {
+        set_curves(batch, scene);
+    } else if relighting.lit_spheres == 2 {
+        find_kappa(batch, scene);
+    }
+    let around = &scene.around;
+    let directions = scene.lights.len() + around.lights().len() + around.even_directions().len();
+    if directions >= WORTH_A_CONE {
+        let pixels = &mut batch.pixels;
+        pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
+    }
+}
+
+/// Mapped curvature.
+#[inline(always)]
+fn find_kappa(batch: &mut Batch, scene: &Scene) {
+    let Batch {
+        pixels,
+        trace,
+        kappa,
+        ..
+    } = batch;
+    if matches!(
+        scene.curvature,
+        Some(Curvature {
+            kind: Kind::Hessian,
+            ..
+        })
+    ) {
+        let [xx, _, yy] = &pixels.hessian;
+        for i in 0..BATCH {
+            trace[i] = xx[i] + yy[i];
+        }
+    }
+    for i in 0..BATCH {
+        kappa[i] = mapped_curvature(trace[i], scene.gain);
+    }
+}
+
+/// The scaling curve of every term there is; terms of one magnitude share it.
+#[inline(always)]
+fn set_curves(batch: &mut Batch, scene: &Scene) {
+    find_kappa(batch, scene);
+    let magnitudes = scene.magnitudes;
+    let terms = [
+        (magnitudes.ambient, scene.params().material.ambient > 0.0),
+        (magnitudes.diffuse, true),
+        (magnitudes.specular, scene.is_glossy),
+    ];
+    let mut done: Option<(f32, usize)> = None;
+    for (term, (magnitude, used)) in terms.into_iter().enumerate() {
+        if !used {
+            continue;
+        }
+        match done {
+            Some((same, of)) if same == magnitude => {
+                batch.pixels.curve_of[term] = of;
+            }
+            _ => {
+                let curves = &mut batch.pixels.curves[term];
+                for i in 0..BATCH {
+                    curves.set(i, ScalingCurve::of(magnitude * batch.kappa[i]));
+                }
+                batch.pixels.curve_of[term] = term;
+                done = Some((magnitude, term));
+            }
+        }
+    }
+}
+
+/// Layers are multiplied by coverage, as what is shown will be once more.
+#[inline(always)]
+fn bare_albedo(batch: &mut Batch) {
+    for i in 0..BATCH {
+        let covered = batch.alpha[i] > 0.0;
+        batch.share[i] = if covered { 1.0 / batch.alpha[i] } else { 1.0 };
+    }
+    for lanes in &mut batch.albedo {
+        for (albedo, per_cover) in lanes.iter_mut().zip(&batch.share) {
+            *albedo *= per_cover;
+        }
+    }
+}
+
+#[inline(always)]
+fn normalise_eyes(batch: &mut Batch) {
+    let [x, y, z] = &mut batch.pixels.to_eye.vector;
+    for i in 0..BATCH {
+        let inverse = 1.0 / (x[i] * x[i] + y[i] * y[i] + 1.0).sqrt();
+        x[i] *= inverse;
+        y[i] *= inverse;
+        z[i] = inverse;
+    }
+}
+
+/// Unit tangents along the grain and across it.
+#[inline(always)]
+fn set_grain(batch: &mut Batch, scene: &Scene) {
+    let fixed = match scene.params().material.tangent {
+        Tangent::Degrees(angle) => angle.to_radians(),
+        Tangent::Curvature => 0.0,
+    };
+    let (sine, cosine) = fixed.sin_cos();
+    for i in 0..BATCH {
+        let n = batch.pixels.normal.at(i);
+        let [x, y] = match scene.grain {
+            Some(_) => [batch.grain[0][i], batch.grain[1][i]],
+            None => [cosine, sine],
+        };
+        // The part of (x, y, 0) that is square to the normal; where there is none any tangent will do.
+        let along = x * n[0] + y * n[1];
+        let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
+        let square = tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2];
+        let seen = square > SHORTEST_TANGENT;
+        let inverse = 1.0 / square.max(SHORTEST_TANGENT).sqrt();
+        let u = [
+            if seen { tangent[0] * inverse } else { 0.0 },
+            if seen { tangent[1] * inverse } else { 0.0 },
+            if seen { tangent[2] * inverse } else { 1.0 },
+        ];
+        batch.pixels.along.set(i, u);
+        let v = [
+            n[1] * u[2] - n[2] * u[1],
+            n[2] * u[0] - n[0] * u[2],
+            n[0] * u[1] - n[1] * u[0],
+        ];
+        batch.pixels.across.set(i, v);
+    }
+}
+
+/// The sum over single lights.
+#[inline(always)]
+fn add_lights(batch: &mut Batch, scene: &Scene) {
+    let Some(shading) = &scene.shading else {
+        return;
+    };
+    // Light from all around comes first: less of it arrives in corners.
+    add_even(batch, shading, scene.around.lights());
+    if let Some((environment, share)) = scene.around.looked_up() {
+        for direction in scene.around.even_directions() {
+            let direction = direction.to_array();
+            if batch.pixels.facing.above(direction) == Above::Nowhere {
+                continue;
+            }
+            look_even_up(batch, scene, environment, direction, share);
+            batch.sum.add(
+                &batch.pixels,
+                shading,
+                Incoming::From(direction),
+                Intensity::LookedUp(&batch.looked_up),
+            );
+        }
+    }
+    if scene.frame.light.occlusion.is_some() {
+        batch.sum.dim(&batch.occlusion, shading);
+    }
+    add_even(batch, shading, scene.lights);
+    for point in scene.points {
+        approach(batch, point.position.to_array());
+        let (directions, share) = &batch.near;
+        batch.sum.add(
+            &batch.pixels,
+            shading,
+            Incoming::Near(directions, share),
+            Intensity::Even(point.intensity),
+        );
+    }
+    batch.sum.finish(&batch.pixels, shading);
+}
+
+/// Adds lights that are as strong at every pixel.
+#[inline(always)]
+fn add_even(batch: &mut Batch, shading: &Shading, lights: &[DirectionalLight]) {
+    for light in lights {
+        batch.sum.add(
+            &batch.pixels,
+            shading,
+            Incoming::From(light.to_light.to_array()),
+            Intensity::Even(light.intensity),
+        );
+    }
+}
+
+/// Directions to a light at `position`, and what arrives of it.
+#[inline(always)]
+fn approach(batch: &mut Batch, position: [f32; 3]) {
+    let ([x, y, z], share) = &mut batch.near;
+    for i in 0..BATCH {
+        let to = [
+            position[0] - batch.points[0][i],
+            position[1] - batch.points[1][i],
+            position[2] - batch.points[2][i],
+        ];
+        let square = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
+        // A light on the surface itself has no direction.
+        let apart = square > f32::MIN_POSITIVE;
+        let inverse = if apart { 1.0 / square } else { 0.0 };
+        let per_length = inverse.sqrt();
+        (x[i], y[i], z[i]) = (to[0] * per_length, to[1] * per_length, to[2] * per_length);
+        share[i] = inverse;
+    }
+}
+
+/// The intensities of one of the even directions, looked up where it is warped to ([LW] equation 1), and held
+/// back there as [`MOST_BRIGHTENED`] says.
+#[inline(always)]
+fn look_even_up(
+    batch: &mut Batch,
+    scene: &Scene,
+    environment: &Environment,
+    direction: [f32; 3],
+    share: f32,
+) {
+    for (lanes, component) in batch.toward.iter_mut().zip(direction) {
+        lanes.fill(component);
+    }
+    warp_lookups(batch, scene);
+    let count = batch.pixels.count;
+    look_up(&mut batch.looked_up, environment, &batch.toward, count);
+    let [x, y, z] = &batch.toward;
+    let [r, g, b] = &mut batch.looked_up;
+    for i in 0..BATCH {
+        let n = batch.pixels.normal.at(i);
+        let cosine = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2];
+        let warped = n[0] * x[i] + n[1] * y[i] + n[2] * z[i];
+        let held = (MOST_BRIGHTENED * warped).max(0.0);
+        let counts = if held < cosine { held / cosine } else { 1.0 };
+        let share = if scene.relighting.warps {
+            share * counts
+        } else {
+            share
+        };
+        r[i] *= share;
+        g[i] *= share;
+        b[i] *= share;
+    }
+}
+
+/// What the pixels show: terms by their gains, contrast, tones, coverage.
+#[inline(always)]
+fn compose(batch: &mut Batch, scene: &Scene) {
+    let material = &scene.params().material;
+    let (kd, ks) = (material.diffuse_gain, material.specular());
+    if scene.mirrors.is_some() || scene.around.has_lookups() {
+        add_lookups(batch, scene);
+    }
+    let scales = scene.relighting.scales && material.ambient > 0.0;
+    let ambient = batch.pixels.curve(Term::Ambient as usize);
+    let alpha = scene.invariant_point;
+    for i in 0..BATCH {
+        // Ambient light is 1 in the open ([RS] section 5.1), and occlusion where there is any.
+        let open = batch.occlusion[i];
+        let sigma = if scales {
+            ambient.at(i).at(open, alpha)
+        } else {
+            1.0
+        };
+        batch.share[i] = material.ambient * open * sigma;
+    }
+    for (shown, diffuse) in batch.shown.iter_mut().zip(&batch.sum.diffuse) {
+        for i in 0..BATCH {
+            shown[i] = batch.share[i] + kd * diffuse[i];
+        }
+    }
+    if scene.relighting.contrasts {
+        enhance_contrast(batch, scene);
+    }
+    // A cartoon has few tones of light; other few tones are of what is seen.
+    let is_toon = material.material == Material::Toon;
+    if is_toon {
+        keep_few_tones(batch, scene);
+    }
+    for k in 0..3 {
+        for i in 0..BATCH {
+            let specular = ks * batch.sum.specular[k][i];
+            batch.shown[k][i] = batch.albedo[k][i] * batch.shown[k][i] + specular;
+        }
+    }
+    if !is_toon {
+        keep_few_tones(batch, scene);
+    }
+    for lanes in &mut batch.shown {
+        cover(lanes, &batch.alpha);
+    }
+}
+
+/// Contrast by curvature ([LW] equation 3), of diffuse light and of specular light.
+#[inline(always)]
+fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
+    let gamma = scene.params().warping.contrast;
+    let [xx, xy, yy] = &batch.pixels.unwarp;
+    for i in 0..BATCH {
+        // The contrast of a warp is the inverse of that of its inverse.
+        let inverse = Warp {
+            xx: xx[i],
+            xy: xy[i],
+            yy: yy[i],
+        };
+        batch.share[i] = contrast(inverse, -gamma);
+    }
+    for lanes in batch.shown.iter_mut().chain(&mut batch.sum.specular) {
+        for (light, factor) in lanes.iter_mut().zip(&batch.share) {
+            *light *= factor;
+        }
+    }
+}
+
+/// Quantises what is shown so far, where few tones are asked for.
+#[inline(always)]
+fn keep_few_tones(batch: &mut Batch, scene: &Scene) {
+    let Some(tones) = scene.tones else {
+        return;
+    };
+    let w = scene.luminance;
+    let [r, g, b] = &mut batch.shown;
+    for i in 0..BATCH {
+        let factor = tone_factor(w[0] * r[i] + w[1] * g[i] + w[2] * b[i], tones);
+        r[i] *= factor;
+        g[i] *= factor;
+        b[i] *= factor;
+    }
+}
+
+/// Premultiplies, and keeps what no picture holds out of it.
+#[inline(always)]
+fn cover(lanes: &mut Lanes, alpha: &Lanes) {
+    for i in 0..BATCH {
+        lanes[i] = (lanes[i] * alpha[i]).clamp(-f32::MAX, f32::MAX);
+    }
+}

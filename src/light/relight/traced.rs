@@ -1,0 +1,183 @@
+//! Mirrors and lenses that show what is around them: each sight line is bent, warped, followed, and what it meets
+//! is scaled by its own brightness.
+
+use crate::frame::luminance;
+use crate::frame::{ColorPlanes, Frame, Ray, SpecularScene};
+use crate::light::batch::BATCH;
+use crate::light::brdf::{fresnel, thin_sheet};
+use crate::light::light_warping::{Warp, warped};
+use crate::light::prepared_environment::Map;
+use crate::light::relight::Scene;
+use crate::light::relight::batch::Batch;
+use crate::light::relight::shade::Term;
+use crate::params::{Bend, Material, MaterialParams, SpecularParams};
+use crate::trace::Tracer;
+use glam::{DVec3, Vec3};
+
+/// The mirrors and lenses of a frame.
+pub(crate) struct Mirrors<'a> {
+    tracer: Tracer<'a>,
+    /// The luminance that counts as intensity 1: the largest that may be met.
+    largest: f32,
+}
+
+impl<'a> Mirrors<'a> {
+    /// Those of `frame` in a scene; `None` where nothing can be traced.
+    pub(crate) fn new(
+        frame: &'a Frame,
+        scene: &'a SpecularScene,
+        params: &SpecularParams,
+        weights: [f32; 3],
+    ) -> Option<Self> {
+        let around = scene
+            .surroundings
+            .as_ref()
+            .and_then(|map| map.color.as_ref());
+        let behind = scene
+            .behind
+            .as_ref()
+            .and_then(|behind| behind.color.as_ref());
+        let largest = around
+            .into_iter()
+            .chain(behind)
+            .map(|color| largest_luminance(color, weights))
+            .fold(f32::MIN_POSITIVE, f32::max);
+        Some(Self {
+            tracer: Tracer::new(frame, scene, params)?,
+            largest,
+        })
+    }
+}
+
+fn largest_luminance(color: &ColorPlanes, weights: [f32; 3]) -> f32 {
+    let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.samples());
+    let all = r.iter().zip(g).zip(b);
+    all.map(|((&r, &g), &b)| luminance([r, g, b], weights))
+        .fold(0.0, f32::max)
+}
+
+/// Adds what the pixels of a batch mirror and refract.
+pub(crate) fn add_traced(
+    batch: &mut Batch,
+    scene: &Scene,
+    mirrors: &Mirrors,
+    environment: Option<(&Map, f32)>,
+) {
+    let material = scene.params().material;
+    let largest = environment.map_or(mirrors.largest, |(map, gain)| {
+        mirrors.largest.max(gain * map.largest)
+    });
+    let curves = scene
+        .relighting
+        .scales
+        .then(|| *batch.pixels.curve(Term::Specular as usize));
+    let mut places = [[0; 2]; BATCH];
+    for (lane, x, y) in batch.places() {
+        places[lane] = [x, y];
+    }
+    for (lane, at) in places.into_iter().enumerate().take(batch.pixels.count) {
+        let pixel = Pixel {
+            mirrors,
+            environment,
+            at,
+            warp: scene.relighting.warps.then(|| {
+                let [xx, xy, yy] = batch.pixels.unwarp.each_ref().map(|lanes| lanes[lane]);
+                Warp { xx, xy, yy }.inverse()
+            }),
+        };
+        let (n, eye) = (batch.pixels.normal.at(lane), batch.pixels.to_eye.at(lane));
+        let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
+        let mut sum: Option<([f32; 3], f32)> = None;
+        for (share, bend) in shares(cosine, &material) {
+            let Some(color) = pixel.shown(bend) else {
+                continue;
+            };
+            let sigma = curves.as_ref().map_or(1.0, |curves| {
+                let light = luminance(color, scene.luminance) / largest;
+                curves.at(lane).at(light, scene.invariant_point)
+            });
+            let (sum, shares) = sum.get_or_insert(([0.0; 3], 0.0));
+            for (sum, color) in sum.iter_mut().zip(color) {
+                *sum += share * sigma * color;
+            }
+            *shares += share;
+        }
+        // What is not met counts as what is; where nothing is met the picture stays.
+        let shown = match sum {
+            Some((sum, shares)) => sum.map(|channel| channel / shares),
+            None => own_color(scene.frame, at),
+        };
+        for (to, color) in batch.sum.specular.iter_mut().zip(shown) {
+            to[lane] += color;
+        }
+    }
+}
+
+/// How light that is seen at this cosine is shared between ways to go on.
+fn shares(cosine: f32, material: &MaterialParams) -> impl Iterator<Item = (f32, Option<Bend>)> {
+    let mirror = Some(Bend::Mirror);
+    let both = match material.material {
+        Material::Glass => {
+            let one_surface = fresnel(cosine, material.ior);
+            let mirrored = match material.thin {
+                true => thin_sheet(one_surface),
+                false => one_surface,
+            };
+            [(1.0 - mirrored, None), (mirrored, mirror)]
+        }
+        _ => [(1.0, mirror), (0.0, mirror)],
+    };
+    both.into_iter().filter(|(share, _)| *share > 0.0)
+}
+
+/// One pixel and what it may show.
+struct Pixel<'a> {
+    mirrors: &'a Mirrors<'a>,
+    environment: Option<(&'a Map, f32)>,
+    at: [usize; 2],
+    warp: Option<Warp>,
+}
+
+impl Pixel<'_> {
+    /// The radiance that comes this way; by the way of the tracer itself where no other is named.
+    fn shown(&self, bend: Option<Bend>) -> Option<[f32; 3]> {
+        let tracer = &self.mirrors.tracer;
+        let [x, y] = self.at;
+        let path = match bend {
+            Some(bend) => tracer.path_bent(x, y, bend),
+            None => tracer.path(x, y),
+        }?;
+        let leaving = path.leaving();
+        let direction = match self.warp {
+            Some(warp) => {
+                Vec3::from(warped(leaving.direction.as_vec3().to_array(), warp)).as_dvec3()
+            }
+            None => leaving.direction,
+        };
+        self.met(&Ray {
+            direction,
+            ..leaving
+        })
+        .or_else(|| self.far_away(direction))
+    }
+
+    fn met(&self, ray: &Ray) -> Option<[f32; 3]> {
+        let tracer = &self.mirrors.tracer;
+        tracer.color(&tracer.hit(ray)?)
+    }
+
+    fn far_away(&self, direction: DVec3) -> Option<[f32; 3]> {
+        let (map, gain) = self.environment?;
+        let seen = map.environment.radiance(direction.as_vec3().to_array());
+        Some(seen.map(|channel| gain * channel))
+    }
+}
+
+/// What the picture shows, without its coverage; black where there is no picture.
+fn own_color(frame: &Frame, [x, y]: [usize; 2]) -> [f32; 3] {
+    let alpha = frame.alpha.as_ref().map_or(1.0, |alpha| alpha.at(x, y));
+    let cover = if alpha > 0.0 { alpha } else { 1.0 };
+    frame.color.as_ref().map_or([0.0; 3], |color| {
+        [&color.r, &color.g, &color.b].map(|plane| plane.at(x, y) / cover)
+    })
+}

@@ -1,0 +1,175 @@
+//! Lines along silhouettes and creases: found, joined, and drawn.
+
+use crate::frame::{Frame, Plane};
+use crate::line::contours::cracks::{Crack, cracks};
+use crate::line::contours::gaps::close_gaps;
+use crate::line::contours::ground::Ground;
+use crate::line::contours::network::{End, Line, Spot};
+use crate::line::contours::polyline::Smoothing;
+use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
+use crate::line::contours::{creases, silhouettes};
+use crate::params::{ContourParams, ShapeParams};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Where edges are.
+pub(crate) struct Weights<'a> {
+    pub(crate) silhouette: &'a Plane,
+    pub(crate) crease: &'a Plane,
+}
+
+/// Widest gap in a line that is closed, in pixels.
+const GAP_PX: f32 = 8.0;
+
+/// Creases have to be this many times as long as silhouettes to be drawn: a hollow that is darker than its
+/// surroundings is seen without a line, and a rough surface is full of short ones.
+const CREASE_LENGTHS: f32 = 2.0;
+
+/// The weight that a crease must have somewhere.
+const PLAIN_CREASE: f32 = 0.5;
+
+/// Branches of a line with fewer spots than this are remains of thinning, or of noise.
+pub(crate) const SHORTEST_BRANCH: usize = 4;
+
+/// Edges, as far as lines are made of them.
+pub(crate) struct Edges<'a> {
+    /// The cracks that silhouettes pass, by corner and step.
+    pub(crate) cracks: Vec<Crack>,
+    /// The pixels that have a crease weight, in order, and the weight of every pixel.
+    pub(crate) crease_pixels: Vec<u32>,
+    pub(crate) crease: &'a Plane,
+}
+
+/// The contours of a frame with these edges, silhouettes first. The same for any number of threads.
+pub(crate) fn contours(
+    weights: &Weights,
+    frame: &Frame,
+    shape: &ShapeParams,
+    params: &ContourParams,
+) -> Vec<Contour> {
+    let edges = Edges {
+        cracks: cracks(weights.silhouette, frame, shape),
+        crease_pixels: match params.has_creases() {
+            true => creases::pixels(weights.crease, &frame.mask),
+            false => Vec::new(),
+        },
+        crease: weights.crease,
+    };
+    contours_along(edges, frame, shape, params)
+}
+
+/// The contours of a frame along these edges, silhouettes first.
+pub(crate) fn contours_along(
+    edges: Edges,
+    frame: &Frame,
+    shape: &ShapeParams,
+    params: &ContourParams,
+) -> Vec<Contour> {
+    let mut silhouettes = silhouettes::lines(edges.cracks, frame, shape, params);
+    close_gaps(&mut silhouettes, GAP_PX);
+    let least = Least {
+        length_px: params.shortest_px,
+        twig_px: 0.5 * params.shortest_px,
+        strength: strength_of_jump(shape.silhouette.hi),
+        by_strength: false,
+    };
+    drop_short(&mut silhouettes, least);
+    let ground = Ground::new(&silhouettes, frame, params);
+    ground.join_ends(&mut silhouettes, true);
+    let mut creases = Vec::new();
+    if params.has_creases() {
+        creases = creases::lines(edges.crease_pixels, edges.crease, &ground, frame, params);
+        close_gaps(&mut creases, GAP_PX);
+        let least = Least {
+            length_px: CREASE_LENGTHS * params.shortest_px,
+            twig_px: params.shortest_px,
+            strength: PLAIN_CREASE,
+            by_strength: true,
+        };
+        drop_short(&mut creases, least);
+        // Where a silhouette fades into a crease.
+        let count = silhouettes.len();
+        silhouettes.append(&mut creases);
+        for (i, line) in silhouettes.iter_mut().enumerate() {
+            line.part = i;
+        }
+        close_gaps(&mut silhouettes, GAP_PX);
+        creases = silhouettes.split_off(count);
+        ground.join_ends(&mut creases, false);
+    }
+    for line in silhouettes.iter_mut().chain(&mut creases) {
+        run_off(line, params.width_px);
+    }
+    let depths = DepthRange::of(silhouettes.iter().chain(&creases));
+    let drawn = |lines: &[Line], kind| -> Vec<Contour> {
+        lines
+            .par_iter()
+            .map(|line| contour(line, kind, depths, params))
+            .collect()
+    };
+    let mut contours = drawn(&silhouettes, ContourKind::Silhouette);
+    contours.extend(drawn(&creases, ContourKind::Crease));
+    contours
+}
+
+/// How far inside the picture the end of a line may lie that goes on beyond it.
+const ROOM_PX: f32 = 3.0;
+
+/// Leads a line that ends at the border of the picture on beyond it, so far that its end is not seen.
+fn run_off(line: &mut Line, by_px: f32) {
+    for end in (0..2).filter(|&end| !line.closed && line.ends[end] == End::Border) {
+        let ahead = line.direction_out(end);
+        let index = end * (line.spots.len() - 1);
+        let last = line.spots[index];
+        let beyond = Spot {
+            at: last.at + (by_px + ROOM_PX) * ahead,
+            ..last
+        };
+        line.spots.insert(index + end, beyond);
+    }
+}
+
+/// Evens out lines whose spots may lie so far beside the edge.
+pub(crate) fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
+    let smoothing = Smoothing {
+        tolerance_px,
+        reach: params.smoothing_px as usize,
+    };
+    lines.par_iter_mut().for_each(|line| line.smooth(smoothing));
+}
+
+/// What lines must have to be drawn.
+struct Least {
+    /// Length of a network in all.
+    length_px: f32,
+    /// Length of a branch that ends in the open.
+    twig_px: f32,
+    /// Strength that a network has somewhere.
+    strength: f32,
+    /// Whether a length counts by how plain the line is: a rough surface is full of blunt creases.
+    by_strength: bool,
+}
+
+/// Leaves out what is too short or nowhere plain: noise.
+fn drop_short(lines: &mut Vec<Line>, least: Least) {
+    let is_twig = |line: &Line| {
+        let twig = [[End::Free, End::Joined], [End::Joined, End::Free]];
+        !line.closed && twig.contains(&line.ends) && line.length() < least.twig_px
+    };
+    lines.retain(|line| !is_twig(line));
+    let mut parts: BTreeMap<usize, (f32, f32)> = BTreeMap::new();
+    for line in lines.iter() {
+        let (length, strongest) = parts.entry(line.part).or_default();
+        let sum: f32 = line.spots.iter().map(|spot| spot.strength).sum();
+        let strength = sum / line.spots.len() as f32;
+        *length += line.length() * if least.by_strength { strength } else { 1.0 };
+        *strongest = line
+            .spots
+            .iter()
+            .fold(*strongest, |most, spot| most.max(spot.strength));
+    }
+    lines.retain(|line| {
+        let (length, strongest) = parts[&line.part];
+        length >= least.length_px && strongest >= least.strength
+    });
+}

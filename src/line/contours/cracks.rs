@@ -1,0 +1,365 @@
+//! The cracks between pixels that silhouettes pass.
+
+use crate::fast_math::ln;
+use crate::frame::{Frame, Plane, Projection, SightLines};
+use crate::line::contours::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
+#[cfg(feature = "gpu")]
+use crate::line::contours::found::FoundCrack;
+use crate::line::contours::lattice::Lattice;
+use crate::line::contours::map_tile::{BLOCK, Map, MapTile};
+use crate::line::contours::network::Spot;
+use crate::line::contours::strength_of_jump;
+use crate::params::ShapeParams;
+use crate::plan::Available;
+use glam::{DVec2, DVec3, Vec2};
+use rayon::prelude::*;
+
+/// Steps of the lattice of pixel corners: a crack between two rows runs right, one between two columns down.
+pub(crate) const RIGHT: usize = 0;
+pub(crate) const DOWN: usize = 2;
+
+/// Share of a jump that the map has to step by across the crack, once mixtures are parted.
+pub(crate) const LEAST_STEP: f32 = 0.5;
+
+/// Rows of corners that one task looks at.
+const ROWS: usize = 16;
+
+/// A crack that a silhouette passes through.
+pub(crate) struct Crack {
+    /// Its upper or left corner.
+    pub(crate) corner: u32,
+    pub(crate) step: usize,
+    pub(crate) spot: Spot,
+}
+
+/// The cracks that silhouettes pass where pixels beside them have a weight, by corner and step.
+pub(crate) fn cracks(weight: &Plane, frame: &Frame, shape: &ShapeParams) -> Vec<Crack> {
+    let finder = Finder::new(frame, shape);
+    let bands = (frame.mask.height() + 1).div_ceil(ROWS);
+    let cracks: Vec<Vec<Crack>> = (0..bands)
+        .into_par_iter()
+        .map_init(
+            || MapTile::new(frame.mask.width(), ROWS),
+            |tile, band| finder.cracks(weight, band, tile),
+        )
+        .collect();
+    cracks.into_iter().flatten().collect()
+}
+
+/// Those that a device found, in the same order.
+#[cfg(feature = "gpu")]
+pub(crate) fn found(cracks: &[FoundCrack], frame: &Frame, shape: &ShapeParams) -> Vec<Crack> {
+    let finder = Finder::new(frame, shape);
+    cracks.par_iter().map(|found| finder.found(found)).collect()
+}
+
+/// What looks for cracks.
+pub(crate) struct Finder<'a> {
+    frame: &'a Frame,
+    map: Option<Map<'a>>,
+    /// The sight lines, and whether they meet in the eye, where depth is known along them.
+    sight: Option<(SightLines, bool)>,
+}
+
+/// A pixel, possibly beyond the picture.
+type Pixel = [i64; 2];
+
+impl<'a> Finder<'a> {
+    pub(crate) fn new(frame: &'a Frame, shape: &ShapeParams) -> Self {
+        let projection = frame.camera.map(|camera| camera.projection);
+        let knows = Available::in_frame(frame).positions;
+        let is_perspective = |p: Projection| matches!(p, Projection::Perspective { .. });
+        Self {
+            frame,
+            map: Map::of(frame, shape),
+            sight: projection
+                .filter(|_| knows)
+                .map(|p| (SightLines::new(p), is_perspective(p))),
+        }
+    }
+
+    /// The cracks that leave the corners of a band of lattice rows to the right and down.
+    fn cracks(&self, weight: &Plane, band: usize, tile: &mut MapTile) -> Vec<Crack> {
+        let mut found = Vec::new();
+        let rows = band * ROWS..((band + 1) * ROWS).min(self.frame.mask.height() + 1);
+        tile.move_to(rows.start);
+        for y in rows {
+            self.add_row(weight, y, tile, &mut found);
+        }
+        found
+    }
+
+    /// Adds those of row `y`. Only pixels beside a silhouette have a weight.
+    fn add_row(&self, weight: &Plane, y: usize, tile: &mut MapTile, found: &mut Vec<Crack>) {
+        let mask = &self.frame.mask;
+        let rows = [y.checked_sub(1), Some(y).filter(|&y| y < mask.height())];
+        let [above, here] = rows.map(|y| y.map_or(&[][..], |y| weight.row(y)));
+        let spans = rows.into_iter().flatten().map(|y| mask.span(y));
+        let filled = spans.filter(|span| !span.is_empty());
+        let Some(columns) = filled.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else {
+            return;
+        };
+        for block in columns.start / BLOCK..=columns.end.min(mask.width() - 1) / BLOCK {
+            let start = block * BLOCK;
+            let end = ((block + 1) * BLOCK).min(mask.width());
+            // The crack before the first column is beside the pixel before it.
+            let holds = |row: &[f32]| {
+                let part = row.get(start.saturating_sub(1)..end).unwrap_or(&[]);
+                part.iter().fold(false, |any, &weight| any | (weight > 0.0))
+            };
+            if !holds(above) && !holds(here) {
+                continue;
+            }
+            if let Some(map) = &self.map {
+                tile.make(map, self.frame, y, block);
+            }
+            for x in start..end {
+                let is_marked =
+                    |row: &[f32], x: usize| row.get(x).is_some_and(|&weight| weight > 0.0);
+                let (marked, before) = (is_marked(here, x), x > 0 && is_marked(here, x - 1));
+                let corner = (y * (mask.width() + 1) + x) as u32;
+                let passed = [
+                    (RIGHT, marked || is_marked(above, x)),
+                    (DOWN, marked || before),
+                ];
+                for (step, _) in passed.into_iter().filter(|(_, is_marked)| *is_marked) {
+                    let spot = self.spot(Across::leaving([x, y], step), tile);
+                    found.extend(spot.map(|spot| Crack { corner, step, spot }));
+                }
+            }
+        }
+    }
+
+    fn inside(&self, [x, y]: Pixel) -> Option<[usize; 2]> {
+        let mask = &self.frame.mask;
+        let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+        (x < mask.width() && y < mask.height()).then_some([x, y])
+    }
+
+    fn is_covered(&self, pixel: Pixel) -> bool {
+        self.inside(pixel)
+            .is_some_and(|[x, y]| self.frame.mask.at(x, y))
+    }
+
+    /// The logarithm of depth of a covered pixel, 0 where depth is unknown.
+    fn log_depth(&self, pixel: Pixel) -> f32 {
+        let depth = self.frame.depth.as_ref();
+        let at = self
+            .inside(pixel)
+            .zip(depth)
+            .map(|([x, y], depth)| ln(depth.at(x, y)));
+        at.filter(|log| log.is_finite()).unwrap_or(0.0)
+    }
+
+    /// The silhouette through a crack, if there is one.
+    fn spot(&self, crack: Across, tile: &MapTile) -> Option<Spot> {
+        self.inside(crack.pixel(0))?;
+        self.inside(crack.pixel(1))?;
+        match [0, 1].map(|i| self.is_covered(crack.pixel(i))) {
+            [false, false] => None,
+            [true, true] => self.jump(&crack, tile),
+            [first, _] => Some(self.border(&crack, first)),
+        }
+    }
+
+    #[cfg(feature = "gpu")]
+    fn found(&self, found: &FoundCrack) -> Crack {
+        let width = self.frame.mask.width();
+        let (x, y) = (found.pixel as usize % width, found.pixel as usize / width);
+        let step = if found.is_left { DOWN } else { RIGHT };
+        let crack = Across::leaving([x, y], step);
+        let spot = match [0, 1].map(|i| self.is_covered(crack.pixel(i))) {
+            [true, true] => Spot {
+                at: crack.place(found.offset),
+                strength: found.strength,
+                log_depth: found.log_depth,
+                is_beside: found.is_beside,
+            },
+            [first, _] => self.border(&crack, first),
+        };
+        Crack {
+            corner: (y * (width + 1) + x) as u32,
+            step,
+            spot,
+        }
+    }
+
+    /// The border of coverage, which the pixel before the crack is within if it is the `first`.
+    fn border(&self, crack: &Across, first: bool) -> Spot {
+        let beyond = |i: i64| crack.pixel(if first { i } else { 1 - i });
+        let offset = self.coverage_offset(beyond);
+        Spot {
+            at: crack.place(if first { offset } else { -offset }),
+            strength: 1.0,
+            log_depth: self.log_depth(beyond(0)),
+            is_beside: false,
+        }
+    }
+
+    /// Where the edge lies beyond the crack, if alpha tells; `beyond(0)` is covered, `beyond(1)` is not.
+    fn coverage_offset(&self, beyond: impl Fn(i64) -> Pixel) -> f32 {
+        let Some(alpha) = &self.frame.alpha else {
+            return 0.0;
+        };
+        let at = |i: i64| self.inside(beyond(i)).map_or(0.0, |[x, y]| alpha.at(x, y));
+        border_offset([at(-1), at(0), at(1), at(2)])
+    }
+
+    /// Cracks that lead from an end of a line to the end beside it: where a filter spread an edge that runs
+    /// almost along rows, or columns, the steps between them are too gentle to be told from slopes.
+    pub(crate) fn risers(&self, lattice: &Lattice) -> Vec<Crack> {
+        let ends = lattice
+            .linked()
+            .iter()
+            .copied()
+            .filter(|&corner| lattice.degree(corner) == 1);
+        let pairs = ends.flat_map(|corner| [RIGHT, DOWN].map(|step| (corner, step)));
+        let beside = |(corner, step): &(u32, usize)| {
+            let to = lattice.neighbour(*corner, *step);
+            to.is_some_and(|to| lattice.degree(to) == 1)
+        };
+        pairs
+            .filter(beside)
+            .filter_map(|(corner, step)| {
+                let crack = Across::leaving(lattice.place(corner), step);
+                let spot = self.riser(&crack)?;
+                Some(Crack { corner, step, spot })
+            })
+            .collect()
+    }
+
+    /// The spot of a crack across which depth steps by enough once mixtures are parted.
+    fn riser(&self, crack: &Across) -> Option<Spot> {
+        let map = self.map.as_ref()?;
+        let value = |pixel: Pixel| {
+            let [x, y] = self.inside(pixel)?;
+            self.frame
+                .mask
+                .at(x, y)
+                .then(|| map.at(x, y))
+                .filter(|value| value.is_finite())
+        };
+        let sharp = |[x, y]: Pixel| {
+            let around = (0..9).filter_map(|j| value([x + j % 3 - 1, y + j / 3 - 1]));
+            Some(sharpened(value([x, y])?, around))
+        };
+        let pixels = [crack.pixel(0), crack.pixel(1)];
+        let sharp = [sharp(pixels[0])?, sharp(pixels[1])?];
+        let jump = (sharp[1] - sharp[0]).abs();
+        let raw = [value(pixels[0])?, value(pixels[1])?];
+        (jump > map.threshold.lo)
+            .then(|| self.jump_spot(crack, map, jump, spread_offset(raw, sharp)))
+    }
+
+    fn jump_spot(&self, crack: &Across, map: &Map, jump: f32, offset: f32) -> Spot {
+        Spot {
+            at: crack.place(offset),
+            strength: if map.is_depth {
+                strength_of_jump(jump)
+            } else {
+                jump.min(1.0)
+            },
+            log_depth: self
+                .log_depth(crack.pixel(0))
+                .min(self.log_depth(crack.pixel(1))),
+            is_beside: self.is_beside_border(crack),
+        }
+    }
+
+    /// The silhouette between two covered pixels.
+    fn jump(&self, crack: &Across, tile: &MapTile) -> Option<Spot> {
+        let map = self.map.as_ref()?;
+        let samples = [-2, -1, 0, 1, 2, 3].map(|i| tile.value(crack.pixel(i)));
+        let least = map.threshold.lo;
+        let mut jump = unexplained_jump(&samples);
+        if jump <= least {
+            return None;
+        }
+        let raw = [samples[2]?, samples[3]?];
+        let sharp = [0, 1].map(|i| {
+            let [x, y] = crack.pixel(i);
+            let around = (0..9).filter_map(|j| tile.value([x + j % 3 - 1, y + j / 3 - 1]));
+            sharpened(raw[i as usize], around)
+        });
+        let step = sharp[1] - sharp[0];
+        if step.abs() < LEAST_STEP * jump {
+            return None;
+        }
+        if map.is_depth {
+            jump = jump.min(self.unexplained_by_normals(crack, step));
+        }
+        (jump > least).then(|| self.jump_spot(crack, map, jump, spread_offset(raw, sharp)))
+    }
+
+    /// Whether the border of coverage runs so close that its own line is enough.
+    fn is_beside_border(&self, crack: &Across) -> bool {
+        let is_bare = |pixel| self.inside(pixel).is_some() && !self.is_covered(pixel);
+        [-2, -1, 2, 3].iter().any(|&i| is_bare(crack.pixel(i)))
+    }
+
+    /// By how much the logarithm of depth steps across the crack beyond what a smooth surface with the normals
+    /// to either side would.
+    fn unexplained_by_normals(&self, crack: &Across, step: f32) -> f32 {
+        let smooth = self.smooth_step(crack);
+        smooth.map_or(step.abs(), |smooth| (step - smooth).abs())
+    }
+
+    fn smooth_step(&self, crack: &Across) -> Option<f32> {
+        let (sight, is_perspective) = self.sight.as_ref()?;
+        let [from, to] = [self.inside(crack.pixel(0))?, self.inside(crack.pixel(1))?];
+        let window = self.frame.data_window;
+        let at = |[x, y]: [usize; 2]| {
+            let corner = DVec2::new(window.x0.into(), window.y0.into());
+            corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
+        };
+        let normal = &self.frame.normal;
+        let normal = |[x, y]: [usize; 2]| {
+            let n = [&normal.x, &normal.y, &normal.z].map(|plane| f64::from(plane.at(x, y)));
+            DVec3::from_array(n)
+        };
+        let offset = sight.step(at(from), normal(from), at(to), normal(to))?;
+        let unit = match is_perspective {
+            true => 1.0,
+            false => f64::from(self.frame.depth.as_ref()?.at(from[0], from[1])),
+        };
+        let ratio = 1.0 - offset.z / unit;
+        (ratio > 0.0).then(|| ratio.ln() as f32)
+    }
+}
+
+/// The crack behind a pixel along an axis.
+struct Across {
+    pixel: Pixel,
+    axis: Pixel,
+}
+
+impl Across {
+    /// The crack along a step of the lattice from a corner of these coordinates.
+    fn leaving(corner: [usize; 2], step: usize) -> Self {
+        let [x, y] = corner.map(|v| v as i64);
+        match step {
+            RIGHT => Self {
+                pixel: [x, y - 1],
+                axis: [0, 1],
+            },
+            _ => Self {
+                pixel: [x - 1, y],
+                axis: [1, 0],
+            },
+        }
+    }
+
+    /// The pixel so many behind the one before the crack.
+    fn pixel(&self, i: i64) -> Pixel {
+        [
+            self.pixel[0] + i * self.axis[0],
+            self.pixel[1] + i * self.axis[1],
+        ]
+    }
+
+    /// The place so far behind the middle of the crack.
+    fn place(&self, offset: f32) -> Vec2 {
+        let vector = |[x, y]: Pixel| Vec2::new(x as f32, y as f32);
+        vector(self.pixel) + Vec2::splat(0.5) + (0.5 + offset) * vector(self.axis)
+    }
+}

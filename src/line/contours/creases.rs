@@ -1,0 +1,92 @@
+//! Creases: the ridges of their weight, and the lines along these.
+
+use crate::fast_math::ln;
+use crate::frame::{Frame, Mask, Plane};
+use crate::line::contours::cpu::{SHORTEST_BRANCH, smooth};
+use crate::line::contours::ground::Ground;
+use crate::line::contours::lattice::Path;
+use crate::line::contours::network;
+use crate::line::contours::network::{Line, Spot};
+use crate::line::contours::ridge::Bands;
+use crate::params::ContourParams;
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// A crease that ends so many pixels from the border of the picture goes on beyond it.
+const RIM: usize = 2;
+
+/// How far beside a crease the middle of its weights lies.
+const MIDDLE_PX: f32 = 0.5;
+
+/// The pixels that have a weight, in order.
+pub(crate) fn pixels(weight: &Plane, mask: &Mask) -> Vec<u32> {
+    let pixels: Vec<Vec<u32>> = (0..mask.height())
+        .into_par_iter()
+        .with_min_len(16)
+        .map(|y| {
+            let row = weight.row(y);
+            let covered = mask.span(y).filter(|&x| row[x] > 0.0);
+            covered.map(|x| (y * mask.width() + x) as u32).collect()
+        })
+        .collect();
+    pixels.concat()
+}
+
+/// The lines along creases that keep away from silhouettes: through `pixels`, all those that have a weight, in order.
+pub(crate) fn lines(
+    mut pixels: Vec<u32>,
+    weight: &Plane,
+    silhouettes: &Ground,
+    frame: &Frame,
+    params: &ContourParams,
+) -> Vec<Line> {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    pixels.retain(|&pixel| silhouettes.is_free(pixel as usize));
+    if pixels.is_empty() {
+        return Vec::new();
+    }
+    let bands = Bands {
+        width,
+        height,
+        pixels: &pixels,
+        weight: weight.samples(),
+    };
+    let ridges = bands.ridges();
+    let place = |pixel: u32| {
+        let [x, y] = ridges.place(pixel);
+        Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
+    };
+    let spot = |&pixel: &u32| {
+        let i = pixel as usize;
+        let log_depth = frame
+            .depth
+            .as_ref()
+            .map_or(0.0, |depth| ln(depth.samples()[i]));
+        Spot {
+            at: bands.middle(pixel),
+            strength: weight.samples()[i],
+            log_depth: if log_depth.is_finite() {
+                log_depth
+            } else {
+                0.0
+            },
+            is_beside: false,
+        }
+    };
+    let spots = |path: &Path| {
+        let ends_in_junction = |node: &u32| ridges.degree(*node) > 2;
+        let inner = path.nodes.iter().enumerate().filter(|(i, node)| {
+            let is_end = *i == 0 || *i + 1 == path.nodes.len();
+            path.closed || !is_end || !ends_in_junction(node)
+        });
+        inner.map(|(_, node)| spot(node)).collect()
+    };
+    network::lines(
+        &ridges,
+        place,
+        spots,
+        SHORTEST_BRANCH,
+        RIM,
+        |lines: &mut [Line]| smooth(lines, params, MIDDLE_PX),
+    )
+}

@@ -1,0 +1,60 @@
+//! Silhouettes: the lines along the cracks that they pass.
+
+use crate::frame::Frame;
+use crate::line::contours::cpu::smooth;
+use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};
+use crate::line::contours::lattice::{Lattice, Path};
+use crate::line::contours::network;
+use crate::line::contours::network::Line;
+use crate::params::{ContourParams, ShapeParams};
+use glam::Vec2;
+
+/// How far beside an edge a line through middles of cracks lies: half a pixel, and a little more where the
+/// edge bends.
+const STEP_PX: f32 = 0.6;
+
+/// Branches with fewer cracks than this are noise.
+const SHORTEST_BRANCH: usize = 4;
+
+/// The lines along all silhouettes, through these cracks by corner and step.
+pub(crate) fn lines(
+    mut cracks: Vec<Crack>,
+    frame: &Frame,
+    shape: &ShapeParams,
+    params: &ContourParams,
+) -> Vec<Line> {
+    if cracks.is_empty() {
+        return Vec::new();
+    }
+    let (width, height) = (frame.mask.width() + 1, frame.mask.height() + 1);
+    let finder = Finder::new(frame, shape);
+    let lattice_of =
+        |cracks: &[Crack]| Lattice::new(width, height, cracks.iter().map(|c| (c.corner, c.step)));
+    let mut lattice = lattice_of(&cracks);
+    let risers = finder.risers(&lattice);
+    if !risers.is_empty() {
+        cracks.extend(risers);
+        cracks.sort_unstable_by_key(|c| (c.corner, c.step));
+        lattice = lattice_of(&cracks);
+    }
+    let place = |corner: u32| {
+        let [x, y] = lattice.place(corner);
+        Vec2::new(x as f32, y as f32)
+    };
+    let spot_between = |a: u32, b: u32| {
+        let (corner, step) = (a.min(b), if a.abs_diff(b) == 1 { RIGHT } else { DOWN });
+        let found = cracks.binary_search_by_key(&(corner, step), |c| (c.corner, c.step));
+        cracks[found.expect("links are cracks")].spot
+    };
+    let spots = |path: &Path| {
+        let pairs = path
+            .nodes
+            .windows(2)
+            .map(|pair| spot_between(pair[0], pair[1]));
+        let (first, last) = (path.nodes[0], path.nodes[path.nodes.len() - 1]);
+        let closing = path.closed.then(|| spot_between(last, first));
+        pairs.chain(closing).collect()
+    };
+    let smooth = |lines: &mut [Line]| smooth(lines, params, STEP_PX);
+    network::lines(&lattice, place, spots, SHORTEST_BRANCH, 0, smooth)
+}

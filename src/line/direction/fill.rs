@@ -1,0 +1,209 @@
+//! Directions for pixels that have none of their own: their neighbours', in waves.
+
+use crate::engine::cpu::rows::ROWS_PER_TASK;
+use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX, mean_direction};
+use crate::line::direction_field::setting::REST_REACH_PX;
+use crate::shape::conductance::face_conductance;
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Gives every covered pixel whose direction is 0 one: the mean of its neighbours', as far as they
+/// have one, wave after wave, so that the time is linear in the pixels filled. With every wave the mean turns
+/// to the fixed direction, which is taken by what no wave comes to.
+///
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane they have
+/// turned after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of what its rims do; elsewhere after
+/// [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges, conductance 0,
+/// from whatever neighbours they have, within [`EDGE_MARGIN_PX`].
+pub(crate) fn fill(
+    directions: &mut Vector2Planes,
+    parts: &Parts,
+    fixed: impl Fn(usize, usize) -> Vec2 + Sync,
+) {
+    let Parts {
+        conductance,
+        mask,
+        flat,
+    } = *parts;
+    let width = mask.width();
+    let fixed = |i: usize| fixed(i % width, i / width);
+    let is_flat = |i: &Pixel| flat.samples()[*i as usize] != 0.0;
+    let turned = |i: usize, mean: Vec2, wave: usize, margin_px: usize| {
+        let share = wave as f32 / margin_px as f32;
+        let fixed = fixed(i);
+        mean_direction([(1.0 - share, mean), (share, fixed)]).unwrap_or(fixed)
+    };
+    let mut field = Field { directions, width };
+    let is_open = |i: &Pixel| conductance.samples()[*i as usize] > 0.0;
+    let (open, closed): (Vec<_>, Vec<_>) = field.lacking(mask).into_iter().partition(is_open);
+    let through_faces = |from: usize, to: usize| {
+        let c = conductance.samples();
+        face_conductance(c[from], c[to])
+    };
+    field.spread(
+        PLANE_MARGIN_PX,
+        &open,
+        through_faces,
+        |i, mean, wave| match flat.samples()[i] != 0.0 {
+            true => turned(i, mean, wave, PLANE_MARGIN_PX),
+            false => mean,
+        },
+    );
+    let on_planes: Vec<_> = open.iter().copied().filter(is_flat).collect();
+    field.fix(&on_planes, fixed);
+    field.spread(SURFACE_MARGIN_PX, &open, through_faces, |i, mean, wave| {
+        turned(i, mean, wave, SURFACE_MARGIN_PX)
+    });
+    field.fix(&open, fixed);
+    field.spread(
+        EDGE_MARGIN_PX,
+        &closed,
+        |_, _| 1.0,
+        |i, mean, wave| turned(i, mean, wave, EDGE_MARGIN_PX),
+    );
+    field.fix(&closed, fixed);
+}
+
+/// Gives every covered pixel whose direction is 0 one, from whatever neighbours it has, wave after wave, so far as
+/// [`REST_REACH_PX`]; the `fixed` one beyond.
+pub(crate) fn fill_rest(
+    directions: &mut Vector2Planes,
+    mask: &Mask,
+    fixed: impl Fn(usize, usize) -> Vec2 + Sync,
+) {
+    let width = mask.width();
+    let mut field = Field { directions, width };
+    let lacking = field.lacking(mask);
+    field.spread(REST_REACH_PX, &lacking, |_, _| 1.0, |_, mean, _| mean);
+    field.fix(&lacking, |i| fixed(i % width, i / width));
+}
+
+/// What pixels are: covered or not, open or on an edge, and on a plane where `flat` is not 0.
+pub(crate) struct Parts<'a> {
+    pub(crate) conductance: &'a Plane,
+    pub(crate) mask: &'a Mask,
+    pub(crate) flat: &'a Plane,
+}
+
+/// The number of a pixel, row by row: lists of them are as long as pictures.
+type Pixel = u32;
+
+struct Field<'a> {
+    directions: &'a mut Vector2Planes,
+    width: usize,
+}
+
+impl Field<'_> {
+    fn at(&self, i: usize) -> Vec2 {
+        let Vector2Planes { x, y } = &self.directions;
+        Vec2::new(x.samples()[i], y.samples()[i])
+    }
+
+    fn set(&mut self, i: usize, direction: Vec2) {
+        self.directions.x.samples_mut()[i] = direction.x;
+        self.directions.y.samples_mut()[i] = direction.y;
+    }
+
+    fn lacks(&self, i: usize) -> bool {
+        self.at(i) == Vec2::ZERO
+    }
+
+    /// The covered pixels whose direction is 0, in order.
+    fn lacking(&self, mask: &Mask) -> Vec<Pixel> {
+        let rows: Vec<Vec<Pixel>> = (0..mask.height())
+            .into_par_iter()
+            .with_min_len(ROWS_PER_TASK)
+            .map(|y| {
+                let pixels = mask.runs(y).flatten().map(|x| y * self.width + x);
+                pixels
+                    .filter(|&i| self.lacks(i))
+                    .map(|i| i as Pixel)
+                    .collect()
+            })
+            .collect();
+        rows.concat()
+    }
+
+    /// The pixels left, right, above and below.
+    fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, count) = (self.width, self.directions.x.samples().len());
+        let x = i % width;
+        let sides = [
+            (x > 0).then(|| i - 1),
+            (x + 1 < width).then(|| i + 1),
+            i.checked_sub(width),
+            (i + width < count).then(|| i + width),
+        ];
+        sides.into_iter().flatten()
+    }
+
+    /// The mean direction of the neighbours that have one, weighted by the way to them.
+    fn mean_around(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
+        let weighted = self.neighbours(i).map(|j| (weight(j, i), self.at(j)));
+        mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
+    }
+
+    /// Fills those of `pixels` that lack a direction from their neighbours in at most so many `waves`, as `settle`
+    /// makes of the mean and the number of the wave. Each wave sees only the waves before it, so the order
+    /// within a wave changes nothing.
+    fn spread(
+        &mut self,
+        waves: usize,
+        pixels: &[Pixel],
+        weight: impl Fn(usize, usize) -> f32 + Sync,
+        settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
+    ) {
+        let lacking = pixels.iter().copied().filter(|&i| self.lacks(i as usize));
+        let mut wave: Vec<Pixel> = lacking.collect();
+        if wave.is_empty() {
+            return;
+        }
+        let mut waiting = vec![false; self.directions.x.samples().len()];
+        for &i in &wave {
+            waiting[i as usize] = true;
+        }
+        for number in 1..=waves {
+            if wave.is_empty() {
+                break;
+            }
+            let found: Vec<(Pixel, Vec2)> = wave
+                .par_iter()
+                .with_min_len(PIXELS_PER_TASK)
+                .filter_map(|&pixel| {
+                    let i = pixel as usize;
+                    Some((pixel, settle(i, self.mean_around(i, &weight)?, number)))
+                })
+                .collect();
+            for &(i, direction) in &found {
+                self.set(i as usize, direction);
+                waiting[i as usize] = false;
+            }
+            wave = self.beyond(&found, &waiting);
+        }
+    }
+
+    /// The waiting pixels beside those just filled, each once.
+    fn beyond(&self, filled: &[(Pixel, Vec2)], waiting: &[bool]) -> Vec<Pixel> {
+        let mut next: Vec<Pixel> = filled
+            .iter()
+            .flat_map(|&(i, _)| self.neighbours(i as usize))
+            .filter(|&i| waiting[i])
+            .map(|i| i as Pixel)
+            .collect();
+        next.sort_unstable();
+        next.dedup();
+        next
+    }
+
+    fn fix(&mut self, pixels: &[Pixel], fixed: impl Fn(usize) -> Vec2) {
+        for i in pixels.iter().map(|&i| i as usize) {
+            if self.lacks(i) {
+                self.set(i, fixed(i));
+            }
+        }
+    }
+}
+
+/// Pixels that one task takes at the least.
+const PIXELS_PER_TASK: usize = 1024;

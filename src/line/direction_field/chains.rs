@@ -1,0 +1,120 @@
+//! Chains: patches in a line, each going on in the next. What is averaged runs along them.
+
+use crate::engine::cpu::simd::Simd;
+use crate::line::direction_field::Weighted;
+use crate::line::direction_field::patches::{Links, NONE, Patches};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// All patches in the order of their chains along one axis.
+struct Chains {
+    order: Vec<u32>,
+    /// Where in that order a patch is.
+    place: Vec<u32>,
+    /// Chains, gathered into tasks.
+    tasks: Vec<Vec<Range<usize>>>,
+}
+
+/// Patches that one task takes at the least.
+const PATCHES_PER_TASK: usize = 2048;
+
+impl Chains {
+    fn new(links: &Links) -> Self {
+        let count = links.after.len();
+        let mut order = Vec::with_capacity(count);
+        let mut place = vec![0; count];
+        let mut tasks = vec![Vec::new()];
+        let mut in_task = 0;
+        for start in (0..count).filter(|&i| links.before[i] == NONE) {
+            let from = order.len();
+            let mut i = start as u32;
+            while i != NONE {
+                place[i as usize] = order.len() as u32;
+                order.push(i);
+                i = links.after[i as usize];
+            }
+            if in_task >= PATCHES_PER_TASK {
+                tasks.push(Vec::new());
+                in_task = 0;
+            }
+            in_task += order.len() - from;
+            tasks
+                .last_mut()
+                .expect("one at the least")
+                .push(from..order.len());
+        }
+        Self {
+            order,
+            place,
+            tasks,
+        }
+    }
+
+    /// The sums along every chain, in the order of the chains.
+    fn sums(&self, values: &[Weighted], reach: &[f32]) -> Vec<Weighted> {
+        let mut sums = vec![[0.0; 4]; values.len()];
+        let mut rest = &mut sums[..];
+        let mut parts = Vec::with_capacity(self.tasks.len());
+        for task in &self.tasks {
+            let length = task.iter().map(Range::len).sum();
+            let (part, after) = rest.split_at_mut(length);
+            parts.push((task, part));
+            rest = after;
+        }
+        let simd = Simd::widest();
+        parts.into_par_iter().for_each_init(
+            || (Vec::new(), Vec::new(), Vec::new()),
+            |(chain, far, scratch), (task, mut part)| {
+                for range in task {
+                    let (own, after) = part.split_at_mut(range.len());
+                    let members = &self.order[range.clone()];
+                    chain.clear();
+                    chain.extend(members.iter().map(|&i| values[i as usize]));
+                    far.clear();
+                    far.extend(members.iter().map(|&i| reach[i as usize]));
+                    simd.sums_along(own, chain, far, scratch);
+                    part = after;
+                }
+            },
+        );
+        sums
+    }
+}
+
+/// The cross-shaped kernel over patches.
+pub(crate) struct Cross {
+    across: Chains,
+    down: Chains,
+}
+
+impl Cross {
+    pub(crate) fn new(patches: &Patches) -> Self {
+        let (across, down) = rayon::join(
+            || Chains::new(&patches.across),
+            || Chains::new(&patches.down),
+        );
+        Self { across, down }
+    }
+
+    /// The means of `values` around each patch, along both axes as far as `reach`, in patches.
+    pub(crate) fn mean(&self, values: &[Weighted], reach: &[f32]) -> Vec<Weighted> {
+        let (across, down) = rayon::join(
+            || self.across.sums(values, reach),
+            || self.down.sums(values, reach),
+        );
+        let mean = |i: usize| {
+            let (a, b) = (
+                &across[self.across.place[i] as usize],
+                &down[self.down.place[i] as usize],
+            );
+            // The patch itself is in both.
+            let weights = a[3] + b[3] - 1.0;
+            std::array::from_fn(|c| (a[c] + b[c] - values[i][c]) / weights)
+        };
+        (0..values.len())
+            .into_par_iter()
+            .with_min_len(PATCHES_PER_TASK)
+            .map(mean)
+            .collect()
+    }
+}

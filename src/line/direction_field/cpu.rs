@@ -1,0 +1,253 @@
+//! The field of stroke directions ([LA] section 6.1): curvature patch by patch, averaged over surfaces,
+//! and brought back to pixels.
+
+use crate::engine::cpu::memory::Memory;
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::line::direction::fill::fill_rest;
+use crate::line::direction::{fixed_direction, fixed_second_direction};
+use crate::line::direction_field::between_patches::BetweenPatches;
+use crate::line::direction_field::chains::Cross;
+use crate::line::direction_field::patches::{Patch, Patches};
+use crate::line::direction_field::setting::{
+    FACING, FALLBACK, FAR, FORM_REACH, FREE, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
+};
+use crate::line::direction_field::{Form, Weighted, calm, doubled};
+use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
+use crate::params::{FieldParams, StrokeDirections};
+use crate::plan::Plan;
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+
+/// One field for each of the directions wanted: unit directions in the picture, x right, y up, 0 outside
+/// the mask. Where there are `given` ones, other than 0, they are followed as they are.
+pub(crate) fn stroke_fields(
+    plan: &Plan,
+    params: &FieldParams,
+    directions: StrokeDirections,
+    frame: &Frame,
+    conductance: &Plane,
+    given: Option<&[Vector2Planes]>,
+    memory: &Memory,
+) -> Vec<Vector2Planes> {
+    let patches = Patches::new(frame, conductance, params.cell_px as usize);
+    let field = Field::new(plan, params, frame, &patches);
+    let cross = Cross::new(&patches);
+    let forms = field.forms(&cross);
+    let reach = field.reach();
+    let wanted = directions.wanted();
+    let families = [0, 1].into_iter().filter(|&f| wanted[f]);
+    families
+        .enumerate()
+        .map(|(order, family)| {
+            let found = field.doubled(&forms, family, order);
+            let mut led = field.calmed(found, &cross, &reach);
+            if let Some(given) = given {
+                field.follow(&mut led, &given[order]);
+            }
+            let fallback = |x: f64, y: f64, n: DVec3| field.fallback(x, y, n, order);
+            field.settle(&mut led, fallback);
+            let between = BetweenPatches {
+                patches: &patches,
+                mask: &frame.mask,
+                doubled: &led,
+            };
+            let mut found = between.all(memory);
+            fill_rest(&mut found, &frame.mask, |x, y| {
+                let at = frame.data_window.middle(x, y);
+                fallback(at.x, at.y, frame.normal.at(x, y))
+            });
+            found
+        })
+        .collect()
+}
+
+struct Field<'a> {
+    params: &'a FieldParams,
+    frame: &'a Frame,
+    patches: &'a Patches,
+    setting: FieldSetting,
+}
+
+/// A patch of which no curvature is known.
+const NO_FORM: Weighted = [0.0, 0.0, 0.0, 1.0];
+
+impl<'a> Field<'a> {
+    fn new(plan: &Plan, params: &'a FieldParams, frame: &'a Frame, patches: &'a Patches) -> Self {
+        Self {
+            params,
+            frame,
+            patches,
+            setting: FieldSetting::new(plan, params, frame),
+        }
+    }
+
+    /// How far one pass reaches from each patch, in patches.
+    fn reach(&self) -> Vec<f32> {
+        let radius = self.params.radius_px * self.setting.cells;
+        let all = &self.patches.all;
+        let is_known = |depth: f32| depth > 0.0 && depth.is_finite();
+        let mut depths: Vec<f32> = all
+            .iter()
+            .map(|p| p.depth)
+            .filter(|&d| is_known(d))
+            .collect();
+        if !self.setting.is_by_depth || depths.is_empty() {
+            return vec![radius; all.len()];
+        }
+        let middle = depths.len() / 2;
+        let (_, &mut median, _) = depths.select_nth_unstable_by(middle, f32::total_cmp);
+        let reach = |depth: f32| match is_known(depth) {
+            true => radius * (median / depth).clamp(FAR, NEAR),
+            false => radius,
+        };
+        all.iter().map(|p| reach(p.depth)).collect()
+    }
+
+    /// The curvature of every patch, averaged nearby.
+    fn forms(&self, cross: &Cross) -> Vec<Weighted> {
+        let all = &self.patches.all;
+        let forms: Vec<Weighted> = (0..all.len())
+            .into_par_iter()
+            .with_min_len(PATCHES_PER_TASK)
+            .map(|i| self.form(i).unwrap_or(NO_FORM))
+            .collect();
+        cross.mean(&forms, &vec![FORM_REACH * self.setting.cells; all.len()])
+    }
+
+    /// The tensor of curvature of a patch, per pixel, from the patches around it.
+    fn form(&self, i: usize) -> Option<Weighted> {
+        let here = &self.patches.all[i];
+        let ray = |links: &[u32]| {
+            let there: &Patch = self.patches.all.get(links[i] as usize)?;
+            let offset = self
+                .setting
+                .sight
+                .step(here.at, here.normal, there.at, there.normal)?;
+            Some(NormalRay {
+                offset,
+                normal: there.normal,
+            })
+        };
+        let step_px = f64::from(self.params.cell_px);
+        let sides = |before: &[u32], after: &[u32]| Sides {
+            before: ray(before),
+            after: ray(after),
+            step_px,
+        };
+        let Patches { across, down, .. } = self.patches;
+        // Rows run down, y up.
+        let sides = [
+            sides(&across.before, &across.after),
+            sides(&down.after, &down.before),
+        ];
+        let tensor = curvature_tensor(here.normal, sides)?;
+        let [x, y] = (tensor.deviator / self.setting.pixels).to_array();
+        let found = [x, y, tensor.mean / self.setting.pixels, 1.0].map(|v| v as f32);
+        found.iter().all(|v| v.is_finite()).then_some(found)
+    }
+
+    /// The directions of patches, of the larger curvature in family 0, of the lesser in 1: see [`calm`].
+    fn doubled(&self, forms: &[Weighted], family: usize, order: usize) -> Vec<Weighted> {
+        let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
+        all.zip(forms)
+            .map(|(patch, &[x, y, mean, _])| {
+                let form = Form {
+                    deviator: DVec2::new(x.into(), y.into()),
+                    mean: mean.into(),
+                };
+                let own = self.direction(patch, &form, family).unwrap_or_default();
+                let fallback = self.fallback(patch.at.x, patch.at.y, patch.normal, order);
+                let (sure, flat) = (own.length(), form.flatness(self.setting.doubt) as f32);
+                let sum = own + flat * doubled(fallback);
+                [sum.x, sum.y, sure + flat, 1.0]
+            })
+            .collect()
+    }
+
+    /// Twice the angle of a patch's own direction, as long as it is sure.
+    fn direction(&self, patch: &Patch, form: &Form, family: usize) -> Option<Vec2> {
+        let larger = form.larger()?;
+        let axis = if family == 0 { larger } else { larger.perp() };
+        let [a, b] = upright_tangents(patch.normal)?;
+        let tangent = axis.x * a + axis.y * b;
+        let [x, y] = patch.at.to_array();
+        let seen = self.setting.sight.picture_direction(x, y, tangent)?;
+        let facing = (self.setting.sight.facing(x, y, patch.normal) / FACING).clamp(0.0, 1.0);
+        let sure = form.confidence(self.setting.doubt) * facing.powi(2);
+        Some(sure as f32 * doubled(seen.as_vec2()))
+    }
+
+    /// Directions averaged, pass after pass; where they disagree, their surroundings lead.
+    fn calmed(&self, mut found: Vec<Weighted>, cross: &Cross, reach: &[f32]) -> Vec<[f32; 2]> {
+        for _ in 0..self.params.passes {
+            found = cross.mean(&found, reach);
+        }
+        if self.params.passes == 0 {
+            return found.iter().map(|&[x, y, ..]| [x, y]).collect();
+        }
+        let wide: Vec<f32> = reach.iter().map(|r| SURROUNDINGS * r).collect();
+        let mut around = cross.mean(&found, &wide);
+        for _ in 1..SURROUNDING_PASSES {
+            around = cross.mean(&around, &wide);
+        }
+        let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
+        pairs.map(|(&own, &around)| calm(own, around)).collect()
+    }
+
+    /// Puts the mean of the `given` directions of a patch, as far as there are any, in place of its own.
+    fn follow(&self, doubled_directions: &mut [[f32; 2]], given: &Vector2Planes) {
+        let mut sums = vec![Vec3::ZERO; doubled_directions.len()];
+        let mask = &self.frame.mask;
+        for y in 0..mask.height() {
+            let row = given.x.row(y).iter().zip(given.y.row(y)).enumerate();
+            for (x, (&across, &up)) in row {
+                let direction = Vec2::new(across, up);
+                if direction != Vec2::ZERO
+                    && let Some(patch) = self.patches.of_pixel(x, y)
+                {
+                    sums[patch] += doubled(direction).extend(1.0);
+                }
+            }
+        }
+        for (own, sum) in doubled_directions.iter_mut().zip(sums) {
+            if sum.z > 0.0 {
+                *own = (sum.truncate() / sum.z).to_array();
+            }
+        }
+    }
+
+    /// The fallback at a place, of the first field made or the second.
+    fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
+        match (self.setting.fixed, order) {
+            (Some(fixed), _) => fixed[order],
+            (None, 0) => fixed_direction(normal, &self.setting.sight, x, y),
+            (None, _) => fixed_second_direction(normal, &self.setting.sight, x, y),
+        }
+    }
+
+    /// Adds the fallback, and makes everything unit; specks become 0.
+    fn settle(
+        &self,
+        doubled_directions: &mut [[f32; 2]],
+        fallback: impl Fn(f64, f64, DVec3) -> Vec2 + Sync,
+    ) {
+        let settle = |(i, z): (usize, &mut [f32; 2])| {
+            let patch = &self.patches.all[i];
+            let last = doubled(fallback(patch.at.x, patch.at.y, patch.normal));
+            let own = Vec2::from(*z);
+            let sum = own + FALLBACK * (1.0 - own.length() / FREE).max(0.0) * last;
+            *z = match self.patches.is_speck(i) {
+                true => [0.0; 2],
+                false => sum.try_normalize().unwrap_or(last).to_array(),
+            };
+        };
+        doubled_directions
+            .par_iter_mut()
+            .with_min_len(PATCHES_PER_TASK)
+            .enumerate()
+            .for_each(settle);
+    }
+}
+
+/// Patches that one task takes at the least.
+const PATCHES_PER_TASK: usize = 1024;

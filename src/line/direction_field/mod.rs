@@ -1,0 +1,297 @@
+//! The field of stroke directions: how sure a direction is, and how directions are averaged over a surface.
+//!
+//! Theory: [LA] section 6.1. Directions are averaged over a cross-shaped kernel whose weights fall linearly
+//! with distance, several times, at a quarter of the picture's size; nothing is averaged across a silhouette
+//! or crease. Changes: a direction is held as a vector of twice its angle, whose length says how sure it is,
+//! and what is averaged is that vector. Equation 7 multiplies the sum of t t^T by the direction of the pixel
+//! itself; here its main axis is taken, so that a patch at right angles to all around it, as they arise where the
+//! two curvatures change places, does not stay so. Where curvature is unsure the directions around it lead,
+//! and far from all of them the fallback does, continuously. Practice: [`crate::line::patches`] tells what
+//! may be averaged with what.
+
+pub(crate) mod between_patches;
+pub(crate) mod chains;
+pub(crate) mod cpu;
+pub(crate) mod patches;
+pub(crate) mod setting;
+
+use crate::engine::cpu::simd::widened;
+use glam::{DVec2, Vec2};
+use std::ops::Range;
+
+/// Twice the angle of a direction: opposites are the same, and what is at right angles cancels.
+#[inline(always)]
+pub fn doubled(t: Vec2) -> Vec2 {
+    Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y)
+}
+
+/// The unit direction, of the two, at half the angle of `doubled`; 0 for 0.
+#[inline(always)]
+pub fn halved(doubled: [f32; 2]) -> [f32; 2] {
+    let [x, y] = doubled;
+    let length = (x * x + y * y).sqrt();
+    // cos^2 = (1 + cos 2a) / 2, whichever of sine and cosine is the larger; the other by sin 2a.
+    let twice = 2.0 * length;
+    let larger = ((length + x.abs()) / twice).sqrt();
+    let lesser = y / (twice * larger);
+    let found = if x >= 0.0 {
+        [larger, lesser]
+    } else {
+        [lesser.abs(), larger.copysign(y)]
+    };
+    if length > LEAST_LENGTH {
+        found
+    } else {
+        [0.0; 2]
+    }
+}
+
+/// Below this a vector is 0: its square is not a number of full precision.
+pub(crate) const LEAST_LENGTH: f32 = 1e-18;
+
+/// Directions of a row, halved in place.
+#[inline(always)]
+pub fn halve_row(x: &mut [f32], y: &mut [f32]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        [*x, *y] = halved([*x, *y]);
+    }
+}
+
+widened! {
+    fn halve_row(x: &mut [f32], y: &mut [f32]);
+}
+
+/// Difference of the curvatures over their sum up to which a surface is round: a mesh of a ball is no rounder.
+pub(crate) const ROUND: f64 = 0.1;
+
+/// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
+/// the angle of the algebraically larger one, and their mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Form {
+    /// Half the difference.
+    pub deviator: DVec2,
+    /// The mean.
+    pub mean: f64,
+}
+
+impl Form {
+    /// The unit direction, in the frame of the tensor, of the curvature larger in size; `None` where
+    /// there is none at all.
+    #[inline]
+    pub fn larger(&self) -> Option<DVec2> {
+        let d = if self.mean >= 0.0 {
+            self.deviator
+        } else {
+            -self.deviator
+        };
+        let [x, y] = [d.x + d.length(), d.y];
+        let axis = if d.x >= 0.0 {
+            DVec2::new(x, y)
+        } else {
+            DVec2::new(d.y, d.length() - d.x)
+        };
+        axis.try_normalize()
+    }
+
+    /// How sure the directions are, 0..1: 1 on a cylinder, 0 where the curvatures are alike in size, or
+    /// differ by no more than `doubt` (both per pixel).
+    ///
+    /// The first factor, the square of `(|k1| - |k2|) / (|k1| + |k2|)` as far as that is above a tenth, has no unit;
+    /// the second compares `|k1| - |k2|`
+    /// with what noise, or a plane, would show.
+    #[inline]
+    pub fn confidence(&self, doubt: f64) -> f64 {
+        let (difference, mean) = (self.deviator.length(), self.mean.abs());
+        let (lesser, larger) = (difference.min(mean), difference.max(mean));
+        let apart = 4.0 * lesser * lesser;
+        if apart > 0.0 {
+            let share = ((lesser / larger - ROUND) / (1.0 - ROUND)).max(0.0);
+            share * share * apart / (apart + doubt * doubt)
+        } else {
+            0.0
+        }
+    }
+
+    /// How much the surface is a plane, 0..1, where a curvature of `doubt` counts a quarter.
+    #[inline]
+    pub fn flatness(&self, doubt: f64) -> f64 {
+        let larger = self.deviator.length() + self.mean.abs();
+        let square = doubt * doubt;
+        if square > 0.0 {
+            (square / (square + larger * larger)).powi(2)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// What leads strokes, as twice an angle: the mean of `own` directions, or, as far as those disagree, the mean of
+/// the directions `around`, which come from farther away.
+///
+/// Directions that agree add up to a vector as long as they are sure together, the third of `own`; where lines
+/// of forms meet, or noise, they cancel, and a form too small for the radius does not make a swirl.
+#[inline]
+pub fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
+    let length = (x * x + y * y).sqrt();
+    let agreement = if sure > 0.0 { length / sure } else { 0.0 };
+    let share = ((agreement - AGREE.start) / (AGREE.end - AGREE.start)).clamp(0.0, 1.0);
+    let agreement = share * share * (3.0 - 2.0 * share);
+    let lead = |own: f32, around: f32| agreement * own + (1.0 - agreement) * around;
+    [lead(x, around[0]), lead(y, around[1])]
+}
+
+/// The length of a mean direction over what it would be if all agreed, from which on it counts, and from which
+/// on it leads alone: 0.8 is that of directions spread evenly over 65 degrees, 0.2 over 150.
+pub(crate) const AGREE: Range<f32> = 0.2..0.8;
+
+/// Three components and a weight, which is 1: what is summed along chains.
+pub type Weighted = [f32; 4];
+
+/// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s); the
+/// value itself, of weight 1, counts in. `reach` is more than 0.
+///
+/// Sums of the values and of the values times their places give any such sum at once, however far it reaches.
+#[inline(always)]
+pub fn sums_along(
+    sums: &mut [Weighted],
+    chain: &[Weighted],
+    reach: &[f32],
+    scratch: &mut Vec<[[f64; 4]; 2]>,
+) {
+    // Of all before a place: their sum, and that of each times its place.
+    scratch.clear();
+    scratch.push([[0.0; 4]; 2]);
+    let [mut sum, mut moment] = [[0.0; 4]; 2];
+    for (i, value) in chain.iter().enumerate() {
+        for c in 0..4 {
+            let value = f64::from(value[c]);
+            sum[c] += value;
+            moment[c] += i as f64 * value;
+        }
+        scratch.push([sum, moment]);
+    }
+    let last = chain.len() - 1;
+    for (i, ((sum, value), &reach)) in sums.iter_mut().zip(chain).zip(reach).enumerate() {
+        let reach = f64::from(reach);
+        let slope = reach.recip();
+        // The last place whose weight is above 0.
+        let whole = reach as usize;
+        let far = whole - usize::from(whole > 0 && whole as f64 == reach);
+        let (back, ahead) = (far.min(i), far.min(last - i));
+        let [before, here, after, end] =
+            [i - back, i, i + 1, i + 1 + ahead].map(|place| &scratch[place]);
+        let tilt = slope * i as f64;
+        for c in 0..4 {
+            let rising =
+                (1.0 - tilt) * (here[0][c] - before[0][c]) + slope * (here[1][c] - before[1][c]);
+            let falling =
+                (1.0 + tilt) * (end[0][c] - after[0][c]) - slope * (end[1][c] - after[1][c]);
+            sum[c] = (f64::from(value[c]) + (rising + falling)) as f32;
+        }
+    }
+}
+
+widened! {
+    fn sums_along(
+        sums: &mut [Weighted],
+        chain: &[Weighted],
+        reach: &[f32],
+        scratch: &mut Vec<[[f64; 4]; 2]>,
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_twice_an_angle_is_the_direction() {
+        for degrees in -180..180 {
+            let t = Vec2::from_angle((degrees as f32 + 0.25).to_radians());
+            for length in [1e-12, 1.0, 3e4] {
+                let found = Vec2::from(halved((length * doubled(t)).into()));
+                assert!(found.perp_dot(t).abs() < 1e-6, "{degrees}: {found} for {t}");
+                assert!((found.length() - 1.0).abs() < 1e-6);
+            }
+        }
+        assert_eq!(halved([0.0, 0.0]), [0.0, 0.0]);
+        assert_eq!(halved([-0.0, -0.0]), [0.0, 0.0]);
+        assert_eq!(halved([-1.0, 0.0]), [0.0, 1.0]);
+    }
+
+    fn form(k1: f64, k2: f64) -> Form {
+        // Of two curvatures, the algebraically larger one along x.
+        Form {
+            deviator: DVec2::new(0.5 * (k1 - k2), 0.0),
+            mean: 0.5 * (k1 + k2),
+        }
+    }
+
+    #[test]
+    fn the_larger_in_size_leads() {
+        // A convex cylinder around y bends along x by -k: the larger of (0, -k) is along y.
+        assert_eq!(form(0.0, -0.1).larger(), Some(DVec2::Y));
+        assert_eq!(form(0.1, 0.0).larger(), Some(DVec2::X));
+        assert_eq!(form(0.1, -0.3).larger(), Some(DVec2::Y));
+        assert_eq!(form(0.2, 0.2).larger(), None);
+    }
+
+    #[test]
+    fn confidence_is_the_squared_share_by_which_curvatures_differ() {
+        let certain = |k1, k2| form(k1, k2).confidence(0.0);
+        assert!((certain(0.0, -0.1) - 1.0).abs() < 1e-12);
+        // (3 - 1) / (3 + 1) = 0.5, whatever the signs; less 0.1, over 0.9: 4/9, squared.
+        for (k1, k2) in [(0.3, 0.1), (0.3, -0.1), (0.1, -0.3), (-0.1, -0.3)] {
+            assert!((certain(k1, k2) - 16.0 / 81.0).abs() < 1e-12, "{k1} {k2}");
+        }
+        assert_eq!(certain(0.1, 0.1), 0.0);
+        assert_eq!(certain(-0.1, -0.085), 0.0);
+        assert_eq!(certain(0.1, -0.1), 0.0);
+        assert_eq!(certain(0.0, 0.0), 0.0);
+        // A difference as large as the doubt counts half, a tenth of it a hundredth.
+        assert!((form(0.1, 0.0).confidence(0.1) - 0.5).abs() < 1e-12);
+        assert!((form(0.01, 0.0).confidence(0.1) - 0.01 / 1.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn surroundings_lead_where_directions_disagree() {
+        const AROUND: Weighted = [0.0, 1.0, 1.0, 1.0];
+        let own = |x, y, sure| [x, y, sure, 1.0];
+        assert_eq!(calm(own(0.3, 0.0, 0.3), AROUND), [0.3, 0.0]);
+        assert_eq!(calm(own(0.0, 0.0, 0.3), AROUND), [0.0, 1.0]);
+        assert_eq!(calm(own(0.0, 0.0, 0.0), AROUND), [0.0, 1.0]);
+        assert_eq!(calm(own(0.85, 0.0, 1.0), AROUND), [0.85, 0.0]);
+        // Half as long as they are sure is the middle of 0.2 and 0.8: half of both.
+        let [x, y] = calm(own(0.5, 0.0, 1.0), AROUND);
+        assert!((x - 0.25).abs() < 1e-6 && (y - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn planes_are_flat_and_balls_are_not() {
+        // (1 / (1 + 1))^2 where the larger curvature is the doubt.
+        assert_eq!(form(0.0, 0.0).flatness(0.1), 1.0);
+        assert!((form(0.0, -0.1).flatness(0.1) - 0.25).abs() < 1e-12);
+        assert!(form(-1.0, -1.0).flatness(0.01) < 1e-7);
+    }
+
+    #[test]
+    fn sums_are_those_of_the_weights() {
+        let values: Vec<f32> = (0..40).map(|i| ((i * i) % 17) as f32 - 8.0).collect();
+        for reach in [0.5, 1.0, 1.5, 2.0, 6.0, 7.3, 100.0_f32] {
+            let chain: Vec<_> = values.iter().map(|&v| [v, 2.0 * v, 0.0, 1.0]).collect();
+            let mut sums = vec![[0.0; 4]; 40];
+            sums_along(&mut sums, &chain, &[reach; 40], &mut Vec::new());
+            for (i, sum) in sums.iter().enumerate() {
+                let weight = |j: usize| (1.0 - i.abs_diff(j) as f32 / reach).max(0.0);
+                let expected: f32 = (0..40).map(|j| weight(j) * values[j]).sum();
+                let expected_weights: f32 = (0..40).map(weight).sum();
+                assert!(
+                    (sum[0] - expected).abs() < 1e-3,
+                    "{i} {reach}: {sum:?} {expected}"
+                );
+                assert!((sum[1] - 2.0 * expected).abs() < 2e-3);
+                assert!((sum[3] - expected_weights).abs() < 1e-4);
+            }
+        }
+    }
+}

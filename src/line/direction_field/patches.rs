@@ -1,0 +1,368 @@
+//! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
+
+use crate::frame::{Frame, Plane};
+use crate::line::direction_field::setting::OPEN;
+use crate::line::patches::{MAX_CELL_PX, NO_PATCH, joined, label_cell};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// What of one surface lies in one cell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Patch {
+    /// Mean normal in the middle of the patch, unit or 0.
+    pub(crate) normal: DVec3,
+    /// Where that is in the picture.
+    pub(crate) at: DVec2,
+    /// Depth there; 0 where there is none.
+    pub(crate) depth: f32,
+    /// How many pixels it has.
+    pub(crate) pixels: u16,
+}
+
+/// Which patch goes on in which, along one axis of the picture: [`NONE`] in none.
+#[derive(Debug)]
+pub(crate) struct Links {
+    /// To the left, or above.
+    pub(crate) before: Vec<u32>,
+    /// To the right, or below.
+    pub(crate) after: Vec<u32>,
+}
+
+/// No patch.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// The cells of a frame. They lie at multiples of their size in the picture's coordinates, so that a crop
+/// has the cells of the whole.
+#[derive(Debug)]
+pub(crate) struct Grid {
+    cell_px: usize,
+    /// How much of the first cell lies before the frame.
+    cut: [usize; 2],
+    size: [usize; 2],
+    places: [f32; MAX_CELL_PX],
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+}
+
+impl Grid {
+    fn new(frame: &Frame, cell_px: usize) -> Self {
+        let window = frame.data_window;
+        let cut = [window.x0, window.y0].map(|c| c.rem_euclid(cell_px as i32) as usize);
+        let size = [frame.mask.width(), frame.mask.height()];
+        Self {
+            cell_px,
+            cut,
+            size,
+            places: std::array::from_fn(|inside| (inside as f32 + 0.5) / cell_px as f32 - 0.5),
+            columns: (size[0] + cut[0]).div_ceil(cell_px),
+            rows: (size[1] + cut[1]).div_ceil(cell_px),
+        }
+    }
+
+    fn pixels(&self, axis: usize, cell: usize) -> Range<usize> {
+        let (start, end) = (cell * self.cell_px, (cell + 1) * self.cell_px);
+        let inside = |p: usize| p.saturating_sub(self.cut[axis]).min(self.size[axis]);
+        inside(start)..inside(end)
+    }
+
+    /// The columns of pixels in a column of cells.
+    pub(crate) fn x_pixels(&self, column: usize) -> Range<usize> {
+        self.pixels(0, column)
+    }
+
+    /// The rows of pixels in a row of cells.
+    pub(crate) fn y_pixels(&self, row: usize) -> Range<usize> {
+        self.pixels(1, row)
+    }
+
+    /// How far the middle of a pixel lies from that of its cell, in cells, -1/2..1/2.
+    pub(crate) fn place(&self, axis: usize, pixel: usize) -> f32 {
+        self.places[(pixel + self.cut[axis]) % self.cell_px]
+    }
+
+    /// The places of the pixels across a cell of the usual four, the first two left of its middle.
+    pub(crate) fn four_across(&self) -> Option<[f32; 4]> {
+        (self.cell_px == 4).then(|| std::array::from_fn(|i| self.places[i]))
+    }
+
+    /// Samples of a plane, one part per row of cells.
+    pub(crate) fn bands<'a, T>(&self, mut samples: &'a mut [T]) -> Vec<&'a mut [T]> {
+        let mut bands = Vec::with_capacity(self.rows);
+        for row in 0..self.rows {
+            let (band, rest) = samples.split_at_mut(self.y_pixels(row).len() * self.size[0]);
+            bands.push(band);
+            samples = rest;
+        }
+        bands
+    }
+}
+
+/// All patches, numbered by cell, row after row.
+#[derive(Debug)]
+pub(crate) struct Patches {
+    pub(crate) grid: Grid,
+    pub(crate) all: Vec<Patch>,
+    /// The first patch of each cell, and how many patches there are.
+    first: Vec<u32>,
+    /// Which patch of its cell a pixel belongs to.
+    pub(crate) labels: Vec<u8>,
+    pub(crate) across: Links,
+    pub(crate) down: Links,
+}
+
+impl Patches {
+    pub(crate) fn new(frame: &Frame, conductance: &Plane, cell_px: usize) -> Self {
+        let grid = Grid::new(frame, cell_px);
+        let width = grid.size[0];
+        let mut labels = vec![NO_PATCH; frame.mask.plane().samples().len()];
+        let found: Vec<(Vec<u32>, Vec<Patch>)> = grid
+            .bands(&mut labels)
+            .into_par_iter()
+            .enumerate()
+            .map(|(row, labels)| {
+                RowOfCells {
+                    grid: &grid,
+                    frame,
+                    conductance,
+                    row,
+                }
+                .find(labels)
+            })
+            .collect();
+        let mut first = Vec::with_capacity(grid.columns * grid.rows + 1);
+        let mut count = 0;
+        first.push(0);
+        for (counts, _) in &found {
+            first.extend(counts.iter().map(|c| {
+                count += c;
+                count
+            }));
+        }
+        let mut all = Vec::with_capacity(count as usize);
+        for (_, patches) in &found {
+            all.extend_from_slice(patches);
+        }
+        let label = |x: usize, y: usize| labels[y * width + x];
+        let pairs: Vec<[Vec<(u32, u32)>; 2]> = (0..grid.rows)
+            .into_par_iter()
+            .map(|row| pairs_of(&grid, &first, row, &label))
+            .collect();
+        let [across, down] = [0, 1].map(|axis| {
+            let pairs = pairs.iter().flat_map(|p| &p[axis]);
+            Links::new(all.len(), pairs.copied())
+        });
+        Self {
+            grid,
+            all,
+            first,
+            labels,
+            across,
+            down,
+        }
+    }
+
+    /// The patches of a cell.
+    pub(crate) fn of_cell(&self, column: usize, row: usize) -> Range<usize> {
+        let cell = row * self.grid.columns + column;
+        self.first[cell] as usize..self.first[cell + 1] as usize
+    }
+
+    /// The patch that a pixel belongs to, if any.
+    pub(crate) fn of_pixel(&self, x: usize, y: usize) -> Option<usize> {
+        let Grid {
+            cell_px, cut, size, ..
+        } = &self.grid;
+        let [column, row] = [(x + cut[0]) / cell_px, (y + cut[1]) / cell_px];
+        let label = self.labels[y * size[0] + x];
+        let cell = self.of_cell(column, row);
+        (label != NO_PATCH && cell.len() > usize::from(label))
+            .then(|| cell.start + usize::from(label))
+    }
+
+    /// Whether a patch is a speck: a few pixels shut in by edges, which tell of noise.
+    pub(crate) fn is_speck(&self, i: usize) -> bool {
+        let alone = [&self.across, &self.down]
+            .iter()
+            .all(|links| links.before[i] == NONE && links.after[i] == NONE);
+        alone && 2 * usize::from(self.all[i].pixels) < self.grid.cell_px.pow(2)
+    }
+}
+
+impl Links {
+    fn new(count: usize, pairs: impl Iterator<Item = (u32, u32)>) -> Self {
+        let mut links = Self {
+            before: vec![NONE; count],
+            after: vec![NONE; count],
+        };
+        for (a, b) in pairs {
+            links.after[a as usize] = b;
+            links.before[b as usize] = a;
+        }
+        links
+    }
+}
+
+/// The patches that go on in each other from the cells of a row to those at their right, and below.
+fn pairs_of(
+    grid: &Grid,
+    first: &[u32],
+    row: usize,
+    label: &impl Fn(usize, usize) -> u8,
+) -> [Vec<(u32, u32)>; 2] {
+    let mut pairs = [Vec::new(), Vec::new()];
+    let [mut a, mut b] = [[NO_PATCH; MAX_CELL_PX]; 2];
+    let ys = grid.y_pixels(row);
+    for column in 0..grid.columns {
+        let xs = grid.x_pixels(column);
+        let cell = row * grid.columns + column;
+        if first[cell] == first[cell + 1] {
+            continue;
+        }
+        if column + 1 < grid.columns {
+            for (i, y) in ys.clone().enumerate() {
+                (a[i], b[i]) = (label(xs.end - 1, y), label(xs.end, y));
+            }
+            let pair =
+                |a, b| pairs[0].push((first[cell] + u32::from(a), first[cell + 1] + u32::from(b)));
+            joined(&a[..ys.len()], &b[..ys.len()], pair);
+        }
+        if row + 1 < grid.rows {
+            for (i, x) in xs.clone().enumerate() {
+                (a[i], b[i]) = (label(x, ys.end - 1), label(x, ys.end));
+            }
+            let below = first[cell + grid.columns];
+            let pair = |a, b| pairs[1].push((first[cell] + u32::from(a), below + u32::from(b)));
+            joined(&a[..xs.len()], &b[..xs.len()], pair);
+        }
+    }
+    pairs
+}
+
+struct RowOfCells<'a> {
+    grid: &'a Grid,
+    frame: &'a Frame,
+    conductance: &'a Plane,
+    row: usize,
+}
+
+impl RowOfCells<'_> {
+    /// Labels the pixels, and gives how many patches each cell has, and the patches.
+    fn find(&self, labels: &mut [u8]) -> (Vec<u32>, Vec<Patch>) {
+        let width = self.grid.size[0];
+        let ys = self.grid.y_pixels(self.row);
+        let mut open = [false; MAX_CELL_PX * MAX_CELL_PX];
+        let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
+        let (mut counts, mut patches) = (Vec::with_capacity(self.grid.columns), Vec::new());
+        let least = self.least_conductance(&ys);
+        labels.fill(0);
+        for column in 0..self.grid.columns {
+            let xs = self.grid.x_pixels(column);
+            let size = xs.len() * ys.len();
+            let is_open = least[xs.clone()].iter().all(|&c| c > OPEN);
+            if is_open && size == self.grid.cell_px.pow(2) {
+                counts.push(1);
+                patches.push(self.whole(&xs, &ys));
+                continue;
+            }
+            let (open, own) = (&mut open[..size], &mut own[..size]);
+            for (row, y) in open.chunks_mut(xs.len()).zip(ys.clone()) {
+                for (open, &c) in row.iter_mut().zip(&self.conductance.row(y)[xs.clone()]) {
+                    *open = c > OPEN;
+                }
+            }
+            let count = label_cell(open, own, xs.len());
+            counts.push(count as u32);
+            for (i, row) in own.chunks(xs.len()).enumerate() {
+                labels[i * width + xs.start..][..xs.len()].copy_from_slice(row);
+            }
+            for label in 0..count as u8 {
+                patches.push(self.patch(own, label, &xs, &ys));
+            }
+        }
+        (counts, patches)
+    }
+
+    /// The least conductance of each column of pixels within the row of cells.
+    fn least_conductance(&self, ys: &Range<usize>) -> Vec<f32> {
+        let mut least = self.conductance.row(ys.start).to_vec();
+        for y in ys.clone().skip(1) {
+            for (least, &c) in least.iter_mut().zip(self.conductance.row(y)) {
+                *least = least.min(c);
+            }
+        }
+        least
+    }
+
+    /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would lie beneath
+    /// the surface.
+    fn whole(&self, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
+        let margin = self.grid.cell_px / 4;
+        let inner = |r: &Range<usize>| r.start + margin..r.end - margin;
+        let mut middle = Middle::default();
+        for y in inner(ys) {
+            for x in inner(xs) {
+                middle.add(self.frame, x, y);
+            }
+        }
+        middle.patch(self.frame, self.grid.cell_px.pow(2))
+    }
+
+    /// The patch of a part of a cell, likewise.
+    fn patch(&self, labels: &[u8], label: u8, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
+        let places = || {
+            let inside = labels.iter().enumerate().filter(|(_, l)| **l == label);
+            inside.map(|(i, _)| (xs.start + i % xs.len(), ys.start + i / xs.len()))
+        };
+        let pixels = places().count();
+        let sum = places().fold([0, 0], |[sx, sy], (x, y)| [sx + x, sy + y]);
+        let off = |(x, y): (usize, usize)| {
+            let square = |sum: usize, p: usize| sum.abs_diff(p * pixels).pow(2);
+            square(sum[0], x) + square(sum[1], y)
+        };
+        let least = places().map(off).min().unwrap_or(0);
+        // All that are as near: one of two would prefer a side.
+        let mut middle = Middle::default();
+        for (x, y) in places().filter(|&p| off(p) == least) {
+            middle.add(self.frame, x, y);
+        }
+        middle.patch(self.frame, pixels)
+    }
+}
+
+/// Sums over the pixels in the middle of a patch.
+#[derive(Default)]
+struct Middle {
+    normal: DVec3,
+    at: DVec2,
+    depth: f64,
+    count: f64,
+}
+
+impl Middle {
+    fn add(&mut self, frame: &Frame, x: usize, y: usize) {
+        let n = &frame.normal;
+        self.normal += DVec3::new(
+            n.x.at(x, y).into(),
+            n.y.at(x, y).into(),
+            n.z.at(x, y).into(),
+        );
+        self.at += DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        if let Some(depth) = &frame.depth {
+            self.depth += f64::from(depth.at(x, y));
+        }
+        self.count += 1.0;
+    }
+
+    /// The means over them, for a patch of so many pixels.
+    fn patch(self, frame: &Frame, pixels: usize) -> Patch {
+        let window = frame.data_window;
+        let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));
+        Patch {
+            normal: self.normal.normalize_or_zero(),
+            at: corner + self.at / self.count,
+            depth: (self.depth / self.count) as f32,
+            pixels: pixels as u16,
+        }
+    }
+}

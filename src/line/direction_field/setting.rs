@@ -1,0 +1,95 @@
+//! What the field of stroke directions is made by, the same on every backend.
+
+use crate::frame::{DepthKind, Frame, Projection, SightLines};
+use crate::line::normal_rays::ROUNDING_DEVIATION;
+use crate::params::{Fallback, FieldParams};
+use crate::plan::Plan;
+use glam::Vec2;
+
+/// Conductance from which on a pixel is open: the middle of the soft steps of silhouettes and creases.
+pub(crate) const OPEN: f32 = 0.5;
+
+/// How far tensors of curvature are averaged before directions are told from them, in pixels of a field of
+/// a quarter of the picture's size: facets and the rounding of normals cancel there, with their signs.
+/// More rounds off forms of that size.
+pub(crate) const FORM_REACH: f32 = 2.5;
+
+/// Turn of the normal, in radians per pixel, that counts half: 17 degrees over a thousand pixels.
+const FLAT_TURN: f64 = 3e-4;
+
+/// Pixels over which the turn of normals is told, whatever the size of cells: as far as tensors are averaged.
+const TURN_PX: f64 = 8.0;
+
+/// Deviations of the noise of curvature, told over so many pixels, that count half.
+const NOISE: f64 = 3.0;
+
+/// Cosine between normal and sight line below which directions, foreshortened, count less.
+pub(crate) const FACING: f64 = 0.35;
+
+/// How sure the fallback is where curvature tells nothing, and how sure curvature must be for the fallback
+/// not to bend it. Higher values bend more; lower ones follow rounding over a ball.
+pub(crate) const FALLBACK: f32 = 0.005;
+pub(crate) const FREE: f32 = 4.0 * FALLBACK;
+
+/// How many times farther than a pass the surroundings reach that lead where directions disagree, and in how
+/// many passes.
+pub(crate) const SURROUNDINGS: f32 = 4.0;
+pub(crate) const SURROUNDING_PASSES: u32 = 2;
+
+/// The most, and the least, that depth makes of the radius.
+pub(crate) const NEAR: f32 = 2.0;
+pub(crate) const FAR: f32 = 0.25;
+
+/// How far pixels that belong to no patch, on edges and in specks between them, take directions from their neighbours,
+/// in pixels: several times as far as the widest of both. Where there is nothing for so far, the fallback serves.
+pub(crate) const REST_REACH_PX: usize = 32;
+
+/// How a field is made in a frame.
+pub(crate) struct FieldSetting {
+    /// The fallback where it is the same everywhere, and at right angles to it.
+    pub(crate) fixed: Option<[Vec2; 2]>,
+    pub(crate) sight: SightLines,
+    /// Pixels per unit of length, at a distance of 1 in perspective.
+    pub(crate) pixels: f64,
+    /// Cells of the field per pixel of one of a quarter of the reference's size.
+    pub(crate) cells: f32,
+    /// The turn of normals, in radians per pixel, that counts half.
+    pub(crate) doubt: f64,
+    /// Whether the radius goes with the inverse of depth.
+    pub(crate) is_by_depth: bool,
+}
+
+impl FieldSetting {
+    pub(crate) fn new(plan: &Plan, params: &FieldParams, frame: &Frame) -> Self {
+        let projection = frame.camera.map(|camera| camera.projection);
+        let is_parallel = |p| matches!(p, Projection::Orthographic { .. });
+        let cell_px = f64::from(params.cell_px);
+        let rounding = f64::from(frame.source.normal_rounding);
+        let factor = plan.resolution_factor;
+        let noise = NOISE * ROUNDING_DEVIATION * rounding / TURN_PX;
+        let fixed = match params.fallback {
+            Fallback::Angle(degrees) => {
+                let first = Vec2::from_angle((degrees % 180.0).to_radians());
+                Some([first, first.perp()])
+            }
+            Fallback::Surface => None,
+        };
+        Self {
+            fixed,
+            sight: SightLines::of(frame),
+            pixels: projection.map_or(1.0, scale),
+            cells: (4.0 * factor / cell_px) as f32,
+            doubt: noise.hypot(FLAT_TURN / factor),
+            is_by_depth: !projection.is_some_and(is_parallel)
+                && frame.source.depth_kind != DepthKind::Relative,
+        }
+    }
+}
+
+/// Pixels per unit of length, at a distance of 1 in perspective.
+fn scale(projection: Projection) -> f64 {
+    match projection {
+        Projection::Perspective { fx, fy, .. } => (fx * fy).abs().sqrt(),
+        Projection::Orthographic { sx, sy, .. } => (sx * sy).abs().sqrt(),
+    }
+}

@@ -1,0 +1,91 @@
+//! Strokes over the frame, row by row.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::rows::map_rows;
+use crate::engine::cpu::simd::Simd;
+use crate::engine::cpu::simd::widened;
+use crate::fast_math::atan2;
+use crate::frame::Plane;
+use crate::frame::{Frame, Vector2Planes};
+use crate::line::hatching::{BATCH, Hatching, Pixels};
+use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::line::texture_coordinates::sheet::{Lie, Sheet};
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::line::tone::Densities;
+use crate::params::StrokeParams;
+use std::f32::consts::PI;
+
+/// How much of the paper strokes cover; the texture lies still in the picture where no `coordinates` say
+/// otherwise.
+pub(crate) fn hatched(
+    densities: &Densities,
+    directions: &[Vector2Planes],
+    coordinates: Option<&TextureCoordinates>,
+    map: &TonalArtMap,
+    params: &StrokeParams,
+    frame: &Frame,
+    memory: &Memory,
+) -> Plane {
+    let families = directions.iter().enumerate();
+    let families: Vec<_> = families
+        .map(|(family, direction)| (Hatching::new(map, params, family), direction))
+        .collect();
+    let sheets = coordinates.map_or(vec![Sheet::STILL], TextureCoordinates::sheets);
+    let simd = Simd::widest();
+    let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
+        let mut pixels = Pixels::default();
+        let mut lie = Lie::default();
+        for run in frame.mask.runs(y) {
+            for from in run.clone().step_by(BATCH) {
+                let columns = from..(from + BATCH).min(run.end);
+                pixels.count = columns.len();
+                densities.row(
+                    &mut pixels.wanted[..columns.len()],
+                    y,
+                    columns.clone(),
+                    simd,
+                );
+                if pixels.wanted[..columns.len()]
+                    .iter()
+                    .all(|&wanted| wanted <= 0.0)
+                {
+                    out[columns].fill(0.0);
+                    continue;
+                }
+                pixels.white.fill(1.0);
+                for sheet in &sheets {
+                    if !sheet.is_used(y, columns.clone()) {
+                        continue;
+                    }
+                    sheet.lay(&mut pixels, &mut lie, frame, y, columns.clone());
+                    for (family, (hatching, direction)) in families.iter().enumerate() {
+                        pixels.share(family, families.len());
+                        sheet.take_share(&mut pixels, y, columns.clone());
+                        let direction = [&direction.x, &direction.y]
+                            .map(|plane| &plane.row(y)[columns.clone()]);
+                        let direction = sheet.in_texture(direction, &mut lie);
+                        simd.hatch_batch(&mut pixels, direction, hatching);
+                    }
+                }
+                for (out, white) in out[columns].iter_mut().zip(&pixels.white) {
+                    *out = 1.0 - white;
+                }
+            }
+        }
+    });
+    ink
+}
+
+/// Draws a batch along its directions.
+#[inline(always)]
+pub(crate) fn hatch_batch(pixels: &mut Pixels, [x, y]: [&[f32]; 2], hatching: &Hatching) {
+    for i in 0..pixels.count {
+        let angle = atan2(y[i], x[i]);
+        pixels.angle[i] = if angle < 0.0 { angle + PI } else { angle };
+    }
+    hatching.draw(pixels);
+}
+
+widened! {
+    fn hatch_batch(pixels: &mut Pixels, directions: [&[f32]; 2], hatching: &Hatching);
+}

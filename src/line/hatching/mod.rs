@@ -1,0 +1,308 @@
+//! Hatching: stroke textures cut and pasted along a field of directions.
+//!
+//! Theory: [LA] sections 6.2 and 6.3. Directions are quantised to levels over half a turn; at each level the
+//! stroke texture is turned to the level's angle (equation 8), neighbouring levels are blended by tent
+//! weights, and several sets of levels, each offset by its share of a level, are laid over one another.
+//! Changes: what is blended is not grey values but tone. A layer of weight w gets the share w of the optical
+//! density that is wanted, -ln(1 - darkness), and layers are printed over one another, so paper stays white
+//! with the product of what each leaves white: (1 - d)^(sum of w). Means are exact, ink stays black, and toward
+//! the border of a partition strokes drop out one by one where an average would fade all to grey. Each level
+//! has a place of its own in the texture; turned about one point, all would agree there.
+//!
+//! Practice: pixels are worked on in batches along a row, where neighbours share a level, in loops that are
+//! vectorised but for the loads of texels.
+
+pub(crate) mod cpu;
+
+use super::random::Random;
+use super::stroke_texture::Places;
+use super::tonal_art_map::{MAX_DENSITY, TonalArtMap};
+use crate::params::StrokeParams;
+use glam::Vec2;
+use std::f32::consts::PI;
+
+/// Pixels that are worked on together.
+pub const BATCH: usize = 64;
+
+/// Pixels to be hatched: the first `count` of each array.
+#[derive(Debug)]
+pub struct Pixels {
+    /// How many.
+    pub count: usize,
+    /// Pixel coordinates, rows down, in which the texture lies still.
+    pub place: [[f32; BATCH]; 2],
+    /// Angles that strokes follow, 0..pi, counterclockwise.
+    pub angle: [f32; BATCH],
+    /// Optical density that is wanted in all: minus the logarithm of tone.
+    pub wanted: [f32; BATCH],
+    /// What of it the strokes to be drawn next give.
+    pub density: [f32; BATCH],
+    /// How much of the paper stays white, 0..1.
+    pub white: [f32; BATCH],
+    scratch: Scratch,
+}
+
+/// What one level works in.
+#[derive(Debug, Default)]
+struct Scratch {
+    levels: Levels,
+    turns: Turns,
+    threshold: Thresholds,
+    places: Places,
+}
+
+impl Default for Pixels {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            place: [[0.0; BATCH]; 2],
+            angle: [0.0; BATCH],
+            wanted: [0.0; BATCH],
+            density: [0.0; BATCH],
+            white: [1.0; BATCH],
+            scratch: Scratch::default(),
+        }
+    }
+}
+
+impl Pixels {
+    /// Asks one of `families` families of strokes for its share: all of the tone of one, and of a second,
+    /// laid across it, half of what is darker than a third of the ink.
+    #[inline(always)]
+    pub fn share(&mut self, family: usize, families: usize) {
+        let wanted = &self.wanted[..self.count];
+        for (density, &wanted) in self.density.iter_mut().zip(wanted) {
+            *density = share(wanted, family, families);
+        }
+    }
+}
+
+/// What of the optical density that is wanted one of `families` families of strokes gives: see [`Pixels::share`].
+#[inline(always)]
+pub fn share(wanted: f32, family: usize, families: usize) -> f32 {
+    let crossed = (0.5 * (wanted - CROSSED_FROM)).max(0.0);
+    match (families, family) {
+        (1, _) => wanted,
+        (_, 0) => wanted - crossed,
+        _ => crossed,
+    }
+}
+
+/// Density from which on strokes are crossed by others, which give half of what is beyond: a third of the
+/// paper is inked by then.
+pub(crate) const CROSSED_FROM: f32 = 0.4;
+
+/// A texture turned to a level's angle: texture coordinates of pixel coordinates, rows down.
+#[derive(Debug, Clone, Copy)]
+struct Turned {
+    cos: f32,
+    sin: f32,
+    offset: Vec2,
+}
+
+/// Strokes ready to be pasted at any angle.
+#[derive(Debug)]
+pub struct Hatching<'a> {
+    map: &'a TonalArtMap,
+    levels: usize,
+    sets: usize,
+    /// Level by level, set by set.
+    turned: Vec<Turned>,
+}
+
+impl<'a> Hatching<'a> {
+    /// Hatching by the strokes of `map`; `family` keeps families of strokes over one another apart.
+    pub fn new(map: &'a TonalArtMap, params: &StrokeParams, family: usize) -> Self {
+        let (levels, sets) = (params.levels as usize, params.sets as usize);
+        let mut random = Random::new(params.seed.wrapping_add(1 + family as u64));
+        let scale = map.texels_per_px();
+        let [width, height] = map.period().map(|texels| texels as f32);
+        let mut at = |period: f32| (period * random.unit()).floor() + BETWEEN;
+        let turned = (0..levels * sets)
+            .map(|i| {
+                let (set, level) = (i / levels, i % levels);
+                let angle = (level as f32 + set as f32 / sets as f32) * PI / levels as f32;
+                Turned {
+                    cos: scale * angle.cos(),
+                    sin: scale * angle.sin(),
+                    offset: Vec2::new(at(width), at(height)),
+                }
+            })
+            .collect();
+        Self {
+            map,
+            levels,
+            sets,
+            turned,
+        }
+    }
+
+    /// How the texture lies at every level, set by set: cosine and sine of its turn, times texels per pixel, and its
+    /// offset across and down.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn turned(&self) -> impl Iterator<Item = [f32; 4]> {
+        let turned = self.turned.iter();
+        turned.map(|turned| [turned.cos, turned.sin, turned.offset.x, turned.offset.y])
+    }
+
+    /// Draws over what is white so far.
+    #[inline(always)]
+    pub fn draw(&self, pixels: &mut Pixels) {
+        let Pixels {
+            count,
+            place,
+            angle,
+            wanted,
+            density,
+            white,
+            scratch,
+        } = pixels;
+        let count = *count;
+        let Scratch {
+            levels,
+            turns,
+            threshold,
+            places,
+        } = scratch;
+        for set in 0..self.sets {
+            levels.find(&angle[..count], self.levels, set as f32 / self.sets as f32);
+            let of_set = &self.turned[set * self.levels..][..self.levels];
+            for (level, weight) in levels.level.iter().zip(&levels.weight) {
+                if !self.thresholds(threshold, &density[..count], weight) {
+                    continue;
+                }
+                turns.gather(of_set, &level[..count]);
+                turns.turn(places, place, count);
+                self.map
+                    .cover(&mut white[..count], places, &threshold.reached);
+            }
+        }
+        for (white, &wanted) in white[..count].iter_mut().zip(&wanted[..count]) {
+            *white = if wanted >= MAX_DENSITY { 0.0 } else { *white };
+        }
+    }
+
+    /// The thresholds that give weighted shares of densities; whether any gives ink.
+    #[inline(always)]
+    fn thresholds(
+        &self,
+        thresholds: &mut Thresholds,
+        density: &[f32],
+        weight: &[f32; BATCH],
+    ) -> bool {
+        let Thresholds { entry, reached } = thresholds;
+        let share = 1.0 / self.sets as f32;
+        let count = density.len().min(BATCH);
+        for i in 0..count {
+            entry[i] = self.map.entry(weight[i] * share * density[i]);
+        }
+        let mut most = 0.0_f32;
+        for i in 0..count {
+            reached[i] = self.map.threshold(entry[i]);
+            most = most.max(reached[i]);
+        }
+        most > 0.0
+    }
+}
+
+/// Thresholds, and the entries of the response that tell them.
+#[derive(Debug)]
+struct Thresholds {
+    entry: [u32; BATCH],
+    reached: [f32; BATCH],
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self {
+            entry: [0; BATCH],
+            reached: [0.0; BATCH],
+        }
+    }
+}
+
+/// Where between texels the centre of the first pixel lies, plus its own half: a level along the axes has all
+/// pixels there. On texels lines are darker than on average, midway lighter; at a quarter neither.
+const BETWEEN: f32 = 0.75;
+
+/// How the texture is turned at each of several pixels.
+#[derive(Debug)]
+struct Turns {
+    cos: [f32; BATCH],
+    sin: [f32; BATCH],
+    offset: [[f32; BATCH]; 2],
+}
+
+impl Default for Turns {
+    fn default() -> Self {
+        Self {
+            cos: [0.0; BATCH],
+            sin: [0.0; BATCH],
+            offset: [[0.0; BATCH]; 2],
+        }
+    }
+}
+
+impl Turns {
+    #[inline(always)]
+    fn gather(&mut self, of_set: &[Turned], levels: &[u32]) {
+        for (i, &level) in levels.iter().enumerate() {
+            let turned = of_set[level as usize];
+            self.cos[i] = turned.cos;
+            self.sin[i] = turned.sin;
+            self.offset[0][i] = turned.offset.x;
+            self.offset[1][i] = turned.offset.y;
+        }
+    }
+
+    /// [LA] equation 8, for angles counterclockwise: along the angle only the first coordinate grows.
+    #[inline(always)]
+    fn turn(&self, to: &mut Places, [x, y]: &[[f32; BATCH]; 2], count: usize) {
+        for i in 0..count.min(BATCH) {
+            to.x[i] = self.cos[i] * x[i] - self.sin[i] * y[i] + self.offset[0][i];
+            to.y[i] = self.sin[i] * x[i] + self.cos[i] * y[i] + self.offset[1][i];
+        }
+    }
+}
+
+/// The two levels next to each angle and their tent weights.
+#[derive(Debug)]
+struct Levels {
+    level: [[u32; BATCH]; 2],
+    weight: [[f32; BATCH]; 2],
+}
+
+impl Default for Levels {
+    fn default() -> Self {
+        Self {
+            level: [[0; BATCH]; 2],
+            weight: [[0.0; BATCH]; 2],
+        }
+    }
+}
+
+impl Levels {
+    /// Among `levels` over half a turn, all of them `offset` of one further on. Past the last comes the
+    /// first again.
+    #[inline(always)]
+    fn find(&mut self, angles: &[f32], levels: usize, offset: f32) {
+        let (count, last) = (levels as f32, levels as f32 - 1.0);
+        let ([below, above], [below_weight, above_weight]) = (&mut self.level, &mut self.weight);
+        for (i, &angle) in angles.iter().enumerate() {
+            let at = angle * (count / PI) - offset;
+            let at = if at < 0.0 { at + count } else { at };
+            let level = at.floor().min(last);
+            let next = if level == last { 0.0 } else { level + 1.0 };
+            // A level that is alone has no other to share with.
+            let away = if last == 0.0 {
+                0.0
+            } else {
+                (at - level).min(1.0)
+            };
+            below[i] = level as i32 as u32;
+            above[i] = next as i32 as u32;
+            below_weight[i] = 1.0 - away;
+            above_weight[i] = away;
+        }
+    }
+}

@@ -1,0 +1,454 @@
+//! Principal curvatures of the surface itself, and their directions, from the rays along its normals.
+//!
+//! Theory: [LA] sections 4.1 and 4.2. In the frame of a point P (z its normal) a neighbour's normal ray
+//! meets z = 0 at (u, v) and has the slope (sigma, tau) there. To first order the slopes are a linear
+//! map M of the feet, whose eigenvectors are the principal directions and whose eigenvalues are the
+//! principal curvatures, negated. Changes: M is taken from central differences of feet and slopes, which
+//! is second order (and exact on a ball, whose rays all meet in its middle), made symmetric, and its
+//! eigenvectors taken in closed form; the paper's equation 3 fails where a neighbour lies along a
+//! principal direction, as all of them do on an upright cylinder. Degenerate points are told by tests
+//! that do not depend on the unit of length, and by the noise of the samples. Practice: give neighbours
+//! on the same surface only, a few pixels away where normals are coarse.
+
+pub(crate) mod cpu;
+pub(crate) mod setting;
+
+use glam::{DVec2, DVec3};
+
+/// A normal ray beside the point looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalRay {
+    /// From the point looked at to a point on the ray, in view space, in any unit of length.
+    pub offset: DVec3,
+    /// Where the ray leads: the normal there, of any length.
+    pub normal: DVec3,
+}
+
+/// The rays on both sides of a point along one axis of the picture, as far as there are any.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sides {
+    /// On the side of lesser x or y (y up).
+    pub before: Option<NormalRay>,
+    /// On the side of greater x or y.
+    pub after: Option<NormalRay>,
+    /// How many pixels away.
+    pub step_px: f64,
+}
+
+/// Errors of rounding are spread evenly up to the largest: their standard deviation is this share of it.
+pub const ROUNDING_DEVIATION: f64 = 0.577_350_269;
+
+/// How far samples are to be trusted: standard deviations of their errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Of a component of a unit normal.
+    pub normal: f64,
+    /// Of a component of an offset, in its unit of length.
+    pub offset: f64,
+}
+
+/// What kind of point the surface has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// The normal does not turn, as far as can be told: no direction.
+    Planar,
+    /// It turns alike every way, likewise: no direction.
+    Umbilic,
+    /// It turns one way only, as on a cylinder.
+    Parabolic,
+    /// Two curvatures.
+    General,
+}
+
+/// Principal curvatures of a surface, the larger in size first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrincipalCurvatures {
+    /// What kind of point it is; where it has no direction, those given are arbitrary.
+    pub form: Form,
+    /// Curvatures per unit of length; convex is negative.
+    pub curvatures: [f64; 2],
+    /// Unit directions in view space, tangent to the surface, each equal to its opposite.
+    pub directions: [DVec3; 2],
+}
+
+impl PrincipalCurvatures {
+    /// The direction of the curvature larger in size, if the point has one.
+    pub fn direction(&self) -> Option<DVec3> {
+        match self.form {
+            Form::Planar | Form::Umbilic => None,
+            Form::Parabolic | Form::General => Some(self.directions[0]),
+        }
+    }
+}
+
+/// Turn of the normal, in radians per pixel, below which a surface is planar: 6 degrees over a
+/// thousand pixels, flat to the eye. Higher values flatten large gentle shapes; lower ones follow the
+/// rounding of normals that were stored exactly but computed in f32.
+pub const PLANAR_TURN: f64 = 1e-4;
+
+/// Difference of the curvatures over their sum below which a point is umbilic; its square is the
+/// discriminant of [LA] equation 1 over B^2.
+pub const UMBILIC: f64 = 1e-2;
+
+/// The lesser curvature over the greater below which it is 0.
+pub const PARABOLIC: f64 = 1e-3;
+
+/// Standard deviations by which the curvatures must differ. At 3 the rounding of a ball's normals to 8 bits
+/// is taken for a direction here and there; from 6 to 10, where steps may widen, the 95th percentile of the
+/// error on an ellipsoid of 256 px still falls from 8 to 6 degrees.
+pub(crate) const CERTAINTY: f64 = 10.0;
+
+/// Cosine of the angle between two normals below which their rays are not compared: slopes run away.
+pub(crate) const MIN_COSINE: f64 = 0.1;
+
+/// Least sine between the two differences of feet: below it the surface is seen along itself.
+pub(crate) const MIN_SINE: f64 = 1e-6;
+
+/// How far before the plane of the picture a unit normal and the way to the viewer must point together.
+pub(crate) const MIN_UPRIGHT: f64 = 1e-6;
+
+/// Principal curvatures at a point with the normal `normal`, from the rays beside it along x and y.
+///
+/// `None` where an axis has no usable ray, or the surface is seen along itself. With a ray on both sides
+/// of each the error is of second order in the step; a missing one is replaced by the point's own, at
+/// first order.
+#[inline]
+pub fn principal_curvatures(
+    normal: DVec3,
+    [along_x, along_y]: [Sides; 2],
+    noise: Noise,
+) -> Option<PrincipalCurvatures> {
+    let local = Local::at(normal)?;
+    let (x, y) = (local.difference(&along_x)?, local.difference(&along_y)?);
+    let Slopes {
+        mean,
+        half_difference,
+        off,
+        area,
+        spread,
+    } = Slopes::of(&x, &y)?;
+    let half_spread = half_difference.hypot(off);
+    let found = [mean + half_spread, mean - half_spread];
+    let first = local.eigenvector(half_difference, off, half_spread);
+    let second = local.normal.cross(first);
+    let (curvatures, directions) = if mean >= 0.0 {
+        (found, [first, second])
+    } else {
+        ([found[1], found[0]], [second, first])
+    };
+    let turn = (x.slope.length() / x.samples).max(y.slope.length() / y.samples);
+    let sample_error = noise.normal + curvatures[0].abs() * noise.offset;
+    // Each slope errs by sqrt(2) of a sample, and the half difference of two entries of S U^-1 by that
+    // over sqrt(2), times the size of U^-1, which is sqrt(2) where U is the identity.
+    let error = CERTAINTY * sample_error * (0.5 * spread).sqrt() / area.abs();
+    let [larger, lesser] = curvatures;
+    let form = if turn < PLANAR_TURN || larger.abs() <= error {
+        Form::Planar
+    } else if half_spread <= (UMBILIC * mean.abs()).max(error) {
+        Form::Umbilic
+    } else if lesser.abs() < PARABOLIC * larger.abs() {
+        Form::Parabolic
+    } else {
+        Form::General
+    };
+    let lesser = if form == Form::Parabolic { 0.0 } else { lesser };
+    Some(PrincipalCurvatures {
+        form,
+        curvatures: [larger, lesser],
+        directions,
+    })
+}
+
+/// Curvatures of a surface as one tensor, in the frame that turning the normal to the viewer by the shortest
+/// way makes the picture's own: the frames of neighbours are nearly alike, so that tensors can be averaged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvatureTensor {
+    /// Mean of the principal curvatures, per unit of length; convex is negative.
+    pub mean: f64,
+    /// Half their difference, toward twice the angle of the larger one's direction.
+    pub deviator: DVec2,
+}
+
+/// The tensor of curvature at a point with the unit normal `normal`, from the rays beside it along x and y.
+///
+/// `None` as for [`principal_curvatures`], and where the normal points straight away from the viewer.
+#[inline]
+pub fn curvature_tensor(normal: DVec3, [along_x, along_y]: [Sides; 2]) -> Option<CurvatureTensor> {
+    let local = Local {
+        tangents: upright_tangents(normal)?,
+        normal,
+    };
+    let slopes = Slopes::of(&local.difference(&along_x)?, &local.difference(&along_y)?)?;
+    Some(CurvatureTensor {
+        mean: slopes.mean,
+        deviator: DVec2::new(slopes.half_difference, slopes.off),
+    })
+}
+
+/// The tangents that become the picture's x and y when the unit normal is turned to the viewer by the
+/// shortest way; `None` where it points straight away.
+#[inline]
+pub fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
+    let both = normal + DVec3::Z;
+    let faces = both.z > MIN_UPRIGHT;
+    faces.then(|| [DVec3::X, DVec3::Y].map(|axis| axis - axis.dot(normal) / both.z * both))
+}
+
+/// M, made symmetric, and negated: its eigenvalues are the curvatures.
+struct Slopes {
+    mean: f64,
+    half_difference: f64,
+    off: f64,
+    /// Of the feet: the area between them and the sum of their squares.
+    area: f64,
+    spread: f64,
+}
+
+impl Slopes {
+    fn of(x: &Difference, y: &Difference) -> Option<Self> {
+        let (u, v) = (x.foot, y.foot);
+        let area = u.perp_dot(v);
+        let spread = u.length_squared() + v.length_squared();
+        let is_square_on = area.abs() > MIN_SINE * spread;
+        if !is_square_on {
+            return None;
+        }
+        // M U = S: the columns of U are feet, those of S slopes. The height over the tangent plane falls
+        // where a ray leans outward, so its second derivatives are -M.
+        let column_x = (y.slope * u.y - x.slope * v.y) / area;
+        let column_y = (x.slope * v.x - y.slope * u.x) / area;
+        Some(Self {
+            mean: 0.5 * (column_x.x + column_y.y),
+            half_difference: 0.5 * (column_x.x - column_y.y),
+            off: 0.5 * (column_x.y + column_y.x),
+            area,
+            spread,
+        })
+    }
+}
+
+/// The frame of a point: two tangents and the normal.
+struct Local {
+    tangents: [DVec3; 2],
+    normal: DVec3,
+}
+
+/// Feet and slopes of two rays, one less the other, or of one ray in the point's own frame.
+struct Difference {
+    foot: DVec2,
+    slope: DVec2,
+    samples: f64,
+}
+
+impl Local {
+    fn at(normal: DVec3) -> Option<Self> {
+        let normal = normal.try_normalize()?;
+        let (a, b) = normal.any_orthonormal_pair();
+        Some(Self {
+            tangents: [a, b],
+            normal,
+        })
+    }
+
+    /// Foot and slope of a ray; `None` where it leans too far.
+    fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
+        let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
+        let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));
+        let lean = along(ray.normal);
+        let leans_little = up > MIN_COSINE * (lean.length_squared() + up * up).sqrt();
+        let slope = lean / up;
+        let foot = along(ray.offset) - rise * slope;
+        (leans_little && foot.is_finite() && slope.is_finite()).then_some((foot, slope))
+    }
+
+    /// The ray after less the ray before; the point's own ray, all zero, stands in for one of them.
+    fn difference(&self, sides: &Sides) -> Option<Difference> {
+        let [before, after] = [&sides.before, &sides.after].map(|r| self.ray(r.as_ref()?));
+        let samples =
+            sides.step_px * f64::from(u8::from(before.is_some()) + u8::from(after.is_some()));
+        if samples == 0.0 {
+            return None;
+        }
+        let own = (DVec2::ZERO, DVec2::ZERO);
+        let (before, after) = (before.unwrap_or(own), after.unwrap_or(own));
+        Some(Difference {
+            foot: after.0 - before.0,
+            slope: after.1 - before.1,
+            samples,
+        })
+    }
+
+    /// The tangent that belongs to the larger eigenvalue of [m + d, o; o, m - d], q = |(d, o)|: along
+    /// (d + q, o) or (o, q - d), whichever does not cancel.
+    fn eigenvector(&self, d: f64, o: f64, q: f64) -> DVec3 {
+        let v = if d >= 0.0 {
+            DVec2::new(d + q, o)
+        } else {
+            DVec2::new(o, q - d)
+        };
+        let v = v.try_normalize().unwrap_or(DVec2::X);
+        self.tangents[0] * v.x + self.tangents[1] * v.y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXACT: Noise = Noise {
+        normal: 1e-9,
+        offset: 0.0,
+    };
+
+    /// Rays half a unit to each side of the origin on the height `(xx x^2 + 2 xy x y + yy y^2) / 2`,
+    /// all of it turned by `turn`.
+    fn sides_of([xx, xy, yy]: [f64; 3], turn: glam::DMat3) -> (DVec3, [Sides; 2]) {
+        let ray = |x: f64, y: f64| NormalRay {
+            offset: turn * DVec3::new(x, y, 0.5 * (xx * x * x + 2.0 * xy * x * y + yy * y * y)),
+            normal: turn * DVec3::new(-xx * x - xy * y, -xy * x - yy * y, 1.0),
+        };
+        let sides = |x: f64, y: f64| Sides {
+            before: Some(ray(-x, -y)),
+            after: Some(ray(x, y)),
+            step_px: 1.0,
+        };
+        (turn * DVec3::Z, [sides(0.5, 0.0), sides(0.0, 0.5)])
+    }
+
+    fn curvatures(height: [f64; 3]) -> PrincipalCurvatures {
+        let turn = glam::DMat3::from_rotation_x(0.7) * glam::DMat3::from_rotation_y(-0.4);
+        let (normal, sides) = sides_of(height, turn);
+        let mut found = principal_curvatures(normal, sides, EXACT).unwrap();
+        found.directions = found.directions.map(|t| turn.transpose() * t);
+        found
+    }
+
+    #[test]
+    fn curvatures_are_those_of_the_height_convex_negative() {
+        // A convex ridge, -0.02 along 30 degrees, +0.005 across it: slopes of 0.01 bring rays off by
+        // their square, 1e-4.
+        let (c, s) = (0.75_f64.sqrt(), 0.5);
+        let (u, v) = (-0.02, 0.005);
+        let found = curvatures([
+            u * c * c + v * s * s,
+            (u - v) * c * s,
+            u * s * s + v * c * c,
+        ]);
+        assert_eq!(found.form, Form::General);
+        assert!((found.curvatures[0] / u - 1.0).abs() < 1e-4, "{found:?}");
+        assert!((found.curvatures[1] / v - 1.0).abs() < 1e-4, "{found:?}");
+        assert!(found.directions[0].cross(DVec3::new(c, s, 0.0)).length() < 1e-4);
+        assert!(found.directions[1].cross(DVec3::new(-s, c, 0.0)).length() < 1e-4);
+    }
+
+    #[test]
+    fn a_ball_is_exact_at_any_step() {
+        // The rays of a ball of radius 2 meet in its middle: at 40 degrees to each side too.
+        let ray = |angle: f64, axis: DVec3| NormalRay {
+            offset: 2.0 * (angle.sin() * axis + (angle.cos() - 1.0) * DVec3::Z),
+            normal: angle.sin() * axis + angle.cos() * DVec3::Z,
+        };
+        let sides = |axis| Sides {
+            before: Some(ray(-0.7, axis)),
+            after: Some(ray(0.7, axis)),
+            step_px: 1.0,
+        };
+        let found = principal_curvatures(DVec3::Z, [sides(DVec3::X), sides(DVec3::Y)], EXACT);
+        let found = found.unwrap();
+        assert_eq!(found.form, Form::Umbilic);
+        assert!(
+            found.curvatures.iter().all(|k| (k + 0.5).abs() < 1e-12),
+            "{found:?}"
+        );
+        assert_eq!(found.direction(), None);
+    }
+
+    #[test]
+    fn every_degenerate_form_is_told_in_any_unit_of_length() {
+        let forms = [
+            ([0.0, 0.0, 0.0], Form::Planar),
+            ([-0.02, 0.0, -0.02], Form::Umbilic),
+            ([0.0, 0.0, -0.02], Form::Parabolic),
+            ([0.03, 0.0, -0.02], Form::General),
+            // Curvatures of one size and opposite signs are no umbilic.
+            ([0.02, 0.0, -0.02], Form::General),
+        ];
+        for (height, form) in forms {
+            let (normal, plain) = sides_of(height, glam::DMat3::IDENTITY);
+            for unit in [1e-6, 1.0, 1e6] {
+                let scaled = plain.map(|sides| Sides {
+                    before: sides.before.map(|r| NormalRay {
+                        offset: r.offset * unit,
+                        ..r
+                    }),
+                    after: sides.after.map(|r| NormalRay {
+                        offset: r.offset * unit,
+                        ..r
+                    }),
+                    ..sides
+                });
+                let found = principal_curvatures(normal, scaled, EXACT).unwrap();
+                assert_eq!(found.form, form, "{height:?} in units of {unit}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn differences_within_the_noise_are_no_direction() {
+        // Half the difference of the slopes is 0.005, the greater 0.02; feet are a unit apart, so the noise
+        // of the one is that of the normals, and ten times it is asked for.
+        let (normal, sides) = sides_of([-0.02, 0.0, -0.01], glam::DMat3::IDENTITY);
+        let form = |normal_noise| {
+            let noise = Noise {
+                normal: normal_noise,
+                offset: 0.0,
+            };
+            principal_curvatures(normal, sides, noise).unwrap().form
+        };
+        assert_eq!(form(1e-4), Form::General);
+        assert_eq!(form(4e-4), Form::General);
+        assert_eq!(form(6e-4), Form::Umbilic);
+        assert_eq!(form(1.9e-3), Form::Umbilic);
+        assert_eq!(form(2.1e-3), Form::Planar);
+    }
+
+    #[test]
+    fn one_side_serves_and_none_does_not() {
+        let (normal, mut sides) = sides_of([-0.02, 0.0, 0.005], glam::DMat3::IDENTITY);
+        sides[0].before = None;
+        let found = principal_curvatures(normal, sides, EXACT).unwrap();
+        assert!(
+            (found.curvatures[0] / -0.02 - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
+        sides[0].after = None;
+        assert_eq!(principal_curvatures(normal, sides, EXACT), None);
+    }
+
+    #[test]
+    fn hostile_rays_give_nothing() {
+        let (normal, sides) = sides_of([-0.02, 0.0, 0.005], glam::DMat3::IDENTITY);
+        assert_eq!(principal_curvatures(DVec3::ZERO, sides, EXACT), None);
+        for (offset, lean) in [
+            (DVec3::NAN, DVec3::Z),
+            (DVec3::INFINITY, DVec3::Z),
+            (DVec3::X, DVec3::ZERO),
+            (DVec3::X, DVec3::NAN),
+            (DVec3::X, DVec3::NEG_Z),
+            (DVec3::X, DVec3::X),
+        ] {
+            let ray = Some(NormalRay {
+                offset,
+                normal: lean,
+            });
+            let bad = Sides {
+                before: ray,
+                after: ray,
+                step_px: 1.0,
+            };
+            assert_eq!(principal_curvatures(normal, [bad, sides[1]], EXACT), None);
+        }
+        // Both axes of the picture along one line of the surface.
+        assert_eq!(principal_curvatures(normal, [sides[0]; 2], EXACT), None);
+    }
+}

@@ -1,0 +1,120 @@
+//! What specular pixels show: where strokes on it lie in the picture, and its shape as it appears there.
+
+pub(crate) mod map_directions;
+pub(crate) mod met_points;
+pub(crate) mod seen;
+pub(crate) mod tangents;
+
+pub(crate) use crate::line::specular::map_directions::KeptDirections;
+
+use crate::engine::cpu::memory::Memory;
+use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
+use crate::line::direction_field::cpu::stroke_fields;
+use crate::line::specular::met_points::met_pixels;
+use crate::line::specular::seen::{SeenPixel, seen_pixels};
+use crate::line::specular::tangents::Tangents;
+use crate::params::{LineParams, SpecularParams};
+use crate::plan::Plan;
+use crate::shape::edges::cpu as edges;
+use crate::trace::Tracer;
+
+/// What a frame's specular pixels show.
+pub(crate) struct SeenThrough {
+    /// The frame with the shape of what is seen in them, as it appears there.
+    pub(crate) frame: Frame,
+    /// The directions of strokes on it, in the order wanted: unit, in the picture, x right, y up; 0 elsewhere and
+    /// where they cannot be told.
+    pub(crate) directions: Vec<Vector2Planes>,
+}
+
+/// What the specular pixels of `frame` show of `scene`, with the directions that strokes by `params` take there.
+/// `None` where nothing can be traced.
+pub(crate) fn seen_through(
+    plan: &Plan,
+    frame: &Frame,
+    scene: &SpecularScene,
+    specular: &SpecularParams,
+    params: &LineParams,
+    kept: &KeptDirections,
+    memory: &Memory,
+) -> Option<SeenThrough> {
+    let camera = frame.camera?;
+    let sight = SightLines::new(camera.projection);
+    let tracer = Tracer::new(frame, scene, specular)?;
+    let wanted = params.directions.wanted();
+    let behind = scene.behind.as_ref().map(|behind| {
+        let (edges, _) = edges::edges_and_gradient(plan, behind, memory);
+        let conductance = &edges.conductance;
+        let (field, directions) = (&params.field, params.directions);
+        stroke_fields(plan, field, directions, behind, conductance, None, memory)
+    });
+    let tangents = Tangents {
+        tracer: &tracer,
+        camera,
+        behind: behind.unwrap_or_default(),
+        around: scene.surroundings.as_ref().map(|map| kept.of(map)),
+        families: [0, 1].into_iter().filter(|&f| wanted[f]).collect(),
+        fallback: params.field.fallback,
+    };
+    let pixels = match &scene.hit_position {
+        Some(points) => met_pixels(frame, scene, points, &tangents),
+        None => seen_pixels(frame, &tracer, &tangents),
+    };
+    let mut directions = vec![blank(frame); tangents.families.len()];
+    for pixel in &pixels {
+        for (plane, direction) in directions.iter_mut().zip(pixel.directions) {
+            plane.x.row_mut(pixel.y)[pixel.x] = direction.x;
+            plane.y.row_mut(pixel.y)[pixel.x] = direction.y;
+        }
+    }
+    Some(SeenThrough {
+        frame: as_it_appears(frame, &sight, &pixels),
+        directions,
+    })
+}
+
+fn blank(frame: &Frame) -> Vector2Planes {
+    let plane = || frame.normal.x.map(|_| 0.0);
+    Vector2Planes {
+        x: plane(),
+        y: plane(),
+    }
+}
+
+/// The shape of the frame with that of what its specular pixels show in its place; without the picture.
+fn as_it_appears(frame: &Frame, sight: &SightLines, pixels: &[SeenPixel]) -> Frame {
+    let mut normal = frame.normal.clone();
+    let mut depth = frame.depth.clone();
+    let mut lengths = frame.normal_length.clone();
+    for pixel in pixels {
+        let (x, y) = (pixel.x, pixel.y);
+        normal.x.row_mut(y)[x] = pixel.normal.x;
+        normal.y.row_mut(y)[x] = pixel.normal.y;
+        normal.z.row_mut(y)[x] = pixel.normal.z;
+        if let Some(depth) = &mut depth {
+            let along = match frame.source.depth_kind {
+                DepthKind::Ray => {
+                    let at = frame.data_window.middle(x, y);
+                    sight.line(at.x, at.y).1.length() as f32
+                }
+                DepthKind::Planar | DepthKind::Relative => 1.0,
+            };
+            depth.row_mut(y)[x] = pixel.depth * along;
+        }
+        if let Some(lengths) = &mut lengths {
+            lengths.row_mut(y)[x] = 1.0;
+        }
+    }
+    Frame {
+        data_window: frame.data_window,
+        display_window: frame.display_window,
+        pixel_aspect: frame.pixel_aspect,
+        normal_length: lengths,
+        depth,
+        occlusion: frame.occlusion.clone(),
+        alpha: frame.alpha.clone(),
+        camera: frame.camera,
+        source: frame.source.clone(),
+        ..Frame::of_normals(normal, frame.mask.clone())
+    }
+}

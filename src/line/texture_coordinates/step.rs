@@ -1,0 +1,264 @@
+//! From one frame to the next: where the surface of every pixel was, and the places it had there.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::rows::ROWS_PER_TASK;
+use crate::engine::cpu::rows::map_rows;
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::line::texture_coordinates::cpu::{PlaceMap, TextureCoordinates, origin_in};
+use crate::line::texture_coordinates::hidden::Hidden;
+use crate::line::texture_coordinates::places::{
+    Surface, calmed_at, is_one_depth, is_one_motion, jacobian_at, place_at,
+};
+use crate::line::texture_coordinates::{extrapolated, is_joined};
+use rayon::prelude::*;
+
+/// How often places are averaged with those around them in each frame. What that takes from the curvature of a
+/// map is a thousandth of a pixel; what it takes from roughness of up to eight pixels is most.
+const CALMINGS: usize = 2;
+
+/// Pixels along each axis from one to the next that is looked at for the change of all depth.
+const STRIDE: usize = 8;
+
+/// From one frame to the next.
+pub(crate) struct Step<'a> {
+    before: &'a TextureCoordinates,
+    frame: &'a Frame,
+    motion: &'a Vector2Planes,
+    /// Depth now over depth before, in the median.
+    depth_ratio: f32,
+}
+
+/// Where the surface of a pixel was in the frame before: between four pixels.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Origin {
+    /// Column and row of the left upper one; one less than the first may be meant.
+    left: i32,
+    top: i32,
+    /// How far right and below of it.
+    across: f32,
+    down: f32,
+    /// Which of the four show that surface, a bit each, row by row.
+    seen: u8,
+    /// Whether all of them do that have a weight.
+    pub(crate) whole: bool,
+}
+
+/// Weights below this are those of rounding.
+const LEAST_WEIGHT: f32 = 1e-4;
+
+impl Origin {
+    /// Whether the surface was seen at all.
+    pub(crate) fn is_known(&self) -> bool {
+        self.seen != 0
+    }
+
+    /// From one of the four pixels to where the surface was.
+    #[inline(always)]
+    fn offset(&self, k: usize) -> [f32; 2] {
+        [self.across - (k % 2) as f32, self.down - (k / 2) as f32]
+    }
+
+    #[inline(always)]
+    fn weight(&self, k: usize) -> f32 {
+        let [x, y] = self.offset(k);
+        (1.0 - x.abs()) * (1.0 - y.abs())
+    }
+
+    /// Column and row of one of the four, if it has a weight and lies within `width` x `height`.
+    #[inline(always)]
+    fn pixel(&self, k: usize, width: usize, height: usize) -> Option<[usize; 2]> {
+        let (x, y) = (self.left + (k % 2) as i32, self.top + (k / 2) as i32);
+        let inside = (0..width as i32).contains(&x) && (0..height as i32).contains(&y);
+        inside.then_some([x as usize, y as usize])
+    }
+
+    #[inline(always)]
+    fn is_seen(&self, k: usize) -> bool {
+        self.seen >> k & 1 == 1
+    }
+}
+
+impl<'a> Step<'a> {
+    pub(crate) fn new(
+        before: &'a TextureCoordinates,
+        frame: &'a Frame,
+        motion: &'a Vector2Planes,
+    ) -> Self {
+        let size = |plane: &Plane| (plane.width(), plane.height());
+        let expected = (frame.mask.width(), frame.mask.height());
+        assert!(
+            size(&motion.x) == expected && size(&motion.y) == expected,
+            "motion has the size of its frame"
+        );
+        let mut step = Self {
+            before,
+            frame,
+            motion,
+            depth_ratio: 1.0,
+        };
+        step.depth_ratio = step.median_depth_ratio();
+        step
+    }
+
+    /// Between which pixels the surface of a pixel was; `None` outside all of them.
+    #[inline(always)]
+    fn between(&self, x: usize, y: usize) -> Option<Origin> {
+        let (now, then) = (self.frame.data_window, self.before.window);
+        let from = |at: usize, shift: i32, moved: f32, length: usize| {
+            let from = at as f64 + f64::from(shift) - f64::from(moved);
+            // A motion that is not a number leads nowhere either.
+            (from > -1.0 && from < length as f64).then(|| (from.floor(), from))
+        };
+        let (width, height) = (self.before.mask.width(), self.before.mask.height());
+        let (left, u) = from(x, now.x0 - then.x0, self.motion.x.at(x, y), width)?;
+        let (top, v) = from(y, now.y0 - then.y0, -self.motion.y.at(x, y), height)?;
+        Some(Origin {
+            left: left as i32,
+            top: top as i32,
+            across: (u - left) as f32,
+            down: (v - top) as f32,
+            seen: 0,
+            whole: false,
+        })
+    }
+
+    /// The same, with which of these pixels show that surface.
+    #[inline(always)]
+    fn origin(&self, x: usize, y: usize) -> Origin {
+        let Some(mut origin) = self.between(x, y) else {
+            return Origin::default();
+        };
+        let mask = &self.before.mask;
+        origin.whole = true;
+        for k in 0..4 {
+            if origin.weight(k) < LEAST_WEIGHT {
+                continue;
+            }
+            let pixel = origin.pixel(k, mask.width(), mask.height());
+            let seen =
+                pixel.filter(|&[u, v]| mask.at(u, v) && self.is_same_surface([x, y], [u, v]));
+            origin.seen |= u8::from(seen.is_some()) << k;
+            origin.whole &= seen.is_some();
+        }
+        origin
+    }
+
+    #[inline(always)]
+    fn is_same_surface(&self, now: [usize; 2], then: [usize; 2]) -> bool {
+        if let (Some(depth), Some(before)) = (&self.frame.depth, &self.before.depth) {
+            let before = self.depth_ratio * before.at(then[0], then[1]);
+            return is_one_depth(depth.at(now[0], now[1]), before);
+        }
+        let Some(before) = &self.before.motion else {
+            return true;
+        };
+        let at =
+            |motion: &Vector2Planes, [x, y]: [usize; 2]| place_at(motion, y * motion.x.width() + x);
+        is_one_motion(at(self.motion, now), at(before, then))
+    }
+
+    /// What the depth of most of the frame changed by: a camera may move fast.
+    fn median_depth_ratio(&self) -> f32 {
+        let (Some(depth), Some(before)) = (&self.frame.depth, &self.before.depth) else {
+            return 1.0;
+        };
+        let mask = &self.before.mask;
+        let mut ratios = Vec::new();
+        for y in (0..self.frame.mask.height()).step_by(STRIDE) {
+            for x in (0..self.frame.mask.width()).step_by(STRIDE) {
+                let covered = self.frame.mask.at(x, y);
+                let origin = self.between(x, y).filter(|_| covered);
+                let pixel = origin.and_then(|o| o.pixel(0, mask.width(), mask.height()));
+                if let Some([u, v]) = pixel.filter(|&[u, v]| mask.at(u, v)) {
+                    ratios.push(depth.at(x, y) / before.at(u, v));
+                }
+            }
+        }
+        ratios.retain(|ratio| ratio.is_finite() && *ratio > 0.0);
+        if ratios.is_empty() {
+            return 1.0;
+        }
+        let middle = ratios.len() / 2;
+        *ratios.select_nth_unstable_by(middle, f32::total_cmp).1
+    }
+
+    /// Where every covered pixel's surface was.
+    pub(crate) fn origins(&self) -> Plane<Origin> {
+        let mask = &self.frame.mask;
+        let mut origins = Plane::filled(mask.width(), mask.height(), Origin::default());
+        let rows = origins.samples_mut().par_chunks_mut(mask.width().max(1));
+        let rows = rows.enumerate().with_min_len(ROWS_PER_TASK);
+        rows.for_each(|(y, row)| {
+            for run in mask.runs(y) {
+                for x in run {
+                    row[x] = self.origin(x, y);
+                }
+            }
+        });
+        origins
+    }
+
+    /// The places of `map`, moved to this frame.
+    pub(crate) fn carried(
+        &self,
+        map: &PlaceMap,
+        origins: &Plane<Origin>,
+        hidden: &Hidden,
+        memory: &Memory,
+    ) -> Vector2Planes {
+        let mask = &self.frame.mask;
+        let [left, top] = origin_in(map.generation, self.frame.data_window);
+        let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
+            let origins = origins.row(y);
+            for run in mask.runs(y) {
+                for x in run {
+                    let still = [left + x as f32, top + y as f32];
+                    [xs[x], ys[x]] = self.place(map, &origins[x]).unwrap_or(still);
+                }
+            }
+        });
+        let mut moved = Vector2Planes { x, y };
+        hidden.fill(&mut moved);
+        let surface = Surface::of(self.frame, Some(self.motion));
+        for _ in 0..CALMINGS {
+            let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
+                for run in mask.runs(y) {
+                    for x in run {
+                        [xs[x], ys[x]] = calmed_at(&moved, &surface, x, y);
+                    }
+                }
+            });
+            let rough = std::mem::replace(&mut moved, Vector2Planes { x, y });
+            memory.take_back([rough.x, rough.y]);
+        }
+        moved
+    }
+
+    /// The place that a surface had before.
+    #[inline(always)]
+    fn place(&self, map: &PlaceMap, origin: &Origin) -> Option<[f32; 2]> {
+        if origin.seen == 0 {
+            return None;
+        }
+        let (width, height) = (map.place.x.width(), map.place.x.height());
+        let nearest = (0..4).filter(|&k| origin.is_seen(k));
+        let nearest = nearest.max_by(|&a, &b| origin.weight(a).total_cmp(&origin.weight(b)))?;
+        let [x, y] = origin.pixel(nearest, width, height)?;
+        let here = place_at(&map.place, y * width + x);
+        let (mut moved, mut joined) = (here, origin.whole);
+        for k in (0..4).filter(|&k| origin.is_seen(k) && k != nearest) {
+            let [u, v] = origin.pixel(k, width, height)?;
+            let there = place_at(&map.place, v * width + u);
+            joined &= is_joined(here, there);
+            let weight = origin.weight(k);
+            moved[0] += weight * (there[0] - here[0]);
+            moved[1] += weight * (there[1] - here[1]);
+        }
+        if joined {
+            return Some(moved);
+        }
+        let surface = self.before.surface();
+        let by = jacobian_at(&map.place, &surface, x, y);
+        Some(extrapolated(here, &by, origin.offset(nearest)))
+    }
+}

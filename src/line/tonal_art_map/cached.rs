@@ -1,0 +1,44 @@
+//! The texture of strokes, made once and kept while frames ask for the same.
+
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::{Stroke, StrokeParams, Style};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The texture of the last drawing.
+#[derive(Debug, Default)]
+pub(crate) struct KeptArtMap(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
+
+/// What a texture was made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Made {
+    stroke: Stroke,
+    style: Style,
+    seed: u64,
+}
+
+impl KeptArtMap {
+    /// The texture for strokes in a picture of which `resolution_factor` pixels stand for one of the
+    /// reference; `timed` has it made where it is another one.
+    pub(crate) fn of(
+        &self,
+        params: &StrokeParams,
+        resolution_factor: f32,
+        timed: impl FnOnce(&dyn Fn() -> TonalArtMap) -> TonalArtMap,
+    ) -> Arc<TonalArtMap> {
+        let asked = Made {
+            stroke: params.stroke(resolution_factor),
+            style: params.style,
+            seed: params.seed,
+        };
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*kept {
+            Some((made, map)) if *made == asked => map.clone(),
+            _ => {
+                let make = || TonalArtMap::of_strokes(&asked.stroke, asked.style, asked.seed);
+                let map = Arc::new(timed(&make));
+                *kept = Some((asked, map.clone()));
+                map
+            }
+        }
+    }
+}

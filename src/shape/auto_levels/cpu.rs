@@ -1,0 +1,109 @@
+//! What is chosen from the whole frame: the gain of the curvature mapping and the white level.
+
+use crate::engine::cpu::percentile::{PercentileSearch, percentile};
+use crate::frame::{ColorPlanes, Mask, Plane};
+pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
+use crate::shape::auto_levels::{CURVATURE_PERCENT, MAX_GAIN, flat_curvature, typical_exponent};
+use std::ops::Range;
+
+/// The gain that maps the 80th percentile of |trace| to 0.35, over what is curved, edges left out.
+///
+/// The trace is `factor` times what it is per pixel of the plane.
+pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32) -> f32 {
+    let mut search = GainSearch::new([trace.width(), trace.height()], factor);
+    let rows = 0..trace.height();
+    search.add(rows.clone(), trace, conductance);
+    search.0.narrow();
+    search.add(rows, trace, conductance);
+    search.gain()
+}
+
+/// A search for the gain in a picture that comes some rows at a time, all of them twice.
+#[derive(Debug, Clone)]
+pub(crate) struct GainSearch(pub(crate) PercentileSearch, f32);
+
+impl GainSearch {
+    /// For a picture of this size, whose trace is `factor` times what it is per pixel.
+    pub(crate) fn new(size: [usize; 2], factor: f32) -> Self {
+        let flat = flat_curvature(size, factor);
+        Self(PercentileSearch::new(CURVATURE_PERCENT), flat)
+    }
+
+    pub(crate) fn add(&mut self, rows: Range<usize>, trace: &Plane, conductance: &Plane) {
+        let flat = self.1;
+        self.0.add(rows, |y| {
+            let samples = trace.row(y).iter().zip(conductance.row(y));
+            samples
+                .filter(|&(_, &c)| c > 0.5)
+                .map(|(t, _)| t.abs())
+                .filter(move |&t| t > flat)
+        });
+    }
+
+    pub(crate) fn gain(&self) -> f32 {
+        match self.0.found() {
+            Some(typical) if typical > 0.0 => (typical_exponent() / typical).min(MAX_GAIN),
+            _ => MAX_GAIN,
+        }
+    }
+}
+
+/// A high percentile of the luminance of the covered pixels; 1 where none has any.
+pub(crate) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -> f32 {
+    let luminances = |y| luminances(color, weights, mask, y);
+    white_of(percentile(mask.height(), WHITE_PERCENT, luminances))
+}
+
+/// The same of a `luminance` that was made before.
+pub(crate) fn white_level_of(luminance: &Plane, mask: &Mask) -> f32 {
+    let covered = |y| {
+        let (row, covered) = (luminance.row(y), mask.row(y));
+        mask.span(y).filter(|&x| covered[x]).map(|x| row[x])
+    };
+    white_of(percentile(mask.height(), WHITE_PERCENT, covered))
+}
+
+/// The luminance of the covered pixels of a row.
+pub(crate) fn luminances(
+    color: &ColorPlanes,
+    weights: [f32; 3],
+    mask: &Mask,
+    y: usize,
+) -> impl Iterator<Item = f32> {
+    let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.row(y));
+    let covered = mask.row(y);
+    mask.span(y)
+        .filter(|&x| covered[x])
+        .map(move |x| crate::frame::luminance([r[x], g[x], b[x]], weights))
+}
+
+/// The white level that a percentile of the luminance gives.
+pub(crate) fn white_of(percentile: Option<f32>) -> f32 {
+    percentile.filter(|&white| white > 0.0).unwrap_or(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gain_brings_typical_curvature_to_its_target() {
+        // Nine tenths of what is curved at |trace| 0.05, and a wall: tanh(gain * 0.05) = 0.35.
+        let trace = Plane::from_fn(100, 1, |x, _| match x {
+            0 => 9.0,
+            1..10 => -0.05,
+            _ => 1e-5,
+        });
+        let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0), 1.0);
+        assert!(((gain * 0.05).tanh() - 0.35).abs() < 1e-6);
+        // A plane: rounding noise is not blown up without end.
+        assert_eq!(
+            curvature_gain(&Plane::filled(4, 4, 1e-9), &Plane::filled(4, 4, 1.0), 1.0),
+            MAX_GAIN
+        );
+        // Told per pixel of a reference a fifth as high, the bumps have a fifth of the gain; what was too
+        // flat to count still is.
+        let fifth = curvature_gain(&trace.map(|t| 5.0 * t), &Plane::filled(100, 1, 1.0), 5.0);
+        assert!((5.0 * fifth / gain - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,31 @@
+//! What is chosen from the whole frame: the gain of the curvature mapping and white levels, as every backend chooses.
+
+pub(crate) mod cpu;
+
+/// Percentage of the surface whose curvature the gain leaves below [`TYPICAL_KAPPA`].
+pub(crate) const CURVATURE_PERCENT: u32 = 80;
+
+/// Mapped curvature that the percentile is brought to: clearly seen, far from saturated.
+const TYPICAL_KAPPA: f32 = 0.35;
+
+/// Gains past this would draw the rounding of half-float normals (5e-4 per pixel) as relief. It holds at
+/// every factor of resolution: diffusion that counts f times as many pixels lowers noise by f^2, more
+/// than the factor raises it.
+pub(crate) const MAX_GAIN: f32 = 200.0;
+
+/// Percentage of the surface that the white level leaves below it.
+pub(crate) const WHITE_PERCENT: u32 = 98;
+
+/// Surfaces that turn by less than this many radians over the whole picture are flat to the eye and
+/// have no say: a room is mostly walls. An angle, it is the same at every resolution.
+const FLAT_TURN: f32 = 0.25;
+
+/// What the gain times typical curvature is.
+pub(crate) fn typical_exponent() -> f32 {
+    TYPICAL_KAPPA.atanh()
+}
+
+/// The curvature, told `factor` times what it is per pixel, up to which a surface is flat in a picture of this size.
+pub(crate) fn flat_curvature(size: [usize; 2], factor: f32) -> f32 {
+    factor * FLAT_TURN / (size[0] as f32).hypot(size[1] as f32)
+}

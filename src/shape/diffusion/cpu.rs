@@ -1,0 +1,150 @@
+//! Diffusion of the gradient, by steps or by expansion, tile by tile.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::simd::Simd;
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::params::RunOptions;
+use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::sweeps::{Readout, Recurrence, Sweeps};
+use crate::shape::diffusion::tiles::{Tiling, even_tiles};
+use crate::shape::diffusion::wavefront::{Pass, Results, VectorRows, Wave, Weights};
+use crate::shape::diffusion::{FEW_LEVELS, Update};
+use rayon::prelude::*;
+
+/// The gradient after all sweeps: at every scale that is read out.
+///
+/// The sweeps are done in passes of several at once; what a pass leaves to the next are the last two
+/// terms of the recurrence and the sums so far.
+pub(crate) fn diffusion(
+    gradient: Vector2Planes,
+    conductance: &Plane,
+    frame: &Frame,
+    sweeps: &Sweeps,
+    options: &RunOptions,
+    memory: &Memory,
+) -> Vec<Vector2Planes> {
+    let mask = &frame.mask;
+    let threads = rayon::current_num_threads();
+    let size = even_tiles(options.tile, mask.width(), mask.height(), threads);
+    let tiling = Tiling::new(mask, size);
+    let updates = updates(sweeps);
+    let importance = Levels::of(frame, sweeps);
+    let weights = match (&sweeps.readout, &importance) {
+        (Readout::Sums(sums), _) => Weights::Sums(sums),
+        (_, Some(levels)) => Weights::ByLevel {
+            levels: &levels.plane,
+            are_few: levels.count <= FEW_LEVELS,
+            weights: &levels.weights,
+        },
+        _ => Weights::None,
+    };
+    let passes = updates.len().div_ceil(options.sweeps_per_pass.get());
+    let per_pass = updates.len().div_ceil(passes.max(1)).max(1);
+    let is_expansion = sweeps.recurrence == Recurrence::Chebyshev;
+
+    let blank = || memory.vectors(mask);
+    let mut sums: Vec<_> = (0..weights.sums()).map(|_| blank()).collect();
+    let mut terms = Terms {
+        last: gradient,
+        earlier: None,
+    };
+    let mut spare = None;
+    for (i, updates) in updates.chunks(per_pass).enumerate() {
+        let pass = Pass {
+            updates,
+            weights,
+            first_term: i * per_pass,
+            is_final: i + 1 == passes,
+            last: &terms.last,
+            earlier: terms.earlier.as_ref(),
+            conductance,
+            mask,
+            simd: Simd::widest(),
+        };
+        let goes_on = i + 1 < passes;
+        if goes_on || sums.is_empty() {
+            let (last, earlier) = spare.take().map_or((None, None), Terms::into_parts);
+            let mut next = Terms {
+                last: last.unwrap_or_else(blank),
+                // Explicit steps look back no farther.
+                earlier: is_expansion.then(|| earlier.unwrap_or_else(blank)),
+            };
+            run_pass(&pass, &tiling, &mut sums, Some(&mut next));
+            spare = Some(std::mem::replace(&mut terms, next));
+        } else {
+            run_pass(&pass, &tiling, &mut sums, None);
+        }
+    }
+    if sums.is_empty() {
+        sums.push(terms.last);
+    } else {
+        memory.take_back([terms.last.x, terms.last.y]);
+    }
+    let (last, earlier) = spare.map_or((None, None), Terms::into_parts);
+    let left = [last, earlier, terms.earlier].into_iter().flatten();
+    memory.take_back(left.flat_map(|Vector2Planes { x, y }| [x, y]));
+    sums
+}
+
+/// The last term of a recurrence and, where the next one needs it, the term before.
+struct Terms {
+    last: Vector2Planes,
+    earlier: Option<Vector2Planes>,
+}
+
+impl Terms {
+    fn into_parts(self) -> (Option<Vector2Planes>, Option<Vector2Planes>) {
+        (Some(self.last), self.earlier)
+    }
+}
+
+/// How every sweep makes its term.
+fn updates(sweeps: &Sweeps) -> Vec<Update> {
+    match sweeps.recurrence {
+        Recurrence::Explicit(time_step) => vec![Update::Step(time_step); sweeps.count()],
+        Recurrence::Chebyshev => {
+            let mut updates = vec![Update::Next; sweeps.count()];
+            if let Some(first) = updates.first_mut() {
+                *first = Update::First;
+            }
+            updates
+        }
+    }
+}
+
+/// Runs a pass over all tiles.
+fn run_pass(pass: &Pass, tiling: &Tiling, sums: &mut [Vector2Planes], next: Option<&mut Terms>) {
+    let mut results: Vec<Results> = tiling.tiles().iter().map(|_| Results::default()).collect();
+    for sum in sums {
+        for (results, rows) in results.iter_mut().zip(rows_by_tile(tiling, sum)) {
+            results.sums.push(rows);
+        }
+    }
+    if let Some(next) = next {
+        for (results, rows) in results.iter_mut().zip(rows_by_tile(tiling, &mut next.last)) {
+            results.last = Some(rows);
+        }
+        if let Some(earlier) = &mut next.earlier {
+            for (results, rows) in results.iter_mut().zip(rows_by_tile(tiling, earlier)) {
+                results.earlier = Some(rows);
+            }
+        }
+    }
+    tiling
+        .tiles()
+        .par_iter()
+        .zip(results)
+        .for_each_init(Wave::default, |wave, (tile, mut results)| {
+            wave.run(pass, tile, &mut results)
+        });
+}
+
+/// The rows of every tile in both components.
+fn rows_by_tile<'a>(
+    tiling: &Tiling,
+    planes: &'a mut Vector2Planes,
+) -> impl Iterator<Item = VectorRows<'a>> {
+    let x = tiling.cut(&mut planes.x);
+    let y = tiling.cut(&mut planes.y);
+    x.into_iter().zip(y).map(|(x, y)| [x, y])
+}

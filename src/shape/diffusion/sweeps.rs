@@ -1,0 +1,264 @@
+//! How often the diffusion operator is applied, and to what end.
+
+use crate::params::{Scale, ShapeParams, Solver};
+use crate::shape::chebyshev::{Expansion, Spread, coefficients};
+use rayon::prelude::*;
+
+/// The sweeps over the frame that diffuse its gradient, and what is read out of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweeps {
+    /// How a sweep makes the next term.
+    pub recurrence: Recurrence,
+    /// How the result is made of the terms.
+    pub readout: Readout,
+    count: usize,
+}
+
+/// How a sweep makes the next term of the terms before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Recurrence {
+    /// By an explicit step of this length.
+    Explicit(f32),
+    /// By the recurrence of the Chebyshev polynomials of the diffusion operator.
+    Chebyshev,
+}
+
+/// How results are made of the terms that the sweeps make, the gradient itself being the first.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Readout {
+    /// The last term.
+    Last,
+    /// One weighted sum of all terms per scale.
+    Sums(Vec<Vec<f32>>),
+    /// A weighted sum whose weights depend on the importance of each pixel.
+    ByImportance(Importance),
+}
+
+/// How far pixels are diffused by their importance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Importance {
+    /// How far those of importance 1 are.
+    pub spread: Spread,
+    /// Largest relative error of an expansion.
+    tolerance: f64,
+}
+
+impl Sweeps {
+    /// The sweeps that `params` ask for where `factor` pixels stand for one of the reference; the fewer
+    /// ones where both solvers give the same answer.
+    ///
+    /// `more_px` are the sigmas of further scales; with `by_importance` the spread is each pixel's own.
+    pub(crate) fn new(
+        params: &ShapeParams,
+        factor: f64,
+        more_px: &[f32],
+        by_importance: bool,
+    ) -> Self {
+        let time = params.diffusion_time() * factor * factor;
+        let (count, time_step) = steps(params, factor, time);
+        let spread = match params.scale {
+            Scale::Sigma(_) => Spread::Time(time),
+            Scale::Iterations(_) => Spread::Steps { count, time_step },
+        };
+        // Curvature is the difference of slopes times the factor, and so is its error.
+        let allowed = f64::from(params.tolerance) / (params.largest_slope() * factor.max(1.0));
+        let tolerance = match spread {
+            Spread::Time(_) => allowed,
+            Spread::Steps { .. } => allowed * CLOSER_TO_STEPS,
+        };
+        let explicit = || Self {
+            recurrence: Recurrence::Explicit(time_step as f32),
+            count: count as usize,
+            readout: match by_importance {
+                true => Readout::ByImportance(Importance {
+                    spread: Spread::Steps { count, time_step },
+                    tolerance,
+                }),
+                false => Readout::Last,
+            },
+        };
+        if params.solver == Solver::Explicit {
+            return explicit();
+        }
+        let more = more_px.iter().map(|&sigma| {
+            let time = ShapeParams::time_of(sigma) * factor * factor;
+            coefficients(Spread::Time(time), allowed)
+        });
+        let expansions: Vec<_> = std::iter::once(coefficients(spread, tolerance))
+            .chain(more)
+            .map(|expansion| expansion.into_iter().map(|a| a as f32).collect())
+            .collect();
+        let degree = expansions.iter().map(|e: &Vec<f32>| e.len() - 1).max();
+        let degree = degree.expect("there is a first scale");
+        let same_answer = matches!(params.scale, Scale::Iterations(_)) && more_px.is_empty();
+        if same_answer && count as usize <= degree {
+            return explicit();
+        }
+        Self {
+            recurrence: Recurrence::Chebyshev,
+            count: degree,
+            readout: match by_importance {
+                true => Readout::ByImportance(Importance { spread, tolerance }),
+                false => Readout::Sums(expansions),
+            },
+        }
+    }
+
+    /// How often the operator is applied.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// How many fields are read out.
+    pub fn results(&self) -> usize {
+        match &self.readout {
+            Readout::Sums(sums) => sums.len(),
+            Readout::Last | Readout::ByImportance(_) => 1,
+        }
+    }
+
+    /// The sweeps in words.
+    pub(crate) fn described(&self) -> String {
+        let sweeps = match self.recurrence {
+            Recurrence::Explicit(time_step) => {
+                format!("{} explicit steps of {time_step}", self.count)
+            }
+            Recurrence::Chebyshev => format!("Chebyshev expansion of degree {}", self.count),
+        };
+        match &self.readout {
+            Readout::ByImportance(_) => format!("{sweeps}, read out by importance"),
+            Readout::Sums(sums) if sums.len() > 1 => {
+                format!("{sweeps}, read out at {} scales", sums.len())
+            }
+            _ => sweeps,
+        }
+    }
+
+    /// The weights of all terms for a pixel of each of these importances, 0..1.
+    ///
+    /// # Panics
+    /// If the readout is not by importance.
+    pub fn weights_by_importance(&self, importances: &[f64]) -> Vec<Vec<f32>> {
+        let Readout::ByImportance(Importance { spread, tolerance }) = self.readout else {
+            panic!("the sweeps are not read out by importance");
+        };
+        let expansion = Expansion::up_to(spread);
+        let weights = |&importance: &f64| {
+            let share = spread.share(importance);
+            let mut weights = match (self.recurrence, share) {
+                (Recurrence::Explicit(_), Spread::Steps { count, .. }) => {
+                    let mut alone = vec![0.0; count as usize];
+                    alone.push(1.0);
+                    alone
+                }
+                _ => expansion.coefficients(share, tolerance),
+            };
+            // Rounding may give a smaller share a higher degree at most where both are tiny.
+            weights.resize(self.count + 1, 0.0);
+            weights.into_iter().map(|a| a as f32).collect()
+        };
+        importances.par_iter().map(weights).collect()
+    }
+}
+
+/// A number of steps names one exact answer, which explicit stepping gives too: an expansion keeps this
+/// share of the tolerance, so that the solvers can be exchanged, for a tenth more sweeps.
+const CLOSER_TO_STEPS: f64 = 0.1;
+
+/// Number and length of equal steps, none longer than the time step asked for, that add up to `time`.
+fn steps(params: &ShapeParams, factor: f64, time: f64) -> (u32, f64) {
+    let longest = f64::from(params.time_step);
+    match params.scale {
+        Scale::Iterations(count) if factor == 1.0 => (count, longest),
+        _ => {
+            // Rounding in the factor must not add a step.
+            let count = (time / longest * (1.0 - 1e-12)).ceil();
+            (count as u32, if count > 0.0 { time / count } else { 0.0 })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweeps(scale: Scale, solver: Solver) -> Sweeps {
+        let params = ShapeParams {
+            scale,
+            solver,
+            ..ShapeParams::default()
+        };
+        of(&params, 1.0)
+    }
+
+    fn of(params: &ShapeParams, factor: f64) -> Sweeps {
+        Sweeps::new(params, factor, &[], false)
+    }
+
+    #[test]
+    fn the_solver_with_fewer_sweeps_is_taken() {
+        // Ten steps expand to a polynomial of degree 10: stepping is as good and exact.
+        let ten = sweeps(Scale::Iterations(10), Solver::Chebyshev);
+        assert_eq!(ten, sweeps(Scale::Iterations(10), Solver::Explicit));
+        assert_eq!(sweeps(Scale::Iterations(0), Solver::Chebyshev).count(), 0);
+        let many = sweeps(Scale::Iterations(200), Solver::Chebyshev);
+        assert!(
+            many.recurrence == Recurrence::Chebyshev && many.count() < 60,
+            "{}",
+            many.count()
+        );
+    }
+
+    #[test]
+    fn explicit_steps_add_up_to_the_scale() {
+        // Sigma 3 is a time of 4.5: 23 steps of 0.1957, not 22.5 of 0.2.
+        let steps = sweeps(Scale::Sigma(3.0), Solver::Explicit);
+        let Recurrence::Explicit(time_step) = steps.recurrence else {
+            panic!("{steps:?}")
+        };
+        assert_eq!(steps.count(), 23);
+        assert!((steps.count() as f32 * time_step - 4.5).abs() < 1e-5 && time_step <= 0.2);
+    }
+
+    #[test]
+    fn a_reference_multiplies_time_by_the_square_of_the_factor() {
+        let stepped = ShapeParams {
+            scale: Scale::Iterations(10),
+            solver: Solver::Explicit,
+            ..ShapeParams::default()
+        };
+        // 10 steps of 0.2 are a time of 2: times 4, 1/4 (2.5 steps), 1/9 and 1.44 (14.4 steps).
+        for (factor, expected) in [(2.0, 40), (0.5, 3), (1.0 / 3.0, 2), (1.2, 15)] {
+            let sweeps = of(&stepped, factor);
+            let Recurrence::Explicit(time_step) = sweeps.recurrence else {
+                panic!("stepping was asked for")
+            };
+            assert_eq!(sweeps.count(), expected, "factor {factor}");
+            let time = f64::from(time_step) * sweeps.count() as f64;
+            assert!((time - 2.0 * factor * factor).abs() < 1e-6 && time_step <= 0.2);
+        }
+        let sigma = ShapeParams {
+            scale: Scale::Sigma(3.0),
+            ..stepped
+        };
+        let six = ShapeParams {
+            scale: Scale::Sigma(6.0),
+            ..stepped
+        };
+        assert_eq!(of(&sigma, 2.0), of(&six, 1.0));
+    }
+
+    #[test]
+    fn steep_slopes_take_a_higher_degree() {
+        let degree = |foreshortening| {
+            let scale = Scale::Sigma(10.0);
+            let params = ShapeParams {
+                scale,
+                foreshortening,
+                ..ShapeParams::default()
+            };
+            of(&params, 1.0).count()
+        };
+        assert!(degree(0.0) < degree(1.0));
+    }
+}

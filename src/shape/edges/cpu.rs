@@ -1,0 +1,297 @@
+//! Silhouettes, creases, conductance and the depth gradient in one sweep over rows.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::simd::Simd;
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::params::{ShapeParams, SoftThreshold};
+use crate::plan::{Plan, Stage};
+use crate::shape::Rows;
+use crate::shape::crease::{CreaseDetector, NormalRows};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Rows that one task takes: enough for the two rows around them, of which it makes the logarithm
+/// too, not to count.
+const ROWS: usize = 32;
+
+/// Columns that are looked at together for creases: most hold none.
+const BLOCK: usize = 64;
+
+/// Edge weights, and how freely slopes spread between them.
+pub(crate) struct Weights {
+    /// Only where it is asked for; likewise creases.
+    pub(crate) silhouette: Option<Plane>,
+    pub(crate) crease: Option<Plane>,
+    pub(crate) conductance: Plane,
+}
+
+/// Edges, with their weights where those are asked for, and the gradient.
+pub(crate) fn edges_and_gradient(
+    plan: &Plan,
+    frame: &Frame,
+    memory: &Memory,
+) -> (Weights, Vector2Planes) {
+    edges_with_weights(plan, frame, plan.keeps_edge_weights(), memory)
+}
+
+/// The same with the two weights or without.
+pub(crate) fn edges_with_weights(
+    plan: &Plan,
+    frame: &Frame,
+    with_weights: bool,
+    memory: &Memory,
+) -> (Weights, Vector2Planes) {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let blank = || memory.plane(&frame.mask);
+    let mut edges = Weights {
+        silhouette: with_weights.then(blank),
+        crease: with_weights.then(blank),
+        conductance: blank(),
+    };
+    let mut gradient = memory.vectors(&frame.mask);
+    let sources = Sources::new(plan, frame);
+    let bands = bands(&mut edges.silhouette, height)
+        .into_par_iter()
+        .zip(bands(&mut edges.crease, height))
+        .zip(edges.conductance.samples_mut().par_chunks_mut(ROWS * width))
+        .zip(gradient.x.samples_mut().par_chunks_mut(ROWS * width))
+        .zip(gradient.y.samples_mut().par_chunks_mut(ROWS * width));
+    bands.enumerate().for_each_init(
+        || Scratch::new(width),
+        |scratch, (i, ((((silhouette, crease), conductance), x), y))| {
+            let mut band = Band {
+                top: ROWS * i,
+                silhouette,
+                crease,
+                conductance,
+                gradient: [x, y],
+            };
+            sources.fill(&mut band, scratch);
+        },
+    );
+    (edges, gradient)
+}
+
+/// Bands of a plane that may not be wanted: as many `None` as there would be bands.
+fn bands(plane: &mut Option<Plane>, height: usize) -> Vec<Option<&mut [f32]>> {
+    match plane {
+        Some(plane) => {
+            let samples = ROWS * plane.width();
+            plane.samples_mut().chunks_mut(samples).map(Some).collect()
+        }
+        None => (0..height.div_ceil(ROWS)).map(|_| None).collect(),
+    }
+}
+
+/// Rows to be filled, from row `top` on.
+struct Band<'a> {
+    top: usize,
+    silhouette: Option<&'a mut [f32]>,
+    crease: Option<&'a mut [f32]>,
+    conductance: &'a mut [f32],
+    gradient: [&'a mut [f32]; 2],
+}
+
+/// Rows that a thread works in.
+struct Scratch {
+    /// The logarithm of depth in three rows, row y in that of y modulo 3.
+    log_depth: [Vec<f32>; 3],
+    silhouette: Vec<f32>,
+    crease: Vec<f32>,
+    least_cosine: Vec<f32>,
+}
+
+impl Scratch {
+    fn new(width: usize) -> Self {
+        let row = || vec![0.0; width];
+        Self {
+            log_depth: [row(), row(), row()],
+            silhouette: row(),
+            crease: row(),
+            least_cosine: row(),
+        }
+    }
+}
+
+/// What silhouettes are sought in, with the threshold of its jumps.
+enum Silhouettes<'a> {
+    Depth(&'a Plane, SoftThreshold),
+    Occlusion(&'a Plane, SoftThreshold),
+    Border,
+}
+
+struct Sources<'a> {
+    frame: &'a Frame,
+    params: &'a ShapeParams,
+    silhouettes: Silhouettes<'a>,
+    creases: CreaseDetector,
+    to_eye: ToEye,
+    simd: Simd,
+}
+
+impl<'a> Sources<'a> {
+    fn new(plan: &'a Plan, frame: &'a Frame) -> Self {
+        let map =
+            |plane: &'a Option<Plane>| plane.as_ref().expect("the plan found it in the frame");
+        let silhouettes = if plan.has(Stage::DepthSilhouettes) {
+            Silhouettes::Depth(map(&frame.depth), plan.shape.silhouette)
+        } else if plan.has(Stage::OcclusionSilhouettes) {
+            Silhouettes::Occlusion(map(&frame.occlusion), plan.shape.occlusion_silhouette)
+        } else {
+            Silhouettes::Border
+        };
+        Self {
+            frame,
+            params: &plan.shape,
+            silhouettes,
+            creases: CreaseDetector::new(plan.shape.crease),
+            to_eye: ToEye::new(frame),
+            simd: Simd::widest(),
+        }
+    }
+
+    fn fill(&self, band: &mut Band, scratch: &mut Scratch) {
+        let width = self.frame.mask.width();
+        let rows = band.conductance.len() / width;
+        for row in 0..rows {
+            let y = band.top + row;
+            let columns = self.frame.mask.span(y);
+            let of_row = row * width..(row + 1) * width;
+            self.add_log_depth(y, row == 0, scratch);
+            if columns.is_empty() {
+                continue;
+            }
+            self.silhouette_row(y, &columns, scratch);
+            self.crease_row(y, &columns, scratch);
+            let part = row * width + columns.start..row * width + columns.end;
+            self.simd.conductance_row(
+                &mut band.conductance[part.clone()],
+                &scratch.silhouette[columns.clone()],
+                &scratch.crease[columns.clone()],
+                &self.frame.mask.row(y)[columns.clone()],
+            );
+            let [x, y_part] = &mut band.gradient;
+            self.gradient_row(y, columns, [&mut x[part.clone()], &mut y_part[part]]);
+            for (plane, weights) in [
+                (&mut band.silhouette, &scratch.silhouette),
+                (&mut band.crease, &scratch.crease),
+            ] {
+                if let Some(plane) = plane {
+                    self.keep_covered(&mut plane[of_row.clone()], weights, y);
+                }
+            }
+        }
+    }
+
+    /// Makes sure that the logarithm of depth around row `y` is in the scratch rows.
+    fn add_log_depth(&self, y: usize, is_first: bool, scratch: &mut Scratch) {
+        let Silhouettes::Depth(depth, _) = &self.silhouettes else {
+            return;
+        };
+        let from = if is_first { y.saturating_sub(1) } else { y + 1 };
+        for y in from..(y + 2).min(depth.height()) {
+            // What lies beyond is beside a border, whatever its depth.
+            let columns = self.frame.mask.span(y);
+            self.simd.log_depth_row(
+                &mut scratch.log_depth[y % 3][columns.clone()],
+                &depth.row(y)[columns.clone()],
+                &self.frame.mask.row(y)[columns],
+            );
+        }
+    }
+
+    fn silhouette_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
+        let covered = Rows::around(self.frame.mask.plane(), y);
+        let out = &mut scratch.silhouette;
+        let columns = columns.clone();
+        match &self.silhouettes {
+            Silhouettes::Depth(depth, threshold) => {
+                let row = |y: usize| scratch.log_depth[y % 3].as_slice();
+                let map = Rows {
+                    above: row(y.saturating_sub(1)),
+                    at: row(y),
+                    below: row((y + 1).min(depth.height() - 1)),
+                };
+                self.simd
+                    .silhouette_row(out, &map, &covered, columns, *threshold);
+            }
+            Silhouettes::Occlusion(map, threshold) => {
+                let map = Rows::around(map, y);
+                self.simd
+                    .silhouette_row(out, &map, &covered, columns, *threshold);
+            }
+            Silhouettes::Border => self.simd.border_row(out, &covered, columns),
+        }
+    }
+
+    fn crease_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
+        let covered = Rows::around(self.frame.mask.plane(), y);
+        let normals = NormalRows::around(&self.frame.normal, y);
+        let lengths = self.frame.normal_length.as_ref().map(|plane| plane.row(y));
+        let least = &mut scratch.least_cosine;
+        self.simd
+            .least_cosine_row(least, &normals, &covered, columns.clone());
+        scratch.crease[columns.clone()].fill(0.0);
+        for start in columns.clone().step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(columns.end);
+            let lengths = lengths.map(|row| &row[block.clone()]);
+            if self
+                .creases
+                .all_flat(&scratch.least_cosine[block.clone()], lengths)
+            {
+                continue;
+            }
+            for x in block.filter(|&x| covered.at[x]) {
+                let length = lengths.map_or(1.0, |row| row[x - start]);
+                if !self
+                    .creases
+                    .all_flat(&scratch.least_cosine[x..=x], Some(&[length]))
+                {
+                    let beside = normals.beside(x, &covered);
+                    scratch.crease[x] = self.creases.weight(normals.at(x), length, beside);
+                }
+            }
+        }
+    }
+
+    fn gradient_row(&self, y: usize, columns: Range<usize>, out: [&mut [f32]; 2]) {
+        let normal = &self.frame.normal;
+        let normal = [&normal.x, &normal.y, &normal.z].map(|plane| &plane.row(y)[columns.clone()]);
+        let covered = &self.frame.mask.row(y)[columns.clone()];
+        let to_eye = (&self.to_eye.x[columns], self.to_eye.y[y]);
+        self.simd
+            .depth_gradient_row(out, normal, covered, to_eye, self.params);
+    }
+
+    fn keep_covered(&self, out: &mut [f32], weights: &[f32], y: usize) {
+        let covered = self.frame.mask.row(y);
+        for x in self.frame.mask.span(y) {
+            out[x] = if covered[x] { weights[x] } else { 0.0 };
+        }
+    }
+}
+
+/// The direction to the eye, scaled to z = 1: its x depends on the column alone, its y on the row.
+struct ToEye {
+    x: Vec<f32>,
+    y: Vec<f32>,
+}
+
+impl ToEye {
+    fn new(frame: &Frame) -> Self {
+        let window = frame.data_window;
+        let at = |x: usize, y: usize| {
+            let (column, row) = (
+                f64::from(window.x0) + x as f64,
+                f64::from(window.y0) + y as f64,
+            );
+            frame.camera.map_or(glam::Vec2::ZERO, |camera| {
+                camera.projection.to_eye(column + 0.5, row + 0.5).as_vec2()
+            })
+        };
+        Self {
+            x: (0..frame.mask.width()).map(|x| at(x, 0).x).collect(),
+            y: (0..frame.mask.height()).map(|y| at(0, y).y).collect(),
+        }
+    }
+}
