@@ -7,7 +7,6 @@
 use relievo::engine::cpu;
 use relievo::engine::cpu::DrawingInputs;
 use relievo::engine::gpu::{Choice, Device, Runner};
-use relievo::engine::{Product, products};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
@@ -18,6 +17,7 @@ use relievo::params::{
     ScalingParams, ShapeParams, Solver, Style,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use relievo::product::Product;
 use relievo::report::work::of_stage;
 use std::time::{Duration, Instant};
 
@@ -157,11 +157,12 @@ fn measure(
     let (found, expected) = (by_device()?, by_cpu());
     println!("\n{name}:");
     for product in [Product::Picture, Product::Strokes, Product::Contours] {
-        let of = |outcome| products(outcome).filter(move |(other, _)| *other == product);
-        let planes = of(&found).zip(of(&expected));
-        let apart = planes.map(|((_, found), (_, expected))| product.apart(found, expected));
-        if let Some(apart) = apart.reduce(f64::max) {
-            println!("  {product:?} {apart:.1e} apart");
+        let [found, expected] = [&found, &expected].map(|outcome| outcome.planes(product));
+        if !expected.is_empty() {
+            println!(
+                "  {product:?} {:.1e} apart",
+                product.apart(&found, &expected)
+            );
         }
     }
     let mut stages: Vec<(&str, Duration)> = Vec::new();

@@ -65,6 +65,7 @@ pub mod light;
 pub mod line;
 pub mod params;
 pub mod plan;
+pub mod product;
 pub mod report;
 pub mod shape;
 pub mod trace;

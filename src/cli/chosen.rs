@@ -3,8 +3,8 @@
 use super::job::Done;
 use super::role_args::{EncodingArg, SpaceArg};
 use super::still_camera::{self, StillCamera};
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::strips::StripChoice;
+use crate::engine::outcome::Outcome;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
 use clap::ValueEnum;

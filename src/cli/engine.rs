@@ -3,10 +3,10 @@
 use super::args::BackendArg;
 use super::job::Job;
 use crate::engine::cpu;
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::runner::DrawingInputs;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
+use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, SpecularScene};
 use crate::light::lights::Illumination;
@@ -272,7 +272,6 @@ fn no_kernels(what: &str) -> Error {
 mod tests {
     use super::*;
     use crate::engine::gpu::device::{Choice, Device};
-    use crate::engine::tolerances::products;
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal};
     use crate::report::scenes::Scene;
@@ -312,8 +311,8 @@ mod tests {
             let warn = |text: &str| said.borrow_mut().push(text.to_string());
             let found = engine.run_on_device(&warn, &plan, &frame).unwrap();
             let found = found.unwrap_or_else(|| engine.cpu.run(&plan, &frame));
-            for ((product, found), (_, expected)) in products(&found).zip(products(&expected)) {
-                assert_eq!(product.apart(found, expected), 0.0);
+            for ((product, found), (_, expected)) in found.products().zip(expected.products()) {
+                assert_eq!(product.apart(&found, &expected), 0.0);
             }
         }
         let said = said.into_inner();

@@ -7,17 +7,18 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
 use super::output::Kind;
 use super::strips::{self, StripWork};
-use crate::engine::cpu::outcome::{Outcome, ScaleShape};
 use crate::engine::cpu::runner::Runner;
 use crate::engine::cpu::strips::StripChoice;
+use crate::engine::outcome::{Outcome, ScaleShape};
 use crate::error::Result;
-use crate::frame::{Frame, Plane};
+use crate::frame::Frame;
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::Inputs;
 use crate::io::picture::{Picture, ViewTransform};
 use crate::io::{Loaded, Needs};
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, Plan};
+use crate::product::Product;
 use std::path::PathBuf;
 
 impl FrameCommand for WorkArgs {
@@ -162,52 +163,20 @@ fn descriptor_channels<'a>(
     outcome: &'a Outcome,
     sample_type: OutputType,
 ) -> Vec<OutputChannel<'a>> {
-    let shape = &outcome.shape;
-    let (gradient, hessian) = (shape.gradient.as_ref(), shape.hessian.as_ref());
-    let curvatures = shape.curvatures.as_ref();
-    let (direction, direction_view) = (shape.direction.as_ref(), shape.direction_view.as_ref());
-    let layers: [(&str, Option<&Plane>); 19] = [
-        ("normal.x", Some(&frame.normal.x)),
-        ("normal.y", Some(&frame.normal.y)),
-        ("normal.z", Some(&frame.normal.z)),
-        ("weights.silhouette", shape.silhouette.as_ref()),
-        ("weights.crease", shape.crease.as_ref()),
-        ("weights.conductance", shape.conductance.as_ref()),
-        ("gradient.x", gradient.map(|g| &g.x)),
-        ("gradient.y", gradient.map(|g| &g.y)),
-        ("hessian.xx", hessian.map(|h| &h.xx)),
-        ("hessian.xy", hessian.map(|h| &h.xy)),
-        ("hessian.yy", hessian.map(|h| &h.yy)),
-        ("curvature.u", curvatures.map(|c| &c.u)),
-        ("curvature.v", curvatures.map(|c| &c.v)),
-        ("curvature.mean", curvatures.map(|c| &c.mean)),
-        ("curvature.kappa", shape.kappa.as_ref()),
-        ("direction.x", direction.map(|d| &d.x)),
-        ("direction.y", direction.map(|d| &d.y)),
-        ("direction_view.x", direction_view.map(|d| &d.x)),
-        ("direction_view.y", direction_view.map(|d| &d.y)),
-    ];
-    layers
-        .into_iter()
-        .filter_map(|(name, plane)| plane.map(|plane| (name.to_string(), plane)))
-        .chain(shape.more_scales.iter().flat_map(curvature_at_scale))
-        .map(|(name, plane)| OutputChannel {
-            name,
-            plane,
-            sample_type,
-        })
-        .collect()
-}
-
-/// The layer of a scale beyond the first, named after it: `curvature_8px`, `curvature_2_5px`.
-fn curvature_at_scale(scale: &ScaleShape) -> [(String, &Plane); 4] {
-    // A dot would end the layer's name.
-    let sigma = scale.sigma_px.to_string().replace('.', "_");
-    let name = |component: &str| format!("curvature_{sigma}px.{component}");
-    [
-        (name("u"), &scale.curvatures.u),
-        (name("v"), &scale.curvatures.v),
-        (name("mean"), &scale.curvatures.mean),
-        (name("kappa"), &scale.kappa),
-    ]
+    let normal = &frame.normal;
+    let normals = [("x", &normal.x), ("y", &normal.y), ("z", &normal.z)];
+    let normals = normals.map(|(axis, plane)| (format!("normal.{axis}"), plane));
+    let first = Product::all().flat_map(|product| product.channels().zip(outcome.planes(product)));
+    let more = outcome
+        .shape
+        .more_scales
+        .iter()
+        .flat_map(ScaleShape::channels);
+    let channels = normals.into_iter().chain(first).chain(more);
+    let channels = channels.map(|(name, plane)| OutputChannel {
+        name,
+        plane,
+        sample_type,
+    });
+    channels.collect()
 }

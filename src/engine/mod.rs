@@ -5,8 +5,9 @@ pub mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod guard;
+pub mod outcome;
 pub(crate) mod tolerances;
 
 pub use crate::engine::tolerances::{
-    Layer, Product, difference, direction_difference, ink_difference, products, relit_tolerance,
+    difference, direction_difference, ink_difference, relit_tolerance,
 };

@@ -1,64 +1,27 @@
-//! How far backends may be apart: one table, for the tests and the report.
+//! How far backends may be apart, for the tests and the report: the reasons for the numbers in the table of products.
 
-use crate::engine::cpu::outcome::Outcome;
-use crate::frame::{Plane, Vector2Planes};
+use crate::frame::Plane;
 use crate::light::lights::Illumination;
 use crate::params::{Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
+use crate::product::{Compared, Product};
 use glam::DVec2;
-use serde::Serialize;
 use std::f64::consts::PI;
 
-/// What a run gives, as far as backends are compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Product {
-    /// Silhouette, crease and conductance.
-    Weights,
-    /// The gradient after diffusion.
-    Gradient,
-    /// The Hessian.
-    Hessian,
-    /// Principal and mean curvature.
-    Curvature,
-    /// Mapped curvature.
-    MappedCurvature,
-    /// The direction of the surface's own curvature.
-    Direction,
-    /// The picture, enhanced or in new light, and the curvature display.
-    Picture,
-    /// What strokes cover.
-    Strokes,
-    /// What contours cover.
-    Contours,
-}
-
 impl Product {
-    /// All there are.
-    pub const ALL: [Self; 9] = [
-        Self::Weights,
-        Self::Gradient,
-        Self::Hessian,
-        Self::Curvature,
-        Self::MappedCurvature,
-        Self::Direction,
-        Self::Picture,
-        Self::Strokes,
-        Self::Contours,
-    ];
-
-    /// How far a layer is from the CPU's: by [`difference`], by [`ink_difference`] where it is drawn, directions by
-    /// [`direction_difference`]; infinitely where only one of both is of directions.
-    pub fn apart<'a>(self, found: impl Into<Layer<'a>>, expected: impl Into<Layer<'a>>) -> f64 {
-        match (found.into(), expected.into()) {
-            (Layer::Directions(found), Layer::Directions(expected)) => {
-                direction_difference(found, expected)
-            }
-            (Layer::Plane(found), Layer::Plane(expected)) => match self {
-                Self::Strokes | Self::Contours => ink_difference(found, expected),
-                _ => difference(found, expected),
+    /// How far its planes are from the CPU's, as [it is compared](Compared); infinitely where there are fewer or more.
+    pub fn apart(self, found: &[&Plane], expected: &[&Plane]) -> f64 {
+        if found.len() != expected.len() {
+            return f64::INFINITY;
+        }
+        let mut pairs = found.iter().zip(expected);
+        match self.row().compared {
+            Compared::Largest => pairs.map(|(f, e)| difference(f, e)).fold(0.0, f64::max),
+            Compared::Ink => pairs.map(|(f, e)| ink_difference(f, e)).fold(0.0, f64::max),
+            Compared::Directions => match (pairs.next(), pairs.next()) {
+                (Some(x), Some(y)) => direction_difference([x.0, y.0], [x.1, y.1]),
+                _ => f64::INFINITY,
             },
-            _ => f64::INFINITY,
         }
     }
 
@@ -77,34 +40,8 @@ impl Product {
     /// curvature that is as much over twice the share by which both curvatures differ, which is a hundredth at the
     /// least: 1e-5. A comparison that tells whether there is a direction goes the other way where its sides are as near
     /// as 2e-7; there are three of them, and as many as 16 pixels take the direction of one: 1e-5 again.
-    pub const fn tolerance(self) -> f64 {
-        match self {
-            Self::Weights | Self::Gradient | Self::Picture | Self::Contours => 1e-5,
-            Self::Hessian | Self::Curvature | Self::MappedCurvature => 2e-5,
-            Self::Direction => 2e-5,
-            Self::Strokes => 1e-4,
-        }
-    }
-}
-
-/// What of an outcome is compared at a time.
-#[derive(Debug, Clone, Copy)]
-pub enum Layer<'a> {
-    /// A plane of numbers.
-    Plane(&'a Plane),
-    /// Unit directions, each equal to its opposite; 0 for none.
-    Directions(&'a Vector2Planes),
-}
-
-impl<'a> From<&'a Plane> for Layer<'a> {
-    fn from(plane: &'a Plane) -> Self {
-        Self::Plane(plane)
-    }
-}
-
-impl<'a> From<&'a Vector2Planes> for Layer<'a> {
-    fn from(directions: &'a Vector2Planes) -> Self {
-        Self::Directions(directions)
+    pub fn tolerance(self) -> f64 {
+        self.row().tolerance
     }
 }
 
@@ -154,40 +91,6 @@ fn lobe_error(material: &MaterialParams) -> f64 {
     }
 }
 
-/// The layers of an outcome, each as one of the products.
-pub fn products(outcome: &Outcome) -> impl Iterator<Item = (Product, Layer<'_>)> {
-    let shape = &outcome.shape;
-    let weights = [&shape.silhouette, &shape.crease, &shape.conductance];
-    let weights = weights.into_iter().flatten();
-    let gradient = shape.gradient.iter().flat_map(|g| [&g.x, &g.y]);
-    let hessian = shape.hessian.iter().flat_map(|h| [&h.xx, &h.xy, &h.yy]);
-    let scales = shape.more_scales.iter();
-    let curvatures = shape.curvatures.iter();
-    let curvatures = curvatures.chain(scales.clone().map(|scale| &scale.curvatures));
-    let curvatures = curvatures.flat_map(|c| [&c.u, &c.v, &c.mean]);
-    let kappa = shape.kappa.iter().chain(scales.map(|scale| &scale.kappa));
-    let direction = shape.direction.iter();
-    let picture = outcome.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
-    let strokes = outcome.drawing.iter().map(|drawing| &drawing.hatching);
-    let contours = outcome.drawing.iter();
-    let contours = contours.flat_map(|drawing| &drawing.contours);
-    fn of<'a, L: Into<Layer<'a>>>(
-        product: Product,
-        layers: impl Iterator<Item = L>,
-    ) -> impl Iterator<Item = (Product, Layer<'a>)> {
-        layers.map(move |layer| (product, layer.into()))
-    }
-    of(Product::Weights, weights)
-        .chain(of(Product::Gradient, gradient))
-        .chain(of(Product::Hessian, hessian))
-        .chain(of(Product::Curvature, curvatures))
-        .chain(of(Product::MappedCurvature, kappa))
-        .chain(of(Product::Direction, direction))
-        .chain(of(Product::Picture, picture))
-        .chain(of(Product::Strokes, strokes))
-        .chain(of(Product::Contours, contours))
-}
-
 /// The largest difference between two planes, relative to the largest value of the second one, or to 1 where it has
 /// none. NaN agrees with NaN, and infinite values with themselves, alone.
 pub fn difference(found: &Plane, expected: &Plane) -> f64 {
@@ -232,9 +135,9 @@ const LEAP: f64 = 1.0 / 16.0;
 ///
 /// Where a direction is told at all is a matter of comparisons with what is uncertain of it. A rounding that decides one
 /// makes of a pixel one that takes its neighbours' direction: the largest difference says little.
-pub fn direction_difference(found: &Vector2Planes, expected: &Vector2Planes) -> f64 {
-    fn vectors(planes: &Vector2Planes) -> impl Iterator<Item = DVec2> {
-        let pairs = planes.x.samples().iter().zip(planes.y.samples());
+pub fn direction_difference(found: [&Plane; 2], expected: [&Plane; 2]) -> f64 {
+    fn vectors<'a>([x, y]: [&'a Plane; 2]) -> impl Iterator<Item = DVec2> + 'a {
+        let pairs = x.samples().iter().zip(y.samples());
         pairs.map(|(&x, &y)| DVec2::new(x.into(), y.into()))
     }
     let (mut sum, mut count) = (0.0, 0_u32);
@@ -255,12 +158,8 @@ pub fn direction_difference(found: &Vector2Planes, expected: &Vector2Planes) -> 
 mod tests {
     use super::*;
 
-    fn directions(vectors: &[[f32; 2]]) -> Vector2Planes {
-        let plane = |axis: usize| Plane::from_fn(vectors.len(), 1, |x, _| vectors[x][axis]);
-        Vector2Planes {
-            x: plane(0),
-            y: plane(1),
-        }
+    fn directions(vectors: &[[f32; 2]]) -> [Plane; 2] {
+        [0, 1].map(|axis: usize| Plane::from_fn(vectors.len(), 1, |x, _| vectors[x][axis]))
     }
 
     #[test]
@@ -268,7 +167,7 @@ mod tests {
         let expected = directions(&[[0.6, 0.8], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
         let apart = |second: [f32; 2], last: [f32; 2]| {
             let found = [[-0.6, -0.8], second, [0.0, 0.0], [0.0, 1.0], last];
-            Product::Direction.apart(&directions(&found), &expected)
+            Product::Direction.apart(&directions(&found).each_ref(), &expected.each_ref())
         };
         assert!(apart([1.0, 0.0], [0.0, -1.0]) < 1e-7);
         // One of the four that are directions: by the sine of an angle, at right angles, none, no number, too long.
@@ -277,6 +176,8 @@ mod tests {
             assert!((apart([1.0, 0.0], wrong) - 0.25).abs() < 1e-7, "{wrong:?}");
         }
         // A direction where there is none.
-        assert!(direction_difference(&expected, &directions(&[[0.0; 2]; 5])) > 0.99);
+        assert!(
+            direction_difference(expected.each_ref(), directions(&[[0.0; 2]; 5]).each_ref()) > 0.99
+        );
     }
 }

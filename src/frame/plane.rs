@@ -6,7 +6,7 @@ use ndarray::{ArrayView2, ArrayViewMut2};
 use std::ops::Range;
 
 /// One quantity over a rectangle of pixels: row-major, rows contiguous, rows running down.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plane<T = f32> {
     width: usize,
     height: usize,

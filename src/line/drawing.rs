@@ -2,8 +2,8 @@
 
 use crate::engine::cpu::Run;
 use crate::engine::cpu::kept::Kept;
-use crate::engine::cpu::outcome::Drawing;
 use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::outcome::Drawing;
 use crate::frame::{Frame, Plane};
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};

@@ -4,8 +4,8 @@
 //! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
 //! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
 
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::runner::{DrawingInputs, Runner, SequenceInputs};
+use crate::engine::outcome::Outcome;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};

@@ -5,16 +5,16 @@ use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
 use crate::engine::cpu;
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
-use crate::engine::tolerances::{Product, products};
+use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::params::{LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::LightKinds;
 use crate::plan::{Available, Goal, Plan, ToneFrom};
+use crate::product::Product;
 use serde::Serialize;
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -339,15 +339,17 @@ fn differences(
         Product::Picture => !is_drawn && goal != Goal::Layers,
         _ => goal == Goal::Layers,
     };
-    let kinds = Product::ALL.into_iter().filter(is_meant);
+    let kinds = Product::all().filter(is_meant);
     kinds.filter_map(move |product| {
-        let of = |outcome| products(outcome).filter(|(kind, _)| *kind == product);
-        let (found, expected): (Vec<_>, Vec<_>) = (of(found).collect(), of(expected).collect());
+        let [found, expected] = [found, expected].map(|outcome| {
+            let all = outcome.products();
+            all.filter(|(kind, _)| *kind == product).collect::<Vec<_>>()
+        });
         if found.len() != expected.len() {
             return Some((product, f64::INFINITY));
         }
         let pairs = found.into_iter().zip(expected);
-        let apart = pairs.map(|((_, found), (_, expected))| product.apart(found, expected));
+        let apart = pairs.map(|((_, found), (_, expected))| product.apart(&found, &expected));
         Some((product, apart.reduce(f64::max)?))
     })
 }
@@ -420,7 +422,7 @@ mod tests {
         let frames = [("waves", &frame, ShapeParams::default())];
         let same = Gpu::new("test".into(), true, true, &device);
         let rows = same.products(&frames).unwrap();
-        assert_eq!(rows.len(), Product::ALL.len());
+        assert_eq!(rows.len(), Product::all().count());
         assert!(
             rows.iter()
                 .all(|row| row.is_within && row.difference == 0.0)

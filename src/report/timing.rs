@@ -6,8 +6,8 @@
 use super::machine::Machine;
 use super::work::Work;
 use crate::Result;
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::runner::Runner;
+use crate::engine::outcome::Outcome;
 use crate::frame::Frame;
 use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};

@@ -341,7 +341,7 @@ impl View {
             Action::NextFrame => self.step_frame(1),
             Action::PreviousFrame => self.step_frame(-1),
             Action::NextLayer => self.step_layer(1),
-            Action::PreviousLayer => self.step_layer(Layer::ALL.len() - 1),
+            Action::PreviousLayer => self.step_layer(Layer::all().count() - 1),
             Action::Help => self.is_helping = !self.is_helping,
         }
     }
@@ -352,9 +352,10 @@ impl View {
     }
 
     fn step_layer(&mut self, by: usize) {
-        let index = Layer::ALL.iter().position(|&layer| layer == self.layer);
+        let layers: Vec<_> = Layer::all().collect();
+        let index = layers.iter().position(|&layer| layer == self.layer);
         let index = index.expect("all layers are among all") + by;
-        self.layer = Layer::ALL[index % Layer::ALL.len()];
+        self.layer = layers[index % layers.len()];
     }
 
     pub(super) fn say(&mut self, text: String, is_error: bool) {
@@ -428,7 +429,7 @@ impl View {
     }
 
     /// How often each pass has run on the frame in hand, under the names of
-    /// [`Outcome::timings`](crate::engine::cpu::outcome::Outcome::timings).
+    /// [`Outcome::timings`](crate::engine::outcome::Outcome::timings).
     pub fn counts(&self) -> BTreeMap<&'static str, u32> {
         self.shown
             .as_ref()

@@ -1,6 +1,6 @@
 //! Strokes along the directions of curvature, on a grid.
 
-use crate::engine::cpu::outcome::Outcome;
+use crate::engine::outcome::Outcome;
 
 /// Pixels between strokes, at a step of 1.
 const GRID: usize = 14;

@@ -2,9 +2,10 @@
 
 use super::flow;
 use crate::cli::look::{Pixels, Said, What};
-use crate::engine::cpu::outcome::Outcome;
+use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Picture, ViewTransform};
+use crate::product::{Product, Shown};
 
 /// A layer to be looked at.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -14,12 +15,8 @@ pub(super) enum Layer {
     Picture,
     /// The coloured curvature display.
     Curvature,
-    /// Silhouette weights.
-    Silhouette,
-    /// Crease weights.
-    Crease,
-    /// Conductance.
-    Conductance,
+    /// A product that is shown in grey.
+    Grey(Product),
     /// Directions of curvature, as a texture smeared along them.
     Flow,
     /// The same as strokes, over the curvature.
@@ -29,41 +26,38 @@ pub(super) enum Layer {
 }
 
 impl Layer {
-    pub(super) const ALL: [Self; 8] = [
-        Self::Picture,
-        Self::Curvature,
-        Self::Silhouette,
-        Self::Crease,
-        Self::Conductance,
-        Self::Flow,
-        Self::Arrows,
-        Self::Tone,
-    ];
+    /// All there are, in the order of the list.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        let grey = Product::all().filter(|product| product.row().shown.is_some());
+        [Self::Picture, Self::Curvature]
+            .into_iter()
+            .chain(grey.map(Self::Grey))
+            .chain([Self::Flow, Self::Arrows, Self::Tone])
+    }
 
     pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Picture => "Picture",
-            Self::Curvature => "Curvature",
-            Self::Silhouette => "Silhouette",
-            Self::Crease => "Crease",
-            Self::Conductance => "Conductance",
-            Self::Flow => "Directions, flow",
-            Self::Arrows => "Directions, strokes",
-            Self::Tone => "Tone",
-        }
+        self.shown().name
     }
 
     pub(super) fn help(self) -> &'static str {
-        match self {
-            Self::Picture => "what the command makes",
-            Self::Curvature => "convex blue, concave red, edges black",
-            Self::Silhouette => "weights where depth jumps: 1 is white",
-            Self::Crease => "weights where the surface bends sharply: 1 is white",
-            Self::Conductance => "what both leave for slopes to spread: 0, an edge, is black",
-            Self::Flow => "a texture smeared along the larger curvature",
-            Self::Arrows => "strokes along the larger curvature",
-            Self::Tone => "luminance of the picture, and of what is drawn",
-        }
+        self.shown().help
+    }
+
+    fn shown(self) -> Shown {
+        let (name, help) = match self {
+            Self::Grey(product) => {
+                return product.row().shown.expect("the list holds what is shown");
+            }
+            Self::Picture => ("Picture", "what the command makes"),
+            Self::Curvature => ("Curvature", "convex blue, concave red, edges black"),
+            Self::Flow => (
+                "Directions, flow",
+                "a texture smeared along the larger curvature",
+            ),
+            Self::Arrows => ("Directions, strokes", "strokes along the larger curvature"),
+            Self::Tone => ("Tone", "luminance of the picture, and of what is drawn"),
+        };
+        Shown { name, help }
     }
 
     /// What has to be made for it.
@@ -82,11 +76,11 @@ impl Layer {
 /// What is missing.
 pub(super) fn pixels(layer: Layer, frame: &Frame, outcome: &Outcome) -> Result<Pixels, Said> {
     let shape = &outcome.shape;
-    let weight = |plane: &Option<Plane>| plane.as_ref().map(|plane| grey(plane, false));
     let made = match layer {
-        Layer::Silhouette => weight(&shape.silhouette),
-        Layer::Crease => weight(&shape.crease),
-        Layer::Conductance => weight(&shape.conductance),
+        Layer::Grey(product) => outcome
+            .planes(product)
+            .first()
+            .map(|plane| grey(plane, false)),
         Layer::Flow => shape
             .direction
             .as_ref()

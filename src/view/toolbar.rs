@@ -86,7 +86,7 @@ impl View {
             .width(132.0)
             .selected_text(self.layer.name())
             .show_ui(ui, |ui| {
-                for layer in Layer::ALL {
+                for layer in Layer::all() {
                     let label = ui.selectable_label(self.layer == layer, layer.name());
                     if label.on_hover_text(layer.help()).clicked() {
                         self.layer = layer;

@@ -1,9 +1,10 @@
 //! The program with `--backend gpu`.
 
 use super::on_gpu;
-use relievo::engine::{Product, difference};
+use relievo::engine::difference;
 use relievo::frame::{Plane, Vector2Planes};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
+use relievo::product::Product;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -66,7 +67,7 @@ fn the_program_writes_what_the_cpu_writes() {
             assert_eq!(found.len(), expected.len());
             for ((name, found), (_, expected)) in found.iter().zip(&expected) {
                 if work == "hatch" {
-                    let apart = Product::Strokes.apart(found, expected);
+                    let apart = Product::Strokes.apart(&[found], &[expected]);
                     let allowed = Product::Strokes.tolerance();
                     assert!(apart < allowed, "{work}: {name} is off by {apart:e}");
                 // Directions leap where two curvatures are alike, or to their opposites, which are the same.
@@ -77,7 +78,8 @@ fn the_program_writes_what_the_cpu_writes() {
             }
             if work == "shape" {
                 let [found, expected] = [&found, &expected].map(|channels| directions(channels));
-                let apart = Product::Direction.apart(&found, &expected);
+                let apart =
+                    Product::Direction.apart(&[&found.x, &found.y], &[&expected.x, &expected.y]);
                 assert!(apart < Product::Direction.tolerance(), "off by {apart:e}");
             }
         }

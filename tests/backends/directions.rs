@@ -4,11 +4,12 @@ use super::common::poisoned;
 use super::common::scenes::{Scene, Surface};
 use super::{assert_alike, on_gpu, plan};
 use glam::{DMat3, DVec3};
+use relievo::engine::cpu;
 use relievo::engine::gpu::Runner;
-use relievo::engine::{Product, cpu};
 use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Vector3Planes, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
+use relievo::product::Product;
 
 /// Asserts that both backends find the same directions in a frame.
 #[track_caller]

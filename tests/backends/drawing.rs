@@ -6,7 +6,6 @@ use super::hostile::HOSTILE;
 use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
 use glam::DVec3;
-use relievo::engine::Product;
 use relievo::engine::cpu;
 use relievo::engine::cpu::{DrawingInputs, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::engine::gpu::{Choice, Device, Runner};
@@ -18,6 +17,7 @@ use relievo::params::{
     ShapeParams, SpecularParams, StrokeDirections, StrokeScale, Style, Tangent,
 };
 use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
+use relievo::product::Product;
 
 /// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
 #[track_caller]

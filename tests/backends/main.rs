@@ -20,10 +20,10 @@ use relievo::engine::cpu;
 use relievo::engine::cpu::Outcome;
 use relievo::engine::gpu;
 use relievo::engine::gpu::{Choice, Device};
-use relievo::engine::{Product, products};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::product::Product;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Runs a test on the device that all share, one at a time; says so, once, where there is none.
@@ -85,16 +85,16 @@ fn assert_alike(
         };
         assert!(apart < 1e-5, "{name} {found:?}, not {expected:?}");
     }
-    let found: Vec<_> = products(found).collect();
+    let found: Vec<_> = found.products().collect();
     let mut worst: Vec<(Product, f64)> = Vec::new();
     let wanted = |product: &Product| tolerance(*product).is_some();
-    for (product, expected) in products(expected).filter(|(product, _)| wanted(product)) {
+    for (product, expected) in expected.products().filter(|(product, _)| wanted(product)) {
         let mut same = found.iter().filter(|(other, _)| *other == product);
         let count = worst.iter().filter(|(other, _)| *other == product).count();
         let (_, found) = same.nth(count).unwrap_or_else(|| {
             panic!("{name}: {product:?} is missing");
         });
-        worst.push((product, product.apart(*found, expected)));
+        worst.push((product, product.apart(found, &expected)));
     }
     for (product, apart) in worst {
         let allowed = tolerance(product).unwrap();

@@ -1,7 +1,7 @@
 //! `relievo report` with a device beside the CPU.
 
 use super::on_gpu;
-use relievo::engine::Product;
+use relievo::product::Product;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -56,7 +56,7 @@ fn a_device_has_rows_beside_the_cpu_and_its_products_are_within_the_table() {
         let told = &json["gpu"]["measured"];
         assert_eq!(told["device"], runner.device().name());
         let products = told["products"].as_array().unwrap();
-        assert!(!products.is_empty() && products.len() <= Product::ALL.len());
+        assert!(!products.is_empty() && products.len() <= Product::all().count());
         for product in products {
             assert_eq!(product["is_within"], true, "{product}");
             assert!(number(&product["difference"]) <= number(&product["tolerance"]));

@@ -1,8 +1,8 @@
 //! One frame, run again and again with other parameters: only what they touch is made anew.
 
 use crate::engine::cpu::kept::Kept;
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::runner::{DrawingInputs, Runner};
+use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, SpecularScene};
 use crate::light::lights::Illumination;
 use crate::plan::Plan;

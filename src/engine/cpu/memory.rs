@@ -1,8 +1,7 @@
 //! Planes of finished runs, used again: a system hands out fresh memory page by page, which costs more
 //! than many a pass over it.
 
-use crate::engine::cpu::outcome::Outcome;
-use crate::frame::{ColorPlanes, Mask, Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{Mask, Plane, Vector2Planes};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -56,44 +55,5 @@ impl Memory {
     pub(crate) fn take_back(&self, planes: impl IntoIterator<Item = Plane>) {
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
         spare.extend(planes.into_iter().map(Plane::into_samples));
-    }
-}
-
-impl Outcome {
-    /// All of its planes.
-    pub(crate) fn into_planes(self) -> impl Iterator<Item = Plane> {
-        let shape = self.shape;
-        let alone = [
-            shape.silhouette,
-            shape.crease,
-            shape.conductance,
-            shape.trace,
-            shape.kappa,
-        ];
-        let more = shape.more_scales.into_iter();
-        let (curvatures, kappas): (Vec<_>, Vec<_>) =
-            more.map(|scale| (scale.curvatures, scale.kappa)).unzip();
-        let vectors = [shape.gradient, shape.direction, shape.direction_view];
-        let vectors = vectors
-            .into_iter()
-            .flatten()
-            .flat_map(|Vector2Planes { x, y }| [x, y]);
-        let hessian = shape.hessian.into_iter();
-        let hessian = hessian.flat_map(|SymmetricPlanes { xx, xy, yy }| [xx, xy, yy]);
-        let curvatures = shape.curvatures.into_iter().chain(curvatures);
-        let curvatures = curvatures.flat_map(|c| [c.u, c.v, c.mean]);
-        let drawing = self.drawing.into_iter();
-        let drawing = drawing.flat_map(|d| std::iter::once(d.hatching).chain(d.contours));
-        let color = self.color.into_iter();
-        let color = color.flat_map(|ColorPlanes { r, g, b }| [r, g, b]);
-        alone
-            .into_iter()
-            .flatten()
-            .chain(kappas)
-            .chain(vectors)
-            .chain(drawing)
-            .chain(hessian)
-            .chain(curvatures)
-            .chain(color)
     }
 }

@@ -3,7 +3,7 @@
 use crate::engine::cpu::Run;
 use crate::engine::cpu::kept::Kept;
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::outcome::Outcome;
+use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, SpecularScene, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::light::prepared_environment::KeptEnvironment;

@@ -1,8 +1,8 @@
 //! Drawings of large pictures: the shape and the tone are made in bands, and what strokes do not take is not kept.
 
 use crate::engine::cpu::Run;
-use crate::engine::cpu::outcome::{Outcome, Shape};
 use crate::engine::cpu::runner::{DrawingInputs, Runner};
+use crate::engine::outcome::{Outcome, Shape};
 use crate::frame::{ColorPlanes, Frame, Plane, Window};
 use crate::light::radiance_scaling::cpu as light;
 use crate::params::Adaptive;

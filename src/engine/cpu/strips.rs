@@ -1,8 +1,8 @@
 //! What is chosen from a whole picture that comes strip by strip.
 
-use crate::engine::cpu::outcome::Shape;
 use crate::engine::cpu::percentile::PercentileSearch;
 use crate::engine::cpu::runner::Runner;
+use crate::engine::outcome::Shape;
 use crate::frame::{Frame, Window};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::layers::cpu::add_to_searches;

@@ -233,10 +233,10 @@ impl Run<'_> {
 mod tests {
     use crate::engine::gpu::device::{Choice, Device, to_test_on};
     use crate::engine::gpu::runner::Runner;
-    use crate::engine::tolerances::Product;
     use crate::frame::{Frame, Mask, Plane};
     use crate::params::{Scale, ShapeParams, Solver};
     use crate::plan::{Goal, Plan};
+    use crate::product::Product;
     use crate::report::scenes::Scene;
     use crate::report::timing;
 
@@ -281,7 +281,7 @@ mod tests {
             let found = gradient(&in_tiles, &small);
             let expected = gradient(&one_by_one, &small);
             for (found, expected) in [(&found.x, &expected.x), (&found.y, &expected.y)] {
-                let apart = Product::Gradient.apart(found, expected);
+                let apart = Product::Gradient.apart(&[found], &[expected]);
                 assert!(apart <= Product::Gradient.tolerance(), "{apart:e}");
                 let mut samples = found.samples().iter().zip(small.mask.plane().samples());
                 assert!(samples.all(|(&g, &is_covered)| is_covered || g == 0.0));

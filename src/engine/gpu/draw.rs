@@ -2,7 +2,6 @@
 //! pixel to pixel, are found on the CPU while the device makes the strokes.
 
 use crate::engine::cpu::for_devices::contour_pieces;
-use crate::engine::cpu::outcome::{Drawing, Outcome};
 use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::engine::gpu::constants::{GAIN, WHITE};
@@ -14,6 +13,7 @@ use crate::engine::gpu::line_coverage::Medium;
 use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::relight::frame_lit;
 use crate::engine::gpu::runner::{Runner, SCALES};
+use crate::engine::outcome::{Drawing, Outcome};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::contours::Contour;

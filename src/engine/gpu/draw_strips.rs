@@ -2,7 +2,6 @@
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use crate::engine::cpu::for_devices::{contour_lines, contour_pieces, streamline_pieces};
-use crate::engine::cpu::outcome::{Drawing, Outcome, Shape};
 use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::gpu::choose::Search;
 use crate::engine::gpu::constants::WHITE;
@@ -14,6 +13,7 @@ use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::runner::{Runner, SCALES, apart};
 use crate::engine::gpu::strips::Strips;
+use crate::engine::outcome::{Drawing, Outcome, Shape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
 use crate::line::contours::Contour;

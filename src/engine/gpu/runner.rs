@@ -1,7 +1,6 @@
 //! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
 
 use crate::engine::cpu;
-use crate::engine::cpu::outcome::{CurvaturePlanes, Outcome, ScaleShape};
 use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
@@ -20,6 +19,7 @@ use crate::engine::gpu::shape::{Curvatures, Shape};
 use crate::engine::gpu::strips::Strips;
 use crate::engine::gpu::surface::Upload;
 use crate::engine::gpu::wait::wait_for;
+use crate::engine::outcome::{CurvaturePlanes, Outcome, ScaleShape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;

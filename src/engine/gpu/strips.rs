@@ -1,15 +1,15 @@
 //! Pictures whose planes are larger than a device takes: strip by strip.
 
 use crate::engine::cpu::for_devices::term_white_levels;
-use crate::engine::cpu::outcome::{Outcome, Shape};
 use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::{GAIN, SEARCH_PASSES, WHITE};
 use crate::engine::gpu::enhance::known_white_level;
 use crate::engine::gpu::light::Light;
 use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::runner::Runner;
+use crate::engine::outcome::Outcome;
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes, Window};
+use crate::frame::{ColorPlanes, Frame, Plane, Window};
 use crate::params::Adaptive;
 use crate::plan::{Plan, Stage};
 use std::ops::Range;
@@ -58,17 +58,16 @@ impl Strips {
             let start = takes.start + gives.start;
             match &mut whole {
                 None => {
-                    for plane in planes_mut(&mut part) {
+                    part.for_each_plane(|plane| {
                         let size = (frame.mask.width(), frame.mask.height());
                         let all = Plane::filled(size.0, size.1, 0.0);
                         let strip = std::mem::replace(plane, all);
                         paste(&strip, &gives, plane, start);
-                    }
+                    });
                     whole = Some(part);
                 }
                 Some(whole) => {
-                    let pairs = planes_mut(&mut part).into_iter().zip(planes_mut(whole));
-                    pairs.for_each(|(strip, whole)| paste(strip, &gives, whole, start));
+                    whole.for_each_pair(&part, |whole, strip| paste(strip, &gives, whole, start));
                     add_timings(&mut whole.timings, &part.timings);
                 }
             }
@@ -198,47 +197,4 @@ fn paste(strip: &Plane, from: &Range<usize>, whole: &mut Plane, start: usize) {
     for (i, y) in from.clone().enumerate() {
         whole.row_mut(start + i).copy_from_slice(strip.row(y));
     }
-}
-
-/// The planes of an outcome, in one order.
-fn planes_mut(outcome: &mut Outcome) -> Vec<&mut Plane> {
-    let Shape {
-        silhouette,
-        crease,
-        conductance,
-        gradient,
-        trace,
-        hessian,
-        curvatures,
-        kappa,
-        more_scales,
-        direction,
-        direction_view,
-    } = &mut outcome.shape;
-    let mut planes = Vec::new();
-    let single = [silhouette, crease, conductance, trace, kappa];
-    planes.extend(single.into_iter().flatten());
-    for Vector2Planes { x, y } in [gradient, direction, direction_view].into_iter().flatten() {
-        planes.extend([x, y]);
-    }
-    if let Some(SymmetricPlanes { xx, xy, yy }) = hessian {
-        planes.extend([xx, xy, yy]);
-    }
-    let (mut at_scales, mut mapped) = (Vec::new(), Vec::new());
-    for scale in more_scales {
-        at_scales.push(&mut scale.curvatures);
-        mapped.push(&mut scale.kappa);
-    }
-    for curvatures in curvatures.iter_mut().chain(at_scales) {
-        planes.extend([&mut curvatures.u, &mut curvatures.v, &mut curvatures.mean]);
-    }
-    planes.extend(mapped);
-    if let Some(ColorPlanes { r, g, b }) = &mut outcome.color {
-        planes.extend([r, g, b]);
-    }
-    if let Some(drawing) = &mut outcome.drawing {
-        planes.push(&mut drawing.hatching);
-        planes.extend(&mut drawing.contours);
-    }
-    planes
 }

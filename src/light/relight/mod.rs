@@ -11,8 +11,8 @@ pub(crate) mod traced;
 use crate::engine::cpu::Run;
 use crate::engine::cpu::kept::Kept;
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::outcome::Shape;
 use crate::engine::cpu::simd::Simd;
+use crate::engine::outcome::Shape;
 use crate::frame::{
     ColorPlanes, Frame, Mask, Plane, Projection, SightLines, SpecularScene, Vector2Planes,
 };

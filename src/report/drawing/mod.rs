@@ -13,8 +13,8 @@ use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
 use super::timing::{Effort, Timed, measure_runs};
 use crate::Result;
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::runner::{DrawingInputs, Runner};
+use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::params::{
     Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, ToneParams,

@@ -2,8 +2,8 @@
 
 use super::bare;
 use crate::Result;
-use crate::engine::cpu::outcome::Outcome;
 use crate::engine::cpu::runner::Runner;
+use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;

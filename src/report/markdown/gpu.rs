@@ -1,7 +1,6 @@
 //! The section on the device beside the CPU.
 
 use super::{pair, place, table};
-use crate::engine::tolerances::Product;
 use crate::report::Report;
 use crate::report::advice::scientific;
 use crate::report::compare::Errors;
@@ -151,7 +150,7 @@ fn picture_cells(
 fn differences(products: &[ProductRow]) -> String {
     let rows = products.iter().map(|row| {
         vec![
-            in_words(row.product),
+            row.product.row().name.into(),
             scientific(row.difference),
             row.frame.clone(),
             scientific(row.tolerance),
@@ -160,28 +159,4 @@ fn differences(products: &[ProductRow]) -> String {
     });
     let head = ["product", "largest difference", "in", "allowed", "within"];
     table(&head, rows)
-}
-
-/// A name of several words put together, as words.
-fn in_words(product: Product) -> String {
-    let name = format!("{product:?}");
-    let mut words = String::new();
-    for letter in name.chars() {
-        if letter.is_uppercase() && !words.is_empty() {
-            words.push(' ');
-        }
-        words.extend(letter.to_lowercase());
-    }
-    words
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn products_are_named_in_words() {
-        assert_eq!(in_words(Product::MappedCurvature), "mapped curvature");
-        assert_eq!(in_words(Product::Weights), "weights");
-    }
 }

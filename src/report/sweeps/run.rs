@@ -1,7 +1,7 @@
 //! How the work is run: what changes the time and must not change a bit of the answer.
 
 use crate::Result;
-use crate::engine::cpu::outcome::Outcome;
+use crate::engine::outcome::Outcome;
 use crate::frame::Frame;
 use crate::params::{RunOptions, Scale, ShapeParams, TileSize};
 use crate::plan::{Goal, Plan};

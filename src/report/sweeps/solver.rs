@@ -3,7 +3,7 @@
 use super::{Measuring, named};
 use crate::Result;
 use crate::engine::cpu;
-use crate::engine::cpu::outcome::Outcome;
+use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};

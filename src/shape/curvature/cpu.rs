@@ -1,9 +1,9 @@
 //! One function per pass over the frame: rows in parallel, columns that hold no surface skipped.
 
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::outcome::CurvaturePlanes;
 use crate::engine::cpu::rows::{map_covered, map_rows};
 use crate::engine::cpu::simd::Simd;
+use crate::engine::outcome::CurvaturePlanes;
 use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
 use crate::shape::Rows;
 use crate::shape::curvature::{

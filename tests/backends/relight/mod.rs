@@ -8,7 +8,7 @@ use super::common::scenes::{Scene, Surface};
 use super::{assert_alike, with_color};
 use glam::{DVec3, Vec3};
 use relievo::engine::gpu::Runner;
-use relievo::engine::{Product, cpu, relit_tolerance};
+use relievo::engine::{cpu, relit_tolerance};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -18,6 +18,7 @@ use relievo::params::{
     Tangent,
 };
 use relievo::plan::{Available, LightKinds, Plan};
+use relievo::product::Product;
 
 /// What a test asks for; the rest is as it comes.
 #[derive(Clone)]

@@ -1,0 +1,222 @@
+//! All that a run can be asked for: one table, over which go the layers of a file, the viewer's list, the probe, what is
+//! read back from a device, what is compared between backends, and memory that is used again.
+
+use serde::Serialize;
+
+/// What a run gives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Product {
+    /// Silhouette weight.
+    Silhouette,
+    /// Crease weight.
+    Crease,
+    /// Conductance.
+    Conductance,
+    /// The gradient after diffusion.
+    Gradient,
+    /// Trace of the Hessian.
+    Trace,
+    /// The Hessian.
+    Hessian,
+    /// Principal and mean curvature.
+    Curvature,
+    /// Mapped curvature.
+    MappedCurvature,
+    /// Direction of the surface's own curvature.
+    Direction,
+    /// Direction of the view-centred curvature.
+    ViewDirection,
+    /// The picture: enhanced, in new light, or the curvature display.
+    Picture,
+    /// Coverage of the strokes.
+    Strokes,
+    /// Coverage of the contours.
+    Contours,
+}
+
+/// How a product is compared between backends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compared {
+    /// By the largest difference, relative to the largest value.
+    Largest,
+    /// By the mean difference of ink: a rounding may turn a pixel of a texture.
+    Ink,
+    /// By the mean angle between directions, each equal to its opposite.
+    Directions,
+}
+
+/// How the viewer shows a product.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shown {
+    /// Its name in the list of layers.
+    pub name: &'static str,
+    /// One line on what is seen.
+    pub help: &'static str,
+}
+
+/// One product: its layer in a file, its numbers, and how far backends may be apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// The product.
+    pub product: Product,
+    /// Its name in reports.
+    pub name: &'static str,
+    /// The layer of an EXR that holds it; `None` for what goes to the picture's own channels, or to none.
+    pub layer: Option<&'static str>,
+    /// Its components, each a plane, as the layer's channels are named.
+    pub components: &'static [&'static str],
+    /// Unit and range of its numbers.
+    pub unit: &'static str,
+    /// Whether every further scale has one of its own.
+    pub at_scales: bool,
+    /// How backends are compared.
+    pub compared: Compared,
+    /// How far a backend may be from the CPU; see [`crate::engine::tolerances`] for where the numbers come from.
+    pub tolerance: f64,
+    /// A grey picture of it, 0 black and 1 white, in the viewer.
+    pub shown: Option<Shown>,
+}
+
+/// A row that the viewer's list leaves out, compared by the largest difference.
+const fn row(
+    product: Product,
+    name: &'static str,
+    layer: Option<&'static str>,
+    components: &'static [&'static str],
+    unit: &'static str,
+    tolerance: f64,
+) -> Row {
+    Row {
+        product,
+        name,
+        layer,
+        components,
+        unit,
+        at_scales: false,
+        compared: Compared::Largest,
+        tolerance,
+        shown: None,
+    }
+}
+
+impl Row {
+    const fn at_scales(self) -> Self {
+        Self {
+            at_scales: true,
+            ..self
+        }
+    }
+
+    const fn compared(self, compared: Compared) -> Self {
+        Self { compared, ..self }
+    }
+
+    const fn shown(self, name: &'static str, help: &'static str) -> Self {
+        Self {
+            shown: Some(Shown { name, help }),
+            ..self
+        }
+    }
+}
+
+const PER_PIXEL: &str = "per pixel; convex is negative";
+const DIRECTION: &str = "unit, x right, y up; 0 for none";
+
+/// All products, in the order of their layers in a file.
+#[rustfmt::skip]
+static TABLE: [Row; 13] = [
+    row(Product::Silhouette, "silhouette", Some("weights"), &["silhouette"], "0..1", 1e-5)
+        .shown("Silhouette", "weights where depth jumps: 1 is white"),
+    row(Product::Crease, "crease", Some("weights"), &["crease"], "0..1", 1e-5)
+        .shown("Crease", "weights where the surface bends sharply: 1 is white"),
+    row(Product::Conductance, "conductance", Some("weights"), &["conductance"], "0..1", 1e-5)
+        .shown("Conductance", "what both leave for slopes to spread: 0, an edge, is black"),
+    row(Product::Gradient, "gradient", Some("gradient"), &["x", "y"], "slope, y up", 1e-5),
+    row(Product::Trace, "trace", None, &["trace"], PER_PIXEL, 2e-5),
+    row(Product::Hessian, "hessian", Some("hessian"), &["xx", "xy", "yy"], PER_PIXEL, 2e-5),
+    row(Product::Curvature, "curvature", Some("curvature"), &["u", "v", "mean"], PER_PIXEL, 2e-5).at_scales(),
+    row(Product::MappedCurvature, "mapped curvature", Some("curvature"), &["kappa"], "-1..1; convex is positive", 2e-5)
+        .at_scales(),
+    row(Product::Direction, "direction", Some("direction"), &["x", "y"], DIRECTION, 2e-5).compared(Compared::Directions),
+    row(Product::ViewDirection, "view direction", Some("direction_view"), &["x", "y"], DIRECTION, 2e-5)
+        .compared(Compared::Directions),
+    row(Product::Picture, "picture", None, &["R", "G", "B"], "scene-linear", 1e-5),
+    row(Product::Strokes, "strokes", None, &["strokes"], "coverage, 0..1", 1e-4).compared(Compared::Ink),
+    row(Product::Contours, "contours", None, &["contours"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
+];
+
+impl Row {
+    /// Its name where its numbers stand, after its layer: `gradient`, `weights.crease`.
+    pub fn label(&self) -> Option<String> {
+        let layer = self.layer?;
+        Some(match self.components {
+            [one] => format!("{layer}.{one}"),
+            _ => layer.into(),
+        })
+    }
+}
+
+impl Product {
+    /// All there are, in the order of their layers in a file.
+    pub fn all() -> impl Iterator<Item = Self> {
+        TABLE.iter().map(|row| row.product)
+    }
+
+    /// What is known of it.
+    pub fn row(self) -> &'static Row {
+        let row = &TABLE[self as usize];
+        debug_assert!(
+            row.product == self,
+            "the table has the order of the products"
+        );
+        row
+    }
+
+    /// The channels of an EXR that hold it, in the order of its planes.
+    pub fn channels(self) -> impl Iterator<Item = String> {
+        let row = self.row();
+        let layer = row.layer.into_iter();
+        layer.flat_map(|layer| row.components.iter().map(move |c| format!("{layer}.{c}")))
+    }
+
+    /// The same at a scale beyond the first, whose layer is named after it: `curvature_8px`, `curvature_2_5px`.
+    pub fn channels_at(self, sigma_px: f32) -> impl Iterator<Item = String> {
+        let row = self.row();
+        // A dot would end the layer's name.
+        let sigma = sigma_px.to_string().replace('.', "_");
+        let layer = row.layer.into_iter().filter(|_| row.at_scales);
+        layer.flat_map(move |layer| {
+            let name = format!("{layer}_{sigma}px");
+            row.components.iter().map(move |c| format!("{name}.{c}"))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_product_stands_at_its_place_and_no_channel_twice() {
+        for (place, product) in Product::all().enumerate() {
+            assert_eq!(product as usize, place);
+            assert_eq!(product.row().product, product);
+        }
+        let mut channels: Vec<_> = Product::all().flat_map(Product::channels).collect();
+        let count = channels.len();
+        channels.sort();
+        channels.dedup();
+        assert_eq!(channels.len(), count);
+        let at_scale: Vec<_> = Product::all().flat_map(|p| p.channels_at(2.5)).collect();
+        assert_eq!(
+            at_scale,
+            [
+                "curvature_2_5px.u",
+                "curvature_2_5px.v",
+                "curvature_2_5px.mean",
+                "curvature_2_5px.kappa"
+            ]
+        );
+    }
+}
