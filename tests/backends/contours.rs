@@ -1,9 +1,9 @@
 //! Lines along edges that the device lists, or hands out in planes where there are too many.
 
-use super::common::poisoned;
-use super::common::scenes::{DISTANCE, Scene, Surface};
 use super::drawing::assert_drawn;
 use super::{on_gpu, with_color};
+use crate::common::poisoned;
+use crate::common::scenes::{DISTANCE, Scene, Surface};
 use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
 use relievo::params::LineParams;

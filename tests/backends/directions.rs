@@ -1,8 +1,8 @@
 //! Directions of the surface's own curvature: every form of surface, seen every way, stored every way.
 
-use super::common::poisoned;
-use super::common::scenes::{Scene, Surface};
 use super::{assert_alike, on_gpu, plan};
+use crate::common::poisoned;
+use crate::common::scenes::{Scene, Surface};
 use glam::{DMat3, DVec3};
 use relievo::backend::gpu::Runner;
 use relievo::backend::{Product, cpu};

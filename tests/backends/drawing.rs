@@ -1,10 +1,10 @@
 //! Drawings: strokes and contours of both backends.
 
-use super::common::poisoned;
-use super::common::scenes::{Scene, Surface};
 use super::hostile::HOSTILE;
 use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
+use crate::common::poisoned;
+use crate::common::scenes::{Scene, Surface};
 use glam::DVec3;
 use relievo::backend::Product;
 use relievo::backend::cpu::{self, DrawingInputs, Outcome, SequenceInputs, TextureCoordinates};

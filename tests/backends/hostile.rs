@@ -1,7 +1,7 @@
 //! Values and sizes that files and callers bring: the GPU makes of them what the CPU makes.
 
-use super::common::poisoned;
 use super::{assert_same, on_gpu, plan, waves};
+use crate::common::poisoned;
 use relievo::backend::cpu;
 use relievo::backend::gpu::{Choice, Device, Runner};
 use relievo::frame::{Frame, Mask, Plane, Window};

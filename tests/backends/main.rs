@@ -15,7 +15,7 @@ mod products;
 mod relight;
 mod report;
 
-use common::scenes::{Scene, Surface};
+use crate::common::scenes::{Scene, Surface};
 use relievo::backend::cpu::{self, Outcome};
 use relievo::backend::gpu::{self, Choice, Device};
 use relievo::backend::{Product, products};

@@ -1,8 +1,8 @@
 //! Numbers at the ends of what single precision holds: what is none is left out on reading, and both backends make the
 //! same of the rest.
 
-use super::common::through_a_file;
 use super::{assert_same, on_gpu, plan, waves};
+use crate::common::through_a_file;
 use relievo::frame::{Frame, Plane, Vector3Planes};
 use relievo::io::exr::OutputType;
 use relievo::params::{Scale, ScalingParams, ShapeParams};

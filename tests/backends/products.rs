@@ -1,7 +1,7 @@
 //! Analytic scenes and real ones, with every solver and kind of readout.
 
-use super::common::scenes::{Scene, Surface};
 use super::{assert_same, on_gpu, plan, waves, with_color};
+use crate::common::scenes::{Scene, Surface};
 use glam::DVec3;
 use relievo::frame::Plane;
 use relievo::io::inputs::Inputs;

@@ -3,6 +3,8 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
 
+pub mod exr;
+pub mod real_files;
 pub mod scenes;
 
 use glam::{DAffine3, DMat3, DVec3};

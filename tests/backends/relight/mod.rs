@@ -4,8 +4,8 @@ mod lights;
 mod materials;
 mod surfaces;
 
-use super::common::scenes::{Scene, Surface};
 use super::{assert_alike, with_color};
+use crate::common::scenes::{Scene, Surface};
 use glam::{DVec3, Vec3};
 use relievo::backend::gpu::Runner;
 use relievo::backend::{Product, cpu, relit_tolerance};

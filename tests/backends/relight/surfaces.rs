@@ -1,10 +1,10 @@
 //! What surfaces bring: albedo, coverage, numbers that are none, sizes and masks.
 
-use super::super::common::poisoned;
-use super::super::common::scenes::{Scene, Surface};
 use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
 use super::{Asked, sky, torus, torus_from_near, with_layers};
+use crate::common::poisoned;
+use crate::common::scenes::{Scene, Surface};
 use glam::Vec3;
 use relievo::backend::cpu;
 use relievo::backend::gpu::{Choice, Device, Runner};
