@@ -1,17 +1,17 @@
 //! The real binary on the fixtures: what it writes, what it says, and how it refuses.
 
+use crate::common::bits;
+use crate::common::exr::Part;
+use crate::common::program::{self, Ran, fixture, run};
 use crate::common::scenes::{Scene, Surface};
 use relievo::frame::{Plane, Window};
-use relievo::io::exr::{
-    ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, write_results,
-};
+use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::io::inputs::Inputs;
 use relievo::io::photo::Photo;
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// The layers that `shape` writes.
 const CONTRACT: [&str; 19] = [
@@ -36,52 +36,8 @@ const CONTRACT: [&str; 19] = [
     "direction_view.y",
 ];
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
-}
-
-/// What a run of the binary said.
-struct Ran {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-impl Ran {
-    #[track_caller]
-    fn done(self) -> Self {
-        assert_eq!(self.code, Some(0), "{}", self.stderr);
-        self
-    }
-
-    /// The single line of a refusal with exit code `code`.
-    #[track_caller]
-    fn refused(self, code: i32) -> String {
-        let Ran { stdout, stderr, .. } = &self;
-        assert_eq!(self.code, Some(code), "{stderr}");
-        assert_eq!(stdout, "", "an error leaves stdout alone");
-        assert!(stderr.starts_with("error: "), "{stderr}");
-        assert!(stderr.ends_with('\n'), "{stderr}");
-        assert_eq!(stderr.lines().count(), 1, "{stderr}");
-        // What the system refused it explains in its own words.
-        let advises = stderr.contains("; ") || stderr.contains(": cannot ");
-        assert!(advises, "no word on what to do next: {stderr}");
-        self.stderr
-    }
-}
-
-fn relievo<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>) -> Ran {
-    let output = Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(args)
-        .output()
-        .unwrap();
-    Ran {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
-    }
+fn relievo<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Ran {
+    run(Path::new("."), arguments)
 }
 
 /// A directory of one test, and runs that write into it.
@@ -98,12 +54,7 @@ impl Desk {
 
     /// Names of all files here: temporary ones are never left behind.
     fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        let mut names: Vec<_> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
+        program::names(self.0.path(), "")
     }
 
     /// Runs `verb input -o output`, and then whatever `flags` hold.
@@ -127,26 +78,7 @@ impl Desk {
 
     fn write_exr(&self, name: &str, channels: &[(&str, &Plane)]) -> PathBuf {
         let path = self.path(name);
-        let (width, height) = (channels[0].1.width(), channels[0].1.height());
-        let part = OutputPart {
-            name: "main".into(),
-            data_window: Window::from_size(width, height),
-            display_window: Window::from_size(width, height),
-            pixel_aspect: 1.0,
-            channels: channels
-                .iter()
-                .map(|&(name, plane)| OutputChannel {
-                    name: name.into(),
-                    plane,
-                    sample_type: OutputType::Float,
-                })
-                .collect(),
-            attributes: Vec::new(),
-            chromaticities: None,
-            compression: Default::default(),
-        };
-        let mut file = fs::File::create(&path).unwrap();
-        write_results(&mut file, &path, &part).unwrap();
+        Part::of(channels.iter().copied()).write(&path);
         path
     }
 }
@@ -168,10 +100,6 @@ fn plane(file: &ExrFile, part: usize, name: &str) -> Plane {
 fn names(file: &ExrFile, part: usize) -> Vec<&str> {
     let channels = file.parts[part].channels.iter();
     channels.map(|c| c.name.as_str()).collect()
-}
-
-fn bits(plane: &Plane) -> Vec<u32> {
-    plane.samples().iter().map(|s| s.to_bits()).collect()
 }
 
 fn photo(path: &Path) -> Photo {
@@ -708,19 +636,15 @@ fn help_and_version_are_results() {
 fn a_full_disk_behind_stdout_is_told_and_one_behind_stderr_is_survived() {
     let full = || fs::OpenOptions::new().write(true).open("/dev/full");
     let gears = fixture("gears.exr");
-    let inspect = Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args([OsStr::new("inspect"), gears.as_os_str()])
-        .stdout(full().unwrap())
-        .output()
-        .unwrap();
-    let told = String::from_utf8(inspect.stderr).unwrap();
-    assert_eq!(inspect.status.code(), Some(1), "{told}");
+    let here = Path::new(".");
+    let mut inspect = program::program(here);
+    inspect.arg("inspect").arg(&gears).stdout(full().unwrap());
+    let told = Ran::of(&mut inspect).refused(1);
     assert!(told.starts_with("error: stdout: cannot write"), "{told}");
-    assert_eq!(told.lines().count(), 1, "{told}");
 
     for (input, code) in [(gears.as_path(), 0), (Path::new("none.exr"), 1)] {
         let desk = Desk::new();
-        let enhance = Command::new(env!("CARGO_BIN_EXE_relievo"))
+        let enhance = program::program(here)
             .args([OsStr::new("enhance"), input.as_os_str(), OsStr::new("-o")])
             .arg(desk.path("a.png"))
             .stderr(full().unwrap())

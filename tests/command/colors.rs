@@ -1,31 +1,27 @@
 //! Colour spaces: layers keep theirs, displays get sRGB, data are never touched.
 
-use super::{Part, ended, relievo, write_part};
+use crate::common::exr::{Part, channel};
+use crate::common::program::relievo;
 use relievo::frame::Plane;
-use relievo::io::exr::{ChannelId, ExrFile};
+use relievo::io::exr::ExrFile;
 use relievo::io::photo::Photo;
 use std::path::Path;
 
 /// A wall of one colour.
 fn write_wall(path: &Path, color: [f32; 3], chromaticities: Option<[f32; 8]>) {
     let flat = |value| Plane::filled(8, 8, value);
-    let [r, g, b] = color.map(flat);
-    let channels = [
-        ("R", r),
-        ("G", g),
-        ("B", b),
-        ("N.X", flat(0.0)),
-        ("N.Y", flat(0.0)),
-        ("N.Z", flat(1.0)),
-    ];
-    write_part(path, &channels, Part { chromaticities });
+    let planes = [color, [0.0, 0.0, 1.0]].concat();
+    let planes: Vec<_> = planes.into_iter().map(flat).collect();
+    let names = ["R", "G", "B", "N.X", "N.Y", "N.Z"];
+    let part = Part::of(names.into_iter().zip(&planes));
+    match chromaticities {
+        Some(chromaticities) => part.chromaticities(chromaticities).write(path),
+        None => part.write(path),
+    }
 }
 
 fn pixel(path: &Path, name: &str) -> f32 {
-    let file = ExrFile::open(path, &Default::default()).unwrap();
-    let index = |id: &ChannelId| file.parts[id.part].channels[id.channel].name == name;
-    let id = file.channel_ids().find(index).unwrap();
-    file.read_channels(&[id]).unwrap()[0].at(3, 3)
+    channel(path, name).at(3, 3)
 }
 
 fn shown(path: &Path) -> [f32; 3] {
@@ -46,7 +42,7 @@ fn acescg_is_shown_in_srgb_and_kept_in_layers() {
     for (name, flags) in [("told", "--colorspace acescg"), ("tagged", "")] {
         for format in ["hdr", "png"] {
             let words = format!("enhance {name}.exr -o {name}.{format} --scaling 0 {flags}");
-            ended(relievo(here, &words), 0);
+            relievo(here, &words).ended(0);
             let found = shown(&here.join(format!("{name}.{format}")));
             for (found, expected) in found.into_iter().zip(expected) {
                 // A step of RGBE, or of 8 bits at these brightnesses.
@@ -58,7 +54,7 @@ fn acescg_is_shown_in_srgb_and_kept_in_layers() {
         }
         let words =
             format!("enhance {name}.exr -o {name}.out.exr --scaling 0 --layers results {flags}");
-        ended(relievo(here, &words), 0);
+        relievo(here, &words).ended(0);
         let out = here.join(format!("{name}.out.exr"));
         assert_eq!(
             [pixel(&out, "R"), pixel(&out, "G"), pixel(&out, "B")],
@@ -74,41 +70,33 @@ fn encoded_colours_are_made_linear_and_data_are_not() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
     write_wall(&here.join("in.exr"), [0.5, 0.25, 1.0], None);
-    ended(
-        relievo(
-            here,
-            "enhance in.exr -o out.exr --scaling 0 --layers results --colorspace srgb",
-        ),
-        0,
-    );
+    relievo(
+        here,
+        "enhance in.exr -o out.exr --scaling 0 --layers results --colorspace srgb",
+    )
+    .ended(0);
     // ((0.5 + 0.055) / 1.055)^2.4 and ((0.25 + 0.055) / 1.055)^2.4.
     for (name, expected) in [("R", 0.214_041), ("G", 0.050_876), ("B", 1.0)] {
         let found = pixel(&here.join("out.exr"), name);
         assert!((found - expected).abs() < 1e-5, "{name}: {found}");
     }
-    ended(
-        relievo(
-            here,
-            "shape in.exr -o shape.exr --layers results --colorspace srgb",
-        ),
-        0,
-    );
+    relievo(
+        here,
+        "shape in.exr -o shape.exr --layers results --colorspace srgb",
+    )
+    .ended(0);
     assert_eq!(pixel(&here.join("shape.exr"), "normal.z"), 1.0);
     // A photo of linear numbers: what is stored is what counts.
-    ended(
-        relievo(
-            here,
-            "enhance in.exr -o linear.png --scaling 0 --view-transform none",
-        ),
-        0,
-    );
-    ended(
-        relievo(
-            here,
-            "enhance linear.png --normal in.exr -o again.exr --scaling 0 --colorspace linear",
-        ),
-        0,
-    );
+    relievo(
+        here,
+        "enhance in.exr -o linear.png --scaling 0 --view-transform none",
+    )
+    .ended(0);
+    relievo(
+        here,
+        "enhance linear.png --normal in.exr -o again.exr --scaling 0 --colorspace linear",
+    )
+    .ended(0);
     let found = pixel(&here.join("again.exr"), "R");
     assert!((found - 0.5).abs() < 0.003, "{found}");
 }

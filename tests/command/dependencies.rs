@@ -1,5 +1,7 @@
 //! What a build pulls in.
 
+use crate::common::program::{fixture, run};
+use std::path::Path;
 use std::process::Command;
 
 #[test]
@@ -24,15 +26,10 @@ fn without_features_there_is_neither_a_window_nor_a_graphics_device() {
 #[cfg(not(feature = "view"))]
 #[test]
 fn a_build_without_a_window_says_so_in_one_line() {
-    let run = Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(["view", "fixtures/bust.exr"])
-        .output()
-        .unwrap();
-    let said = String::from_utf8(run.stderr).unwrap();
-    assert_eq!(run.status.code(), Some(1));
-    assert_eq!(said.lines().count(), 1, "{said}");
+    let bust = fixture("bust.exr");
+    let line = run(Path::new("."), ["view".as_ref(), bust.as_os_str()]).refused(1);
     assert!(
-        said.contains("cargo build --release --features view"),
-        "{said}"
+        line.contains("cargo build --release --features view"),
+        "{line}"
     );
 }

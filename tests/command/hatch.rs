@@ -1,41 +1,24 @@
 //! `relievo hatch` as a user runs it.
 
+use crate::common::program::{Ran, fixture, relievo, run};
 use relievo::io::photo::Photo;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::ffi::OsStr;
+use std::path::Path;
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
+fn hatch(directory: &Path, input: &str, words: &str) -> Ran {
+    let words = words.split_whitespace().map(OsStr::new);
+    let input = fixture(input);
+    run(
+        directory,
+        ["hatch".as_ref(), input.as_os_str()]
+            .into_iter()
+            .chain(words),
+    )
 }
 
-fn hatch(directory: &Path, input: &str, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .arg("hatch")
-        .arg(fixture(input))
-        .args(flags)
-        .current_dir(directory)
-        .output()
-        .unwrap()
-}
-
-fn drawn(directory: &Path, input: &str, flags: &[&str]) -> Photo {
-    let ran = hatch(directory, input, &[flags, &["-o", "drawing.png"]].concat());
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{said}");
+fn drawn(directory: &Path, input: &str, words: &str) -> Photo {
+    hatch(directory, input, &format!("{words} -o drawing.png")).done();
     Photo::read(&directory.join("drawing.png")).unwrap()
-}
-
-fn refusal(ran: Output, code: i32) -> String {
-    let said = String::from_utf8(ran.stderr).unwrap();
-    assert_eq!(ran.status.code(), Some(code), "{said}");
-    let errors: Vec<_> = said
-        .lines()
-        .filter(|line| line.starts_with("error: "))
-        .collect();
-    assert_eq!(errors.len(), 1, "{said}");
-    errors[0].to_string()
 }
 
 /// Mean of the picture's light.
@@ -48,16 +31,15 @@ fn light(photo: &Photo) -> f32 {
 fn renders_and_photos_are_drawn_with_every_tool() {
     let desk = tempfile::tempdir().unwrap();
     let normal = fixture("tablet.normal.png");
-    let normal = ["--normal", normal.to_str().unwrap()];
     for style in ["pen", "pencil", "lines"] {
-        let bust = drawn(desk.path(), "bust.exr", &["--style", style]);
+        let bust = drawn(desk.path(), "bust.exr", &format!("--style {style}"));
         assert_eq!((bust.width, bust.height), (480, 360));
         // Paper around the bust, ink on it.
         assert!((0.2..0.98).contains(&light(&bust)), "{}", light(&bust));
         let tablet = drawn(
             desk.path(),
             "tablet.color.jpg",
-            &[&normal[..], &["--style", style]].concat(),
+            &format!("--normal {} --style {style}", normal.display()),
         );
         assert!((0.05..0.95).contains(&light(&tablet)));
     }
@@ -66,17 +48,11 @@ fn renders_and_photos_are_drawn_with_every_tool() {
 #[test]
 fn an_svg_holds_lines_in_millimetres() {
     let desk = tempfile::tempdir().unwrap();
-    let written = |flags: &[&str]| {
-        let ran = hatch(
-            desk.path(),
-            "bust.exr",
-            &[flags, &["-o", "bust.svg"]].concat(),
-        );
-        let said = String::from_utf8_lossy(&ran.stderr);
-        assert!(ran.status.success(), "{said}");
+    let written = |flags: &str| {
+        hatch(desk.path(), "bust.exr", &format!("{flags} -o bust.svg")).done();
         std::fs::read_to_string(desk.path().join("bust.svg")).unwrap()
     };
-    let page = written(&["--dpi", "96"]);
+    let page = written("--dpi 96");
     // 480 x 360 pixels at 96 to the inch are 5 x 3.75 inches.
     assert!(page.starts_with("<svg ") && page.ends_with("</svg>\n"));
     assert!(page.contains("width=\"127.000mm\" height=\"95.250mm\" viewBox=\"0 0 480 360\""));
@@ -102,15 +78,14 @@ fn an_svg_holds_lines_in_millimetres() {
     }
     assert!(count > 3000, "{count}");
     // One pen for all strokes without pressure.
-    let page = written(&["--pressure", "0", "--contours", "off"]);
+    let page = written("--pressure 0 --contours off");
     assert_eq!(page.matches("<g stroke-width").count(), 1);
-    for flags in [&["--style", "pencil"][..], &["--style", "."]] {
-        let ran = hatch(
-            desk.path(),
-            "bust.exr",
-            &[flags, &["-o", "other.svg"]].concat(),
+    for flags in ["--style pencil", "--style ."] {
+        let ran = hatch(desk.path(), "bust.exr", &format!("{flags} -o other.svg"));
+        assert!(
+            ran.error(2)
+                .contains("--style is a texture, and an SVG holds lines")
         );
-        assert!(refusal(ran, 2).contains("--style is a texture, and an SVG holds lines"));
         assert!(!desk.path().join("other.svg").exists());
     }
 }
@@ -118,36 +93,19 @@ fn an_svg_holds_lines_in_millimetres() {
 #[test]
 fn tone_comes_from_new_light_where_there_is_any() {
     let desk = tempfile::tempdir().unwrap();
-    let flags = |light| {
-        [
-            "--light",
-            light,
-            "--albedo-from",
-            "white",
-            "--contours",
-            "off",
-        ]
-    };
+    let flags = |light| format!("--light {light} --albedo-from white --contours off");
     let lit = drawn(desk.path(), "bust.exr", &flags("90,80"));
     let raking = drawn(desk.path(), "bust.exr", &flags("0,2"));
     assert!(light(&lit) > light(&raking) + 0.03);
     // Without a picture there is a lamp.
-    let explained = hatch(
-        desk.path(),
-        "bust.exr",
-        &["--tone", "relight", "--explain", "-o", "a.png"],
-    );
-    let plan = String::from_utf8(explained.stdout).unwrap();
+    let explained = hatch(desk.path(), "bust.exr", "--tone relight --explain -o a.png");
+    let plan = explained.stdout;
     assert!(
         plan.lines().any(|line| line.starts_with("run   light-sum")),
         "{plan}"
     );
-    let explained = hatch(
-        desk.path(),
-        "bust.exr",
-        &["--tone", "picture", "--explain", "-o", "a.png"],
-    );
-    let plan = String::from_utf8(explained.stdout).unwrap();
+    let explained = hatch(desk.path(), "bust.exr", "--tone picture --explain -o a.png");
+    let plan = explained.stdout;
     for stage in ["diffusion", "trace", "radiance-scaling", "light-sum"] {
         let skipped = format!("skip  {stage} ");
         assert!(
@@ -160,14 +118,8 @@ fn tone_comes_from_new_light_where_there_is_any() {
 #[test]
 fn layers_of_a_drawing_lie_beside_the_input() {
     let desk = tempfile::tempdir().unwrap();
-    let ran = hatch(desk.path(), "bust.exr", &["-o", "drawing.exr"]);
-    assert!(ran.status.success());
-    let inspected = Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(["inspect", "drawing.exr"])
-        .current_dir(desk.path())
-        .output()
-        .unwrap();
-    let said = String::from_utf8(inspected.stdout).unwrap();
+    hatch(desk.path(), "bust.exr", "-o drawing.exr").done();
+    let said = relievo(desk.path(), "inspect drawing.exr").done().stdout;
     for layer in ["relievo.R", "strokes.hatching", "strokes.contours"] {
         assert!(
             said.contains(layer.split('.').next().unwrap()),
@@ -181,8 +133,8 @@ fn a_folder_of_pictures_draws_and_one_without_is_refused() {
     let desk = tempfile::tempdir().unwrap();
     let folder = desk.path().join("dots");
     std::fs::create_dir(&folder).unwrap();
-    let refused = hatch(desk.path(), "bust.exr", &["--style", "dots", "-o", "a.png"]);
-    assert!(refusal(refused, 1).contains("holds 0 pictures"));
+    let refused = hatch(desk.path(), "bust.exr", "--style dots -o a.png");
+    assert!(refused.error(1).contains("holds 0 pictures"));
     for (name, size) in [("light.png", 2), ("dark.png", 6)] {
         let dots = image::GrayImage::from_fn(64, 64, |x, y| {
             image::Luma([if x % 8 < size && y % 8 < size { 0 } else { 255 }])
@@ -190,37 +142,33 @@ fn a_folder_of_pictures_draws_and_one_without_is_refused() {
         dots.save(folder.join(name)).unwrap();
     }
     std::fs::write(folder.join("notes.txt"), "not a picture").unwrap();
-    let dotted = drawn(desk.path(), "bust.exr", &["--style", "dots"]);
+    let dotted = drawn(desk.path(), "bust.exr", "--style dots");
     assert!((0.2..0.98).contains(&light(&dotted)));
     let refused = hatch(
         desk.path(),
         "bust.exr",
-        &["--style", "dots", "--stroke-scale", "0.3mm", "-o", "a.png"],
+        "--style dots --stroke-scale 0.3mm -o a.png",
     );
-    assert!(refusal(refused, 2).contains("--stroke-scale"));
+    assert!(refused.error(2).contains("--stroke-scale"));
     image::GrayImage::new(32, 64)
         .save(folder.join("odd.png"))
         .unwrap();
-    let refused = hatch(desk.path(), "bust.exr", &["--style", "dots", "-o", "a.png"]);
-    assert!(refusal(refused, 1).contains("odd.png"));
+    let refused = hatch(desk.path(), "bust.exr", "--style dots -o a.png");
+    assert!(refused.error(1).contains("odd.png"));
 }
 
 #[test]
 fn what_cannot_be_drawn_is_refused_in_one_line() {
     let desk = tempfile::tempdir().unwrap();
     for (flags, said) in [
-        (["--levels", "0"], "--levels"),
-        (["--stroke-scale", "0"], "--stroke-scale"),
-        (["--style", "crayon"], "--style"),
-        (["--passes", "99"], "--passes"),
-        (["--tone-gamma", "nan"], "--tone-gamma"),
+        ("--levels 0", "--levels"),
+        ("--stroke-scale 0", "--stroke-scale"),
+        ("--style crayon", "--style"),
+        ("--passes 99", "--passes"),
+        ("--tone-gamma nan", "--tone-gamma"),
     ] {
-        let ran = hatch(
-            desk.path(),
-            "bust.exr",
-            &[&flags[..], &["-o", "a.png"]].concat(),
-        );
-        let refused = refusal(ran, 2);
+        let ran = hatch(desk.path(), "bust.exr", &format!("{flags} -o a.png"));
+        let refused = ran.error(2);
         assert!(refused.contains(said), "{refused}");
         assert!(!desk.path().join("a.png").exists());
     }

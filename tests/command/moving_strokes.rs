@@ -1,12 +1,11 @@
 //! `relievo hatch` on sequences, as a user runs it.
 
-use relievo::frame::{Plane, Window};
-use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
+use crate::common::exr::Part;
+use crate::common::program::{Ran, relievo};
+use relievo::frame::Plane;
 use relievo::io::photo::Photo;
 use std::fs;
-use std::io::BufWriter;
 use std::path::Path;
-use std::process::{Command, Output};
 
 const SIZE: [usize; 2] = [96, 64];
 
@@ -52,42 +51,15 @@ fn write_frame(directory: &Path, number: i32, luminance: f32, with: With) {
         }
         With::Nothing => {}
     }
-    let path = directory.join(format!("in.{number:04}.exr"));
-    let window = Window::from_size(SIZE[0], SIZE[1]);
-    let part = OutputPart {
-        name: "shot".into(),
-        data_window: window,
-        display_window: window,
-        pixel_aspect: 1.0,
-        channels: channels
-            .iter()
-            .map(|(name, plane)| OutputChannel {
-                name: (*name).into(),
-                plane,
-                sample_type: OutputType::Float,
-            })
-            .collect(),
-        attributes: Vec::new(),
-        chromaticities: None,
-        compression: Default::default(),
-    };
-    let mut file = BufWriter::new(fs::File::create(&path).unwrap());
-    write_results(&mut file, &path, &part).unwrap();
+    let channels = channels.iter().map(|(name, plane)| (name, plane));
+    Part::of(channels).write(&directory.join(format!("in.{number:04}.exr")));
 }
 
-fn hatch(directory: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(["hatch", "--contours", "off", "--normal-space", "view"])
-        .args(flags)
-        .current_dir(directory)
-        .output()
-        .unwrap()
-}
-
-fn done(ran: Output) -> String {
-    let said = String::from_utf8(ran.stderr).unwrap();
-    assert!(ran.status.success(), "{said}");
-    said
+fn hatch(directory: &Path, words: &str) -> Ran {
+    relievo(
+        directory,
+        &format!("hatch --contours off --normal-space view {words}"),
+    )
 }
 
 fn drawing(directory: &Path, name: &str) -> Plane {
@@ -109,11 +81,8 @@ fn strokes_of_a_sequence_move_by_its_motion() {
         let luminance = if number == 1 { 0.4 } else { 0.8 };
         write_frame(desk.path(), number, luminance, With::Motion);
     }
-    let sequence = ["in.####.exr", "--frames", "1-3", "--tone", "picture"];
-    let said = done(hatch(
-        desk.path(),
-        &[&sequence[..], &["-o", "out.%04d.png"]].concat(),
-    ));
+    let sequence = "in.####.exr --frames 1-3 --tone picture";
+    let said = hatch(desk.path(), &format!("{sequence} -o out.%04d.png")).ended(0);
     // Each has its 98th percentile for a white point; the median of them holds for all: no frame is made as bright
     // as another.
     assert!(said.contains("for all frames:"), "{said}");
@@ -125,30 +94,27 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert!(is_moved(&third, &second));
 
     // A tone of its own for each: the second and third are alike, and go with the surface.
-    let tone = ["--white-point", "1.5"];
-    let outputs = ["-o", "out.%04d.png"];
-    done(hatch(
-        desk.path(),
-        &[&sequence[..], &tone, &outputs].concat(),
-    ));
+    let tone = "--white-point 1.5";
+    let outputs = "-o out.%04d.png";
+    hatch(desk.path(), &format!("{sequence} {tone} {outputs}")).ended(0);
     let [second, third] = ["out.0002.png", "out.0003.png"].map(|n| drawing(desk.path(), n));
     assert!(is_moved(&third, &second));
     assert!(!is_moved(&second, &second));
 
     // Still strokes are still, as they are in single pictures.
-    let still = ["--motion", "none", "-o", "still.####.png"];
-    done(hatch(desk.path(), &[&sequence[..], &tone, &still].concat()));
-    let alone = ["in.0003.exr", "--tone", "picture", "-o", "alone.png"];
-    done(hatch(desk.path(), &[&alone[..], &tone].concat()));
+    let still = "--motion none -o still.####.png";
+    hatch(desk.path(), &format!("{sequence} {tone} {still}")).ended(0);
+    let alone = "in.0003.exr --tone picture -o alone.png";
+    hatch(desk.path(), &format!("{alone} {tone}")).ended(0);
     let [second, third, alone] =
         ["still.0002.png", "still.0003.png", "alone.png"].map(|n| drawing(desk.path(), n));
     assert_eq!(second, third);
     assert_eq!(third, alone);
 
     // Named by layer; a frame left out: twice the motion, said once.
-    let gap = ["in.####.exr", "--frames", "1-3x2", "--tone", "picture"];
-    let named = ["--motion", "ViewLayer.Vector", "-o", "gap.####.png"];
-    let said = done(hatch(desk.path(), &[&gap[..], &tone, &named].concat()));
+    let gap = "in.####.exr --frames 1-3x2 --tone picture";
+    let named = "--motion ViewLayer.Vector -o gap.####.png";
+    let said = hatch(desk.path(), &format!("{gap} {tone} {named}")).ended(0);
     assert!(
         said.contains("where frames are left out motion is taken"),
         "{said}"
@@ -163,16 +129,9 @@ fn cameras_tell_the_motion_of_what_stands_still() {
     for number in 1..=3 {
         write_frame(desk.path(), number, 0.4, With::Camera);
     }
-    let sequence = ["in.####.exr", "--frames", "1-3", "--camera", "cam.#.json"];
-    let tone = [
-        "--tone",
-        "picture",
-        "--white-point",
-        "0.8",
-        "-o",
-        "out.####.png",
-    ];
-    let said = done(hatch(desk.path(), &[&sequence[..], &tone].concat()));
+    let sequence = "in.####.exr --frames 1-3 --camera cam.#.json";
+    let tone = "--tone picture --white-point 0.8 -o out.####.png";
+    let said = hatch(desk.path(), &format!("{sequence} {tone}")).ended(0);
     assert!(said.contains("taken from depth and cameras"), "{said}");
     let drawings = [1, 2, 3].map(|n| drawing(desk.path(), &format!("out.000{n}.png")));
     assert!(is_moved(&drawings[1], &drawings[0]));
@@ -181,8 +140,8 @@ fn cameras_tell_the_motion_of_what_stands_still() {
     for number in 1..=2 {
         write_frame(desk.path(), number, 0.4, With::Nothing);
     }
-    let flags = ["in.####.exr", "--frames", "1-2"];
-    let said = done(hatch(desk.path(), &[&flags[..], &tone].concat()));
+    let flags = "in.####.exr --frames 1-2";
+    let said = hatch(desk.path(), &format!("{flags} {tone}")).ended(0);
     assert!(said.contains("strokes lie still in the picture"), "{said}");
     let drawings = [1, 2].map(|n| drawing(desk.path(), &format!("out.000{n}.png")));
     assert_eq!(drawings[0], drawings[1]);
@@ -193,73 +152,35 @@ fn what_is_no_sequence_is_refused_in_one_line() {
     let desk = tempfile::tempdir().unwrap();
     write_frame(desk.path(), 1, 0.4, With::Motion);
     for (flags, said) in [
+        ("in.####.exr -o a.png", "give them, as in --frames 1-12"),
         (
-            &["in.####.exr", "-o", "a.png"][..],
+            "in.0001.exr -o a.####.png",
             "give them, as in --frames 1-12",
         ),
         (
-            &["in.0001.exr", "-o", "a.####.png"],
-            "give them, as in --frames 1-12",
-        ),
-        (
-            &["in.0001.exr", "--frames", "1-2", "-o", "a.####.png"],
+            "in.0001.exr --frames 1-2 -o a.####.png",
             "IN in.0001.exr has no place",
         ),
+        ("in.####.exr --frames 1-2 -o a.png", "-o a.png has no place"),
+        ("in.####.exr --frames 2-1 -o a.%d.png", "backward"),
+        ("in.####.exr --frames all -o a.%d.png", "no list of frames"),
+        ("in.0001.exr --motion none -o a.png", "--frames"),
+        ("in.####.exr --frames 1 -o in.####.exr", "is the input"),
         (
-            &["in.####.exr", "--frames", "1-2", "-o", "a.png"],
-            "-o a.png has no place",
-        ),
-        (
-            &["in.####.exr", "--frames", "2-1", "-o", "a.%d.png"],
-            "backward",
-        ),
-        (
-            &["in.####.exr", "--frames", "all", "-o", "a.%d.png"],
-            "no list of frames",
-        ),
-        (
-            &["in.0001.exr", "--motion", "none", "-o", "a.png"],
-            "--frames",
-        ),
-        (
-            &["in.####.exr", "--frames", "1", "-o", "in.####.exr"],
-            "is the input",
-        ),
-        (
-            &[
-                "in.####.exr",
-                "--frames",
-                "1",
-                "--timings",
-                "t.json",
-                "-o",
-                "a.####.png",
-            ],
+            "in.####.exr --frames 1 --timings t.json -o a.####.png",
             "one file for all frames",
         ),
     ] {
-        let ran = hatch(desk.path(), flags);
-        let stderr = String::from_utf8(ran.stderr).unwrap();
-        assert_eq!(ran.status.code(), Some(2), "{flags:?}: {stderr}");
-        assert_eq!(stderr.lines().count(), 1, "{stderr}");
-        assert!(
-            stderr.starts_with("error: ") && stderr.contains(said),
-            "{stderr}"
-        );
+        let line = hatch(desk.path(), flags).refused(2);
+        assert!(line.contains(said), "{flags}: {line}");
     }
     // A frame that is not there, and motion that is not: the frames before are done.
-    let sequence = ["in.####.exr", "--frames", "1-2", "-o", "a.####.png"];
-    let ran = hatch(desk.path(), &sequence);
-    let stderr = String::from_utf8(ran.stderr).unwrap();
-    assert_eq!(ran.status.code(), Some(1), "{stderr}");
+    let sequence = "in.####.exr --frames 1-2 -o a.####.png";
+    let stderr = hatch(desk.path(), sequence).ended(1);
     assert!(stderr.contains("in.0002.exr: cannot read"), "{stderr}");
     assert!(desk.path().join("a.0001.png").exists());
     write_frame(desk.path(), 2, 0.4, With::Camera);
-    let ran = hatch(
-        desk.path(),
-        &[&sequence[..], &["--motion", "speed"]].concat(),
-    );
-    let stderr = String::from_utf8(ran.stderr).unwrap();
-    assert_eq!(ran.status.code(), Some(1), "{stderr}");
+    let ran = hatch(desk.path(), &format!("{sequence} --motion speed"));
+    let stderr = ran.ended(1);
     assert!(stderr.contains("no motion called speed"), "{stderr}");
 }

@@ -1,18 +1,17 @@
 //! Names of anybody's making: of layers, parts, files and settings.
 
-use super::{desk, ended, relievo, write_part};
+use super::inputs::desk;
+use crate::common::exr::Part;
+use crate::common::program::{Ran, program, relievo, run};
 use relievo::frame::Plane;
-use std::path::Path;
-use std::process::Command;
 
 /// A colour, a bell, the start of a line, a new line, a one-byte escape, and writing from right to left.
 const STEERING: &str = "\u{1b}[31mA\u{7}B\rC\nD\u{9b}2JE\u{202e}F\u{2066}G";
 
 /// Neither stdout nor stderr holds a byte that a terminal obeys, save the ends of lines.
 #[track_caller]
-fn is_plain(output: &std::process::Output) {
-    for stream in [&output.stdout, &output.stderr] {
-        let text = String::from_utf8(stream.clone()).unwrap();
+fn is_plain(ran: &Ran) {
+    for text in [&ran.stdout, &ran.stderr] {
         let steers = |c: char| c.is_control() || "\u{202e}\u{2066}".contains(c);
         let found = text.lines().find(|line| line.contains(steers));
         assert_eq!(found, None, "{text:?}");
@@ -24,17 +23,15 @@ fn no_name_reaches_the_terminal_raw() {
     let desk = desk(1..=1);
     let here = desk.path();
     let plane = Plane::filled(4, 4, 0.5);
-    let name = |component: &str| format!("{STEERING}.{component}");
-    let (x, y, z) = (name("X"), name("Y"), name("Z"));
-    let channels = [(&*x, plane.clone()), (&*y, plane.clone()), (&*z, plane)];
-    write_part(&here.join("named.exr"), &channels, Default::default());
+    let channels = ["X", "Y", "Z"].map(|component| (format!("{STEERING}.{component}"), &plane));
+    Part::of(channels).write(&here.join("named.exr"));
     let text = relievo(here, "inspect named.exr");
     is_plain(&text);
-    assert!(String::from_utf8_lossy(&text.stdout).contains("\\u001b[31mA\\u0007B"));
+    assert!(text.stdout.contains("\\u001b[31mA\\u0007B"));
     let json = relievo(here, "inspect --json named.exr");
     is_plain(&json);
     // In JSON nothing is lost.
-    let read: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    let read: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     let layer = &read[0]["parts"][0]["layers"][0]["name"];
     assert_eq!(layer.as_str(), Some(STEERING));
     is_plain(&relievo(here, "enhance named.exr -o o.png"));
@@ -47,9 +44,9 @@ fn no_name_reaches_the_terminal_raw() {
         .replace("\\u{202e}", "\\u202e")
         .replace("\\u{2066}", "\\u2066");
     std::fs::write(here.join("look.toml"), look).unwrap();
-    let run = relievo(here, "run look.toml in.0001.exr -o o.png");
-    is_plain(&run);
-    assert!(ended(run, 2).contains("has no setting"));
+    let refused = relievo(here, "run look.toml in.0001.exr -o o.png");
+    is_plain(&refused);
+    assert!(refused.ended(2).contains("has no setting"));
     for words in [
         vec!["inspect", STEERING],
         vec!["enhance", STEERING, "-o", "o.png"],
@@ -72,24 +69,15 @@ fn no_name_reaches_the_terminal_raw() {
         ],
         vec![STEERING],
     ] {
-        is_plain(&in_words(here, &words));
+        is_plain(&run(here, &words));
     }
     // One that works, and says so.
     let named = format!("{STEERING}.exr");
     std::fs::copy(here.join("in.0001.exr"), here.join(&named)).unwrap();
-    let made = in_words(
-        here,
-        &[
-            "enhance",
-            &named,
-            "-o",
-            &format!("{STEERING}.png"),
-            "-v",
-            "--explain",
-        ],
-    );
+    let output = format!("{STEERING}.png");
+    let made = run(here, ["enhance", &named, "-o", &output, "-v", "--explain"]);
     is_plain(&made);
-    ended(made, 0);
+    made.ended(0);
     let frames = [
         "enhance",
         &named,
@@ -100,12 +88,7 @@ fn no_name_reaches_the_terminal_raw() {
         "--progress",
         "json",
     ];
-    is_plain(&in_words(here, &frames));
-}
-
-fn in_words(directory: &Path, words: &[&str]) -> std::process::Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_relievo"));
-    command.args(words).current_dir(directory).output().unwrap()
+    is_plain(&run(here, frames));
 }
 
 /// Names of files need not be text.
@@ -118,19 +101,14 @@ fn a_name_that_is_no_text_loses_no_results() {
     let here = desk.path();
     let name = OsStr::from_bytes(b"b\xffd.exr");
     std::fs::copy(here.join("in.0001.exr"), here.join(name)).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_relievo"));
-    let words = ["inspect", "--json", "in.0001.exr"].map(OsStr::new);
-    let output = command
-        .args(words)
-        .arg(name)
-        .current_dir(here)
-        .output()
-        .unwrap();
-    let read: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let ran = Ran::of(
+        program(here)
+            .args(["inspect", "--json", "in.0001.exr"])
+            .arg(name),
+    )
+    .done();
+    let read: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     let files: Vec<_> = (0..2).map(|i| read[i]["file"].as_str().unwrap()).collect();
     assert_eq!(files, ["in.0001.exr", "b\u{fffd}d.exr"]);
-    ended(output, 0);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_relievo"));
-    command.args(["enhance", "-o", "o.png"]).arg(name);
-    ended(command.current_dir(here).output().unwrap(), 0);
+    Ran::of(program(here).args(["enhance", "-o", "o.png"]).arg(name)).done();
 }

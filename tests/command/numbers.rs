@@ -1,6 +1,8 @@
 //! Extreme numbers: each is refused with its range, or gives finite results; nothing else is ever written.
 
-use super::{Part, ended, names, relievo, write_frame, write_part};
+use super::inputs::{desk, write_frame};
+use crate::common::exr::Part;
+use crate::common::program::{names, relievo};
 use relievo::frame::Plane;
 use relievo::io::colorspace::AP1;
 use relievo::io::exr::{ChannelId, ExrFile};
@@ -10,7 +12,7 @@ use std::path::Path;
 /// Runs a command line that must be refused with one line that holds `expected`, and leave nothing.
 #[track_caller]
 fn refused(here: &Path, words: &str, code: i32, expected: &str) {
-    let said = ended(relievo(here, words), code);
+    let said = relievo(here, words).ended(code);
     assert!(said.contains(expected), "{words}: {said}");
     assert_eq!(said.lines().count(), 1, "{said}");
     assert_eq!(names(here, "out"), [""; 0], "{words}");
@@ -18,7 +20,7 @@ fn refused(here: &Path, words: &str, code: i32, expected: &str) {
 
 #[test]
 fn numbers_out_of_range_are_refused_with_their_range() {
-    let desk = super::desk(1..=1);
+    let desk = desk(1..=1);
     let here = desk.path();
     for (words, expected) in [
         ("enhance --scaling 1e30", "--scaling is 1e30; give 0 to 1e6"),
@@ -121,7 +123,7 @@ fn numbers_out_of_range_are_refused_with_their_range() {
 
 #[test]
 fn a_hundred_thousand_scales_are_refused_at_once() {
-    let desk = super::desk(1..=1);
+    let desk = desk(1..=1);
     let here = desk.path();
     let recipe = |count: usize| {
         let scales: Vec<_> = (1..=count)
@@ -144,12 +146,12 @@ fn a_hundred_thousand_scales_are_refused_at_once() {
         );
     }
     recipe(64);
-    ended(relievo(here, "run look.toml in.0001.exr -o whole.exr"), 0);
+    relievo(here, "run look.toml in.0001.exr -o whole.exr").ended(0);
 }
 
 #[test]
 fn cameras_out_of_range_are_refused() {
-    let desk = super::desk(1..=1);
+    let desk = desk(1..=1);
     let here = desk.path();
     for (camera, expected) in [
         (
@@ -195,19 +197,13 @@ fn what_overflows_in_spite_of_all_ranges_is_not_written() {
     // Stages keep to single precision, which ends at 3.4e38. But of AP1 a display shows 1.7 times the red, less others:
     // of a grey of 3e38 that is infinite on the way.
     let plane = |value| Plane::filled(16, 16, value);
-    let grey = plane(3e38);
-    let channels = [
-        ("R", grey.clone()),
-        ("G", grey.clone()),
-        ("B", grey),
-        ("N.X", plane(0.0)),
-        ("N.Y", plane(0.0)),
-        ("N.Z", plane(1.0)),
-    ];
+    let (grey, zero, one) = (plane(3e38), plane(0.0), plane(1.0));
+    let picture = ["R", "G", "B"].map(|name| (name, &grey));
+    let normals = [("N.X", &zero), ("N.Y", &zero), ("N.Z", &one)];
+    let part = Part::of(picture.into_iter().chain(normals)).chromaticities(AP1);
     for number in 1..=2 {
         let path = here.join(format!("in.{number:04}.exr"));
-        let chromaticities = Some(AP1);
-        write_part(&path, &channels, Part { chromaticities });
+        part.clone().write(&path);
     }
     let stage = "in.0001.exr: view-transform gives 768 samples that are not finite, the first at (0, 0), from inputs \
         that are; give numbers that are less extreme";
@@ -215,7 +211,7 @@ fn what_overflows_in_spite_of_all_ranges_is_not_written() {
         refused(here, &format!("enhance in.0001.exr -o {out}"), 1, stage);
     }
     let words = "enhance in.####.exr --frames 1-2 --keep-going -o out.####.png";
-    let said = ended(relievo(here, words), 1);
+    let said = relievo(here, words).ended(1);
     for name in ["in.0001.exr", "in.0002.exr"] {
         let line = format!("error: {name}: view-transform gives 768 samples");
         assert_eq!(said.matches(&line).count(), 1, "{said}");
@@ -223,7 +219,7 @@ fn what_overflows_in_spite_of_all_ranges_is_not_written() {
     assert_eq!(names(here, "out"), [""; 0]);
     assert_eq!(names(here, ".relievo"), [""; 0]);
     // Layers stay in AP1, and finite.
-    ended(relievo(here, "enhance in.0001.exr -o whole.exr"), 0);
+    relievo(here, "enhance in.0001.exr -o whole.exr").ended(0);
 }
 
 #[test]
@@ -246,7 +242,7 @@ fn samples_too_large_for_half_floats_are_clamped_with_one_warning() {
         ),
     ] {
         let words = format!("enhance in.0001.exr {how} --layers results -o out.exr");
-        let said = ended(relievo(here, &words), 0);
+        let said = relievo(here, &words).ended(0);
         let warnings: Vec<_> = said.lines().filter(|l| l.starts_with("warning")).collect();
         assert_eq!(warnings.len(), 1, "{said}");
         assert!(
@@ -263,9 +259,6 @@ fn samples_too_large_for_half_floats_are_clamped_with_one_warning() {
             );
         }
     }
-    let said = ended(
-        relievo(here, "enhance in.0001.exr --layers results -o out.exr"),
-        0,
-    );
+    let said = relievo(here, "enhance in.0001.exr --layers results -o out.exr").ended(0);
     assert!(!said.contains("warning"), "{said}");
 }

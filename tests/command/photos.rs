@@ -1,6 +1,7 @@
 //! Photos and what goes with them: headers first, pixels when they are needed, no more than fits.
 
-use super::{ended, relievo, write_planes};
+use super::inputs::write_planes;
+use crate::common::program::relievo;
 use relievo::frame::Plane;
 use relievo::io::photo::Photo;
 use relievo::io::picture::ViewTransform;
@@ -42,9 +43,7 @@ fn write_small(here: &Path) {
 fn inspect_reads_the_header_of_a_photo_alone() {
     let desk = tempfile::tempdir().unwrap();
     write_header(&desk.path().join("huge.png"), [18000, 18000]);
-    let output = relievo(desk.path(), "inspect huge.png");
-    let told = String::from_utf8(output.stdout.clone()).unwrap();
-    ended(output, 0);
+    let told = relievo(desk.path(), "inspect huge.png").done().stdout;
     assert!(
         told.contains("18000x18000") && told.contains("u8"),
         "{told}"
@@ -56,10 +55,7 @@ fn files_of_other_sizes_are_refused_before_they_are_decoded() {
     let desk = tempfile::tempdir().unwrap();
     write_small(desk.path());
     write_header(&desk.path().join("huge.png"), [18000, 18000]);
-    let said = ended(
-        relievo(desk.path(), "enhance in.png --normal huge.png -o out.png"),
-        1,
-    );
+    let said = relievo(desk.path(), "enhance in.png --normal huge.png -o out.png").ended(1);
     assert!(said.contains("inputs of one size"), "{said}");
 }
 
@@ -70,12 +66,8 @@ fn inspect_looks_at_the_middle_of_what_is_too_large() {
     for name in ["in.png", "n.png"] {
         write_grey(&desk.path().join(name), [4096, 2700], |x, y| (x + y) as u8);
     }
-    let output = relievo(
-        desk.path(),
-        "inspect in.png --normal n.png --normal-space view",
-    );
-    let told = String::from_utf8(output.stdout.clone()).unwrap();
-    ended(output, 0);
+    let words = "inspect in.png --normal n.png --normal-space view";
+    let told = relievo(desk.path(), words).done().stdout;
     let said: Vec<&str> = told
         .lines()
         .filter(|l| l.contains("rows in the middle"))
@@ -105,7 +97,7 @@ fn pictures_of_no_pixels_are_refused_in_one_line_in_every_role() {
         "relight in.png --normal n.png --environment none.hdr -o out.png",
         "relight in.png --normal n.png --lit-sphere none.hdr -o out.png",
     ] {
-        let said = ended(relievo(here, words), 1);
+        let said = relievo(here, words).ended(1);
         assert!(
             said.contains("none.hdr: is 0x0 and holds no pixels"),
             "{words}: {said}"
@@ -128,7 +120,7 @@ fn environments_are_reduced_to_what_may_be_used() {
         let words = format!(
             "relight in.png --normal n.png --environment {sky} -o out.png --max-memory {memory}"
         );
-        ended(relievo(here, &words), code)
+        relievo(here, &words).ended(code)
     };
     for sky in ["sky.png", "sky.jpg", "sky.hdr"] {
         lit(sky, "1G", 0);

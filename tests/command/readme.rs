@@ -1,7 +1,7 @@
 //! The README is true: its commands work, and its defaults are those of the program.
 
+use crate::common::program::run;
 use std::path::Path;
-use std::process::Command;
 
 const README: &str = include_str!("../../README.md");
 
@@ -41,17 +41,8 @@ fn every_command_works() {
         commands.len()
     );
     for arguments in commands {
-        let run = Command::new(env!("CARGO_BIN_EXE_relievo"))
-            .args(&arguments)
-            .current_dir(place.path())
-            .output()
-            .unwrap();
-        let stderr = String::from_utf8_lossy(&run.stderr);
-        assert!(
-            run.status.success(),
-            "relievo {}: {stderr}",
-            arguments.join(" ")
-        );
+        println!("relievo {}", arguments.join(" "));
+        run(place.path(), &arguments).done();
         if let Some(at) = arguments.iter().position(|&a| a == "-o") {
             let mut output = place.path().join(arguments[at + 1]);
             if output.is_dir() {
@@ -95,11 +86,7 @@ fn the_recipe_of_the_readme_is_one() {
 
 /// The help of a command.
 fn help_of(command: &str) -> String {
-    let help = Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args([command, "--help"])
-        .output()
-        .unwrap();
-    String::from_utf8(help.stdout).unwrap()
+    run(Path::new("."), [command, "--help"]).done().stdout
 }
 
 /// What `help` says of `option`: its line, and the lines after it up to the next option.

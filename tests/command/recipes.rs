@@ -1,6 +1,7 @@
 //! Recipes: any command line, kept and run again.
 
-use super::{bytes, desk, ended, relievo};
+use super::inputs::{bytes, desk};
+use crate::common::program::relievo;
 use std::fs;
 
 #[test]
@@ -10,7 +11,7 @@ fn a_recipe_is_the_command_line_it_was_made_of() {
     let flags = "--light 135,40 --light 20,30,1,0.5,0.25 --material phong --specular-gain 0.5 --scale 2.5 \
         --silhouette 0.05,0.06 --thin --contrast -0.25";
     let words = format!("relight in.0001.exr {flags} -o one.png --save-recipe look.toml");
-    ended(relievo(here, &words), 0);
+    relievo(here, &words).ended(0);
     let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
     for line in [
         "version = 1",
@@ -23,17 +24,15 @@ fn a_recipe_is_the_command_line_it_was_made_of() {
     }
     // What was chosen automatically is in it too.
     assert!(recipe.contains("curvature-gain = "), "{recipe}");
-    ended(relievo(here, "run look.toml in.0001.exr -o two.png"), 0);
+    relievo(here, "run look.toml in.0001.exr -o two.png").ended(0);
     assert!(bytes(here, "one.png") == bytes(here, "two.png"));
 
     // The command line has the last word; what it rules out is dropped.
-    ended(
-        relievo(
-            here,
-            "run look.toml in.0001.exr -o three.png --contrast 0.5 --iterations 4",
-        ),
-        0,
-    );
+    relievo(
+        here,
+        "run look.toml in.0001.exr -o three.png --contrast 0.5 --iterations 4",
+    )
+    .ended(0);
     let typed = flags
         .replace("--contrast -0.25", "--contrast 0.5")
         .replace("--scale 2.5", "--iterations 4");
@@ -42,7 +41,7 @@ fn a_recipe_is_the_command_line_it_was_made_of() {
         .find_map(|l| l.strip_prefix("curvature-gain = "))
         .unwrap();
     let words = format!("relight in.0001.exr {typed} --curvature-gain {gain} -o four.png");
-    ended(relievo(here, &words), 0);
+    relievo(here, &words).ended(0);
     assert!(bytes(here, "three.png") == bytes(here, "four.png"));
 }
 
@@ -53,12 +52,9 @@ fn lights_of_the_command_line_replace_those_of_the_recipe() {
     let recipe =
         "version = 1\ncommand = \"relight\"\nlight = [[135, 40], [10, 10]]\ncurvature-gain = 2";
     fs::write(here.join("look.toml"), recipe).unwrap();
-    ended(
-        relievo(here, "run look.toml in.0001.exr --light 90,60 -o one.png"),
-        0,
-    );
+    relievo(here, "run look.toml in.0001.exr --light 90,60 -o one.png").ended(0);
     let words = "relight in.0001.exr --light 90,60 --curvature-gain 2 -o two.png";
-    ended(relievo(here, words), 0);
+    relievo(here, words).ended(0);
     assert!(bytes(here, "one.png") == bytes(here, "two.png"));
 }
 
@@ -80,13 +76,13 @@ fn a_recipe_that_cannot_be_used_is_refused_in_one_line() {
         ("\u{0}", "line 1"),
     ] {
         fs::write(here.join("look.toml"), text).unwrap();
-        let said = ended(relievo(here, "run look.toml in.0001.exr -o out.png"), 2);
+        let said = relievo(here, "run look.toml in.0001.exr -o out.png").ended(2);
         assert!(
             said.contains(expected) && said.lines().count() == 1,
             "{said}"
         );
     }
-    let said = ended(relievo(here, "run none.toml in.0001.exr -o out.png"), 1);
+    let said = relievo(here, "run none.toml in.0001.exr -o out.png").ended(1);
     assert!(said.contains("none.toml: cannot read"), "{said}");
     assert!(!here.join("out.png").exists());
 }
@@ -95,13 +91,11 @@ fn a_recipe_that_cannot_be_used_is_refused_in_one_line() {
 fn the_recipe_is_recorded_in_the_output() {
     let desk = desk(1..=1);
     let here = desk.path();
-    ended(
-        relievo(
-            here,
-            "enhance in.0001.exr --scaling 1.5 -o out.exr --layers results",
-        ),
-        0,
-    );
+    relievo(
+        here,
+        "enhance in.0001.exr --scaling 1.5 -o out.exr --layers results",
+    )
+    .ended(0);
     let file = relievo::io::exr::ExrFile::open(&here.join("out.exr"), &Default::default()).unwrap();
     let recipe = &file.attributes["relievo.recipe"];
     assert!(
@@ -111,22 +105,19 @@ fn the_recipe_is_recorded_in_the_output() {
     assert!(file.attributes["software"].starts_with("relievo "));
     // It can be taken out and run.
     fs::write(here.join("look.toml"), recipe).unwrap();
-    ended(
-        relievo(
-            here,
-            "run look.toml in.0001.exr -o again.exr --layers results",
-        ),
-        0,
-    );
+    relievo(
+        here,
+        "run look.toml in.0001.exr -o again.exr --layers results",
+    )
+    .ended(0);
     assert!(bytes(here, "again.exr") == bytes(here, "out.exr"));
 }
 
 #[test]
 fn the_schema_knows_every_setting() {
     let desk = tempfile::tempdir().unwrap();
-    let output = relievo(desk.path(), "schema");
-    assert!(output.status.success());
-    let schema: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let schema = relievo(desk.path(), "schema").done().stdout;
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
     let commands = schema["oneOf"].as_array().unwrap();
     let titles: Vec<_> = commands
         .iter()

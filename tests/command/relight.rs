@@ -1,25 +1,19 @@
 //! `relievo relight` as a user runs it.
 
+use crate::common::program::{Ran, fixture, run};
 use relievo::frame::Plane;
 use relievo::io::environment::read_environment;
 use relievo::io::photo::Photo;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
-}
-
-fn relight(directory: &Path, input: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .arg("relight")
-        .arg(input)
-        .args(flags)
-        .current_dir(directory)
-        .output()
-        .unwrap()
+fn relight(directory: &Path, input: &Path, flags: &[&str]) -> Ran {
+    run(
+        directory,
+        ["relight".as_ref(), input.as_os_str()]
+            .into_iter()
+            .chain(flags.iter().map(OsStr::new)),
+    )
 }
 
 /// Runs it on the photo of the tablet and its normal map; returns the picture.
@@ -28,8 +22,7 @@ fn tablet(directory: &Path, output: &str, flags: &[&str]) -> Photo {
     let mut all = vec!["--normal", normal.to_str().unwrap(), "-o", output];
     all.extend(flags);
     let ran = relight(directory, &fixture("tablet.color.jpg"), &all);
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{said}");
+    ran.done();
     Photo::read(&directory.join(output)).unwrap()
 }
 
@@ -42,17 +35,6 @@ fn sky(directory: &Path) -> PathBuf {
         .save(&path)
         .unwrap();
     path
-}
-
-fn refusal(ran: Output, code: i32) -> String {
-    let said = String::from_utf8(ran.stderr).unwrap();
-    assert_eq!(ran.status.code(), Some(code), "{said}");
-    let errors: Vec<_> = said
-        .lines()
-        .filter(|line| line.starts_with("error: "))
-        .collect();
-    assert_eq!(errors.len(), 1, "{said}");
-    errors[0].to_string()
 }
 
 /// Mean of a channel over the left and over the right half.
@@ -158,11 +140,7 @@ fn an_environment_lights_from_the_side_where_it_is_bright() {
             "turned.png",
         ];
         let ran = relight(desk.path(), &bust, &flags);
-        assert!(
-            ran.status.success(),
-            "{}",
-            String::from_utf8_lossy(&ran.stderr)
-        );
+        ran.done();
         halves(
             &Photo::read(&desk.path().join("turned.png"))
                 .unwrap()
@@ -185,12 +163,7 @@ fn explain_tells_what_was_left_out() {
         let mut all = vec!["-o", "out.png", "--explain"];
         all.extend(flags);
         let ran = relight(desk.path(), &fixture("bust.exr"), &all);
-        assert!(
-            ran.status.success(),
-            "{}",
-            String::from_utf8_lossy(&ran.stderr)
-        );
-        String::from_utf8(ran.stdout).unwrap()
+        ran.done().stdout
     };
     let line = |text: &str, stage: &str| {
         let found = text
@@ -262,18 +235,15 @@ fn what_cannot_be_done_is_refused_in_one_line() {
             "--albedo-from",
         ),
     ] {
-        let line = refusal(run(&bust, flags), 2);
+        let line = run(&bust, flags).error(2);
         assert!(line.contains(tells), "{flags:?}: {line}");
     }
-    let line = refusal(
-        run(&tablet, &["--normal", normal, "--point-light", "0,0,1"]),
-        2,
-    );
+    let line = run(&tablet, &["--normal", normal, "--point-light", "0,0,1"]).error(2);
     assert!(
         line.contains("--point-light") && line.contains("depth"),
         "{line}"
     );
-    let line = refusal(run(&bust, &["--environment", "nowhere.hdr"]), 1);
+    let line = run(&bust, &["--environment", "nowhere.hdr"]).error(1);
     assert!(line.contains("nowhere.hdr"), "{line}");
     // An input is never written over.
     let sky = sky(desk.path());
@@ -282,7 +252,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         &bust,
         &["--environment", "sky.hdr", "-o", "sky.hdr"],
     );
-    refusal(ran, 2);
+    ran.error(2);
     assert!(sky.metadata().unwrap().len() > 100);
     assert!(!desk.path().join("out.png").exists());
 }
@@ -292,6 +262,6 @@ fn strong_scaling_is_warned_of() {
     let desk = tempfile::tempdir().unwrap();
     let flags = ["--light", "0,45", "--scaling", "5", "-o", "out.png"];
     let ran = relight(desk.path(), &fixture("bust.exr"), &flags);
-    let said = String::from_utf8(ran.stderr).unwrap();
+    let said = ran.stderr;
     assert!(said.contains("warning: --scaling 5 is past"), "{said}");
 }

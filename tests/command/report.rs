@@ -1,30 +1,23 @@
 //! `relievo report`: its files, and what the numbers in them have to hold to.
 
+use crate::common::program::{Ran, fixture, run};
 use relievo::report::pareto::front;
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 use std::sync::LazyLock;
 
 /// Rounding of single precision, relative to the largest slope.
 const ROUNDING: f64 = 3e-6;
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
-}
-
-fn relievo(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_relievo"));
-    command.args(arguments).output().unwrap()
+fn relievo(arguments: &[&str]) -> Ran {
+    run(Path::new("."), arguments)
 }
 
 /// One run for all tests, into a directory that holds an older report and something else.
 struct Run {
     place: tempfile::TempDir,
-    output: Output,
+    ran: Ran,
     json: Value,
 }
 
@@ -34,13 +27,11 @@ static RUN: LazyLock<Run> = LazyLock::new(|| {
     fs::write(place.path().join("notes.txt"), "mine").unwrap();
     let (input, directory) = (fixture("bust.exr"), place.path().to_path_buf());
     let paths = [&input, &directory].map(|p| p.to_str().unwrap());
-    let output = relievo(&["report", paths[0], "-o", paths[1], "--quick"]);
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{stderr}");
+    let ran = relievo(&["report", paths[0], "-o", paths[1], "--quick"]).done();
     let json = fs::read_to_string(directory.join("report.json")).unwrap();
     Run {
         place,
-        output,
+        ran,
         json: serde_json::from_str(&json).unwrap(),
     }
 });
@@ -114,8 +105,7 @@ fn the_files_are_there_and_others_stay() {
 
 #[test]
 fn the_summary_goes_to_stdout_and_progress_to_stderr() {
-    let [stdout, stderr] =
-        [&RUN.output.stdout, &RUN.output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
+    let [stdout, stderr] = [&RUN.ran.stdout, &RUN.ran.stderr];
     assert!(
         stdout.starts_with("At 10 steps the settings asked for") && stdout.contains("report.md"),
         "{stdout}"
@@ -607,7 +597,7 @@ fn mirrors_are_on_the_page() {
         }
     }
     let page = RUN.read("report.md");
-    let stdout = String::from_utf8_lossy(&RUN.output.stdout).into_owned();
+    let stdout = &RUN.ran.stdout;
     for said in [
         "## Mirrors and lenses",
         "mirrors.svg",
@@ -657,13 +647,8 @@ fn what_cannot_be_done_is_said_in_one_line() {
             "--importance",
         ),
     ] {
-        let output = relievo(&arguments);
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{stderr}");
-        assert!(
-            stderr.lines().count() == 1 && stderr.contains(reason),
-            "{stderr}"
-        );
+        let line = relievo(&arguments).refused(code);
+        assert!(line.contains(reason), "{line}");
     }
     assert!(
         !Path::new(new).exists(),
@@ -682,10 +667,6 @@ fn a_device_is_not_told_of() {
     let (input, directory) = (fixture("bust.exr"), desk.path().to_path_buf());
     let paths = [&input, &directory].map(|p| p.to_str().unwrap());
     let refused = relievo(&["report", paths[0], "-o", paths[1], "--backend", "gpu"]);
-    let line = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert_eq!(refused.status.code(), Some(1), "{line}");
-    assert!(
-        line.contains("--features gpu") && line.lines().count() == 1,
-        "{line}"
-    );
+    let line = refused.refused(1);
+    assert!(line.contains("--features gpu"), "{line}");
 }

@@ -1,19 +1,18 @@
 //! Frame after frame: one choice for all, and what happens to frames that fail, are missing or are there already.
 
-use super::{bytes, desk, ended, names, relievo, write_frame};
+use super::inputs::{bytes, desk, write_frame};
+use crate::common::program::{names, relievo};
 use std::fs;
 
 #[test]
 fn all_frames_get_the_same_values_and_each_the_bits_of_a_run_of_its_own() {
     let desk = desk(1..=6);
     let here = desk.path();
-    let said = ended(
-        relievo(
-            here,
-            "enhance in.####.exr --frames 1-6 -o out.####.exr --threads 3",
-        ),
-        0,
-    );
+    let said = relievo(
+        here,
+        "enhance in.####.exr --frames 1-6 -o out.####.exr --threads 3",
+    )
+    .ended(0);
     // White levels rise with the frames, 0.6 to 1.1 at most; of five samples, frames 1, 2, 3, 4 and 6, the median is
     // the third's: its brightest normals face the viewer, 0.8 x 1.
     let line = said.lines().find(|line| line.starts_with("for all frames"));
@@ -25,13 +24,11 @@ fn all_frames_get_the_same_values_and_each_the_bits_of_a_run_of_its_own() {
     assert!(said.contains("6 of 6 frames done"), "{said}");
 
     // One thread, in chunks, by the recipe: the same bits.
-    ended(
-        relievo(
-            here,
-            "enhance in.####.exr --frames 1-6 --save-recipe look.toml",
-        ),
-        0,
-    );
+    relievo(
+        here,
+        "enhance in.####.exr --frames 1-6 --save-recipe look.toml",
+    )
+    .ended(0);
     let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
     for setting in [
         "white-level = 0.",
@@ -43,9 +40,9 @@ fn all_frames_get_the_same_values_and_each_the_bits_of_a_run_of_its_own() {
     for chunk in ["1-2", "3,4", "5-6"] {
         let words =
             format!("run look.toml in.####.exr --frames {chunk} -o two.####.exr --threads 1");
-        ended(relievo(here, &words), 0);
+        relievo(here, &words).ended(0);
     }
-    ended(relievo(here, "run look.toml in.0004.exr -o alone.exr"), 0);
+    relievo(here, "run look.toml in.0004.exr -o alone.exr").ended(0);
     for number in 1..=6 {
         let [one, two] = ["out", "two"].map(|name| bytes(here, &format!("{name}.{number:04}.exr")));
         assert!(one == two, "frame {number}");
@@ -63,7 +60,7 @@ fn every_command_takes_sequences() {
         ("hatch", "--motion none"),
     ] {
         let words = format!("{command} {flags} in.####.exr --frames 1-3 -o {command}.%04d.png");
-        ended(relievo(desk.path(), &words), 0);
+        relievo(desk.path(), &words).ended(0);
         assert_eq!(names(desk.path(), command).len(), 3, "{words}");
     }
 }
@@ -73,7 +70,7 @@ fn whole_outputs_are_skipped_and_broken_ones_made_again() {
     let desk = desk(1..=4);
     let here = desk.path();
     let words = "enhance in.####.exr --frames 1-4 -o out.####.exr --white-level 1";
-    ended(relievo(here, words), 0);
+    relievo(here, words).ended(0);
     let whole: Vec<_> = (1..=4)
         .map(|n| bytes(here, &format!("out.{n:04}.exr")))
         .collect();
@@ -81,7 +78,7 @@ fn whole_outputs_are_skipped_and_broken_ones_made_again() {
     // A copy that broke off, and an empty file.
     fs::write(here.join("out.0003.exr"), &whole[2][..whole[2].len() - 1]).unwrap();
     fs::write(here.join("out.0004.exr"), b"").unwrap();
-    let said = ended(relievo(here, &format!("{words} --skip-existing")), 0);
+    let said = relievo(here, &format!("{words} --skip-existing")).ended(0);
     assert!(said.contains("3 of 4 frames done"), "{said}");
     assert!(said.contains("1 there already"), "{said}");
     for number in 1..=4 {
@@ -97,10 +94,10 @@ fn strokes_that_follow_on_are_the_same_when_frames_are_skipped() {
     let desk = desk(1..=4);
     let here = desk.path();
     let words = "hatch in.####.exr --frames 1-4 -o out.####.png --tone picture";
-    ended(relievo(here, words), 0);
+    relievo(here, words).ended(0);
     let third = bytes(here, "out.0003.png");
     fs::remove_file(here.join("out.0003.png")).unwrap();
-    ended(relievo(here, &format!("{words} --skip-existing")), 0);
+    relievo(here, &format!("{words} --skip-existing")).ended(0);
     assert!(bytes(here, "out.0003.png") == third);
 }
 
@@ -111,31 +108,26 @@ fn a_frame_that_fails_stops_the_run_or_is_left_behind() {
     fs::write(here.join("in.0002.exr"), b"no picture").unwrap();
     fs::remove_file(here.join("in.0004.exr")).unwrap();
     let words = "enhance in.####.exr --frames 1-5 -o out.####.png --threads 1 --progress none";
-    let said = ended(relievo(here, words), 1);
+    let said = relievo(here, words).ended(1);
     assert!(said.contains("error: in.0002.exr"), "{said}");
     assert_eq!(names(here, "out"), ["out.0001.png"]);
 
-    let said = ended(relievo(here, &format!("{words} --keep-going")), 3);
+    let said = relievo(here, &format!("{words} --keep-going")).ended(3);
     assert!(said.contains("3 of 5 frames done"), "{said}");
     assert!(said.contains("2 failed: 2,4"), "{said}");
     assert_eq!(said.matches("error:").count(), 2, "{said}");
     assert!(said.contains("in.0004.exr: cannot read"), "{said}");
 
-    let said = ended(
-        relievo(here, &format!("{words} --keep-going --missing-frame skip")),
-        3,
-    );
+    let said = relievo(here, &format!("{words} --keep-going --missing-frame skip")).ended(3);
     assert!(said.contains("1 missing"), "{said}");
     assert!(said.contains("1 failed: 2"), "{said}");
     assert_eq!(names(here, ".relievo"), [""; 0]);
     // None at all is a plain failure.
-    ended(
-        relievo(
-            here,
-            "enhance in.####.exr --frames 2 -o out.####.png --keep-going",
-        ),
-        1,
-    );
+    relievo(
+        here,
+        "enhance in.####.exr --frames 2 -o out.####.png --keep-going",
+    )
+    .ended(1);
 }
 
 #[test]
@@ -144,13 +136,11 @@ fn frames_have_any_number() {
     for number in [-2, -1, 0] {
         write_frame(desk.path(), number, 32, 0.5);
     }
-    ended(
-        relievo(
-            desk.path(),
-            "enhance in.%04d.exr --frames -2-0:2 -o out.%04d.png",
-        ),
-        0,
-    );
+    relievo(
+        desk.path(),
+        "enhance in.%04d.exr --frames -2-0:2 -o out.%04d.png",
+    )
+    .ended(0);
     assert_eq!(names(desk.path(), "out"), ["out.-002.png", "out.0000.png"]);
 }
 
@@ -160,13 +150,10 @@ fn progress_is_lines_of_text_or_of_json() {
     let here = desk.path();
     fs::remove_file(here.join("in.0003.exr")).unwrap();
     let words = "shape in.####.exr --frames 1-3 -o out.####.png --keep-going --threads 1";
-    let said = ended(relievo(here, &format!("{words} --progress plain")), 3);
+    let said = relievo(here, &format!("{words} --progress plain")).ended(3);
     assert!(said.contains("[1/3] out.0001.png: done, "), "{said}");
 
-    let said = ended(
-        relievo(here, &format!("{words} --progress json --skip-existing")),
-        3,
-    );
+    let said = relievo(here, &format!("{words} --progress json --skip-existing")).ended(3);
     let events: Vec<serde_json::Value> = said
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok())
@@ -192,13 +179,11 @@ fn progress_is_lines_of_text_or_of_json() {
 fn inputs_of_a_sequence_are_not_written_over() {
     let desk = desk(1..=2);
     let before = bytes(desk.path(), "in.0001.exr");
-    let said = ended(
-        relievo(
-            desk.path(),
-            "enhance in.####.exr --frames 1-2 -o in.%04d.exr",
-        ),
-        2,
-    );
+    let said = relievo(
+        desk.path(),
+        "enhance in.####.exr --frames 1-2 -o in.%04d.exr",
+    )
+    .ended(2);
     assert!(said.contains("is the input"), "{said}");
     assert!(bytes(desk.path(), "in.0001.exr") == before);
 }
@@ -212,11 +197,11 @@ fn a_camera_that_stands_still_is_recovered_once() {
         fs::copy(bust, here.join(format!("in.{number}.exr"))).unwrap();
     }
     let words = "enhance in.#.exr --frames 1-3 -o out.#.exr --save-recipe look.toml";
-    ended(relievo(here, words), 0);
+    relievo(here, words).ended(0);
     let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
     assert!(recipe.contains("still-camera = "), "{recipe}");
     // Found anew it is the same, as the frames are.
-    ended(relievo(here, "enhance in.2.exr -o alone.png"), 0);
-    ended(relievo(here, "run look.toml in.2.exr -o by_recipe.png"), 0);
+    relievo(here, "enhance in.2.exr -o alone.png").ended(0);
+    relievo(here, "run look.toml in.2.exr -o by_recipe.png").ended(0);
     assert!(bytes(here, "alone.png") == bytes(here, "by_recipe.png"));
 }

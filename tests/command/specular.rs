@@ -1,21 +1,9 @@
 //! Mirrors and lenses on the command line.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use crate::common::program::{self, run};
 
 fn fixture(name: &str) -> String {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name);
-    path.to_str().unwrap().into()
-}
-
-fn relievo(directory: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap()
+    program::fixture(name).to_str().unwrap().into()
 }
 
 #[test]
@@ -34,10 +22,7 @@ fn a_mirror_is_drawn_and_lit() {
         ("relight", &["--material", "mirror", "--explain"]),
     ] {
         let arguments = [&[command][..], &mirror, more, &["-o", "out.png"]].concat();
-        let ran = relievo(desk.path(), &arguments);
-        let said = String::from_utf8_lossy(&ran.stderr);
-        assert!(ran.status.success(), "{said}");
-        let explained = String::from_utf8_lossy(&ran.stdout);
+        let explained = run(desk.path(), &arguments).done().stdout;
         let is_traced = |line: &str| line.starts_with("run   specular-trace");
         assert!(explained.lines().any(is_traced), "{explained}");
         assert!(desk.path().join("out.png").exists());
@@ -135,13 +120,8 @@ fn what_cannot_be_traced_is_refused_in_one_line() {
         ),
     ];
     for (arguments, code, expected) in cases {
-        let ran = relievo(desk.path(), &[arguments, &["-o", "out.png"]].concat());
-        let said = String::from_utf8_lossy(&ran.stderr);
-        assert_eq!(ran.status.code(), Some(code), "{arguments:?}: {said}");
-        let errors: Vec<_> = said.lines().filter(|l| l.starts_with("error: ")).collect();
-        assert_eq!(errors.len(), 1, "{said}");
-        let named = expected.split('|').any(|part| errors[0].contains(part));
-        assert!(named, "{arguments:?}: {said}");
+        let error = run(desk.path(), [arguments, &["-o", "out.png"]].concat()).error(code);
+        assert!(error.contains(expected), "{arguments:?}: {error}");
         assert!(!desk.path().join("out.png").exists());
     }
 }

@@ -1,6 +1,7 @@
 //! Signals and sudden death: frames whole or not at all, and a rerun that ends as if nothing had happened.
 
-use super::{bytes, ended, names, relievo, write_frame};
+use super::inputs::{bytes, write_frame};
+use crate::common::program::{names, program, relievo};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -17,9 +18,8 @@ fn desk() -> tempfile::TempDir {
 }
 
 fn begun(directory: &Path, words: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_relievo"))
+    program(directory)
         .args(words.split_whitespace())
-        .current_dir(directory)
         .stderr(Stdio::piped())
         .spawn()
         .unwrap()
@@ -44,7 +44,7 @@ fn send(child: &Child, signal: &str) {
 fn a_killed_run_goes_on_to_the_same_bits() {
     let desk = desk();
     let here = desk.path();
-    ended(relievo(here, &format!("{WORDS} -o whole.####.exr")), 0);
+    relievo(here, &format!("{WORDS} -o whole.####.exr")).ended(0);
     // At the first frame, in the middle, near the end.
     for (round, outputs) in [0, 5, 11].into_iter().enumerate() {
         let words = format!("{WORDS} -o r{round}.####.exr --skip-existing");
@@ -52,7 +52,7 @@ fn a_killed_run_goes_on_to_the_same_bits() {
         wait_for(here, &format!("r{round}"), outputs);
         send(&child, "-KILL");
         child.wait().unwrap();
-        ended(relievo(here, &words), 0);
+        relievo(here, &words).ended(0);
         for number in 1..=FRAMES {
             let [one, two] = [format!("r{round}"), "whole".into()]
                 .map(|n| bytes(here, &format!("{n}.{number:04}.exr")));
@@ -94,7 +94,7 @@ fn what_a_killed_run_left_is_removed_by_the_next() {
     let foreign = here.join(".relievo--elsewhere-.part");
     let file = std::fs::File::create(&foreign).unwrap();
     file.set_modified(long_ago).unwrap();
-    ended(relievo(here, "enhance in.0001.exr -o ./out.png"), 0);
+    relievo(here, "enhance in.0001.exr -o ./out.png").ended(0);
     assert!(!left.exists() && held.exists() && foreign.exists());
     assert!(!young.exists() && living.exists());
     // Sequences sweep too, and the folders of whatever else they write.
@@ -104,7 +104,7 @@ fn what_a_killed_run_left_is_removed_by_the_next() {
         std::fs::write(path, b"half a frame").unwrap();
     }
     let words = "enhance in.####.exr --frames 1-2 -o out.####.png --timings times/####.json";
-    ended(relievo(here, words), 0);
+    relievo(here, words).ended(0);
     assert!(!young.exists() && !times.exists());
 }
 

@@ -1,6 +1,7 @@
 //! Pictures that do not fit in the memory they are given: the same bits, strip by strip.
 
-use super::{bytes, ended, relievo, write_bumps, write_planes};
+use super::inputs::{bytes, write_bumps, write_planes};
+use crate::common::program::relievo;
 use relievo::frame::Plane;
 use relievo::io::picture::ViewTransform;
 use std::path::Path;
@@ -41,7 +42,7 @@ fn strips_are_the_whole_bit_for_bit() {
     ] {
         for (kind, memory) in [("whole", "8G"), ("strips", "300M")] {
             let words = format!("{work} in.exr -o {name}.{kind}.exr --max-memory {memory}");
-            ended(relievo(here, &words), 0);
+            relievo(here, &words).ended(0);
         }
         let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{name}.{k}.exr")));
         assert!(whole == strips, "{name}");
@@ -63,7 +64,7 @@ fn what_needs_the_picture_whole_is_refused() {
             "even in strips",
         ),
     ] {
-        let said = ended(relievo(here, words), 1);
+        let said = relievo(here, words).ended(1);
         assert!(
             said.contains(expected) && said.contains("--max-memory"),
             "{said}"
@@ -118,7 +119,7 @@ fn photos_in_strips_are_the_whole_bit_for_bit() {
     ] {
         for (kind, memory) in [("whole", "8G"), ("strips", least_of(name))] {
             let words = format!("{work} -o {kind}.{name} --max-memory {memory}");
-            ended(relievo(here, &words), 0);
+            relievo(here, &words).ended(0);
         }
         // The recipe in an EXR tells nothing of memory.
         let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{k}.{name}")));
@@ -155,10 +156,10 @@ fn the_least_memory_that_is_named_works_and_less_does_not() {
         "hatch in8.jpg --normal n8.png -o out.png",
     ] {
         let within = |mib: u64| relievo(here, &format!("{work} --max-memory {mib}M"));
-        let said = ended(within(40), 1);
+        let said = within(40).ended(1);
         assert_eq!(said.lines().count(), 1, "{said}");
         let least = named(&said);
-        ended(within(least), 0);
-        assert_eq!(named(&ended(within(least - 1), 1)), least, "{work}");
+        within(least).ended(0);
+        assert_eq!(named(&within(least - 1).ended(1)), least, "{work}");
     }
 }

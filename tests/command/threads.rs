@@ -1,15 +1,13 @@
 //! As many threads as the system gives.
 
-use super::{bytes, desk, ended, relievo};
+use super::inputs::{bytes, desk};
+use crate::common::program::{Ran, relievo};
 use std::process::Command;
 
 #[test]
 fn more_threads_than_any_machine_has_are_refused() {
     let desk = desk(1..=1);
-    let said = ended(
-        relievo(desk.path(), "enhance in.0001.exr -o o.png --threads 65535"),
-        2,
-    );
+    let said = relievo(desk.path(), "enhance in.0001.exr -o o.png --threads 65535").ended(2);
     assert!(said.contains("65535 is not in 1..=512"), "{said}");
 }
 
@@ -19,16 +17,12 @@ fn more_threads_than_any_machine_has_are_refused() {
 fn where_threads_are_scarce_fewer_do_the_work() {
     let desk = desk(1..=2);
     let here = desk.path();
-    ended(relievo(here, "enhance in.0001.exr -o all.png"), 0);
+    relievo(here, "enhance in.0001.exr -o all.png").ended(0);
     let run = |words: &str| {
         let program = env!("CARGO_BIN_EXE_relievo");
         // 512 stacks of 8 MiB take 4 GiB.
         let script = format!("ulimit -v 2500000; exec {program} {words}");
-        let output = Command::new("sh")
-            .args(["-c", &script])
-            .current_dir(here)
-            .output();
-        ended(output.unwrap(), 0)
+        Ran::of(Command::new("sh").args(["-c", &script]).current_dir(here)).ended(0)
     };
     let said = run("enhance in.0001.exr -o few.png --threads 512");
     assert!(

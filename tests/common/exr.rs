@@ -1,28 +1,32 @@
-//! A writer of plain OpenEXR files: any names, parts, windows and attributes, nothing compressed.
+//! The writer of input files, independent of the code under test: any names, parts, windows and attributes, nothing
+//! compressed.
 
 use half::f16;
 use relievo::frame::{Plane, Window};
+use relievo::io::exr::{ChannelId, ExrFile, Limits};
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// How samples are stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Stored {
+pub enum Stored {
     Half,
     Float,
 }
 
 /// One part of a file.
 #[derive(Debug, Clone)]
-pub(crate) struct Part {
-    pub(crate) name: Option<&'static str>,
-    pub(crate) window: Window,
-    pub(crate) channels: Vec<(String, Stored, Plane)>,
+pub struct Part {
+    pub name: Option<&'static str>,
+    pub window: Window,
+    pub channels: Vec<(String, Stored, Plane)>,
     /// Name, type and bytes.
-    pub(crate) attributes: Vec<(String, &'static str, Vec<u8>)>,
+    pub attributes: Vec<(String, &'static str, Vec<u8>)>,
 }
 
 impl Part {
-    pub(crate) fn new(window: Window) -> Self {
+    pub fn new(window: Window) -> Self {
         Self {
             name: None,
             window,
@@ -31,26 +35,49 @@ impl Part {
         }
     }
 
-    pub(crate) fn named(mut self, name: &'static str) -> Self {
+    /// Channels of 32 bits and one size.
+    pub fn of<'a, N: AsRef<str>>(channels: impl IntoIterator<Item = (N, &'a Plane)>) -> Self {
+        let channels: Vec<_> = channels
+            .into_iter()
+            .map(|(name, plane)| (name.as_ref().into(), Stored::Float, plane.clone()))
+            .collect();
+        let first = &channels[0].2;
+        let window = Window::from_size(first.width(), first.height());
+        Self {
+            channels,
+            ..Self::new(window)
+        }
+    }
+
+    /// Writes a file of this part alone.
+    pub fn write(self, path: &Path) {
+        write(path, self.window, &[self]);
+    }
+
+    pub fn named(mut self, name: &'static str) -> Self {
         self.name = Some(name);
         self
     }
 
-    pub(crate) fn channel(mut self, name: &str, stored: Stored, plane: &Plane) -> Self {
+    pub fn channel(mut self, name: &str, stored: Stored, plane: &Plane) -> Self {
         self.channels.push((name.into(), stored, plane.clone()));
         self
     }
 
-    pub(crate) fn text(mut self, name: &str, value: &str) -> Self {
+    pub fn text(mut self, name: &str, value: &str) -> Self {
         self.attributes
             .push((name.into(), "string", value.as_bytes().to_vec()));
         self
     }
 
-    pub(crate) fn floats(mut self, name: &str, kind: &'static str, values: &[f64]) -> Self {
+    pub fn floats(mut self, name: &str, kind: &'static str, values: &[f64]) -> Self {
         let bytes = values.iter().flat_map(|v| (*v as f32).to_le_bytes());
         self.attributes.push((name.into(), kind, bytes.collect()));
         self
+    }
+
+    pub fn chromaticities(self, values: [f32; 8]) -> Self {
+        self.floats("chromaticities", "chromaticities", &values.map(f64::from))
     }
 
     fn sorted(&self) -> Vec<&(String, Stored, Plane)> {
@@ -121,7 +148,7 @@ impl Part {
 }
 
 /// Writes a file of these parts.
-pub(crate) fn write(path: &Path, display: Window, parts: &[Part]) {
+pub fn write(path: &Path, display: Window, parts: &[Part]) {
     let multi = parts.len() > 1;
     // Version 2, long names, and perhaps several parts.
     let flags = 2u32 | 1 << 10 | if multi { 1 << 12 } else { 0 };
@@ -132,27 +159,39 @@ pub(crate) fn write(path: &Path, display: Window, parts: &[Part]) {
     if multi {
         out.push(0);
     }
-    let chunks: Vec<Vec<u8>> = parts
-        .iter()
-        .enumerate()
-        .flat_map(|(i, part)| (0..part.window.height()).map(move |y| (i, part, y)))
-        .map(|(i, part, y)| {
-            let row = part.row(y);
-            let mut chunk = Vec::new();
-            if multi {
-                chunk.extend((i as i32).to_le_bytes());
-            }
-            chunk.extend((part.window.y0 + y as i32).to_le_bytes());
-            chunk.extend((row.len() as i32).to_le_bytes());
-            chunk.extend(row);
-            chunk
-        })
-        .collect();
-    let mut offset = (out.len() + 8 * chunks.len()) as u64;
-    for chunk in &chunks {
-        out.extend(offset.to_le_bytes());
-        offset += chunk.len() as u64;
+    let (rows, index) = (
+        |part: &Part| 0..part.window.height(),
+        if multi { 4 } else { 0 },
+    );
+    let count: usize = parts.iter().map(|part| part.window.height()).sum();
+    let mut offset = out.len() + 8 * count;
+    for part in parts {
+        let chunk = index + 8 + part.row(0).len();
+        for _ in rows(part) {
+            out.extend((offset as u64).to_le_bytes());
+            offset += chunk;
+        }
     }
-    out.extend(chunks.concat());
-    std::fs::write(path, out).unwrap();
+    let mut file = BufWriter::new(File::create(path).unwrap());
+    let mut put = |bytes: &[u8]| file.write_all(bytes).unwrap();
+    put(&out);
+    for (i, part) in parts.iter().enumerate() {
+        for y in rows(part) {
+            let row = part.row(y);
+            put(&(i as i32).to_le_bytes()[..index]);
+            put(&(part.window.y0 + y as i32).to_le_bytes());
+            put(&(row.len() as i32).to_le_bytes());
+            put(&row);
+        }
+    }
+    file.flush().unwrap();
+}
+
+/// The first channel called so, of any part.
+pub fn channel(path: &Path, name: &str) -> Plane {
+    let file = ExrFile::open(path, &Limits::default()).unwrap();
+    let is_it = |id: &ChannelId| file.parts[id.part].channels[id.channel].name == name;
+    let id = file.channel_ids().find(is_it);
+    let id = id.unwrap_or_else(|| panic!("no {name} in {}", path.display()));
+    file.read_channels(&[id]).unwrap().remove(0)
 }

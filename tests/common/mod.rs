@@ -4,40 +4,27 @@
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
 
 pub mod exr;
+pub mod program;
 pub mod real_files;
 pub mod scenes;
 
+use exr::{Part, Stored};
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{
     Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window,
 };
-use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Loaded};
 
-/// Layers with view-space normals and a picture, written to a file with samples of `sample_type`, and loaded.
-pub fn through_a_file(layers: &[(&str, &Plane)], sample_type: OutputType) -> Loaded {
-    let channels = layers.iter().map(|&(name, plane)| OutputChannel {
-        name: name.into(),
-        plane,
-        sample_type,
-    });
-    let (_, plane) = layers[0];
-    let window = Window::from_size(plane.width(), plane.height());
-    let part = OutputPart {
-        name: "main".into(),
-        data_window: window,
-        display_window: window,
-        pixel_aspect: 1.0,
-        channels: channels.collect(),
-        attributes: Vec::new(),
-        chromaticities: None,
-        compression: Default::default(),
-    };
+/// Layers with view-space normals and a picture, written to a file with samples stored so, and loaded.
+pub fn through_a_file(layers: &[(&str, &Plane)], stored: Stored) -> Loaded {
+    let mut part = Part::of(layers.iter().copied());
+    for channel in &mut part.channels {
+        channel.1 = stored;
+    }
     let desk = tempfile::tempdir().unwrap();
     let picture = desk.path().join("render.exr");
-    let mut file = std::fs::File::create(&picture).unwrap();
-    write_results(&mut file, &picture, &part).unwrap();
+    part.write(&picture);
     let inputs = Inputs {
         picture,
         normal_space: Some(NormalSpace::View),
@@ -163,6 +150,11 @@ pub fn poisoned(frame: &Frame, poison: f32) -> Frame {
         depth: frame.depth.as_ref().map(spoil),
         ..frame.clone()
     }
+}
+
+/// The bits of all samples.
+pub fn bits(plane: &Plane) -> Vec<u32> {
+    plane.samples().iter().map(|s| s.to_bits()).collect()
 }
 
 /// A plane turned the way `quarter_turned` turns a frame.

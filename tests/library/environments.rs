@@ -1,8 +1,9 @@
 //! Environments and lit spheres, from their files to the light they give.
 
+use crate::common::exr::{Part, Stored, write};
 use crate::common::real_files::real;
 use glam::{DVec3, Vec3};
-use relievo::frame::{ColorPlanes, Plane};
+use relievo::frame::{ColorPlanes, Plane, Window};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{read_environment, read_environment_as, read_lit_sphere};
 use relievo::light::environment::Environment;
@@ -216,33 +217,17 @@ fn what_cannot_light_is_refused_in_one_line() {
 
 #[test]
 fn layers_of_a_lit_sphere_are_added_up() {
-    use relievo::frame::Window;
-    use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
     let planes = [0.25, 0.5].map(|value| Plane::filled(16, 16, value));
-    let channels = ["diffuse", "specular"].iter().zip(&planes);
-    let channels = channels.flat_map(|(layer, plane)| {
-        ["R", "G", "B"].map(|c| OutputChannel {
-            name: format!("{layer}.{c}"),
-            plane,
-            sample_type: OutputType::Float,
-        })
-    });
-    let part = OutputPart {
-        name: "matcap".into(),
-        // The lower right quarter of what is shown.
-        data_window: Window::at(16, 16, 16, 16),
-        display_window: Window::at(0, 0, 32, 32),
-        pixel_aspect: 1.0,
-        channels: channels.collect(),
-        attributes: Vec::new(),
-        chromaticities: None,
-        compression: Default::default(),
-    };
+    // The lower right quarter of what is shown.
+    let mut part = Part::new(Window::at(16, 16, 16, 16));
+    for (layer, plane) in ["diffuse", "specular"].iter().zip(&planes) {
+        for component in ["R", "G", "B"] {
+            part = part.channel(&format!("{layer}.{component}"), Stored::Float, plane);
+        }
+    }
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("matcap.exr");
-    let mut file = Cursor::new(Vec::new());
-    write_results(&mut file, &path, &part).unwrap();
-    std::fs::write(&path, file.into_inner()).unwrap();
+    write(&path, Window::from_size(32, 32), &[part]);
     let sphere = read_lit_sphere(&path).unwrap();
     assert_eq!(sphere.color([0.4, -0.4]), [0.75; 3]);
     assert_eq!(sphere.color([-0.4, -0.4]), [0.0; 3]);

@@ -1,5 +1,6 @@
 //! Files in and out: round trips, copies with a part added, and files that lie.
 
+use crate::common::bits;
 use crate::common::real_files::real;
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
@@ -16,10 +17,6 @@ fn open(path: &Path) -> ExrFile {
 fn read_all(file: &ExrFile) -> Vec<Plane> {
     let ids: Vec<ChannelId> = file.channel_ids().collect();
     file.read_channels(&ids).unwrap()
-}
-
-fn bits(plane: &Plane) -> Vec<u32> {
-    plane.samples().iter().map(|s| s.to_bits()).collect()
 }
 
 fn part<'a>(

@@ -1,10 +1,10 @@
 //! Where the surface lies, from whatever layers tell it: positions, or depth of any kind.
 
+use crate::common::exr::{Part, Stored};
 use crate::common::scenes::{Scene, Surface};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use relievo::backend::cpu;
-use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection, Window};
-use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
+use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection};
 use relievo::io::{self, Loaded, Needs, inputs::Inputs};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan, Points};
@@ -30,29 +30,15 @@ fn scene() -> Scene {
 }
 
 /// A file with the normals of the scene in view space and the planes given.
-fn write(path: &Path, frame: &Frame, planes: &[(&str, &Plane, OutputType)]) {
+fn write(path: &Path, frame: &Frame, planes: &[(&str, &Plane, Stored)]) {
     let n = &frame.normal;
     let normals = [("N.X", &n.x), ("N.Y", &n.y), ("N.Z", &n.z)];
-    let normals = normals.map(|(name, plane)| (name, plane, OutputType::Float));
-    let channels = normals
-        .iter()
-        .chain(planes)
-        .map(|&(name, plane, sample_type)| OutputChannel {
-            name: name.into(),
-            plane,
-            sample_type,
-        });
-    let part = OutputPart {
-        name: "render".into(),
-        data_window: Window::from_size(SIDE, SIDE),
-        display_window: Window::from_size(SIDE, SIDE),
-        pixel_aspect: 1.0,
-        channels: channels.collect(),
-        attributes: Vec::new(),
-        chromaticities: None,
-        compression: Default::default(),
-    };
-    write_results(&mut fs::File::create(path).unwrap(), path, &part).unwrap();
+    let normals = normals.map(|(name, plane)| (name, plane, Stored::Float));
+    let mut part = Part::new(frame.data_window);
+    for &(name, plane, stored) in normals.iter().chain(planes) {
+        part = part.channel(name, stored, plane);
+    }
+    part.write(path);
 }
 
 fn loaded(path: &Path, camera: Option<&Path>) -> Loaded {
@@ -112,7 +98,7 @@ fn positions_stand_in_for_depth() {
         };
         let [x, y, z] = [0, 1, 2].map(plane);
         let path = desk.path().join("p.exr");
-        let float = OutputType::Float;
+        let float = Stored::Float;
         write(
             &path,
             &frame,
@@ -151,28 +137,23 @@ fn what_depth_measures_is_told_by_the_normals() {
         })
     };
     let cases = [
-        (
-            "planar",
-            of(|e| e.depth),
-            OutputType::Float,
-            DepthKind::Planar,
-        ),
+        ("planar", of(|e| e.depth), Stored::Float, DepthKind::Planar),
         (
             "along the sight line",
             of(|e| e.point.length()),
-            OutputType::Float,
+            Stored::Float,
             DepthKind::Ray,
         ),
         (
             "inverse",
             of(|e| 1.0 / e.depth),
-            OutputType::Float,
+            Stored::Float,
             DepthKind::Planar,
         ),
         (
             "half floats",
             of(|e| e.depth),
-            OutputType::Half,
+            Stored::Half,
             DepthKind::Relative,
         ),
     ];

@@ -1,12 +1,12 @@
 //! Hostile values: whatever a file or a caller brings, no panic, and no NaN or infinity in a result.
 
+use crate::common::exr::Stored;
 use crate::common::scenes::{Scene, Surface};
 use crate::common::{poisoned, through_a_file};
 use glam::Vec3;
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::Loaded;
-use relievo::io::exr::OutputType;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
 use relievo::plan::{Available, Goal, Plan};
 
@@ -436,8 +436,8 @@ impl Render {
         }
     }
 
-    /// Writes it with samples of `sample_type`, and loads it.
-    fn through_a_file(&self, sample_type: OutputType) -> Loaded {
+    /// Writes it with samples of `stored`, and loads it.
+    fn through_a_file(&self, stored: Stored) -> Loaded {
         let Self {
             normal,
             depth,
@@ -458,7 +458,7 @@ impl Render {
         let there: Vec<_> = there
             .filter_map(|(name, plane)| Some((name, plane?)))
             .collect();
-        through_a_file(&there, sample_type)
+        through_a_file(&there, stored)
     }
 }
 
@@ -518,7 +518,7 @@ fn normals_without_direction_are_left_out_and_no_others() {
         (0.2 * Vec3::Z, true),
     ];
     for with_depth in [true, false] {
-        for sample_type in [OutputType::Float, OutputType::Half] {
+        for stored in [Stored::Float, Stored::Half] {
             let (width, height) = (2 * cases.len() + 1, 7);
             let mut render = Render::new(width, height);
             if !with_depth {
@@ -529,16 +529,16 @@ fn normals_without_direction_are_left_out_and_no_others() {
                 render.normal.y.row_mut(3)[2 * i + 1] = n.y;
                 render.normal.z.row_mut(3)[2 * i + 1] = n.z;
             }
-            let frame = render.through_a_file(sample_type).frame;
+            let frame = render.through_a_file(stored).frame;
             for (i, (n, covered)) in cases.iter().enumerate() {
                 // Half floats hold no 3e38: it becomes 65504 and so a normal of some direction.
-                if sample_type == OutputType::Float || n.max_element() < 1e5 || !n.is_finite() {
+                if stored == Stored::Float || n.max_element() < 1e5 || !n.is_finite() {
                     assert_eq!(frame.mask.at(2 * i + 1, 3), *covered, "{n}");
                 }
                 assert!(frame.mask.at(2 * i, 3), "the neighbour of {n}");
             }
             assert!(frame.mask.count() >= width * height - cases.len());
-            assert_clean(&frame, &format!("normals, {sample_type:?}"));
+            assert_clean(&frame, &format!("normals, {stored:?}"));
         }
     }
 }
@@ -567,7 +567,7 @@ fn depth_that_is_no_distance_is_left_out_and_no_other() {
     for (i, (value, _)) in cases.iter().enumerate() {
         depth.row_mut(3)[2 * i + 1] = *value;
     }
-    let frame = render.through_a_file(OutputType::Float).frame;
+    let frame = render.through_a_file(Stored::Float).frame;
     for (i, (value, covered)) in cases.iter().enumerate() {
         assert_eq!(frame.mask.at(2 * i + 1, 3), *covered, "{value}");
         assert!(frame.mask.at(2 * i, 3), "the neighbour of {value}");
@@ -577,7 +577,7 @@ fn depth_that_is_no_distance_is_left_out_and_no_other() {
     for (value, covered) in cases {
         let mut render = Render::new(9, 7);
         render.depth = Some(Plane::filled(9, 7, value));
-        let loaded = render.through_a_file(OutputType::Float);
+        let loaded = render.through_a_file(Stored::Float);
         let expected = if covered { 9 * 7 } else { 0 };
         assert_eq!(loaded.frame.mask.count(), expected, "{value}");
         let told = loaded.warnings.iter().any(|w| w.contains("no pixel shows"));
@@ -588,14 +588,14 @@ fn depth_that_is_no_distance_is_left_out_and_no_other() {
 
 #[test]
 fn colours_that_are_no_numbers_are_told_and_replaced() {
-    for sample_type in [OutputType::Float, OutputType::Half] {
+    for stored in [Stored::Float, Stored::Half] {
         let mut render = Render::new(11, 9);
         let (nan, inf) = (f32::NAN, f32::INFINITY);
         let hostile = [nan, inf, -inf, -3.0, 50.0, 60000.0, 1e-7, -0.0];
         render.color.r.row_mut(4)[..8].copy_from_slice(&hostile);
         render.color.g.row_mut(4)[1..9].copy_from_slice(&hostile);
         render.alpha.as_mut().unwrap().row_mut(4)[..3].copy_from_slice(&[nan, inf, -1.0]);
-        let loaded = render.through_a_file(sample_type);
+        let loaded = render.through_a_file(stored);
         assert!(
             loaded.warnings.iter().any(|w| w.starts_with("8 colour")),
             "{:?}",
@@ -603,14 +603,14 @@ fn colours_that_are_no_numbers_are_told_and_replaced() {
         );
         let red = &loaded.frame.color.as_ref().unwrap().r;
         assert_eq!(red.row(4)[..5], [0.0, 65504.0, -65504.0, -3.0, 50.0]);
-        assert_clean(&loaded.frame, &format!("colours, {sample_type:?}"));
+        assert_clean(&loaded.frame, &format!("colours, {stored:?}"));
     }
 }
 
 #[test]
 fn files_of_any_size_pass() {
     for (width, height) in [(1, 1), (1, 33), (33, 1), (2, 2), (3, 65535), (65535, 3)] {
-        let loaded = Render::new(width, height).through_a_file(OutputType::Float);
+        let loaded = Render::new(width, height).through_a_file(Stored::Float);
         let name = format!("{width}x{height}");
         assert_eq!(loaded.frame.mask.count(), width * height, "{name}");
         if width.max(height) < 1000 {

@@ -4,6 +4,7 @@ mod channels;
 mod infinities;
 mod rows;
 
+use crate::common::bits;
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
     ExrFile, Limits, OutputChannel, OutputPart, OutputType, PartWriter, write_results,
@@ -13,10 +14,6 @@ use std::ops::Range;
 use std::path::Path;
 
 const TARGET: &str = "test";
-
-fn bits(plane: &Plane) -> Vec<u32> {
-    plane.samples().iter().map(|s| s.to_bits()).collect()
-}
 
 /// Three planes that are no multiple of a block high, one with a sample that is no number.
 fn planes() -> [Plane; 3] {
