@@ -3,11 +3,11 @@
 use crate::common::bits;
 use crate::common::exr::Part;
 use crate::common::program::{self, Ran, fixture, run};
-use crate::common::scenes::{Scene, Surface};
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::io::inputs::Inputs;
 use relievo::io::photo::Photo;
+use relievo::report::scenes::{ExactScene, Surface};
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::fs;
@@ -874,7 +874,7 @@ fn flipping_an_axis_undoes_a_flipped_map() {
 #[test]
 fn a_normal_map_of_16_bits_is_finer_than_one_of_8() {
     let desk = Desk::new();
-    let frame = Scene::orthographic(Surface::ball(60.0), 64.3, 63.8).frame(128, 128);
+    let frame = ExactScene::orthographic(Surface::ball(60.0), 64.3, 63.8).frame(128, 128);
     let n = &frame.normal;
     let exact = desk.write_exr("n.exr", &[("N.x", &n.x), ("N.y", &n.y), ("N.z", &n.z)]);
     let code = |x: u32, y: u32, max: f32| {

@@ -1,4 +1,4 @@
-//! What the tests share: scenes whose answers are known, and frames turned and mirrored.
+//! What the tests share: inputs, runs of the program, and frames turned and mirrored.
 
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
@@ -6,12 +6,12 @@
 pub mod exr;
 pub mod program;
 pub mod real_files;
-pub mod scenes;
 
 use exr::{Part, Stored};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use relievo::frame::{
-    Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window,
+    Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector2Planes, Vector3Planes,
+    Window,
 };
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Loaded};
@@ -150,6 +150,42 @@ pub fn poisoned(frame: &Frame, poison: f32) -> Frame {
         depth: frame.depth.as_ref().map(spoil),
         ..frame.clone()
     }
+}
+
+/// The frame with its normals passed through `round`, and normalised as loading does.
+pub fn rounded(mut frame: Frame, rounding: f32, round: impl Fn(f32) -> f32) -> Frame {
+    let n = &mut frame.normal;
+    let xy = n.x.samples_mut().iter_mut().zip(n.y.samples_mut());
+    for ((x, y), z) in xy.zip(n.z.samples_mut()) {
+        let v = Vec3::new(round(*x), round(*y), round(*z)).normalize_or_zero();
+        (*x, *y, *z) = v.into();
+    }
+    frame.source.normal_rounding = rounding;
+    frame
+}
+
+/// The frame with its normals as 8 bits over -1..1 store them.
+pub fn in_8_bits(frame: Frame) -> Frame {
+    rounded(frame, 1.0 / 255.0, |v| {
+        ((v * 0.5 + 0.5) * 255.0).round() / 255.0 * 2.0 - 1.0
+    })
+}
+
+pub fn without_depth(frame: Frame) -> Frame {
+    Frame {
+        depth: None,
+        ..frame
+    }
+}
+
+/// The direction at a pixel.
+pub fn direction_at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
+    DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())
+}
+
+/// The value below which this share of the sorted values lies.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
 }
 
 /// The bits of all samples.

@@ -1,14 +1,15 @@
 //! Contours against scenes whose edges are known: where lines run, how wide they are, that each edge has one,
 //! and that they meet.
 
-use crate::common::scenes::{DISTANCE, Scene, Surface};
 use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
 use glam::{DVec3, Vec2};
 use relievo::backend::cpu::{Drawing, DrawingInputs, Runner};
-use relievo::frame::{Frame, Mask, Plane};
+use relievo::frame::{Frame, Plane};
 use relievo::line::contours::{Contour, ContourKind};
 use relievo::params::{ContourParams, LineParams, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Plan, ToneFrom};
+use relievo::report::scenes::frames::masked;
+use relievo::report::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 use std::f32::consts::{PI, TAU};
 
 fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
@@ -77,7 +78,7 @@ const CENTER: Vec2 = Vec2::new(80.3, 79.6);
 
 fn disc() -> Frame {
     let ball = Surface::ball(f64::from(RADIUS));
-    Scene::orthographic(ball, f64::from(CENTER.x), f64::from(CENTER.y)).frame(160, 160)
+    ExactScene::orthographic(ball, f64::from(CENTER.x), f64::from(CENTER.y)).frame(160, 160)
 }
 
 /// The coverage of pixels by a disc, of 16 x 16 samples each.
@@ -152,7 +153,7 @@ fn one_run_of_ink_on_every_way_across_an_edge() {
 /// Where the balls of `two_balls(40, 50)` are seen: near and far, with their radii.
 fn balls() -> (Frame, [(Vec2, f32); 2]) {
     let (near, far, cx, cy) = (40.0, 50.0, 90.2, 100.4);
-    let frame = Scene::two_balls(near, far, cx, cy).frame(200, 200);
+    let frame = ExactScene::two_balls(near, far, cx, cy).frame(200, 200);
     let seen = |x: f64, y: f64| Vec2::new((cx + x) as f32, (cy - y) as f32);
     let near_at = seen(-0.7 * near, -0.4 * near);
     let far_at = seen(0.6 * far, 0.4 * far);
@@ -219,7 +220,7 @@ fn edges(block: bool, roll: f32) -> [Vec2; 3] {
 fn three_straight_creases_meet_in_a_corner() {
     let corner = Vec2::new(80.3, 78.9);
     for (block, roll) in [(true, 0.0_f32), (true, 0.3), (false, 0.0), (false, 0.45)] {
-        let scene = Scene::box_corner(
+        let scene = ExactScene::box_corner(
             block,
             f64::from(roll),
             f64::from(corner.x),
@@ -267,7 +268,7 @@ fn three_straight_creases_meet_in_a_corner() {
 fn depth_that_a_filter_spread_gives_the_same_single_line() {
     // A disc one quarter of the distance before a wall, its border pixels mixed by coverage.
     let (near, far) = (DISTANCE, 1.25 * DISTANCE);
-    let wall = Scene::orthographic(Surface::plane(DVec3::Z), 80.0, 80.0).frame(160, 160);
+    let wall = ExactScene::orthographic(Surface::plane(DVec3::Z), 80.0, 80.0).frame(160, 160);
     let coverage = coverage_of_disc();
     for spread in [false, true] {
         let share = |c: f32| if spread { c } else { c.round() };
@@ -302,7 +303,7 @@ fn difference(a: &Plane, b: &Plane) -> (f32, f32) {
 
 #[test]
 fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
-    let corner = Scene::box_corner(true, 0.3, 80.3, 78.9).frame(160, 150);
+    let corner = ExactScene::box_corner(true, 0.3, 80.3, 78.9).frame(160, 150);
     for (name, frame) in [("disc", disc()), ("balls", balls().0), ("corner", corner)] {
         let drawing = drawn(&frame);
         let mirror = drawn(&mirrored(&frame));
@@ -339,19 +340,10 @@ fn the_number_of_threads_changes_nothing() {
     assert_eq!(ink(&one), ink(&five));
 }
 
-/// The frame with another mask.
-fn masked(frame: &Frame, covered: impl Fn(usize, usize) -> bool) -> Frame {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    Frame {
-        mask: Mask::new(Plane::from_fn(width, height, covered)),
-        ..frame.clone()
-    }
-}
-
 #[test]
 fn hard_frames_give_finite_drawings() {
     let flat = |width, height| {
-        Scene::orthographic(Surface::plane(DVec3::new(0.3, 0.2, 1.0)), 20.0, 20.0)
+        ExactScene::orthographic(Surface::plane(DVec3::new(0.3, 0.2, 1.0)), 20.0, 20.0)
             .frame(width, height)
     };
     let wall = flat(97, 83);
@@ -375,16 +367,19 @@ fn hard_frames_give_finite_drawings() {
         ("one row", flat(50, 1)),
         ("one column", flat(1, 50)),
         ("full", wall.clone()),
-        ("empty mask", masked(&wall, |_, _| false)),
+        ("empty mask", masked(wall.clone(), |_, _| false)),
         (
             "one covered pixel",
-            masked(&wall, |x, y| (x, y) == (40, 40)),
+            masked(wall.clone(), |x, y| (x, y) == (40, 40)),
         ),
-        ("checkerboard", masked(&wall, |x, y| (x + y) % 2 == 0)),
-        ("stripes", masked(&wall, |x, _| x % 2 == 0)),
+        (
+            "checkerboard",
+            masked(wall.clone(), |x, y| (x + y) % 2 == 0),
+        ),
+        ("stripes", masked(wall.clone(), |x, _| x % 2 == 0)),
         ("crease everywhere", rough),
         ("steps everywhere", steps),
-        ("bad values", masked(&bad, |x, y| x > 10 || y > 20)),
+        ("bad values", masked(bad.clone(), |x, y| x > 10 || y > 20)),
     ];
     for (name, frame) in &frames {
         for width_px in [0.1, 2.0, 500.0] {
@@ -420,7 +415,9 @@ fn hard_frames_give_finite_drawings() {
 #[test]
 fn specks_are_left_out_unless_asked_for() {
     let ball = disc();
-    let speckled = masked(&ball, |x, y| ball.mask.at(x, y) && (x, y) != (80, 80));
+    let speckled = masked(ball.clone(), |x, y| {
+        ball.mask.at(x, y) && (x, y) != (80, 80)
+    });
     assert_eq!(drawn(&speckled).contour_lines.len(), 1);
     let params = ContourParams {
         shortest_px: 0.0,
@@ -432,8 +429,8 @@ fn specks_are_left_out_unless_asked_for() {
 #[test]
 fn lines_run_off_the_picture() {
     // The upper half is covered: one line from border to border, of full width to the last pixel.
-    let wall = Scene::orthographic(Surface::plane(DVec3::Z), 20.0, 20.0).frame(60, 40);
-    let drawing = drawn(&masked(&wall, |_, y| y < 20));
+    let wall = ExactScene::orthographic(Surface::plane(DVec3::Z), 20.0, 20.0).frame(60, 40);
+    let drawing = drawn(&masked(wall.clone(), |_, y| y < 20));
     assert_eq!(drawing.contour_lines.len(), 1);
     for x in [0, 30, 59] {
         // Two pixels wide, on the crack between rows 19 and 20.

@@ -1,13 +1,13 @@
 //! What must change nothing: mirrors, turns, crops, windows, threads, tiles and whatever lies outside the
 //! mask.
 
-use crate::common::scenes::{Scene, Surface};
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use glam::DVec3;
 use relievo::backend::cpu::{self, Outcome, Runner};
 use relievo::frame::{Frame, Plane, Window};
 use relievo::params::{Adaptive, RunOptions, Scale, ScalingParams, ShapeParams, TileSize};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{ExactScene, Surface};
 use std::num::NonZeroUsize;
 
 /// Every goal, with diffusion by steps and by expansion.
@@ -46,10 +46,10 @@ fn frames() -> Vec<Frame> {
 /// The same in pictures so many times as large.
 fn frames_of_size(times: usize) -> Vec<Frame> {
     let px = |length: f64| length * times as f64;
-    let balls = Scene::two_balls(px(22.0), px(31.0), px(51.3), px(44.6)).in_perspective();
+    let balls = ExactScene::two_balls(px(22.0), px(31.0), px(51.3), px(44.6)).in_perspective();
     let axis = DVec3::new(0.6, 0.5, 0.45);
-    let cylinder = Scene::orthographic(Surface::cylinder(px(25.0), axis), px(40.0), px(50.0));
-    let corner = Scene::box_corner(false, 0.3, px(47.0), px(52.0)).in_perspective();
+    let cylinder = ExactScene::orthographic(Surface::cylinder(px(25.0), axis), px(40.0), px(50.0));
+    let corner = ExactScene::box_corner(false, 0.3, px(47.0), px(52.0)).in_perspective();
     [balls, cylinder, corner]
         .map(|scene| scene.frame(96 * times, 80 * times))
         .into()

@@ -1,12 +1,15 @@
 //! Normal-ray principal directions against surfaces whose curvatures are known exactly.
 
-use crate::common::scenes::{Exact, Scene, Surface};
-use crate::common::{mirrored, poisoned, quarter_turned};
-use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
+use crate::common::{
+    direction_at, in_8_bits, mirrored, poisoned, quantile, quarter_turned, rounded, without_depth,
+};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use relievo::backend::cpu;
 use relievo::frame::{DepthKind, Frame, Plane, Projection, Vector2Planes, Vector3Planes};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{Exact, ExactScene, Surface};
+use relievo::report::sweeps::directions::angle_deg;
 
 /// The direction layer of `frame`, and conductance.
 fn directions(frame: &Frame, step: Adaptive) -> (Vector2Planes, Plane) {
@@ -53,7 +56,7 @@ fn has_rays(conductance: &Plane, x: usize, y: usize) -> bool {
 
 /// Sorted angles in degrees between found and expected directions, over pixels with rays whose normal faces
 /// the viewer with more than 0.35, as measured against the sight line.
-fn errors_deg(scene: &Scene, frame: &Frame, step: Adaptive) -> Vec<f64> {
+fn errors_deg(scene: &ExactScene, frame: &Frame, step: Adaptive) -> Vec<f64> {
     let (found, conductance) = directions(frame, step);
     let mut errors = Vec::new();
     for y in 0..frame.mask.height() {
@@ -79,15 +82,12 @@ fn errors_deg(scene: &Scene, frame: &Frame, step: Adaptive) -> Vec<f64> {
     errors
 }
 
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
-}
-
 /// Scenes of about `radius` pixels, orthographic, off the pixel grid.
-fn scenes(radius: f64) -> Vec<(&'static str, Scene)> {
+fn scenes(radius: f64) -> Vec<(&'static str, ExactScene)> {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
     let c = side(radius) as f64 / 2.0;
-    let at = |surface| far(Scene::orthographic(surface, c + 0.3, c - 0.4), radius);
+    let at =
+        |surface| ExactScene::orthographic(surface, c + 0.3, c - 0.4).at_distance(3.0 * radius);
     let axes = DVec3::new(1.0, 0.7, 0.5) * radius;
     vec![
         ("ellipsoid", at(Surface::ellipsoid(axes, DMat3::IDENTITY))),
@@ -115,22 +115,13 @@ fn scenes(radius: f64) -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// The scene moved back so that a radius of 256 px still lies well before the eye.
-fn far(scene: Scene, radius: f64) -> Scene {
-    let by = DVec3::new(0.0, 0.0, crate::common::scenes::DISTANCE - 3.0 * radius);
-    Scene {
-        surfaces: scene.surfaces.iter().map(|s| s.moved(by)).collect(),
-        ..scene
-    }
-}
-
 /// In perspective, from three radii away, a pixel being as large as before.
-fn deep(scene: Scene, radius: f64) -> Scene {
+fn deep(scene: ExactScene, radius: f64) -> ExactScene {
     let Projection::Orthographic { cx, cy, .. } = scene.projection else {
         panic!("already in perspective");
     };
     let focal = 3.0 * radius;
-    Scene {
+    ExactScene {
         projection: Projection::Perspective {
             fx: focal,
             fy: focal,
@@ -145,20 +136,13 @@ fn side(radius: f64) -> usize {
     (2.2 * radius) as usize
 }
 
-fn framed(scene: &Scene, radius: f64) -> Frame {
+fn framed(scene: &ExactScene, radius: f64) -> Frame {
     scene.frame(side(radius), side(radius))
-}
-
-fn without_depth(frame: &Frame) -> Frame {
-    Frame {
-        depth: None,
-        ..frame.clone()
-    }
 }
 
 /// Depth, normals with the camera, normals alone.
 fn sources(frame: &Frame) -> [(&'static str, Frame); 3] {
-    let from_normals = without_depth(frame);
+    let from_normals = without_depth(frame.clone());
     let alone = Frame {
         camera: None,
         ..from_normals.clone()
@@ -231,36 +215,18 @@ fn directions_are_exact_to_the_second_order() {
     }
 }
 
-/// The frame with its normals passed through `round`, and normalised as loading does.
-fn rounded(frame: &Frame, rounding: f32, round: impl Fn(f32) -> f32) -> Frame {
-    let mut frame = without_depth(frame);
-    let n = &mut frame.normal;
-    let xy = n.x.samples_mut().iter_mut().zip(n.y.samples_mut());
-    for ((x, y), z) in xy.zip(n.z.samples_mut()) {
-        let v = Vec3::new(round(*x), round(*y), round(*z)).normalize_or_zero();
-        (*x, *y, *z) = v.into();
-    }
-    frame.source.normal_rounding = rounding;
-    frame
-}
-
-/// To 8 bits over -1..1 and back.
-fn to_8_bits(frame: &Frame) -> Frame {
-    rounded(frame, 1.0 / 255.0, |v| {
-        ((v * 0.5 + 0.5) * 255.0).round() / 255.0 * 2.0 - 1.0
-    })
-}
-
 #[test]
 fn coarse_normals_are_compared_farther_away() {
     println!("radius scene stored as: median / p95 degrees at 1 px, auto");
     for radius in [32.0, 64.0, 128.0, 256.0] {
         for (name, scene) in scenes(radius) {
             let frame = framed(&scene, radius);
-            let half = rounded(&frame, 1.0 / 4096.0, |v| half::f16::from_f32(v).to_f32());
+            let frame = without_depth(frame);
+            let half = rounded(frame.clone(), 1.0 / 4096.0, |v| {
+                half::f16::from_f32(v).to_f32()
+            });
             // What was measured: p95 7.1 and 1.9 at the most.
-            for (stored, frame, bound) in [("8 bits", to_8_bits(&frame), 8.0), ("half", half, 2.0)]
-            {
+            for (stored, frame, bound) in [("8 bits", in_8_bits(frame), 8.0), ("half", half, 2.0)] {
                 let [one, auto] = [Adaptive::Fixed(1.0), Adaptive::Auto].map(|step| {
                     let errors = errors_deg(&scene, &frame, step);
                     [quantile(&errors, 0.5), quantile(&errors, 0.95)]
@@ -275,15 +241,6 @@ fn coarse_normals_are_compared_farther_away() {
     }
 }
 
-/// Angle in degrees between two directions that are the same as their opposites.
-fn angle_deg(a: DVec2, b: DVec2) -> f64 {
-    a.perp_dot(b).abs().atan2(a.dot(b).abs()).to_degrees()
-}
-
-fn at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
-    DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())
-}
-
 /// The largest angle between the directions of covered neighbours.
 fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
     let (mut largest, mask) = (0.0_f64, &frame.mask);
@@ -291,7 +248,7 @@ fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
         for x in 1..mask.width() {
             for (px, py) in [(x - 1, y), (x, y - 1)] {
                 if mask.at(x, y) && mask.at(px, py) {
-                    let turn = angle_deg(at(found, x, y), at(found, px, py));
+                    let turn = angle_deg(direction_at(found, x, y), direction_at(found, px, py));
                     largest = largest.max(turn);
                 }
             }
@@ -303,12 +260,17 @@ fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
 #[test]
 fn balls_and_planes_take_the_fixed_axis_and_show_no_noise() {
     for radius in [40.0, 150.0, 2000.0] {
-        let ball = Scene::orthographic(Surface::ball(radius), 80.3, 79.6);
-        let deep_ball = deep(far(ball.clone(), radius), radius);
-        let plane = Scene::orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8)), 80.0, 80.0);
+        let ball = ExactScene::orthographic(Surface::ball(radius), 80.3, 79.6);
+        let deep_ball = deep(ball.clone().at_distance(3.0 * radius), radius);
+        let plane =
+            ExactScene::orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8)), 80.0, 80.0);
         for scene in [ball, deep_ball, plane.clone(), plane.in_perspective()] {
             let frame = scene.frame(160, 160);
-            for frame in [without_depth(&frame), to_8_bits(&frame), frame] {
+            for frame in [
+                without_depth(frame.clone()),
+                in_8_bits(without_depth(frame.clone())),
+                frame,
+            ] {
                 let (found, _) = directions(&frame, Adaptive::Auto);
                 // x crossed with the normal is (0, -n_z, n_y): upright in a parallel projection, and in
                 // perspective turned by n_y X / n_z at the most; 1 degree from a pixel to the next
@@ -328,7 +290,7 @@ fn balls_and_planes_take_the_fixed_axis_and_show_no_noise() {
 fn an_umbilic_takes_its_neighbours_direction() {
     // A capsule: the cylinder of radius 60 around y goes over into balls where its ends lie.
     let frame = {
-        let tube = Scene::orthographic(Surface::cylinder(60.0, DVec3::X), 100.0, 100.0);
+        let tube = ExactScene::orthographic(Surface::cylinder(60.0, DVec3::X), 100.0, 100.0);
         let mut frame = tube.frame(200, 200);
         let ends = |x: f64| (x - 100.0).abs() - 40.0;
         for y in 0..200 {
@@ -344,20 +306,20 @@ fn an_umbilic_takes_its_neighbours_direction() {
                 }
             }
         }
-        without_depth(&frame)
+        without_depth(frame.clone())
     };
     let (found, _) = directions(&frame, Adaptive::Auto);
     // Across the axis on the tube; on the caps its neighbours' across too, as far as the waves go from
     // the seam: along the middle row all the way.
     for x in 45..155 {
-        let t = at(&found, x, 100);
+        let t = direction_at(&found, x, 100);
         assert!(t.x.abs() < 0.02, "({x}, 100): {t}");
     }
     // Not the fixed direction by chance: turned by a quarter, it is the other axis.
     let turned = quarter_turned(&frame);
     let (found, _) = directions(&turned, Adaptive::Auto);
     for y in 45..155 {
-        let t = at(&found, 100, y);
+        let t = direction_at(&found, 100, y);
         assert!(t.y.abs() < 0.02, "(100, {y}): {t}");
     }
 }
@@ -373,18 +335,19 @@ fn a_wide_plane_is_no_patchwork_of_its_rims() {
         turn * DVec3::new(a, b, (1.0 - a * a - b * b).max(0.05).sqrt()).normalize()
     };
     let plane = |i: usize| Plane::from_fn(300, 300, |x, y| normal(x, y)[i] as f32);
-    let mut frame = Scene::orthographic(Surface::plane(DVec3::Z), 150.0, 150.0).frame(300, 300);
+    let mut frame =
+        ExactScene::orthographic(Surface::plane(DVec3::Z), 150.0, 150.0).frame(300, 300);
     frame.normal = Vector3Planes {
         x: plane(0),
         y: plane(1),
         z: plane(2),
     };
-    let (found, _) = directions(&without_depth(&frame), Adaptive::Auto);
+    let (found, _) = directions(&without_depth(frame.clone()), Adaptive::Auto);
     // On the rounding the direction is across the edge; farther than 16 px inside, upright.
     let across = turn * DVec3::X;
     let at_place = |a: f64| {
         let p = DVec3::new(150.0, 150.0, 0.0) + DVec3::new(across.x, -across.y, 0.0) * a;
-        at(&found, p.x.round() as usize, p.y.round() as usize)
+        direction_at(&found, p.x.round() as usize, p.y.round() as usize)
     };
     assert!(angle_deg(at_place(108.0), across.truncate()) < 3.0);
     assert!(angle_deg(at_place(98.0), across.truncate()) < 20.0);
@@ -403,7 +366,7 @@ fn turned_and_mirrored_pictures_give_turned_and_mirrored_directions() {
         let deep = deep(flat.clone(), 48.0);
         for scene in [flat, deep] {
             let frame = framed(&scene, 48.0);
-            for frame in [without_depth(&frame), frame] {
+            for frame in [without_depth(frame.clone()), frame] {
                 let (plain, open) = directions(&frame, Adaptive::Auto);
                 let (flipped, _) = directions(&mirrored(&frame), Adaptive::Auto);
                 let (turned, _) = directions(&quarter_turned(&frame), Adaptive::Auto);
@@ -414,9 +377,9 @@ fn turned_and_mirrored_pictures_give_turned_and_mirrored_directions() {
                     if exact.and_then(|e| expected(&e, scene.projection)).is_none() {
                         continue;
                     }
-                    let t = at(&plain, x, y);
-                    let mirror = at(&flipped, width - 1 - x, y);
-                    let turn = at(&turned, y, width - 1 - x);
+                    let t = direction_at(&plain, x, y);
+                    let mirror = direction_at(&flipped, width - 1 - x, y);
+                    let turn = direction_at(&turned, y, width - 1 - x);
                     for (found, wanted) in [(mirror, DVec2::new(-t.x, t.y)), (turn, t.perp())] {
                         let angle = angle_deg(found, wanted);
                         assert!(angle < 1e-3, "{name} at ({x}, {y}): {angle} degrees");
@@ -444,9 +407,9 @@ fn nothing_is_taken_across_a_silhouette() {
     // A cylinder before another at right angles: on each the direction is across its own axis, up to
     // the edge between them, with the widest of steps.
     let near = Surface::cylinder(30.0, DVec3::Y).moved(DVec3::new(0.0, 0.0, 100.0));
-    let scene = Scene {
+    let scene = ExactScene {
         surfaces: vec![near, Surface::cylinder(60.0, DVec3::X)],
-        ..Scene::orthographic(near, 80.0, 80.0)
+        ..ExactScene::orthographic(near, 80.0, 80.0)
     };
     let frame = scene.frame(160, 160);
     let (found, open) = directions(&frame, Adaptive::Fixed(8.0));
@@ -456,7 +419,7 @@ fn nothing_is_taken_across_a_silhouette() {
             continue;
         };
         let across = [DVec2::X, DVec2::Y][exact.surface];
-        let angle = angle_deg(at(&found, x, y), across);
+        let angle = angle_deg(direction_at(&found, x, y), across);
         assert!(angle < 0.01, "({x}, {y}): {angle} degrees");
         tested[exact.surface] += 1;
     }
@@ -479,7 +442,7 @@ fn the_unit_of_length_changes_nothing() {
                 let exact = scene.exact(x, y).filter(|_| open.at(x, y) > 0.0);
                 if exact.and_then(|e| expected(&e, scene.projection)).is_some() {
                     // Depth is rounded anew.
-                    let angle = angle_deg(at(&found, x, y), at(&plain, x, y));
+                    let angle = angle_deg(direction_at(&found, x, y), direction_at(&plain, x, y));
                     assert!(
                         angle < 0.05,
                         "{name} in units of {unit} at ({x}, {y}): {angle}"

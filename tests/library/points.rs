@@ -1,13 +1,13 @@
 //! Where the surface lies, from whatever layers tell it: positions, or depth of any kind.
 
 use crate::common::exr::{Part, Stored};
-use crate::common::scenes::{Scene, Surface};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use relievo::backend::cpu;
 use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection};
 use relievo::io::{self, Loaded, Needs, inputs::Inputs};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan, Points};
+use relievo::report::scenes::{ExactScene, Surface};
 use std::fs;
 use std::path::Path;
 
@@ -15,17 +15,17 @@ const SIDE: usize = 280;
 
 /// An ellipsoid of 110 px off the view axis, seen through a wide lens: planar depth and that along
 /// sight lines differ by 1 part in 17.
-fn scene() -> Scene {
+fn scene() -> ExactScene {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
     let ellipsoid = Surface::ellipsoid(DVec3::new(110.0, 77.0, 55.0), turn);
-    Scene {
+    ExactScene {
         projection: Projection::Perspective {
             fx: 400.0,
             fy: 400.0,
             cx: 0.0,
             cy: 140.0,
         },
-        ..Scene::orthographic(ellipsoid.moved(DVec3::new(140.0, 0.0, 0.0)), 0.0, 0.0)
+        ..ExactScene::orthographic(ellipsoid.moved(DVec3::new(140.0, 0.0, 0.0)), 0.0, 0.0)
     }
 }
 
@@ -131,7 +131,7 @@ fn what_depth_measures_is_told_by_the_normals() {
         r#"{"focal_px": 400, "principal_point_px": [0, 140]}"#,
     )
     .unwrap();
-    let of = |value: fn(&crate::common::scenes::Exact) -> f64| {
+    let of = |value: fn(&relievo::report::scenes::Exact) -> f64| {
         Plane::from_fn(SIDE, SIDE, |x, y| {
             scene.exact(x, y).as_ref().map_or(0.0, value) as f32
         })

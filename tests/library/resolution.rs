@@ -3,12 +3,12 @@
 //! Lengths are in pixels at the reference height of 540 lines. What is found is compared with the closed
 //! form, so that the errors stated hold between any two resolutions too, added up.
 
-use crate::common::scenes::{Scene, Surface};
 use glam::{DVec2, DVec3};
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{Frame, Projection, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{ExactScene, Surface};
 
 const REFERENCE: u32 = 540;
 const LINES: [usize; 3] = [270, 540, 1080];
@@ -52,7 +52,8 @@ const ANGLE: f64 = 0.7;
 fn waves(lines: usize) -> Frame {
     let (width, scale) = (lines / 2, factor(lines));
     let relief = Surface::sine_relief(AMPLITUDE, std::f64::consts::TAU / K, ANGLE);
-    let mut frame = Scene::orthographic(Surface::plane(DVec3::Z), 0.0, 0.0).frame(width, lines);
+    let mut frame =
+        ExactScene::orthographic(Surface::plane(DVec3::Z), 0.0, 0.0).frame(width, lines);
     for (x, y) in (0..lines).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let (slope, _) = relief.derivatives(position(x, y, scale).extend(0.0));
         let n = slope.normalize().as_vec3();
@@ -159,21 +160,21 @@ fn the_gain_chosen_is_the_same_at_every_resolution() {
 const NEAR: f64 = 110.0;
 const FAR: f64 = 170.0;
 
-fn balls(lines: usize) -> Scene {
+fn balls(lines: usize) -> ExactScene {
     let scale = factor(lines);
-    Scene {
+    ExactScene {
         projection: Projection::Orthographic {
             sx: scale,
             sy: scale,
             cx: 270.0 * scale,
             cy: 270.0 * scale,
         },
-        ..Scene::two_balls(NEAR, FAR, 0.0, 0.0)
+        ..ExactScene::two_balls(NEAR, FAR, 0.0, 0.0)
     }
 }
 
 /// Which ball is seen at a position of the picture at the reference height and all around it.
-fn well_inside(scene: &Scene, x: f64, y: f64, margin: f64) -> Option<usize> {
+fn well_inside(scene: &ExactScene, x: f64, y: f64, margin: f64) -> Option<usize> {
     let seen = |x, y| scene.exact_at(x, y).map(|exact| exact.surface);
     let here = seen(x, y)?;
     let around = (0..24).map(|i| DVec2::from_angle(f64::from(i) * std::f64::consts::TAU / 24.0));

@@ -1,14 +1,15 @@
 //! Hostile values: whatever a file or a caller brings, no panic, and no NaN or infinity in a result.
 
 use crate::common::exr::Stored;
-use crate::common::scenes::{Scene, Surface};
-use crate::common::{poisoned, through_a_file};
+use crate::common::{poisoned, through_a_file, without_depth};
 use glam::Vec3;
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::Loaded;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::frames::{masked, noise, normals};
+use relievo::report::scenes::{ExactScene, Surface};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 
@@ -165,32 +166,13 @@ fn assert_finite(frame: &Frame, name: &str) {
 fn ball(width: usize, height: usize) -> Frame {
     let radius = 0.4 * width.max(height) as f64;
     let (cx, cy) = (0.5 * width as f64 + 0.3, 0.5 * height as f64 - 0.2);
-    Scene::orthographic(Surface::ball(radius), cx, cy).frame(width, height)
-}
-
-/// Numbers that look random and are the same in every run.
-fn noise(x: usize, y: usize, channel: u32) -> f32 {
-    let seed = (x as u32).wrapping_mul(0x9e37_79b9)
-        ^ (y as u32).wrapping_mul(0x85eb_ca6b)
-        ^ channel.wrapping_mul(0xc2b2_ae35);
-    let mixed = (seed ^ (seed >> 15)).wrapping_mul(0x2c1b_3c6d);
-    let mixed = (mixed ^ (mixed >> 12)).wrapping_mul(0x297a_2d39);
-    (mixed ^ (mixed >> 15)) as f32 / u32::MAX as f32
-}
-
-fn vectors(width: usize, height: usize, at: impl Fn(usize, usize) -> Vec3) -> Vector3Planes {
-    let plane = |c: usize| Plane::from_fn(width, height, |x, y| at(x, y)[c]);
-    Vector3Planes {
-        x: plane(0),
-        y: plane(1),
-        z: plane(2),
-    }
+    ExactScene::orthographic(Surface::ball(radius), cx, cy).frame(width, height)
 }
 
 /// Everything covered, everything rough: normals all ways and none at all, depth over twelve orders of
 /// magnitude, colours far out of range.
 fn rough(width: usize, height: usize) -> Frame {
-    let normal = vectors(width, height, |x, y| {
+    let normal = normals(width, height, |x, y| {
         let n = Vec3::from_array([1, 2, 3].map(|c| 2.0 * noise(x, y, c) - 1.0));
         let length = 0.98 + 0.04 * noise(x, y, 4);
         match (x + 3 * y) % 8 {
@@ -226,21 +208,6 @@ fn rough(width: usize, height: usize) -> Frame {
     }
 }
 
-fn masked(frame: Frame, covered: impl FnMut(usize, usize) -> bool) -> Frame {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    Frame {
-        mask: Mask::new(Plane::from_fn(width, height, covered)),
-        ..frame
-    }
-}
-
-fn without_depth(frame: Frame) -> Frame {
-    Frame {
-        depth: None,
-        ..frame
-    }
-}
-
 fn depth_of(frame: Frame, depth: impl FnMut(usize, usize) -> f32) -> Frame {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     Frame {
@@ -251,7 +218,7 @@ fn depth_of(frame: Frame, depth: impl FnMut(usize, usize) -> f32) -> Frame {
 
 fn hostile_frames() -> Vec<(&'static str, Frame)> {
     let (w, h) = (29, 23);
-    let perspective = Scene::orthographic(Surface::ball(10.0), 14.3, 11.2).in_perspective();
+    let perspective = ExactScene::orthographic(Surface::ball(10.0), 14.3, 11.2).in_perspective();
     vec![
         ("ball", ball(w, h)),
         ("ball in perspective", perspective.frame(w, h)),
@@ -420,7 +387,7 @@ struct Render {
 impl Render {
     /// A gentle relief that fills the picture.
     fn new(width: usize, height: usize) -> Self {
-        let normal = vectors(width, height, |x, y| {
+        let normal = normals(width, height, |x, y| {
             Vec3::new(0.3 * (x as f32).sin(), 0.2 * (y as f32).cos(), 1.0).normalize()
         });
         let plane = |f: fn(usize, usize) -> f32| Plane::from_fn(width, height, f);

@@ -1,14 +1,14 @@
 //! Several scales, and scales of every pixel's own, from the sweeps of one.
 
-use crate::common::scenes::Scene;
 use relievo::backend::cpu;
 use relievo::frame::{Frame, Plane, Vector2Planes};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::ExactScene;
 
 /// Balls one before the other: silhouettes between them, smooth parts, uncovered ground.
 fn frame() -> Frame {
-    let scene = Scene::two_balls(26.0, 37.0, 61.3, 52.6).in_perspective();
+    let scene = ExactScene::two_balls(26.0, 37.0, 61.3, 52.6).in_perspective();
     scene.frame(120, 100)
 }
 

@@ -1,11 +1,10 @@
 //! The scenes that other tests are measured against, checked against their own definitions.
 
-use crate::common::scenes::{
-    DISTANCE, Exact, Scene, Seen, Surface, five_point, trace_of_gradient_on_ball,
-};
 use crate::common::{mirrored, poisoned, quarter_turned, quarter_turned_plane};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use relievo::frame::{Frame, Plane, Projection};
+use relievo::report::scenes::exact::{Exact, ExactScene, Seen, ball_trace, five_point};
+use relievo::report::scenes::surfaces::{DISTANCE, Surface};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const SIDE: usize = 96;
@@ -13,11 +12,11 @@ const SIDE: usize = 96;
 const CX: f64 = 49.3;
 const CY: f64 = 45.8;
 
-fn orthographic(surface: Surface) -> Scene {
-    Scene::orthographic(surface, CX, CY)
+fn orthographic(surface: Surface) -> ExactScene {
+    ExactScene::orthographic(surface, CX, CY)
 }
 
-fn every_scene() -> Vec<(&'static str, Scene)> {
+fn every_scene() -> Vec<(&'static str, ExactScene)> {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
     let flat = vec![
         (
@@ -42,9 +41,9 @@ fn every_scene() -> Vec<(&'static str, Scene)> {
             orthographic(Surface::cylinder(25.0, DVec3::new(0.6, 0.5, 0.45))),
         ),
         ("saddle", orthographic(Surface::saddle(0.02, -0.01, 0.4))),
-        ("box corner", Scene::box_corner(true, 0.3, CX, CY)),
-        ("room corner", Scene::box_corner(false, 0.3, CX, CY)),
-        ("two balls", Scene::two_balls(20.0, 30.0, CX, CY)),
+        ("box corner", ExactScene::box_corner(true, 0.3, CX, CY)),
+        ("room corner", ExactScene::box_corner(false, 0.3, CX, CY)),
+        ("two balls", ExactScene::two_balls(20.0, 30.0, CX, CY)),
         (
             "sine relief",
             orthographic(Surface::sine_relief(3.0, 24.0, 0.7)),
@@ -59,7 +58,7 @@ fn every_scene() -> Vec<(&'static str, Scene)> {
 }
 
 /// Runs `check` at scattered positions of every scene that are not close to an outline or an edge.
-fn at_scattered_positions(check: impl Fn(&str, &Scene, DVec2, Exact)) {
+fn at_scattered_positions(check: impl Fn(&str, &ExactScene, DVec2, Exact)) {
     for (name, scene) in every_scene() {
         let name = match scene.projection {
             Projection::Orthographic { .. } => format!("orthographic {name}"),
@@ -451,20 +450,14 @@ fn foreshortened_ball_has_the_trace_in_closed_form() {
             let [xx, _, _, yy] = scene
                 .depth_gradient_jacobian(CX + way.x, CY - way.y, f)
                 .expect("inside the outline");
-            let expected = trace_of_gradient_on_ball(radius, n_z, f);
+            let expected = ball_trace(radius, n_z, f);
             assert_near(xx + yy, expected, expected.abs(), 1e-6, "trace");
         }
     }
     // Printed values: 130/R at n_z = 0.2 and 1010/R at 0.1, for f = 1.
+    assert_near(ball_trace(1.0, 0.2, 1.0), -130.0, 130.0, 1e-12, "n_z = 0.2");
     assert_near(
-        trace_of_gradient_on_ball(1.0, 0.2, 1.0),
-        -130.0,
-        130.0,
-        1e-12,
-        "n_z = 0.2",
-    );
-    assert_near(
-        trace_of_gradient_on_ball(1.0, 0.1, 1.0),
+        ball_trace(1.0, 0.1, 1.0),
         -1010.0,
         1010.0,
         1e-12,
@@ -475,8 +468,8 @@ fn foreshortened_ball_has_the_trace_in_closed_form() {
 #[test]
 fn near_ball_hides_part_of_the_far_one() {
     for scene in [
-        Scene::two_balls(20.0, 30.0, CX, CY),
-        Scene::two_balls(20.0, 30.0, CX, CY).in_perspective(),
+        ExactScene::two_balls(20.0, 30.0, CX, CY),
+        ExactScene::two_balls(20.0, 30.0, CX, CY).in_perspective(),
     ] {
         let seen: Vec<_> = (0..SIDE * SIDE)
             .filter_map(|i| scene.exact(i % SIDE, i / SIDE))
@@ -488,7 +481,7 @@ fn near_ball_hides_part_of_the_far_one() {
             count(0),
             count(1)
         );
-        let alone = Scene {
+        let alone = ExactScene {
             surfaces: vec![scene.surfaces[1]],
             ..scene.clone()
         };
@@ -502,7 +495,7 @@ fn near_ball_hides_part_of_the_far_one() {
 #[test]
 fn corner_faces_meet_on_the_axis() {
     for block in [true, false] {
-        let corner = Scene::box_corner(block, 0.3, CX, CY);
+        let corner = ExactScene::box_corner(block, 0.3, CX, CY);
         assert_eq!(corner.seen == Seen::Farthest, block);
         for scene in [corner.clone(), corner.in_perspective()] {
             let depth = |x: f64, y: f64| scene.exact_at(x, y).expect("fills the picture").depth;

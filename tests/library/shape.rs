@@ -1,11 +1,11 @@
 //! The shape descriptor against scenes whose normals, depth and derivatives are known exactly.
 
-use crate::common::scenes::{Scene, Surface, trace_of_gradient_on_ball};
 use glam::{DMat3, DQuat, DVec3};
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{Frame, Plane};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{ExactScene, Surface, ball_trace};
 
 /// The whole descriptor of `frame`.
 fn described(frame: &Frame, shape: ShapeParams) -> Outcome {
@@ -40,7 +40,7 @@ fn in_the_open(conductance: &Plane, x: usize, y: usize) -> bool {
 fn ball_error(radius: f64) -> f64 {
     let side = (2.4 * radius) as usize;
     let centre = side as f64 / 2.0 + 0.3;
-    let scene = Scene::orthographic(Surface::ball(radius), centre, centre);
+    let scene = ExactScene::orthographic(Surface::ball(radius), centre, centre);
     let outcome = described(&scene.frame(side, side), exact_settings(1.0));
     let hessian = outcome.shape.hessian.unwrap();
     let (mut sum, mut count) = (0.0, 0);
@@ -71,7 +71,7 @@ fn the_hessian_of_a_ball_is_second_order() {
 #[test]
 fn without_foreshortening_a_ball_has_the_trace_of_its_radius() {
     // g = -n_xy = p / R, so H = -I / R in [LW]'s sign and the trace is -2 / R everywhere.
-    let scene = Scene::orthographic(Surface::ball(200.0), 240.0, 240.0);
+    let scene = ExactScene::orthographic(Surface::ball(200.0), 240.0, 240.0);
     let outcome = described(&scene.frame(480, 480), exact_settings(0.0));
     let mean = outcome.shape.curvatures.unwrap().mean;
     let conductance = outcome.shape.conductance.unwrap();
@@ -92,14 +92,14 @@ fn without_foreshortening_a_ball_has_the_trace_of_its_radius() {
 #[test]
 fn foreshortening_steepens_a_ball_as_its_closed_form_says() {
     let radius = 200.0;
-    let scene = Scene::orthographic(Surface::ball(radius), 240.0, 240.0);
+    let scene = ExactScene::orthographic(Surface::ball(radius), 240.0, 240.0);
     let frame = scene.frame(480, 480);
     for f in [0.4, 1.0] {
         let outcome = described(&frame, exact_settings(f as f32));
         let mean = outcome.shape.curvatures.unwrap().mean;
         for x in [240, 300, 350, 390] {
             let n_z = scene.exact(x, 240).unwrap().normal.z;
-            let expected = trace_of_gradient_on_ball(radius, n_z, f);
+            let expected = ball_trace(radius, n_z, f);
             let found = f64::from(2.0 * mean.at(x, 240));
             // Truncation is (1/R)^2 times a fourth derivative that grows toward the rim.
             let tolerance = 2.0 / (radius * radius * n_z.powi(4));
@@ -111,9 +111,9 @@ fn foreshortening_steepens_a_ball_as_its_closed_form_says() {
     }
 }
 
-fn scenes() -> Vec<(&'static str, Scene)> {
+fn scenes() -> Vec<(&'static str, ExactScene)> {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
-    let at = |surface| Scene::orthographic(surface, 128.3, 127.6);
+    let at = |surface| ExactScene::orthographic(surface, 128.3, 127.6);
     let flat = vec![
         ("plane", at(Surface::plane(DVec3::new(0.5, -0.3, 0.8)))),
         ("ball", at(Surface::ball(110.0))),
@@ -131,8 +131,11 @@ fn scenes() -> Vec<(&'static str, Scene)> {
             at(Surface::cylinder(80.0, DVec3::new(0.6, 0.5, 0.45))),
         ),
         ("saddle", at(Surface::saddle(0.006, -0.003, 0.4))),
-        ("box corner", Scene::box_corner(true, 0.3, 128.3, 127.6)),
-        ("two balls", Scene::two_balls(55.0, 80.0, 128.3, 127.6)),
+        (
+            "box corner",
+            ExactScene::box_corner(true, 0.3, 128.3, 127.6),
+        ),
+        ("two balls", ExactScene::two_balls(55.0, 80.0, 128.3, 127.6)),
         ("sine relief", at(Surface::sine_relief(6.0, 80.0, 0.7))),
     ];
     let deep: Vec<_> = flat
@@ -196,7 +199,7 @@ fn every_scene_has_its_exact_hessian_curvatures_and_directions() {
 /// Compares the direction of the larger curvature where the two differ clearly.
 fn check_direction(
     name: &str,
-    exact: &crate::common::scenes::Exact,
+    exact: &relievo::report::scenes::Exact,
     direction: &relievo::frame::Vector2Planes,
     x: usize,
     y: usize,
@@ -252,7 +255,7 @@ fn without_foreshortening_the_mean_is_that_of_the_object() {
 
 #[test]
 fn edges_are_where_the_scene_has_them() {
-    let balls = Scene::two_balls(55.0, 80.0, 128.3, 127.6);
+    let balls = ExactScene::two_balls(55.0, 80.0, 128.3, 127.6);
     let outcome = described(&balls.frame(256, 256), exact_settings(1.0));
     let silhouette = outcome.shape.silhouette.unwrap();
     for (x, y) in pixels(255).filter(|&(x, y)| x > 0 && y > 0) {
@@ -271,7 +274,7 @@ fn edges_are_where_the_scene_has_them() {
 
 #[test]
 fn creases_are_where_faces_meet() {
-    let corner = Scene::box_corner(true, 0.3, 128.3, 127.6);
+    let corner = ExactScene::box_corner(true, 0.3, 128.3, 127.6);
     let outcome = described(&corner.frame(256, 256), exact_settings(1.0));
     let crease = outcome.shape.crease.unwrap();
     let mut on_edges = 0;
@@ -293,7 +296,7 @@ fn sloping(
     gradient: impl Fn(usize, usize) -> [f64; 2],
     occlusion: impl Fn(usize, usize) -> f32,
 ) -> Frame {
-    let plane = Scene::orthographic(Surface::plane(DVec3::Z), 0.0, 0.0);
+    let plane = ExactScene::orthographic(Surface::plane(DVec3::Z), 0.0, 0.0);
     let mut frame = plane.frame(side, side);
     for (x, y) in pixels(side) {
         let [gx, gy] = gradient(x, y);
@@ -437,8 +440,8 @@ fn an_open_wave_decays_at_its_own_rate() {
 fn the_expansion_stays_within_its_tolerance_of_the_steps() {
     // Slopes up to 20 at the floor of n_z, silhouettes, creases and a border of coverage.
     let scenes = [
-        Scene::two_balls(55.0, 80.0, 128.3, 127.6).in_perspective(),
-        Scene::box_corner(false, 0.3, 128.3, 127.6),
+        ExactScene::two_balls(55.0, 80.0, 128.3, 127.6).in_perspective(),
+        ExactScene::box_corner(false, 0.3, 128.3, 127.6),
     ];
     for frame in scenes.map(|scene| scene.frame(256, 256)) {
         for count in [1, 10, 50, 200] {

@@ -1,12 +1,13 @@
 //! The field of stroke directions against surfaces whose directions are known exactly.
 
-use crate::common::scenes::{Exact, Scene, Surface};
-use crate::common::{mirrored, quarter_turned};
-use glam::{DMat3, DQuat, DVec2, DVec3, Vec2, Vec3};
+use crate::common::{direction_at, in_8_bits, mirrored, quantile, quarter_turned, without_depth};
+use glam::{DMat3, DQuat, DVec2, DVec3, Vec2};
 use relievo::backend::cpu::Runner;
 use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Window};
 use relievo::params::{Fallback, FieldParams, ScalingParams, ShapeParams, StrokeDirections};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{Exact, ExactScene, Surface};
+use relievo::report::sweeps::directions::angle_deg;
 
 fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> Vec<Vector2Planes> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
@@ -15,7 +16,7 @@ fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> 
     let found = Runner::default().stroke_fields(&plan, frame, params, directions);
     for (x, y) in places(frame) {
         for field in &found {
-            let t = at(field, x, y);
+            let t = direction_at(field, x, y);
             let unit = (t.length() - 1.0).abs() < 1e-5;
             let none = t == DVec2::ZERO;
             assert!(
@@ -35,15 +36,6 @@ fn both(frame: &Frame) -> [Vector2Planes; 2] {
 fn places(frame: &Frame) -> impl Iterator<Item = (usize, usize)> + use<> {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
-}
-
-fn at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
-    DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())
-}
-
-/// Angle in degrees between two directions that are the same as their opposites.
-fn angle_deg(a: DVec2, b: DVec2) -> f64 {
-    a.perp_dot(b).abs().atan2(a.dot(b).abs()).to_degrees()
 }
 
 /// The exact directions, in the picture, of the curvatures larger and lesser in size; `None` where they
@@ -66,13 +58,13 @@ fn expected(exact: &Exact, projection: Projection) -> Option<[DVec2; 2]> {
 }
 
 /// How squarely the surface is seen.
-fn facing(scene: &Scene, exact: &Exact, x: usize, y: usize) -> f64 {
+fn facing(scene: &ExactScene, exact: &Exact, x: usize, y: usize) -> f64 {
     let line = scene.projection.to_eye(x as f64 + 0.5, y as f64 + 0.5);
     exact.normal.dot(line.extend(1.0).normalize())
 }
 
 /// Sorted errors in degrees of both families where the surface is seen at a cosine of more than `least`.
-fn errors(scene: &Scene, frame: &Frame, params: &FieldParams, least: f64) -> [Vec<f64>; 2] {
+fn errors(scene: &ExactScene, frame: &Frame, params: &FieldParams, least: f64) -> [Vec<f64>; 2] {
     let found = fields(frame, params, StrokeDirections::Both);
     let mut errors = [Vec::new(), Vec::new()];
     for (x, y) in places(frame) {
@@ -82,7 +74,7 @@ fn errors(scene: &Scene, frame: &Frame, params: &FieldParams, least: f64) -> [Ve
         };
         if let Some(wanted) = expected(&exact, scene.projection) {
             for i in 0..2 {
-                errors[i].push(angle_deg(at(&found[i], x, y), wanted[i]));
+                errors[i].push(angle_deg(direction_at(&found[i], x, y), wanted[i]));
             }
         }
     }
@@ -93,24 +85,18 @@ fn errors(scene: &Scene, frame: &Frame, params: &FieldParams, least: f64) -> [Ve
     })
 }
 
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
-}
-
-fn scene(surface: Surface, radius: f64) -> (Scene, usize) {
+fn scene(surface: Surface, radius: f64) -> (ExactScene, usize) {
     let side = (0.55 * radius).ceil() as usize * 4;
-    let scene = Scene::orthographic(surface, side as f64 / 2.0 + 0.3, side as f64 / 2.0 - 0.4);
-    let by = DVec3::new(0.0, 0.0, crate::common::scenes::DISTANCE - 3.0 * radius);
-    let surfaces = scene.surfaces.iter().map(|s| s.moved(by)).collect();
-    (Scene { surfaces, ..scene }, side)
+    let scene = ExactScene::orthographic(surface, side as f64 / 2.0 + 0.3, side as f64 / 2.0 - 0.4);
+    (scene.at_distance(3.0 * radius), side)
 }
 
-fn in_perspective(scene: &Scene, radius: f64) -> Scene {
+fn in_perspective(scene: &ExactScene, radius: f64) -> ExactScene {
     let Projection::Orthographic { cx, cy, .. } = scene.projection else {
         panic!("already in perspective");
     };
     let (fx, fy) = (3.0 * radius, 3.0 * radius);
-    Scene {
+    ExactScene {
         projection: Projection::Perspective { fx, fy, cx, cy },
         ..scene.clone()
     }
@@ -123,23 +109,6 @@ fn ellipsoid(radius: f64) -> Surface {
 
 fn torus(radius: f64) -> Surface {
     Surface::torus(0.7 * radius, 0.3 * radius, DVec3::new(0.3, 0.5, 0.8))
-}
-
-/// Normals rounded to 8 bits, without depth.
-fn to_8_bits(frame: &Frame) -> Frame {
-    let mut frame = Frame {
-        depth: None,
-        ..frame.clone()
-    };
-    let round = |v: f32| ((v * 0.5 + 0.5) * 255.0).round() / 255.0 * 2.0 - 1.0;
-    let n = &mut frame.normal;
-    let xy = n.x.samples_mut().iter_mut().zip(n.y.samples_mut());
-    for ((x, y), z) in xy.zip(n.z.samples_mut()) {
-        let v = Vec3::new(round(*x), round(*y), round(*z)).normalize_or_zero();
-        (*x, *y, *z) = v.into();
-    }
-    frame.source.normal_rounding = 1.0 / 255.0;
-    frame
 }
 
 #[test]
@@ -155,7 +124,7 @@ fn strokes_run_around_cylinders_and_along_them() {
         let (flat, side) = scene(Surface::cylinder(80.0, axis), 128.0);
         for scene in [flat.clone(), in_perspective(&flat, 128.0)] {
             let frame = scene.frame(side, side);
-            for frame in [to_8_bits(&frame), frame] {
+            for frame in [in_8_bits(without_depth(frame.clone())), frame] {
                 for passes in [0, FieldParams::default().passes] {
                     let params = FieldParams {
                         passes,
@@ -188,7 +157,7 @@ fn both_families_follow_the_curvature() {
         for (name, surface) in [("ellipsoid", ellipsoid(radius)), ("torus", torus(radius))] {
             let (scene, side) = scene(surface, radius);
             let frame = scene.frame(side, side);
-            let bits = to_8_bits(&frame);
+            let bits = in_8_bits(without_depth(frame.clone()));
             for (stored, frame) in [("float", frame), ("8 bits", bits)] {
                 for passes in [0, FieldParams::default().passes] {
                     let params = FieldParams {
@@ -230,7 +199,10 @@ fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
     for (x, y) in places(frame).filter(|&(x, y)| x > 0 && y > 0) {
         for (px, py) in [(x - 1, y), (x, y - 1)] {
             if frame.mask.at(x, y) && frame.mask.at(px, py) {
-                largest = largest.max(angle_deg(at(found, x, y), at(found, px, py)));
+                largest = largest.max(angle_deg(
+                    direction_at(found, x, y),
+                    direction_at(found, px, py),
+                ));
             }
         }
     }
@@ -240,11 +212,12 @@ fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
 #[test]
 fn balls_and_planes_take_the_fallback() {
     for radius in [40.0, 150.0, 2000.0] {
-        let ball = Scene::orthographic(Surface::ball(radius), 80.3, 79.6);
-        let plane = Scene::orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8)), 80.0, 80.0);
+        let ball = ExactScene::orthographic(Surface::ball(radius), 80.3, 79.6);
+        let plane =
+            ExactScene::orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8)), 80.0, 80.0);
         for scene in [ball, plane.clone(), plane.in_perspective()] {
             let frame = scene.frame(160, 160);
-            for frame in [to_8_bits(&frame), frame] {
+            for frame in [in_8_bits(without_depth(frame.clone())), frame] {
                 let exact = frame.source.normal_rounding == 0.0;
                 for angle in [45.0_f32, -20.0] {
                     let params = FieldParams {
@@ -256,7 +229,7 @@ fn balls_and_planes_take_the_fallback() {
                     let wanted = [first, first.perp()];
                     let covered = places(&frame).filter(|&(x, y)| frame.mask.at(x, y));
                     let off = covered.flat_map(|(x, y)| {
-                        let off = |i: usize| angle_deg(at(&found[i], x, y), wanted[i]);
+                        let off = |i: usize| angle_deg(direction_at(&found[i], x, y), wanted[i]);
                         [off(0), off(1)]
                     });
                     let worst = off.fold(0.0, f64::max);
@@ -275,7 +248,7 @@ fn balls_and_planes_take_the_fallback() {
 
 #[test]
 fn the_surface_fallback_is_upright_and_across() {
-    let ball = Scene::orthographic(Surface::ball(60.0), 80.3, 79.6).frame(160, 160);
+    let ball = ExactScene::orthographic(Surface::ball(60.0), 80.3, 79.6).frame(160, 160);
     let params = FieldParams {
         fallback: Fallback::Surface,
         ..FieldParams::default()
@@ -288,9 +261,9 @@ fn the_surface_fallback_is_upright_and_across() {
         let [nx, ny, nz] =
             [&ball.normal.x, &ball.normal.y, &ball.normal.z].map(|p| f64::from(p.at(x, y)));
         if nz > 0.4 {
-            assert!(angle_deg(at(&first, x, y), DVec2::Y) < 1.0);
+            assert!(angle_deg(direction_at(&first, x, y), DVec2::Y) < 1.0);
             let across = DVec2::new(ny * ny + nz * nz, -nx * ny);
-            let off = angle_deg(at(&second, x, y), across);
+            let off = angle_deg(direction_at(&second, x, y), across);
             assert!(off < 3.0, "({x}, {y}): {off}");
         }
     }
@@ -314,9 +287,9 @@ fn nothing_crosses_a_silhouette() {
     // A tilted cylinder before a torus. What the normals of one are changes no bit of the other.
     let near =
         Surface::cylinder(25.0, DVec3::new(0.3, 1.0, 0.2)).moved(DVec3::new(0.0, 0.0, 200.0));
-    let scene = Scene {
+    let scene = ExactScene {
         surfaces: vec![near, torus(90.0)],
-        ..Scene::orthographic(near, 110.0, 110.0)
+        ..ExactScene::orthographic(near, 110.0, 110.0)
     };
     let frame = scene.frame(220, 220);
     let plain = both(&frame);
@@ -336,7 +309,8 @@ fn nothing_crosses_a_silhouette() {
             let Some(exact) = scene.exact(x, y) else {
                 continue;
             };
-            let same = (0..2).all(|i| at(&plain[i], x, y) == at(&found[i], x, y));
+            let same =
+                (0..2).all(|i| direction_at(&plain[i], x, y) == direction_at(&found[i], x, y));
             if exact.surface == changed {
                 other += usize::from(!same);
             } else if same {
@@ -377,9 +351,9 @@ fn turned_and_mirrored_pictures_give_turned_and_mirrored_fields() {
             let mut off = Vec::new();
             for (x, y) in places(&frame).filter(|&(x, y)| frame.mask.at(x, y)) {
                 for i in 0..2 {
-                    let t = at(&plain[i], x, y);
-                    let mirror = at(&flipped[i], side - 1 - x, y);
-                    let turn = at(&turned[i], y, side - 1 - x);
+                    let t = direction_at(&plain[i], x, y);
+                    let mirror = direction_at(&flipped[i], side - 1 - x, y);
+                    let turn = direction_at(&turned[i], y, side - 1 - x);
                     off.push(angle_deg(mirror, DVec2::new(-t.x, t.y)));
                     off.push(angle_deg(turn, t.perp()));
                 }
@@ -395,7 +369,7 @@ fn turned_and_mirrored_pictures_give_turned_and_mirrored_fields() {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let (scene, side) = scene(torus(150.0), 150.0);
-    let frame = to_8_bits(&scene.frame(side, side));
+    let frame = in_8_bits(without_depth(scene.frame(side, side)));
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -426,7 +400,12 @@ fn a_quarter_of_the_size_is_enough() {
                         .exact(x, y)
                         .is_some_and(|e| facing(&scene, &e, x, y) > 0.35)
                 })
-                .map(|(x, y)| angle_deg(at(&full[i], x, y), at(&quarter[i], x, y)))
+                .map(|(x, y)| {
+                    angle_deg(
+                        direction_at(&full[i], x, y),
+                        direction_at(&quarter[i], x, y),
+                    )
+                })
                 .collect();
             off.sort_by(f64::total_cmp);
             println!(

@@ -1,17 +1,17 @@
 //! The list of cases, continued: everything that a drawing could stumble over.
 
 use super::cases::case;
-use super::frames::{masked, normals, relief, rough};
 use super::{Case, Expected, Verdict};
 use crate::Result;
 use crate::backend::cpu::{DrawingInputs, Runner};
-use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::frame::Frame;
 use crate::params::{
     Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneParams,
 };
 use crate::plan::{Available, Plan, ToneFrom};
 use crate::report::scenes::Scene;
+use crate::report::scenes::frames::{grey, masked, normals, relief, rough};
 
 /// Every case of a drawing.
 pub(super) fn all() -> Vec<Case> {
@@ -27,19 +27,6 @@ const ANY: [f64; 2] = [0.0, 1.0];
 const HALF: [f64; 2] = [0.47, 0.53];
 const NONE: [f64; 2] = [0.0, 0.0];
 const ALL: [f64; 2] = [1.0, 1.0];
-
-/// A surface in one tone.
-fn grey(frame: Frame, tone: f32) -> Frame {
-    let even = Plane::filled(frame.mask.width(), frame.mask.height(), tone);
-    Frame {
-        color: Some(ColorPlanes {
-            r: even.clone(),
-            g: even.clone(),
-            b: even,
-        }),
-        ..frame
-    }
-}
 
 fn ball(tone: f32) -> Frame {
     grey(Scene::ball(200, 200).frame, tone)

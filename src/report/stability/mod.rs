@@ -280,7 +280,7 @@ fn largest(plane: &Plane) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frames::relief;
+    use crate::report::scenes::frames::relief;
 
     fn case(expected: Expected, run: impl Fn() -> Result<Verdict> + 'static) -> Case {
         Case {

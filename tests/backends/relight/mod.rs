@@ -5,7 +5,6 @@ mod materials;
 mod surfaces;
 
 use super::{assert_alike, with_color};
-use crate::common::scenes::{Scene, Surface};
 use glam::{DVec3, Vec3};
 use relievo::backend::gpu::Runner;
 use relievo::backend::{Product, cpu, relit_tolerance};
@@ -18,6 +17,7 @@ use relievo::params::{
     Tangent,
 };
 use relievo::plan::{Available, LightKinds, Plan};
+use relievo::report::scenes::{ExactScene, Surface};
 
 /// What a test asks for; the rest is as it comes.
 #[derive(Clone)]
@@ -163,9 +163,9 @@ fn torus_from_near() -> Frame {
     with_color(torus_scene().in_perspective().frame(97, 94))
 }
 
-fn torus_scene() -> Scene {
+fn torus_scene() -> ExactScene {
     let axis = DVec3::new(0.3, 0.2, 0.9);
-    Scene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1)
+    ExactScene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1)
 }
 
 /// Partly covered pixels, albedo, and light that does not reach every corner.

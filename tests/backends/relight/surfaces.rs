@@ -4,7 +4,6 @@ use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
 use super::{Asked, sky, torus, torus_from_near, with_layers};
 use crate::common::poisoned;
-use crate::common::scenes::{Scene, Surface};
 use glam::Vec3;
 use relievo::backend::cpu;
 use relievo::backend::gpu::{Choice, Device, Runner};
@@ -12,6 +11,7 @@ use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::PointLight;
 use relievo::params::{AlbedoSource, Material, Method, Quantisation, Samples};
+use relievo::report::scenes::{ExactScene, Surface};
 
 #[test]
 fn albedo_alpha_and_occlusion() {
@@ -87,7 +87,7 @@ fn sizes_and_masks() {
     on_gpu(|runner| {
         let asked = Asked::of(Material::BlinnPhong, Method::Both);
         for (width, height) in [(1, 1), (1, 7), (65, 1), (129, 5)] {
-            let scene = Scene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
+            let scene = ExactScene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
             let frame = scene.frame(width, height);
             asked.assert_same(&format!("{width}x{height}"), runner, &frame);
         }

@@ -1,15 +1,15 @@
 //! One scene whose every value is known, and how far a frame is from it.
 
-use crate::common::scenes::{DISTANCE, Exact, Scene, Surface};
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Frame, Plane, Projection, Window};
+use relievo::report::scenes::{Exact, ExactScene, Surface, surfaces::DISTANCE};
 use std::sync::OnceLock;
 
 pub(crate) const WIDTH: usize = 160;
 pub(crate) const HEIGHT: usize = 120;
 /// Focal length in pixels: a view of 53 degrees.
 pub(crate) const FOCAL: f64 = 160.0;
-/// Scene units per unit of the scene of the tests, so that the ball has a radius of about 1.
+/// ExactScene units per unit of the scene of the tests, so that the ball has a radius of about 1.
 const UNIT: f64 = 1.0 / 80.0;
 
 /// A ball and a ring in front of a slanted wall that does not fill the picture.
@@ -43,14 +43,14 @@ impl Truth {
         let ball = Surface::ball(80.0).moved(DVec3::new(-90.0, 30.0, 0.0));
         let ring = Surface::torus(70.0, 30.0, DVec3::new(0.3, 0.8, 0.5));
         let wall = Surface::plane(DVec3::new(-0.25, 0.35, 0.9));
-        let scene = Scene {
+        let scene = ExactScene {
             surfaces: vec![
                 ball,
                 ring.moved(DVec3::new(100.0, -40.0, 20.0)),
                 wall.moved(DVec3::new(0.0, 0.0, -150.0)),
             ],
             projection: projection(),
-            ..Scene::orthographic(ball, 0.0, 0.0)
+            ..ExactScene::orthographic(ball, 0.0, 0.0)
         };
         let seen = Plane::from_fn(WIDTH, HEIGHT, |x, y| {
             // The picture ends before the wall does: a band of nothing on the right.

@@ -1,13 +1,16 @@
 //! Whole drawings of surfaces whose curvature is known.
 
 use super::*;
-use crate::common::scenes::Surface;
 use glam::DVec3;
 use relievo::params::{ContourParams, Fallback, StrokeDirections};
+use relievo::report::scenes::Surface;
 
 fn cylinder(axis: DVec3) -> Frame {
     let surface = Surface::cylinder(180.0, axis);
-    grey(&Scene::orthographic(surface, 256.0, 256.0), [512, 512], 0.5)
+    grey(
+        ExactScene::orthographic(surface, 256.0, 256.0).frame(512, 512),
+        0.5,
+    )
 }
 
 fn along(directions: StrokeDirections) -> LineParams {
@@ -56,8 +59,7 @@ fn strokes_follow_both_families_of_a_torus() {
     let (ring, tube) = (320.0, 120.0);
     let surface = Surface::torus(ring, tube, DVec3::Z);
     let frame = grey(
-        &Scene::orthographic(surface, 512.0, 512.0),
-        [1024, 1024],
+        ExactScene::orthographic(surface, 512.0, 512.0).frame(1024, 1024),
         0.5,
     );
     let polar = |x: usize, y: usize| {
@@ -89,8 +91,8 @@ fn strokes_follow_both_families_of_a_torus() {
 
 #[test]
 fn a_ball_is_hatched_in_parallel_and_as_asked() {
-    let scene = Scene::orthographic(Surface::ball(300.0), 320.0, 320.0);
-    let frame = grey(&scene, [640, 640], 0.5);
+    let scene = ExactScene::orthographic(Surface::ball(300.0), 320.0, 320.0);
+    let frame = grey(scene.frame(640, 640), 0.5);
     for angle in [45.0_f32, 120.0] {
         let mut line = along(StrokeDirections::Max);
         line.field.fallback = Fallback::Angle(angle);
@@ -111,13 +113,13 @@ fn a_ball_is_hatched_in_parallel_and_as_asked() {
 
 #[test]
 fn tone_is_that_of_the_picture_whatever_the_strokes() {
-    let plane = Scene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0);
+    let plane = ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0);
     for directions in [StrokeDirections::Max, StrokeDirections::Both] {
         for style in STYLES {
             for luminance in [0.05_f32, 0.2, 0.5, 0.8] {
                 let mut line = along(directions);
                 line.strokes.style = style;
-                let drawn = drawing(&grey(&plane, [512, 512], luminance), line);
+                let drawn = drawing(&grey(plane.frame(512, 512), luminance), line);
                 let error = 1.0 - mean(&drawn.hatching) - f64::from(luminance);
                 assert!(
                     error.abs() < 0.02,
@@ -131,11 +133,11 @@ fn tone_is_that_of_the_picture_whatever_the_strokes() {
 #[test]
 fn lines_are_as_dark_as_they_should_be() {
     // Lines end at the rim of the ball, and around its back none is.
-    let scene = Scene::orthographic(Surface::ball(200.0), 256.0, 256.0);
+    let scene = ExactScene::orthographic(Surface::ball(200.0), 256.0, 256.0);
     for luminance in [0.3_f32, 0.5, 0.8, 0.9] {
         let mut line = along(StrokeDirections::Max);
         line.strokes.style = Style::Lines;
-        let frame = grey(&scene, [512, 512], luminance);
+        let frame = grey(scene.frame(512, 512), luminance);
         let drawn = drawing(&frame, line);
         let covered = frame.mask.count() as f64 / (512.0 * 512.0);
         let ink = mean(&drawn.hatching) / covered;
@@ -146,18 +148,18 @@ fn lines_are_as_dark_as_they_should_be() {
 
 #[test]
 fn points_and_curve_of_tone_are_kept() {
-    let plane = Scene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0);
+    let plane = ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0);
     let mut line = along(StrokeDirections::Max);
     line.tone.white_point = relievo::params::Adaptive::Fixed(2.0);
     line.tone.black_point = 0.2;
     line.tone.gamma = 2.0;
     // Half of white, a fifth of it black: (0.5 - 0.2) / 0.8, and its root.
     let expected = (0.3_f64 / 0.8).sqrt();
-    let drawn = drawing(&grey(&plane, [512, 512], 1.0), line);
+    let drawn = drawing(&grey(plane.frame(512, 512), 1.0), line);
     assert!((1.0 - mean(&drawn.hatching) - expected).abs() < 0.02);
     // From the white point on paper, below the black point black.
     for (luminance, ink) in [(2.0, 0.0), (0.39, 1.0), (-1.0, 1.0), (f32::NAN, 1.0)] {
-        let drawn = drawing(&grey(&plane, [40, 40], luminance), line);
+        let drawn = drawing(&grey(plane.frame(40, 40), luminance), line);
         assert!(
             drawn.hatching.samples().iter().all(|&v| v == ink),
             "{luminance}"
@@ -167,7 +169,7 @@ fn points_and_curve_of_tone_are_kept() {
 
 #[test]
 fn threads_change_no_bit() {
-    let frame = Scene::two_balls(60.0, 80.0, 110.0, 100.0).frame(220, 200);
+    let frame = ExactScene::two_balls(60.0, 80.0, 110.0, 100.0).frame(220, 200);
     let line = LineParams {
         directions: StrokeDirections::Both,
         contours: Some(ContourParams::default()),
@@ -197,8 +199,7 @@ fn threads_change_no_bit() {
 fn a_crop_keeps_the_strokes_of_the_whole() {
     // The texture lies in the picture, not in the data window. On a plane nothing else reaches far.
     let frame = grey(
-        &Scene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0),
-        [256, 256],
+        ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0).frame(256, 256),
         0.5,
     );
     let part = relievo::frame::Window::at(100, 60, 70, 50);

@@ -5,13 +5,14 @@ mod drawings;
 mod stiff;
 mod strokes;
 
-use crate::common::scenes::Scene;
 use relievo::backend::cpu::{Drawing, DrawingInputs, Runner};
 use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{BATCH, Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams, Style};
 use relievo::plan::{Available, Plan, ToneFrom};
+use relievo::report::scenes::ExactScene;
+use relievo::report::scenes::frames::grey;
 
 const STYLES: [Style; 2] = [Style::Pen, Style::Pencil];
 
@@ -106,16 +107,6 @@ fn drawing(frame: &Frame, line: LineParams) -> Drawing {
     let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
     let drawn = Runner::default().draw(&plan, frame, DrawingInputs::default());
     drawn.drawing.expect("a drawing was planned")
-}
-
-/// The scene, its picture an even grey.
-fn grey(scene: &Scene, [width, height]: [usize; 2], luminance: f32) -> Frame {
-    let mut frame = scene.frame(width, height);
-    let color = frame.color.as_mut().unwrap();
-    for plane in [&mut color.r, &mut color.g, &mut color.b] {
-        plane.samples_mut().fill(luminance);
-    }
-    frame
 }
 
 /// Tone is luminance itself: white 1, no curve.

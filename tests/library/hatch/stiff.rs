@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::common::poisoned;
-use crate::common::scenes::Surface;
 use glam::DVec3;
 use relievo::frame::Mask;
 use relievo::params::{StrokeDirections, StrokeScale};
+use relievo::report::scenes::Surface;
 
 fn is_a_drawing(drawn: &Drawing) -> bool {
     let layers = std::iter::once(&drawn.hatching).chain(&drawn.contours);
@@ -42,7 +42,7 @@ fn settings() -> Vec<LineParams> {
 }
 
 fn frames() -> Vec<(&'static str, Frame)> {
-    let scene = |surface| Scene::orthographic(surface, 20.0, 20.0);
+    let scene = |surface| ExactScene::orthographic(surface, 20.0, 20.0);
     let ball = scene(Surface::ball(15.0)).frame(40, 40);
     let plane = scene(Surface::plane(DVec3::Z)).frame(40, 40);
     let masked = |mask: Mask| Frame {
@@ -50,7 +50,7 @@ fn frames() -> Vec<(&'static str, Frame)> {
         ..ball.clone()
     };
     let spot = Plane::from_fn(40, 40, |x, y| (x, y) == (20, 20));
-    let even = |luminance| grey(&scene(Surface::ball(15.0)), [40, 40], luminance);
+    let even = |luminance| grey(scene(Surface::ball(15.0)).frame(40, 40), luminance);
     let mut bare = ball.clone();
     (bare.depth, bare.alpha, bare.camera) = (None, None, None);
     vec![
@@ -84,7 +84,7 @@ fn extremes_are_drawn() {
 
 #[test]
 fn what_lies_outside_the_mask_changes_nothing() {
-    let frame = Scene::orthographic(Surface::ball(15.0), 20.0, 20.0).frame(40, 40);
+    let frame = ExactScene::orthographic(Surface::ball(15.0), 20.0, 20.0).frame(40, 40);
     let clean = drawing(&frame, LineParams::default());
     for poison in [f32::NAN, f32::INFINITY, -1e30] {
         let other = drawing(&poisoned(&frame, poison), LineParams::default());

@@ -3,13 +3,13 @@
 
 mod files;
 
-use crate::common::scenes::{Scene, Surface};
 use glam::Vec3;
 use relievo::backend::cpu::{self, Outcome};
 use relievo::frame::{ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Mask, Plane};
 use relievo::light::radiance_scaling::scaling;
 use relievo::params::{Adaptive, ScalingParams, ShapeParams, TermWhiteLevels};
 use relievo::plan::{Available, Goal, Plan, Stage};
+use relievo::report::scenes::{ExactScene, Surface};
 use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 const WIDTH: usize = 61;
@@ -20,7 +20,7 @@ const WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// warm highlights; the picture is their sum and a little light that no layer tells of.
 fn scene() -> Frame {
     let surface = Surface::sine_relief(2.0, 19.0, 0.4);
-    let mut frame = Scene::orthographic(surface, 30.0, 20.0).frame(WIDTH, HEIGHT);
+    let mut frame = ExactScene::orthographic(surface, 30.0, 20.0).frame(WIDTH, HEIGHT);
     frame.mask = Mask::new(Plane::from_fn(WIDTH, HEIGHT, |x, _| x < WIDTH - 5));
     let facing = |x: usize, y: usize, to: Vec3| {
         let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));

@@ -118,8 +118,8 @@ fn prefiltered_light_is_what_many_lights_make() {
 
 #[test]
 fn a_plane_shows_the_sine_of_the_elevation() {
-    let frame = crate::common::scenes::Scene::orthographic(
-        crate::common::scenes::Surface::plane(DVec3::Z),
+    let frame = relievo::report::scenes::ExactScene::orthographic(
+        relievo::report::scenes::Surface::plane(DVec3::Z),
         16.0,
         16.0,
     )

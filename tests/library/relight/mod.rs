@@ -6,7 +6,6 @@ mod invariances;
 mod nothing_asked;
 mod sums;
 
-use crate::common::scenes::{Scene, Surface};
 use glam::{DVec3, Vec3};
 use relievo::backend::cpu::{Outcome, Runner};
 use relievo::frame::{ColorPlanes, Frame, Plane};
@@ -17,6 +16,7 @@ use relievo::params::{
 };
 use relievo::plan::{Available, LightKinds, Plan};
 use relievo::report::light::bare;
+use relievo::report::scenes::{ExactScene, Surface};
 
 /// What a test asks for; the rest is as it comes.
 #[derive(Clone)]
@@ -88,13 +88,13 @@ fn lights(directions: &[Vec3]) -> Illumination {
 /// A wavy torus-like set of shapes: convex, concave and saddle pixels, silhouettes, uncovered corners.
 fn torus() -> Frame {
     let axis = DVec3::new(0.3, 0.2, 0.9);
-    Scene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1).frame(97, 94)
+    ExactScene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1).frame(97, 94)
 }
 
 /// The same seen by an eye close by.
 fn torus_in_perspective() -> Frame {
     let axis = DVec3::new(0.3, 0.2, 0.9);
-    Scene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1)
+    ExactScene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1)
         .in_perspective()
         .frame(97, 94)
 }

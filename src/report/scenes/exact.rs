@@ -1,47 +1,16 @@
-//! Surfaces whose depth, normals and curvature are known in closed form.
+//! Scenes whose depth, normals and curvature are known in closed form.
 //!
 //! View space: x right, y up, z toward the viewer, the eye at the origin. Lengths are in pixels: an
 //! orthographic scene has one pixel per unit, a perspective one has it at a distance of the focal
-//! length. Shapes stand on the view axis, `DISTANCE` from the eye, unless moved.
+//! length.
 //!
-//! Every surface is the zero set of a function F whose gradient and second derivatives are written
-//! down; all that is asked of a scene follows from these three by the rules derived below.
+//! All that is asked of a scene follows from the value, gradient and second derivatives of its
+//! surfaces' functions, by the rules derived below.
 
+use super::surfaces::{DISTANCE, Surface};
+use crate::frame::{Camera, ColorPlanes, Frame, Mask, Plane, Projection, Vector3Planes};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
-use relievo::frame::{
-    Camera, ColorPlanes, Frame, LightLayers, Mask, Plane, Projection, Source, Vector3Planes, Window,
-};
 use std::f64::consts::PI;
-
-/// How far from the eye the shapes stand.
-pub const DISTANCE: f64 = 400.0;
-
-/// A surface, seen from its outside.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Surface {
-    /// `normal . (p - point) = 0`.
-    Plane { point: DVec3, normal: DVec3 },
-    /// `q . form q + 2 linear . q + constant = 0` with `q = p - center`; inside where negative.
-    Quadric {
-        center: DVec3,
-        form: DMat3,
-        linear: DVec3,
-        constant: f64,
-    },
-    /// Points at distance `tube` from a circle of radius `ring` around `axis` (unit).
-    Torus {
-        center: DVec3,
-        axis: DVec3,
-        ring: f64,
-        tube: f64,
-    },
-    /// `z = base + amplitude sin(wave . (x, y))`; `wave` in radians per unit.
-    SineRelief {
-        base: f64,
-        amplitude: f64,
-        wave: DVec2,
-    },
-}
 
 /// Which of several surfaces is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +23,7 @@ pub enum Seen {
 
 /// Surfaces and the projection they are seen in.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
+pub struct ExactScene {
     /// What is there.
     pub surfaces: Vec<Surface>,
     /// Which of it is seen.
@@ -66,8 +35,11 @@ pub struct Scene {
 /// A symmetric 2x2 matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Symmetric {
+    /// Top left.
     pub xx: f64,
+    /// Off the diagonal.
     pub xy: f64,
+    /// Bottom right.
     pub yy: f64,
 }
 
@@ -75,8 +47,11 @@ pub struct Symmetric {
 /// counterclockwise, in 0..pi. An umbilic has no direction; its angle is arbitrary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Principal {
+    /// The larger eigenvalue.
     pub k_u: f64,
+    /// The smaller one.
     pub k_v: f64,
+    /// The angle of the first.
     pub angle: f64,
 }
 
@@ -84,9 +59,13 @@ pub struct Principal {
 /// view space (either sign).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectCurvatures {
+    /// The larger curvature.
     pub k_u: f64,
+    /// The smaller one.
     pub k_v: f64,
+    /// Its direction, that of the larger.
     pub u: DVec3,
+    /// That of the smaller.
     pub v: DVec3,
 }
 
@@ -133,327 +112,7 @@ impl Symmetric {
     }
 }
 
-// Shapes ----------------------------------------------------------------------------------------
-
-fn middle() -> DVec3 {
-    DVec3::new(0.0, 0.0, -DISTANCE)
-}
-
-impl Surface {
-    /// A plane through the middle that faces along `normal`.
-    pub fn plane(normal: DVec3) -> Self {
-        Self::Plane {
-            point: middle(),
-            normal: normal.normalize(),
-        }
-    }
-
-    /// A ball: `|q|^2 - radius^2`.
-    pub fn ball(radius: f64) -> Self {
-        Self::ellipsoid(DVec3::splat(radius), DMat3::IDENTITY)
-    }
-
-    /// An ellipsoid with its half-axes along the columns of the rotation `turn`.
-    ///
-    /// In its own axes it is `sum (q_i / r_i)^2 - 1`. Times the smallest squared half-axis, so that
-    /// a ball's form is the identity.
-    pub fn ellipsoid(half_axes: DVec3, turn: DMat3) -> Self {
-        let unit = half_axes.min_element().powi(2);
-        let own = DMat3::from_diagonal(unit / (half_axes * half_axes));
-        Self::Quadric {
-            center: middle(),
-            form: turn * own * turn.transpose(),
-            linear: DVec3::ZERO,
-            constant: -unit,
-        }
-    }
-
-    /// An endless cylinder around `axis`: the squared distance to the axis is `q . (1 - a a^T) q`.
-    pub fn cylinder(radius: f64, axis: DVec3) -> Self {
-        let a = axis.normalize();
-        Self::Quadric {
-            center: middle(),
-            form: DMat3::IDENTITY - outer(a, a),
-            linear: DVec3::ZERO,
-            constant: -radius * radius,
-        }
-    }
-
-    /// The graph `z = (k_u u^2 + k_v v^2) / 2`, u at `angle` from x: a saddle where the signs differ.
-    ///
-    /// F = 2 z - (k_u u^2 + k_v v^2), whose gradient points to the viewer.
-    pub fn saddle(k_u: f64, k_v: f64, angle: f64) -> Self {
-        let u = DVec3::new(angle.cos(), angle.sin(), 0.0);
-        let v = DVec3::new(-u.y, u.x, 0.0);
-        Self::Quadric {
-            center: middle(),
-            form: outer(u, u) * -k_u - outer(v, v) * k_v,
-            linear: DVec3::Z,
-            constant: 0.0,
-        }
-    }
-
-    /// A torus around `axis`.
-    pub fn torus(ring: f64, tube: f64, axis: DVec3) -> Self {
-        Self::Torus {
-            center: middle(),
-            axis: axis.normalize(),
-            ring,
-            tube,
-        }
-    }
-
-    /// Parallel waves of the given height and length, their crests across the direction `angle`.
-    pub fn sine_relief(amplitude: f64, wavelength: f64, angle: f64) -> Self {
-        Self::SineRelief {
-            base: -DISTANCE,
-            amplitude,
-            wave: DVec2::from_angle(angle) * (2.0 * PI / wavelength),
-        }
-    }
-
-    /// The surface moved by `by`.
-    pub fn moved(self, by: DVec3) -> Self {
-        match self {
-            Self::Plane { point, normal } => Self::Plane {
-                point: point + by,
-                normal,
-            },
-            Self::Quadric {
-                center,
-                form,
-                linear,
-                constant,
-            } => Self::Quadric {
-                center: center + by,
-                form,
-                linear,
-                constant,
-            },
-            Self::Torus {
-                center,
-                axis,
-                ring,
-                tube,
-            } => Self::Torus {
-                center: center + by,
-                axis,
-                ring,
-                tube,
-            },
-            Self::SineRelief {
-                base,
-                amplitude,
-                wave,
-            } => {
-                assert!(
-                    by.truncate() == DVec2::ZERO,
-                    "a relief moves along the view axis only"
-                );
-                Self::SineRelief {
-                    base: base + by.z,
-                    amplitude,
-                    wave,
-                }
-            }
-        }
-    }
-
-    /// The surface with x negated.
-    pub fn mirrored(self) -> Self {
-        let turn = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
-        let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
-        match self {
-            Self::Plane { point, normal } => Self::Plane {
-                point: turn(point),
-                normal: turn(normal),
-            },
-            Self::Quadric {
-                center,
-                form,
-                linear,
-                constant,
-            } => Self::Quadric {
-                center: turn(center),
-                form: mirror * form * mirror,
-                linear: turn(linear),
-                constant,
-            },
-            Self::Torus {
-                center,
-                axis,
-                ring,
-                tube,
-            } => Self::Torus {
-                center: turn(center),
-                axis: turn(axis),
-                ring,
-                tube,
-            },
-            Self::SineRelief {
-                base,
-                amplitude,
-                wave,
-            } => Self::SineRelief {
-                base,
-                amplitude,
-                wave: DVec2::new(-wave.x, wave.y),
-            },
-        }
-    }
-
-    /// F at a point.
-    pub fn value(&self, p: DVec3) -> f64 {
-        match *self {
-            Self::Plane { point, normal } => normal.dot(p - point),
-            Self::Quadric {
-                center,
-                form,
-                linear,
-                constant,
-            } => {
-                let q = p - center;
-                q.dot(form * q) + 2.0 * linear.dot(q) + constant
-            }
-            // A point at height a above the ring's plane and distance rho from the axis lies on the
-            // tube where (rho - R)^2 + a^2 = r^2, that is |q|^2 + R^2 - r^2 = 2 R rho; squared, so
-            // that no root is left: (|q|^2 + R^2 - r^2)^2 - 4 R^2 (|q|^2 - a^2).
-            Self::Torus {
-                center,
-                axis,
-                ring,
-                tube,
-            } => {
-                let q = p - center;
-                let s = q.length_squared() + ring * ring - tube * tube;
-                s * s - 4.0 * ring * ring * (q.length_squared() - q.dot(axis).powi(2))
-            }
-            Self::SineRelief {
-                base,
-                amplitude,
-                wave,
-            } => p.z - base - amplitude * wave.dot(p.truncate()).sin(),
-        }
-    }
-
-    /// The gradient of F and its matrix of second derivatives.
-    pub fn derivatives(&self, p: DVec3) -> (DVec3, DMat3) {
-        match *self {
-            Self::Plane { normal, .. } => (normal, DMat3::ZERO),
-            Self::Quadric {
-                center,
-                form,
-                linear,
-                ..
-            } => (2.0 * (form * (p - center) + linear), form * 2.0),
-            // d(s^2) = 2 s ds with ds = 2 q, so the gradient is 4 s q - 8 R^2 (q - (q . a) a), and
-            // once more: 4 s + 8 q q^T - 8 R^2 (1 - a a^T).
-            Self::Torus {
-                center,
-                axis,
-                ring,
-                tube,
-            } => {
-                let q = p - center;
-                let s = q.length_squared() + ring * ring - tube * tube;
-                let r2 = 8.0 * ring * ring;
-                (
-                    4.0 * s * q - r2 * (q - q.dot(axis) * axis),
-                    DMat3::IDENTITY * (4.0 * s) + outer(q, q) * 8.0
-                        - (DMat3::IDENTITY - outer(axis, axis)) * r2,
-                )
-            }
-            Self::SineRelief {
-                amplitude, wave, ..
-            } => {
-                let (sin, cos) = wave.dot(p.truncate()).sin_cos();
-                let w = wave.extend(0.0);
-                (
-                    DVec3::Z - amplitude * cos * w,
-                    outer(w, w) * (amplitude * sin),
-                )
-            }
-        }
-    }
-
-    /// The first `t > 0` at which `origin + t direction` meets the surface.
-    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        match *self {
-            Self::Plane { point, normal } => {
-                let t = normal.dot(point - origin) / normal.dot(direction);
-                (t.is_finite() && t > 0.0).then_some(t)
-            }
-            // F along the ray is a t^2 + 2 b t + c. Both roots come from w = -(b + sign(b) sqrt(b^2 - ac)),
-            // which never cancels, as w/a and c/w; where a is 0 the first is infinite and drops out.
-            Self::Quadric {
-                center,
-                form,
-                linear,
-                constant,
-            } => {
-                let o = origin - center;
-                let a = direction.dot(form * direction);
-                let b = direction.dot(form * o) + linear.dot(direction);
-                let c = o.dot(form * o) + 2.0 * linear.dot(o) + constant;
-                let inside = b * b - a * c;
-                let w = -(b + inside.max(0.0).sqrt().copysign(b));
-                (inside > 0.0)
-                    .then(|| [w / a, c / w])?
-                    .into_iter()
-                    .filter(|t| t.is_finite() && *t > 0.0)
-                    .min_by(f64::total_cmp)
-            }
-            // Only the part of the ray inside the ball around the torus can meet it.
-            Self::Torus {
-                center, ring, tube, ..
-            } => {
-                let o = origin - center;
-                let (a, b) = (direction.length_squared(), direction.dot(o));
-                let c = o.length_squared() - (ring + tube).powi(2);
-                let half = (b * b - a * c).max(0.0).sqrt() / a;
-                self.first_crossing(origin, direction, -b / a - half, -b / a + half)
-            }
-            Self::SineRelief {
-                base, amplitude, ..
-            } => {
-                let reach = amplitude.abs() * (1.0 + 1e-9);
-                let near = (base + reach - origin.z) / direction.z;
-                let far = (base - reach - origin.z) / direction.z;
-                self.first_crossing(origin, direction, near, far)
-            }
-        }
-    }
-
-    /// The first `t` between `near` and `far` at which F turns from positive to negative, stepped up
-    /// to and then halved down to the last bit. Two crossings within one step are missed: grazing
-    /// rays, within some thousandth of a pixel of an outline.
-    fn first_crossing(&self, origin: DVec3, direction: DVec3, near: f64, far: f64) -> Option<f64> {
-        const STEPS: u32 = 400;
-        let f = |t: f64| self.value(origin + t * direction);
-        let at = |i: u32| near + (far - near) * f64::from(i) / f64::from(STEPS);
-        let first = (1..=STEPS).find(|&i| f(at(i)) < 0.0)?;
-        let (mut outside, mut inside) = (at(first - 1), at(first));
-        loop {
-            let t = 0.5 * (outside + inside);
-            if t <= outside || t >= inside {
-                return (t > 0.0).then_some(t);
-            }
-            if f(t) < 0.0 {
-                inside = t;
-            } else {
-                outside = t;
-            }
-        }
-    }
-}
-
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
-}
-
-// Scenes ----------------------------------------------------------------------------------------
-
-impl Scene {
+impl ExactScene {
     /// One surface in orthographic projection, one pixel per unit, the view axis at (`cx`, `cy`).
     pub fn orthographic(surface: Surface, cx: f64, cy: f64) -> Self {
         Self {
@@ -466,6 +125,14 @@ impl Scene {
                 cy,
             },
         }
+    }
+
+    /// The scene with its shapes at this distance from the eye instead of [`DISTANCE`].
+    pub fn at_distance(mut self, distance: f64) -> Self {
+        for surface in &mut self.surfaces {
+            *surface = surface.moved(DVec3::new(0.0, 0.0, DISTANCE - distance));
+        }
+        self
     }
 
     /// The scene in perspective instead, with the same view axis, at about the same size.
@@ -663,33 +330,27 @@ impl Scene {
         };
         let gray = plane(|e| 0.1 + 0.6 * e.normal.dot(DVec3::new(0.0, 0.6, 0.8)).max(0.0));
         let covered = seen.iter().map(Option::is_some).collect();
+        let normals = Vector3Planes {
+            x: plane(|e| e.normal.x),
+            y: plane(|e| e.normal.y),
+            z: plane(|e| e.normal.z),
+        };
         Frame {
-            data_window: Window::from_size(width, height),
-            display_window: Window::from_size(width, height),
-            pixel_aspect: 1.0,
-            mask: Mask::new(Plane::from_samples(width, height, covered)),
-            normal: Vector3Planes {
-                x: plane(|e| e.normal.x),
-                y: plane(|e| e.normal.y),
-                z: plane(|e| e.normal.z),
-            },
-            normal_length: None,
             depth: Some(plane(|e| e.depth)),
-            occlusion: None,
-            importance: None,
             color: Some(ColorPlanes {
                 r: gray.clone(),
                 g: gray.clone(),
                 b: gray,
             }),
-            albedo: None,
             alpha: Some(plane(|_| 1.0)),
-            light: LightLayers::default(),
             camera: Some(Camera {
                 view_from_world: DAffine3::IDENTITY,
                 projection: self.projection,
             }),
-            source: Source::default(),
+            ..Frame::of_normals(
+                normals,
+                Mask::new(Plane::from_samples(width, height, covered)),
+            )
         }
     }
 }
@@ -750,7 +411,7 @@ pub fn five_point(f: impl Fn(f64) -> Option<DVec2>) -> Option<DVec2> {
 /// divergence is -R^(f-1) [2 z^-f + (x, y) . grad z^-f], and grad z = -(x, y)/z turns the last term
 /// into f (x^2 + y^2) z^-(f+2). With z = R n_z and x^2 + y^2 = R^2 (1 - n_z^2):
 /// `-[2 n_z^-f + f (1 - n_z^2) n_z^-(f+2)] / R`.
-pub fn trace_of_gradient_on_ball(radius: f64, n_z: f64, f: f64) -> f64 {
+pub fn ball_trace(radius: f64, n_z: f64, f: f64) -> f64 {
     let around = 2.0 * n_z.powf(-f);
     let toward_rim = f * (1.0 - n_z * n_z) * n_z.powf(-(f + 2.0));
     -(around + toward_rim) / radius

@@ -1,8 +1,15 @@
-//! Small scenes whose answers are known.
+//! Small scenes whose answers are known: those that the report measures, and the exact surfaces they are made of.
 //!
-//! All are orthographic, one unit a pixel. Where there is a closed form of the curvature after
-//! diffusion it is told; it tells the error of the whole method, grid and all, beside which the error of
-//! a solver is to be judged.
+//! All that are measured are orthographic, one unit a pixel. Where there is a closed form of the curvature after
+//! diffusion it gives the error of the whole method, grid and all, beside which the error of a solver is to be
+//! judged.
+
+pub mod exact;
+pub mod frames;
+pub mod surfaces;
+
+pub use exact::{Exact, ExactScene, ball_trace};
+pub use surfaces::Surface;
 
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use glam::{DMat3, DVec2, DVec3};
@@ -27,8 +34,8 @@ enum Truth {
     Waves,
     /// A ball at foreshortening 0: the gradient is linear, which diffusion leaves alone; -2/R.
     Ball { radius: f64 },
-    /// An ellipsoid `p . form p = 1`: its own directions of curvature, without diffusion.
-    Ellipsoid { form: DMat3 },
+    /// An ellipsoid: its own directions of curvature, without diffusion.
+    Ellipsoid(ExactScene),
     /// Only the reference in double precision.
     Unknown,
 }
@@ -80,15 +87,11 @@ impl Scene {
     /// A ball that fills nine tenths of the picture's lesser side.
     pub fn ball(width: usize, height: usize) -> Self {
         let radius = 0.45 * width.min(height) as f64;
-        let (cx, cy) = (0.5 * width as f64 + 0.3, 0.5 * height as f64 - 0.2);
-        let at = |x: usize, y: usize| {
-            ball_at(x as f64 + 0.5 - cx, cy - y as f64 - 0.5, radius)
-                .map(|n| (n, DISTANCE - radius * n.z))
-        };
+        let ball = off_the_grid(Surface::ball(radius), width, height);
         Self {
             name: "ball",
             about: "a ball on nothing",
-            frame: frame(width, height, at),
+            frame: bare(&ball, width, height),
             foreshortening: 0.0,
             truth: Truth::Ball { radius },
         }
@@ -101,20 +104,16 @@ impl Scene {
         let tilt = DMat3::from_rotation_z(0.5)
             * DMat3::from_rotation_y(0.6)
             * DMat3::from_rotation_x(-0.8);
-        let form = tilt * DMat3::from_diagonal((half_axes * half_axes).recip()) * tilt.transpose();
-        let at = |x: usize, y: usize| {
-            let p = ellipsoid_at(from_middle(x, y, width, height), form)?;
-            Some(((form * p).normalize(), DISTANCE - p.z))
-        };
+        let ellipsoid = off_the_grid(Surface::ellipsoid(half_axes, tilt), width, height);
         Self {
             name: "ellipsoid",
             about: "a tilted ellipsoid of half axes 1, 0.7 and 0.5",
             frame: Frame {
                 depth: None,
-                ..frame(width, height, at)
+                ..bare(&ellipsoid, width, height)
             },
             foreshortening: 1.0,
-            truth: Truth::Ellipsoid { form },
+            truth: Truth::Ellipsoid(ellipsoid),
         }
     }
 
@@ -140,30 +139,23 @@ impl Scene {
     /// `x`, row `y`. `None` where it is not known, where the two curvatures differ by less than a tenth of
     /// the larger, and where n_z is below 0.35.
     pub fn exact_direction(&self, x: usize, y: usize) -> Option<DVec2> {
-        let Truth::Ellipsoid { form } = self.truth else {
+        let Truth::Ellipsoid(scene) = &self.truth else {
             return None;
         };
-        let mask = &self.frame.mask;
-        let p = ellipsoid_at(from_middle(x, y, mask.width(), mask.height()), form)?;
-        let normal = (form * p).normalize();
-        let [(larger, along), (smaller, _)] = principal_curvatures(form, form * p);
-        (normal.z > 0.35 && larger - smaller > 0.1 * larger).then(|| along.truncate().normalize())
+        let exact = scene.exact(x, y)?;
+        // Negative where convex: k_v is the larger in size.
+        let bent = exact.object_curvatures;
+        let differ = bent.k_u - bent.k_v > 0.1 * -bent.k_v;
+        (exact.normal.z > 0.35 && differ).then(|| bent.v.truncate().normalize())
     }
 
     /// A strip of a ball of 4000 pixels radius across its rim: columns of every n_z from 0 to 0.67.
     pub fn rim() -> Self {
-        let at = |x: usize, y: usize| {
-            ball_at(
-                x as f64 + 0.5 - RIM_RADIUS - 4.0,
-                16.0 - y as f64,
-                RIM_RADIUS,
-            )
-            .map(|n| (n, 40.0 * DISTANCE - RIM_RADIUS * n.z))
-        };
+        let ball = ExactScene::orthographic(Surface::ball(RIM_RADIUS), RIM_RADIUS + 4.0, 16.5);
         Self {
             name: "rim",
             about: "a strip across the rim of a ball of 4000 pixels radius",
-            frame: frame(1024, 33, at),
+            frame: bare(&ball.at_distance(40.0 * DISTANCE), 1024, 33),
             foreshortening: 1.0,
             truth: Truth::Ball { radius: RIM_RADIUS },
         }
@@ -192,53 +184,21 @@ impl Scene {
     }
 }
 
-/// The middle of a pixel from a point near that of the picture but off the grid, y up.
-fn from_middle(x: usize, y: usize, width: usize, height: usize) -> DVec2 {
-    DVec2::new(
-        x as f64 + 0.2 - 0.5 * width as f64,
-        0.5 * height as f64 - 0.7 - y as f64,
-    )
+/// The surface at the distance of the scenes, near the middle of the picture but off the grid.
+fn off_the_grid(surface: Surface, width: usize, height: usize) -> ExactScene {
+    let [cx, cy] = [width, height].map(|size| 0.5 * size as f64);
+    ExactScene::orthographic(surface, cx + 0.3, cy - 0.2).at_distance(DISTANCE)
 }
 
-/// The point of the ellipsoid `p . form p = 1` seen at `at`: the larger root of the square equation for z.
-fn ellipsoid_at(at: DVec2, form: DMat3) -> Option<DVec3> {
-    let flat = at.extend(0.0);
-    let (a, b, c) = (
-        form.z_axis.z,
-        form.z_axis.dot(flat),
-        flat.dot(form * flat) - 1.0,
-    );
-    let root = b * b - a * c;
-    (root > 0.0).then(|| at.extend((root.sqrt() - b) / a))
-}
-
-/// Curvatures and unit directions of the level set of a quadric of this form where its gradient is (half)
-/// `gradient`, the larger first.
-///
-/// The curvature along a unit tangent t is t . form t / |gradient|. In a basis u, v of the tangent plane
-/// that is a symmetric matrix, whose larger eigenvalue lies at half the angle of (xx - yy, 2 xy).
-fn principal_curvatures(form: DMat3, gradient: DVec3) -> [(f64, DVec3); 2] {
-    let (u, v) = gradient.normalize().any_orthonormal_pair();
-    let [xx, xy, yy] = [(u, u), (u, v), (v, v)].map(|(s, t)| s.dot(form * t) / gradient.length());
-    let (mean, half) = (0.5 * (xx + yy), DVec2::new(0.5 * (xx - yy), xy));
-    let (sin, cos) = (0.5 * half.to_angle()).sin_cos();
-    [
-        (mean + half.length(), u * cos + v * sin),
-        (mean - half.length(), v * cos - u * sin),
-    ]
+/// The normals and depth of a scene, without a picture or a camera.
+fn bare(scene: &ExactScene, width: usize, height: usize) -> Frame {
+    frame(width, height, |x, y| {
+        scene.exact(x, y).map(|exact| (exact.normal, exact.depth))
+    })
 }
 
 /// Radius of the ball of [`Scene::rim`].
 pub const RIM_RADIUS: f64 = 4000.0;
-
-/// Trace of the gradient's derivative on a ball without diffusion, at a normal with this n_z and with
-/// foreshortening f: `-[2 n_z^-f + f (1 - n_z^2) n_z^-(f + 2)] / R`.
-///
-/// From g = -n_xy n_z^-f with n = p/R: div g = -(2 n_z^-f + n_xy . grad n_z^-f) / R, and
-/// grad n_z = -n_xy / (R n_z).
-pub fn ball_trace(radius: f64, nz: f64, f: f64) -> f64 {
-    -(2.0 * nz.powf(-f) + f * (1.0 - nz * nz) * nz.powf(-f - 2.0)) / radius
-}
 
 /// Sine and cosine of a wave at the middle of the pixel `i`.
 fn wave_at(i: usize) -> (f64, f64) {
@@ -339,30 +299,11 @@ mod tests {
     }
 
     #[test]
-    fn an_ellipsoid_bends_along_its_axes() {
-        // At the end of half axis a, the curvatures along b and c are a/b^2 and a/c^2.
-        let axes = DVec3::new(1.0, 0.7, 0.5);
-        let form = DMat3::from_diagonal((axes * axes).recip());
-        for (a, b, c) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
-            let end = DVec3::AXES[a] * axes[a];
-            let mut along = [b, c].map(|i| (axes[a] / axes[i].powi(2), DVec3::AXES[i]));
-            along.sort_by(|s, t| t.0.total_cmp(&s.0));
-            for (found, exact) in principal_curvatures(form, form * end).iter().zip(along) {
-                assert!(
-                    (found.0 - exact.0).abs() < 1e-12,
-                    "{a}: {found:?} {exact:?}"
-                );
-                assert!(found.1.dot(exact.1).abs() > 1.0 - 1e-12, "{a}: {found:?}");
-            }
-        }
-    }
-
-    #[test]
     fn normals_turn_along_the_ellipsoid_s_directions() {
         // Along a line of curvature the normal turns by the curvature, along the line itself (Rodrigues);
         // by central differences over a hundredth of a pixel.
         let scene = Scene::ellipsoid(120, 100);
-        let Truth::Ellipsoid { form } = scene.truth else {
+        let Truth::Ellipsoid(exact) = &scene.truth else {
             panic!("no ellipsoid");
         };
         let mut checked = 0;
@@ -370,11 +311,13 @@ mod tests {
             let Some(direction) = scene.exact_direction(x, y) else {
                 continue;
             };
-            let at = from_middle(x, y, 120, 100);
-            let [ahead, behind] =
-                [0.01, -0.01].map(|by| ellipsoid_at(at + by * direction, form).unwrap());
-            let turned = (form * ahead).normalize() - (form * behind).normalize();
-            let angle = turned.angle_between(ahead - behind);
+            let at = DVec2::new(x as f64, y as f64) + 0.5;
+            let [ahead, behind] = [0.01, -0.01].map(|by| {
+                let to = at + by * DVec2::new(direction.x, -direction.y);
+                exact.exact_at(to.x, to.y).unwrap()
+            });
+            let turned = ahead.normal - behind.normal;
+            let angle = turned.angle_between(ahead.point - behind.point);
             assert!(angle < 1e-4, "{x} {y}: {angle}");
             let normal = &scene.frame.normal;
             assert!(normal.z.at(x, y) > 0.35);
