@@ -9,6 +9,7 @@ pub mod real_files;
 
 use exr::{Part, Stored};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
+use relievo::backend::cpu::Drawing;
 use relievo::frame::{
     Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector2Planes, Vector3Planes,
     Window,
@@ -186,6 +187,14 @@ pub fn direction_at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
 /// The value below which this share of the sorted values lies.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+/// Whether every sample of all layers is a share.
+pub fn is_a_drawing(drawn: &Drawing) -> bool {
+    let layers = std::iter::once(&drawn.hatching).chain(&drawn.contours);
+    layers
+        .flat_map(|plane| plane.samples())
+        .all(|v| (0.0..=1.0).contains(v))
 }
 
 /// The bits of all samples.

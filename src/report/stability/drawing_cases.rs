@@ -15,7 +15,8 @@ use crate::report::scenes::frames::{grey, masked, normals, relief, rough};
 
 /// Every case of a drawing.
 pub(super) fn all() -> Vec<Case> {
-    [surfaces(), tones(), sizes(), settings(), refusals()]
+    let settings = settings().into_iter().map(Setting::case).collect();
+    [surfaces(), tones(), sizes(), settings, refusals()]
         .into_iter()
         .flatten()
         .collect()
@@ -173,9 +174,40 @@ fn sizes() -> Vec<Case> {
     ]
 }
 
-fn settings() -> Vec<Case> {
-    let on_plane = |name, done, line, ink| drawn(name, done, || plane(0.5), line, ink);
-    let on_ball = |name, done, line, ink| drawn(name, done, || ball(0.5), line, ink);
+/// Settings at the ends of their ranges, by name.
+pub fn extreme_strokes() -> Vec<(&'static str, LineParams)> {
+    let settings = settings().into_iter();
+    settings
+        .map(|setting| (setting.name, setting.line))
+        .collect()
+}
+
+/// A setting with the surface that shows it.
+struct Setting {
+    name: &'static str,
+    done: &'static str,
+    surface: fn(f32) -> Frame,
+    line: LineParams,
+    ink: [f64; 2],
+}
+
+impl Setting {
+    fn case(self) -> Case {
+        let frame = move || (self.surface)(0.5);
+        drawn(self.name, self.done, frame, self.line, self.ink)
+    }
+}
+
+fn settings() -> Vec<Setting> {
+    let on = |surface, name, done, line, ink| Setting {
+        name,
+        done,
+        surface,
+        line,
+        ink,
+    };
+    let on_plane = |name, done, line, ink| on(plane, name, done, line, ink);
+    let on_ball = |name, done, line, ink| on(ball, name, done, line, ink);
     let scale = |factor| strokes(|s| s.scale = StrokeScale::Factor(factor));
     vec![
         on_ball(

@@ -8,6 +8,7 @@ mod light_cases;
 mod lit;
 
 pub use cases::all;
+pub use drawing_cases::extreme_strokes;
 
 use super::timing;
 use crate::backend::cpu;

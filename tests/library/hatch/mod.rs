@@ -102,10 +102,14 @@ fn mean(plane: &Plane) -> f64 {
 
 /// A drawing of `frame` in the tone of its picture as it is.
 fn drawing(frame: &Frame, line: LineParams) -> Drawing {
+    drawn_by(&Runner::default(), frame, line)
+}
+
+fn drawn_by(runner: &Runner, frame: &Frame, line: LineParams) -> Drawing {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
-    let drawn = Runner::default().draw(&plan, frame, DrawingInputs::default());
+    let drawn = runner.draw(&plan, frame, DrawingInputs::default());
     drawn.drawing.expect("a drawing was planned")
 }
 

@@ -1,44 +1,36 @@
 //! Frames and settings at their extremes: a drawing or a refusal, never a NaN.
 
 use super::*;
-use crate::common::poisoned;
+use crate::common::{is_a_drawing, poisoned};
 use glam::DVec3;
 use relievo::frame::Mask;
 use relievo::params::{StrokeDirections, StrokeScale};
 use relievo::report::scenes::Surface;
+use relievo::report::stability::extreme_strokes;
 
-fn is_a_drawing(drawn: &Drawing) -> bool {
-    let layers = std::iter::once(&drawn.hatching).chain(&drawn.contours);
-    layers
-        .flat_map(|plane| plane.samples())
-        .all(|v| (0.0..=1.0).contains(v))
-}
-
-fn settings() -> Vec<LineParams> {
+/// Those of the report and a few more.
+fn settings() -> Vec<(&'static str, LineParams)> {
     let usual = LineParams {
         directions: StrokeDirections::Both,
         ..LineParams::default()
     };
-    let strokes = |change: fn(&mut StrokeParams)| {
+    let strokes = |name, change: fn(&mut StrokeParams)| {
         let mut line = usual;
         change(&mut line.strokes);
-        line
+        (name, line)
     };
-    vec![
-        usual,
-        strokes(|s| s.scale = StrokeScale::Factor(0.1)),
-        strokes(|s| s.scale = StrokeScale::Factor(500.0)),
-        strokes(|s| s.levels = 1),
-        strokes(|s| s.levels = 360),
-        strokes(|s| (s.style, s.sets) = (Style::Pencil, 8)),
-        strokes(|s| s.style = Style::Lines),
-        strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(0.1))),
-        strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(500.0))),
-        strokes(|s| (s.wobble, s.pressure) = (Some(1.0), Some(1.0))),
-        strokes(|s| (s.wobble, s.pressure) = (Some(0.0), Some(0.0))),
-        strokes(|s| (s.width_px, s.length_px) = (Some(100.0), Some(1.0))),
-        strokes(|s| (s.width_px, s.spacing_px) = (Some(0.05), Some(1000.0))),
-    ]
+    let mut settings = extreme_strokes();
+    settings.extend([
+        ("usual", usual),
+        strokes("8 sets of a pencil", |s| {
+            (s.style, s.sets) = (Style::Pencil, 8)
+        }),
+        strokes("lines", |s| s.style = Style::Lines),
+        strokes("no wobble", |s| {
+            (s.wobble, s.pressure) = (Some(0.0), Some(0.0))
+        }),
+    ]);
+    settings
 }
 
 fn frames() -> Vec<(&'static str, Frame)> {
@@ -75,9 +67,13 @@ fn frames() -> Vec<(&'static str, Frame)> {
 
 #[test]
 fn extremes_are_drawn() {
-    for (name, frame) in frames() {
-        for (i, line) in settings().into_iter().enumerate() {
-            assert!(is_a_drawing(&drawing(&frame, line)), "{name}, setting {i}");
+    let frames = frames();
+    for (setting, line) in settings() {
+        // One runner for a setting: it keeps the strokes it has made.
+        let runner = Runner::default();
+        for (name, frame) in &frames {
+            let drawn = drawn_by(&runner, frame, line);
+            assert!(is_a_drawing(&drawn), "{name}, {setting}");
         }
     }
 }

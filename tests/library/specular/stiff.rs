@@ -2,6 +2,7 @@
 
 use super::exact::{Scene, Thing};
 use super::{drawing, fields};
+use crate::common::is_a_drawing;
 use glam::DVec3;
 use relievo::backend::cpu::{Drawing, DrawingInputs, Runner};
 use relievo::frame::{Frame, Mask, Plane, SpecularScene, Vector3Planes, Window};
@@ -40,13 +41,6 @@ fn drawn(frame: &Frame, scene: &SpecularScene, params: LineParams, bend: Bend) -
         .draw(&plan, frame, inputs)
         .drawing
         .unwrap()
-}
-
-fn is_a_drawing(drawn: &Drawing) -> bool {
-    let layers = std::iter::once(&drawn.hatching).chain(&drawn.contours);
-    layers
-        .flat_map(|plane| plane.samples())
-        .all(|v| (0.0..=1.0).contains(v))
 }
 
 fn glass() -> SpecularScene {
