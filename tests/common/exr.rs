@@ -18,7 +18,7 @@ pub enum Stored {
 /// One part of a file.
 #[derive(Debug, Clone)]
 pub struct Part {
-    pub name: Option<&'static str>,
+    pub name: Option<String>,
     pub window: Window,
     pub channels: Vec<(String, Stored, Plane)>,
     /// Name, type and bytes.
@@ -54,8 +54,8 @@ impl Part {
         write(path, self.window, &[self]);
     }
 
-    pub fn named(mut self, name: &'static str) -> Self {
-        self.name = Some(name);
+    pub fn named(mut self, name: &str) -> Self {
+        self.name = Some(name.into());
         self
     }
 
@@ -117,7 +117,7 @@ impl Part {
         attribute("pixelAspectRatio", "float", &1f32.to_le_bytes());
         attribute("screenWindowCenter", "v2f", &[0; 8]);
         attribute("screenWindowWidth", "float", &1f32.to_le_bytes());
-        if let Some(name) = self.name {
+        if let Some(name) = &self.name {
             attribute("name", "string", name.as_bytes());
         }
         if multi {

@@ -82,7 +82,7 @@ fn each_background_with_each_kind() {
                 assert_eq!(frame.frame.source.depth_kind, kind.kind(), "{case}");
                 assert_eq!(truth.mask_errors(&frame.frame), 0, "{case}");
                 if kind.kind() != DepthKind::Relative {
-                    let off = truth.worst_depth(&frame.frame, kind == StoredDepth::Ray);
+                    let off = truth.worst_depth(&frame.frame, kind == StoredDepth::Ray, 1.0);
                     assert!(off < 1e-6, "{case}: {off}");
                 }
             }

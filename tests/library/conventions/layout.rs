@@ -41,7 +41,7 @@ fn is_left(path: &Path, view: Option<&str>) -> bool {
         .frame;
     let left = [
         truth().worst_angle_deg(&frame) < 1e-3,
-        truth().worst_depth(&frame, false) < 1e-6,
+        truth().worst_depth(&frame, false, 1.0) < 1e-6,
     ];
     assert_eq!(left[0], left[1], "{}, view {view:?}", path.display());
     left[0]

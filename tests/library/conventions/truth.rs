@@ -9,7 +9,7 @@ pub(crate) const WIDTH: usize = 160;
 pub(crate) const HEIGHT: usize = 120;
 /// Focal length in pixels: a view of 53 degrees.
 pub(crate) const FOCAL: f64 = 160.0;
-/// ExactScene units per unit of the scene of the tests, so that the ball has a radius of about 1.
+/// Scene units per unit of the scene of the tests, so that the ball has a radius of about 1.
 const UNIT: f64 = 1.0 / 80.0;
 
 /// A ball and a ring in front of a slanted wall that does not fill the picture.
@@ -127,8 +127,9 @@ impl Truth {
         pixels().filter(wrong).count()
     }
 
-    /// Largest error of depth as a share of it; of planar depth, or distance along the sight line.
-    pub(crate) fn worst_depth(&self, frame: &Frame, along_ray: bool) -> f64 {
+    /// Largest error of depth as a share of it; of planar depth, or distance along the sight line, with so many units of
+    /// it to one of the scene.
+    pub(crate) fn worst_depth(&self, frame: &Frame, along_ray: bool, unit: f64) -> f64 {
         let depth = frame.depth.as_ref().expect("a frame with depth");
         let mut worst = 0.0f64;
         for (x, y) in pixels() {
@@ -138,7 +139,7 @@ impl Truth {
                 } else {
                     seen.depth
                 };
-                worst = worst.max((f64::from(depth.at(x, y)) / (exact * UNIT) - 1.0).abs());
+                worst = worst.max((f64::from(depth.at(x, y)) / (exact * UNIT * unit) - 1.0).abs());
             }
         }
         worst
