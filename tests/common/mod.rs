@@ -4,6 +4,7 @@
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
 
 pub mod exr;
+pub mod planes;
 pub mod program;
 pub mod real_files;
 

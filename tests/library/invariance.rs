@@ -1,6 +1,7 @@
 //! What must change nothing: mirrors, turns, crops, windows, threads, tiles and whatever lies outside the
 //! mask.
 
+use crate::common::planes::planes;
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use glam::DVec3;
 use relievo::backend::cpu::{self, Outcome, Runner};
@@ -57,45 +58,15 @@ fn frames_of_size(times: usize) -> Vec<Frame> {
 
 /// Planes whose values do not turn with the picture.
 fn scalars(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
-    let shape = &outcome.shape;
-    let curvatures = shape.curvatures.as_ref();
-    let color = outcome.color.as_ref();
-    let planes = [
-        ("silhouette", shape.silhouette.as_ref()),
-        ("crease", shape.crease.as_ref()),
-        ("conductance", shape.conductance.as_ref()),
-        ("trace", shape.trace.as_ref()),
-        ("kappa", shape.kappa.as_ref()),
-        ("u", curvatures.map(|c| &c.u)),
-        ("v", curvatures.map(|c| &c.v)),
-        ("mean", curvatures.map(|c| &c.mean)),
-        ("red", color.map(|c| &c.r)),
-        ("blue", color.map(|c| &c.b)),
-    ];
-    planes
+    let turns = |name: &str| {
+        ["gradient", "hessian", "direction"]
+            .iter()
+            .any(|v| name.starts_with(v))
+    };
+    planes(outcome)
         .into_iter()
-        .filter_map(|(name, plane)| plane.map(|plane| (name, plane)))
+        .filter(|(name, _)| !turns(name))
         .collect()
-}
-
-/// All planes, vectors included.
-fn all_planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
-    let shape = &outcome.shape;
-    let (direction, direction_view) = (shape.direction.as_ref(), shape.direction_view.as_ref());
-    let gradient = shape.gradient.as_ref();
-    let vectors = [
-        ("gradient.x", gradient.map(|g| &g.x)),
-        ("gradient.y", gradient.map(|g| &g.y)),
-        ("direction.x", direction.map(|d| &d.x)),
-        ("direction.y", direction.map(|d| &d.y)),
-        ("direction_view.x", direction_view.map(|d| &d.x)),
-        ("direction_view.y", direction_view.map(|d| &d.y)),
-        ("hessian.xy", shape.hessian.as_ref().map(|h| &h.xy)),
-    ];
-    let vectors = vectors
-        .into_iter()
-        .filter_map(|(name, plane)| plane.map(|p| (name, p)));
-    scalars(outcome).into_iter().chain(vectors).collect()
 }
 
 fn assert_close(name: &str, found: &Plane, expected: &Plane) {
@@ -112,7 +83,7 @@ fn assert_close(name: &str, found: &Plane, expected: &Plane) {
 }
 
 fn assert_same_bits(one: &Outcome, other: &Outcome) {
-    let (one, other) = (all_planes(one), all_planes(other));
+    let (one, other) = (planes(one), planes(other));
     assert!(!one.is_empty() && one.len() == other.len());
     for ((name, a), (_, b)) in one.into_iter().zip(other) {
         let same = a
@@ -231,7 +202,7 @@ fn a_crop_gives_the_same_bits_away_from_its_border() {
             x1: part.x1 - reach,
             y1: part.y1 - reach,
         };
-        for ((name, a), (_, b)) in all_planes(&whole).into_iter().zip(all_planes(&cropped)) {
+        for ((name, a), (_, b)) in planes(&whole).into_iter().zip(planes(&cropped)) {
             let (a, b) = (a.crop(frame.data_window, inner), b.crop(part, inner));
             assert!(a == b, "{name} differs inside the crop");
         }
@@ -258,7 +229,7 @@ fn what_lies_outside_the_mask_changes_nothing_inside() {
         let clean = run(case, frame);
         for poison in [f32::NAN, f32::INFINITY, -1e30] {
             let spoiled = run(case, &poisoned(frame, poison));
-            for ((name, a), (_, b)) in all_planes(&clean).into_iter().zip(all_planes(&spoiled)) {
+            for ((name, a), (_, b)) in planes(&clean).into_iter().zip(planes(&spoiled)) {
                 for y in 0..80 {
                     for x in frame.mask.span(y).filter(|&x| frame.mask.at(x, y)) {
                         assert_eq!(a.at(x, y), b.at(x, y), "{name} at ({x}, {y})");

@@ -1,7 +1,9 @@
 //! A runner that keeps a frame makes what one makes that begins anew, and no more of it than a change touches.
 
+use crate::common::bits;
+use crate::common::planes::planes;
 use relievo::backend::cpu::{DrawingInputs, LiveRunner, Outcome, Runner};
-use relievo::frame::{Frame, Plane};
+use relievo::frame::Frame;
 use relievo::io::{self, Needs, inputs::Inputs, inputs::LightInputs};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{
@@ -114,43 +116,21 @@ fn drawn_in(light: &Illumination) -> DrawingInputs<'_> {
 }
 
 /// Every plane and number of an outcome, by its name.
-fn all_of(outcome: &Outcome) -> BTreeMap<&'static str, Option<Vec<u32>>> {
-    let bits = |plane: &Plane| plane.samples().iter().map(|v| v.to_bits()).collect();
-    let plane = |plane: Option<&Plane>| plane.map(bits);
-    let number = |number: Option<f32>| number.map(|v| vec![v.to_bits()]);
-    let shape = &outcome.shape;
-    let (hessian, curvatures) = (shape.hessian.as_ref(), shape.curvatures.as_ref());
-    let color = outcome.color.as_ref();
-    let drawing = outcome.drawing.as_ref();
-    [
-        ("silhouette", plane(shape.silhouette.as_ref())),
-        ("crease", plane(shape.crease.as_ref())),
-        ("conductance", plane(shape.conductance.as_ref())),
-        ("gradient.x", plane(shape.gradient.as_ref().map(|g| &g.x))),
-        ("gradient.y", plane(shape.gradient.as_ref().map(|g| &g.y))),
-        ("trace", plane(shape.trace.as_ref())),
-        ("hessian.xx", plane(hessian.map(|h| &h.xx))),
-        ("hessian.xy", plane(hessian.map(|h| &h.xy))),
-        ("hessian.yy", plane(hessian.map(|h| &h.yy))),
-        ("u", plane(curvatures.map(|c| &c.u))),
-        ("v", plane(curvatures.map(|c| &c.v))),
-        ("mean", plane(curvatures.map(|c| &c.mean))),
-        ("kappa", plane(shape.kappa.as_ref())),
-        ("direction", plane(shape.direction.as_ref().map(|d| &d.x))),
+fn all_of(outcome: &Outcome) -> BTreeMap<&'static str, Vec<u32>> {
+    let planes = planes(outcome).into_iter();
+    let planes = planes.map(|(name, plane)| (name, bits(plane)));
+    let numbers = [
+        ("gain", outcome.gain),
+        ("white", outcome.white_level),
         (
-            "direction_view",
-            plane(shape.direction_view.as_ref().map(|d| &d.y)),
+            "white point",
+            outcome.drawing.as_ref().map(|d| d.white_point),
         ),
-        ("r", plane(color.map(|c| &c.r))),
-        ("g", plane(color.map(|c| &c.g))),
-        ("b", plane(color.map(|c| &c.b))),
-        ("hatching", plane(drawing.map(|d| &d.hatching))),
-        ("contours", plane(drawing.and_then(|d| d.contours.as_ref()))),
-        ("gain", number(outcome.gain)),
-        ("white", number(outcome.white_level)),
-        ("white point", number(drawing.map(|d| d.white_point))),
-    ]
-    .into()
+    ];
+    let numbers = numbers
+        .into_iter()
+        .filter_map(|(name, number)| Some((name, vec![number?.to_bits()])));
+    planes.chain(numbers).collect()
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! Hostile values: whatever a file or a caller brings, no panic, and no NaN or infinity in a result.
 
 use crate::common::exr::Stored;
+use crate::common::planes::planes;
 use crate::common::{poisoned, through_a_file, without_depth};
 use glam::Vec3;
-use relievo::backend::cpu::{self, Outcome};
+use relievo::backend::cpu;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::Loaded;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
@@ -85,40 +86,6 @@ fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
 
 fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -> Plan {
     Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
-}
-
-/// Every plane of an outcome; those of the picture last.
-fn planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
-    let shape = &outcome.shape;
-    let (gradient, hessian) = (shape.gradient.as_ref(), shape.hessian.as_ref());
-    let (direction, direction_view) = (shape.direction.as_ref(), shape.direction_view.as_ref());
-    let curvatures = shape.curvatures.as_ref();
-    let color = outcome.color.as_ref();
-    let all = [
-        ("silhouette", shape.silhouette.as_ref()),
-        ("crease", shape.crease.as_ref()),
-        ("conductance", shape.conductance.as_ref()),
-        ("gradient x", gradient.map(|g| &g.x)),
-        ("gradient y", gradient.map(|g| &g.y)),
-        ("trace", shape.trace.as_ref()),
-        ("hessian xx", hessian.map(|h| &h.xx)),
-        ("hessian xy", hessian.map(|h| &h.xy)),
-        ("hessian yy", hessian.map(|h| &h.yy)),
-        ("curvature u", curvatures.map(|c| &c.u)),
-        ("curvature v", curvatures.map(|c| &c.v)),
-        ("mean curvature", curvatures.map(|c| &c.mean)),
-        ("kappa", shape.kappa.as_ref()),
-        ("direction x", direction.map(|d| &d.x)),
-        ("direction y", direction.map(|d| &d.y)),
-        ("direction_view x", direction_view.map(|d| &d.x)),
-        ("direction_view y", direction_view.map(|d| &d.y)),
-        ("red", color.map(|c| &c.r)),
-        ("green", color.map(|c| &c.g)),
-        ("blue", color.map(|c| &c.b)),
-    ];
-    all.into_iter()
-        .filter_map(|(name, plane)| Some((name, plane?)))
-        .collect()
 }
 
 /// How many planes a goal must have given: an outcome without planes has no NaN either.
