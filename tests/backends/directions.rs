@@ -5,7 +5,7 @@ use crate::common::{in_8_bits, poisoned};
 use glam::{DMat3, DVec3};
 use relievo::backend::gpu::Runner;
 use relievo::backend::{Product, cpu};
-use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Vector3Planes, Window};
+use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 use relievo::report::scenes::{ExactScene, Surface};

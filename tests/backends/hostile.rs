@@ -4,7 +4,7 @@ use super::{assert_same, on_gpu, plan, waves};
 use crate::common::poisoned;
 use relievo::backend::cpu;
 use relievo::backend::gpu::{Choice, Device, Runner};
-use relievo::frame::{Frame, Mask, Plane, Window};
+use relievo::frame::Window;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Goal, Stage};
 use relievo::report::scenes::frames::masked;

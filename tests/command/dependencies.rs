@@ -1,7 +1,7 @@
 //! What a build pulls in.
 
+#[cfg(not(feature = "view"))]
 use crate::common::program::{fixture, run};
-use std::path::Path;
 use std::process::Command;
 
 #[test]
@@ -27,7 +27,11 @@ fn without_features_there_is_neither_a_window_nor_a_graphics_device() {
 #[test]
 fn a_build_without_a_window_says_so_in_one_line() {
     let bust = fixture("bust.exr");
-    let line = run(Path::new("."), ["view".as_ref(), bust.as_os_str()]).refused(1);
+    let line = run(
+        std::path::Path::new("."),
+        ["view".as_ref(), bust.as_os_str()],
+    )
+    .refused(1);
     assert!(
         line.contains("cargo build --release --features view"),
         "{line}"

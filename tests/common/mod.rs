@@ -7,6 +7,7 @@ pub mod exr;
 pub mod planes;
 pub mod program;
 pub mod real_files;
+pub mod relit;
 
 use exr::{Part, Stored};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};

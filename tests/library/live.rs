@@ -183,6 +183,7 @@ fn what_is_kept_changes_no_bit() {
     for (step, asked) in steps.iter().enumerate() {
         let expected = all_of(&asked.run_anew(&frame));
         let found = all_of(asked.run_on(&mut live));
+        assert!(found.keys().eq(expected.keys()), "step {step}");
         let differing: Vec<_> = expected
             .iter()
             .filter(|(name, bits)| found[*name] != **bits)

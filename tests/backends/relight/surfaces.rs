@@ -63,7 +63,7 @@ fn colors_that_are_no_numbers() {
                     softness: 1.0,
                 });
             });
-            let plan = asked.plan(&frame);
+            let plan = asked.plan(&frame).unwrap();
             let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);
             let found = runner.relight(&plan, &frame, &asked.light).unwrap();
             let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap());
@@ -127,11 +127,11 @@ fn a_device_that_takes_small_planes_lights_strips() {
         });
         asked.assert_same(&format!("{albedo:?}"), &runner, &frame);
     }
-    let asked = Asked::of(Material::Mirror, Method::Plain).around(sky(), Samples::Auto);
+    let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), Samples::Auto);
     asked.assert_same("mirrored", &runner, &frame);
     // 64x32 pixels of 16 bytes fit; four times as many do not.
     let blank = Environment::from_fn(128, 64, |_, _| [1.0; 3]);
-    let asked = asked.around(blank, Samples::Auto);
-    let plan = asked.plan(&frame);
+    let asked = asked.in_environment(blank, Samples::Auto);
+    let plan = asked.plan(&frame).unwrap();
     assert!(runner.relight(&plan, &frame, &asked.light).is_err());
 }
