@@ -8,6 +8,9 @@ use std::f64::consts::PI;
 /// How far from the eye the shapes stand.
 pub const DISTANCE: f64 = 400.0;
 
+/// No step of a ray toward a surface is smaller, in pixels.
+const LEAST_STEP: f64 = 0.01;
+
 /// A surface, seen from its outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Surface {
@@ -321,40 +324,64 @@ impl Surface {
             }
             // Only the part of the ray inside the ball around the torus can meet it.
             Self::Torus {
-                center, ring, tube, ..
+                center,
+                axis,
+                ring,
+                tube,
             } => {
                 let o = origin - center;
                 let (a, b) = (direction.length_squared(), direction.dot(o));
                 let c = o.length_squared() - (ring + tube).powi(2);
                 let half = (b * b - a * c).max(0.0).sqrt() / a;
-                self.first_crossing(origin, direction, -b / a - half, -b / a + half)
+                let clearance = |p: DVec3| {
+                    let height = axis.dot(p - center);
+                    let across = (p - center - height * axis).length();
+                    (across - ring).hypot(height) - tube
+                };
+                self.first_crossing(origin, direction, [-b / a - half, -b / a + half], clearance)
             }
+            // No steeper than amplitude times wave number: the distance is a share of the difference in height.
             Self::SineRelief {
-                base, amplitude, ..
+                base,
+                amplitude,
+                wave,
             } => {
                 let reach = amplitude.abs() * (1.0 + 1e-9);
-                let near = (base + reach - origin.z) / direction.z;
-                let far = (base - reach - origin.z) / direction.z;
-                self.first_crossing(origin, direction, near, far)
+                let ends = [reach, -reach].map(|z| (base + z - origin.z) / direction.z);
+                let share = (amplitude * wave.length()).hypot(1.0).recip();
+                self.first_crossing(origin, direction, ends, |p| share * self.value(p))
             }
         }
     }
 
-    /// The first `t` between `near` and `far` at which F turns from positive to negative, stepped up
-    /// to and then halved down to the last bit. Two crossings within one step are missed: grazing
-    /// rays, within some thousandth of a pixel of an outline.
-    fn first_crossing(&self, origin: DVec3, direction: DVec3, near: f64, far: f64) -> Option<f64> {
-        const STEPS: u32 = 400;
-        let f = |t: f64| self.value(origin + t * direction);
-        let at = |i: u32| near + (far - near) * f64::from(i) / f64::from(STEPS);
-        let first = (1..=STEPS).find(|&i| f(at(i)) < 0.0)?;
-        let (mut outside, mut inside) = (at(first - 1), at(first));
+    /// The first `t` between the ends at which F turns from positive to negative, stepped up to by the `clearance`, at
+    /// most the distance to the surface, and then halved down to the last bit. Two crossings within [`LEAST_STEP`]
+    /// are missed: grazing rays, within some millionth of a pixel of an outline.
+    fn first_crossing(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        [near, far]: [f64; 2],
+        clearance: impl Fn(DVec3) -> f64,
+    ) -> Option<f64> {
+        let at = |t: f64| origin + t * direction;
+        let (mut outside, length) = (near, direction.length());
+        let mut inside = loop {
+            let ahead = outside + clearance(at(outside)).max(LEAST_STEP) / length;
+            if self.value(at(ahead)) < 0.0 {
+                break ahead;
+            }
+            outside = ahead;
+            if outside > far {
+                return None;
+            }
+        };
         loop {
             let t = 0.5 * (outside + inside);
             if t <= outside || t >= inside {
                 return (t > 0.0).then_some(t);
             }
-            if f(t) < 0.0 {
+            if self.value(at(t)) < 0.0 {
                 inside = t;
             } else {
                 outside = t;
