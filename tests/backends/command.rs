@@ -1,29 +1,24 @@
 //! The program with `--backend gpu`.
 
 use super::on_gpu;
+use crate::common::program::{Ran, fixture, program, run};
 use relievo::engine::difference;
 use relievo::frame::{Plane, Vector2Planes};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::product::Product;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::Command;
 
-fn fixtures() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
-}
-
-fn relievo(directory: &Path, words: &str) -> Output {
-    let fixture = fixtures().join("bust.exr");
-    let mut words = words.split_whitespace();
-    Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .arg(words.next().unwrap())
-        .arg(fixture)
-        .args(words)
-        .current_dir(directory)
-        // What Mesa says of its own is not counted.
-        .env("NODEVICE_SELECT", "1")
-        .output()
-        .unwrap()
+/// Runs a command on a frame.
+fn on_bust(directory: &Path, words: &str) -> Ran {
+    let (command, flags) = words.split_once(' ').unwrap();
+    let (command, flags) = (command.as_ref(), flags.split_whitespace().map(OsStr::new));
+    let bust = fixture("bust.exr");
+    run(
+        directory,
+        [command, bust.as_os_str()].into_iter().chain(flags),
+    )
 }
 
 /// All channels of a file, with their names.
@@ -47,7 +42,7 @@ fn directions(channels: &[(String, Plane)]) -> Vector2Planes {
 fn the_program_writes_what_the_cpu_writes() {
     on_gpu(|_| {
         let desk = tempfile::tempdir().unwrap();
-        let room = fixtures().join("room.hdr");
+        let room = fixture("room.hdr");
         let room = room.display();
         for work in [
             "enhance",
@@ -59,8 +54,7 @@ fn the_program_writes_what_the_cpu_writes() {
                 let words = format!(
                     "{work} -o {backend}.exr --layers results --depth-of-output float --backend {backend}"
                 );
-                let ran = relievo(desk.path(), &words);
-                assert!(ran.status.success(), "{ran:?}");
+                on_bust(desk.path(), &words).done();
             }
             let [expected, found] =
                 ["cpu.exr", "gpu.exr"].map(|name| channels(&desk.path().join(name)));
@@ -93,35 +87,35 @@ fn what_has_no_kernels_is_refused_by_name_and_done_otherwise() {
     for work in ["relight", "hatch"] {
         let words = format!("{work} {grain}");
         on_gpu(|_| {
-            let refused = relievo(desk.path(), &format!("{words} --backend gpu"));
-            let line = String::from_utf8(refused.stderr).unwrap();
-            assert_eq!(refused.status.code(), Some(2), "{line}");
-            assert!(
-                line.contains("--backend") && line.lines().count() == 1,
-                "{line}"
-            );
+            let line = on_bust(desk.path(), &format!("{words} --backend gpu")).refused(2);
+            assert!(line.contains("--backend"), "{line}");
             assert!(line.contains("a grain along the curvature"), "{line}");
         });
-        let done = relievo(desk.path(), &format!("{words} --backend auto"));
-        assert!(done.status.success() && desk.path().join("lit.png").exists());
+        on_bust(desk.path(), &format!("{words} --backend auto")).done();
         std::fs::remove_file(desk.path().join("lit.png")).unwrap();
     }
 }
 
 /// Runs the program on frames 1 to 3 of a sequence, on a machine without any adapter.
-fn without_adapters(directory: &Path, words: &str) -> Output {
-    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr");
+fn without_adapters(directory: &Path, words: &str) -> Ran {
     for frame in 1..=3 {
-        std::fs::copy(&fixture, directory.join(format!("in.{frame}.exr"))).unwrap();
+        std::fs::copy(
+            fixture("bust.exr"),
+            directory.join(format!("in.{frame}.exr")),
+        )
+        .unwrap();
     }
-    Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(words.split_whitespace())
-        .current_dir(directory)
-        // Where the loader of Vulkan looks for drivers, by its new name and its old one.
+    let mut program = program_without_adapters(directory);
+    Ran::of(program.args(words.split_whitespace()))
+}
+
+/// The program where the loader of Vulkan finds no drivers, by its new name for their place and its old one.
+pub(super) fn program_without_adapters(directory: &Path) -> Command {
+    let mut program = program(directory);
+    program
         .env("VK_DRIVER_FILES", "/dev/null")
-        .env("VK_ICD_FILENAMES", "/dev/null")
-        .output()
-        .unwrap()
+        .env("VK_ICD_FILENAMES", "/dev/null");
+    program
 }
 
 #[cfg(target_os = "linux")]
@@ -132,9 +126,7 @@ fn that_there_is_no_adapter_is_said_once_for_all_frames() {
         let words = format!(
             "enhance in.#.exr --frames 1-3 -o out.#.png --backend auto --progress none {samples}"
         );
-        let ran = without_adapters(desk.path(), &words);
-        let said = String::from_utf8(ran.stderr).unwrap();
-        assert!(ran.status.success(), "{said}");
+        let said = without_adapters(desk.path(), &words).ended(0);
         let told = said.lines().filter(|line| line.contains("no GPU"));
         let told: Vec<_> = told.collect();
         assert_eq!(told.len(), 1, "{said}");
@@ -150,12 +142,10 @@ fn that_there_is_no_adapter_is_said_once_for_all_frames() {
 fn an_adapter_that_was_asked_for_and_is_not_there_is_an_error_and_nothing_is_written() {
     let desk = tempfile::tempdir().unwrap();
     let words = "enhance in.1.exr -o out.png --backend gpu";
-    let ran = without_adapters(desk.path(), words);
-    let said = String::from_utf8(ran.stderr).unwrap();
-    assert_eq!(ran.status.code(), Some(1), "{said}");
+    let line = without_adapters(desk.path(), words).refused(1);
     assert!(
-        said.lines().count() == 1 && said.contains("no adapter") && said.contains("libvulkan1"),
-        "{said}"
+        line.contains("no adapter") && line.contains("libvulkan1"),
+        "{line}"
     );
     assert!(!desk.path().join("out.png").exists());
     assert_eq!(std::fs::read_dir(desk.path()).unwrap().count(), 3);

@@ -1,17 +1,17 @@
 //! Lines along edges that the device lists, or hands out in planes where there are too many.
 
-use super::common::poisoned;
-use super::common::scenes::{DISTANCE, Scene, Surface};
 use super::drawing::assert_drawn;
 use super::{on_gpu, with_color};
+use crate::common::poisoned;
 use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
 use relievo::params::LineParams;
 use relievo::plan::ToneFrom;
+use relievo::report::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 
 /// A wall, square to the view axis.
 fn wall(width: usize, height: usize) -> Frame {
-    let scene = Scene::orthographic(Surface::plane(DVec3::Z), 80.0, 60.0);
+    let scene = ExactScene::orthographic(Surface::plane(DVec3::Z), 80.0, 60.0);
     with_color(scene.frame(width, height))
 }
 
@@ -33,11 +33,11 @@ fn noise(x: usize, y: usize) -> f32 {
 
 /// Frames in which edges are found by all there is to find them by.
 fn edged() -> Vec<(&'static str, Frame)> {
-    let balls = Scene::two_balls(30.0, 38.0, 82.2, 70.4);
+    let balls = ExactScene::two_balls(30.0, 38.0, 82.2, 70.4);
     let near = with_color(balls.in_perspective().frame(165, 141));
-    let balls = Scene::two_balls(30.0, 38.0, 82.2, 70.4);
+    let balls = ExactScene::two_balls(30.0, 38.0, 82.2, 70.4);
     let far = with_color(balls.frame(165, 141));
-    let block = with_color(Scene::box_corner(true, 0.3, 80.3, 62.9).frame(163, 129));
+    let block = with_color(ExactScene::box_corner(true, 0.3, 80.3, 62.9).frame(163, 129));
     let disc = disc(150, 131);
     let steps = |[low, high]: [f32; 2]| disc.map(|share| low + share * (high - low));
 
@@ -51,7 +51,7 @@ fn edged() -> Vec<(&'static str, Frame)> {
     unmapped.mask = Mask::new(disc.map(|share| share >= 0.5));
 
     // A step of 80 from one column to the next, of which normals that lean by 20 to 1 explain 20, or tell the contrary.
-    let leaning = |scene: Scene| {
+    let leaning = |scene: ExactScene| {
         let mut frame = with_color(scene.frame(150, 120));
         let depth = |x: usize| DISTANCE as f32 - if x < 70 { 0.0 } else { 80.0 };
         frame.depth = Some(Plane::from_fn(150, 120, |x, _| depth(x)));
@@ -62,7 +62,7 @@ fn edged() -> Vec<(&'static str, Frame)> {
         });
         frame
     };
-    let plain = || Scene::orthographic(Surface::plane(DVec3::Z), 80.0, 60.0);
+    let plain = || ExactScene::orthographic(Surface::plane(DVec3::Z), 80.0, 60.0);
     let mut beside = leaning(plain());
     beside.mask = Mask::new(Plane::from_fn(150, 120, |x, _| x < 72));
 

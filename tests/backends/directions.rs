@@ -1,15 +1,15 @@
 //! Directions of the surface's own curvature: every form of surface, seen every way, stored every way.
 
-use super::common::poisoned;
-use super::common::scenes::{Scene, Surface};
 use super::{assert_alike, on_gpu, plan};
+use crate::common::{in_8_bits, poisoned};
 use glam::{DMat3, DVec3};
 use relievo::engine::cpu;
 use relievo::engine::gpu::Runner;
-use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Vector3Planes, Window};
+use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 use relievo::product::Product;
+use relievo::report::scenes::{ExactScene, Surface};
 
 /// Asserts that both backends find the same directions in a frame.
 #[track_caller]
@@ -29,10 +29,10 @@ fn assert_same_directions(name: &str, runner: &Runner, frame: &Frame) {
 }
 
 /// Surfaces of every form, some of them cut off by the border: umbilic, parabolic, planar, and of opposite curvatures.
-fn scenes() -> Vec<(&'static str, Scene)> {
+fn scenes() -> Vec<(&'static str, ExactScene)> {
     let turn = DMat3::from_rotation_z(0.5) * DMat3::from_rotation_x(-0.8);
     let half_axes = DVec3::new(50.0, 35.0, 25.0);
-    let seen = |surface| Scene::orthographic(surface, 61.3, 48.6);
+    let seen = |surface| ExactScene::orthographic(surface, 61.3, 48.6);
     vec![
         ("ball", seen(Surface::ball(40.0))),
         ("ellipsoid", seen(Surface::ellipsoid(half_axes, turn))),
@@ -46,14 +46,14 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ),
         ("saddle", seen(Surface::saddle(0.02, -0.013, 0.4))),
         ("plane", seen(Surface::plane(DVec3::new(0.3, -0.2, 1.0)))),
-        ("corner", Scene::box_corner(true, 0.2, 61.3, 48.6)),
-        ("balls", Scene::two_balls(22.0, 30.0, 61.3, 48.6)),
+        ("corner", ExactScene::box_corner(true, 0.2, 61.3, 48.6)),
+        ("balls", ExactScene::two_balls(22.0, 30.0, 61.3, 48.6)),
         ("waves", seen(Surface::sine_relief(3.0, 24.0, 0.4))),
     ]
 }
 
 /// The depth of a frame as distances from the eye.
-fn along_rays(mut frame: Frame, scene: &Scene) -> Frame {
+fn along_rays(mut frame: Frame, scene: &ExactScene) -> Frame {
     let sight = SightLines::new(scene.projection);
     let depth = frame.depth.as_ref().unwrap();
     let (width, height) = (depth.width(), depth.height());
@@ -62,19 +62,6 @@ fn along_rays(mut frame: Frame, scene: &Scene) -> Frame {
         (f64::from(depth.at(x, y)) * line.length()) as f32
     }));
     frame.source.depth_kind = DepthKind::Ray;
-    frame
-}
-
-/// The normals as 8 bits store them.
-fn in_8_bits(mut frame: Frame) -> Frame {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    let normal = Vector3Planes::from_fn(width, height, |x, y| {
-        let stored = frame.normal.at(x, y).to_array();
-        let rounded = stored.map(|v| ((v + 1.0) * 127.5).round() / 127.5 - 1.0);
-        DVec3::from_array(rounded).normalize()
-    });
-    frame.normal = normal;
-    frame.source.normal_rounding = 1.0 / 255.0;
     frame
 }
 
@@ -104,7 +91,7 @@ fn surfaces_of_every_form() {
 fn parts_of_a_picture() {
     on_gpu(|runner| {
         let torus = Surface::torus(36.0, 14.0, DVec3::new(0.2, 0.4, 1.0));
-        let scene = Scene::orthographic(torus, 61.3, 48.6).in_perspective();
+        let scene = ExactScene::orthographic(torus, 61.3, 48.6).in_perspective();
         let whole = scene.frame(123, 97);
         let (x0, y0) = (whole.data_window.x0 + 17, whole.data_window.y0 + 8);
         let crop = whole.crop(Window::at(x0, y0, 77, 61));

@@ -1,13 +1,11 @@
 //! Drawings: strokes and contours of both backends.
 
-use super::common::poisoned;
-use super::common::scenes::{Scene, Surface};
 use super::hostile::HOSTILE;
 use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
+use crate::common::poisoned;
 use glam::DVec3;
-use relievo::engine::cpu;
-use relievo::engine::cpu::{DrawingInputs, Outcome, SequenceInputs, TextureCoordinates};
+use relievo::engine::cpu::{self, DrawingInputs, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
@@ -18,6 +16,7 @@ use relievo::params::{
 };
 use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 use relievo::product::Product;
+use relievo::report::scenes::{ExactScene, Surface};
 
 /// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
 #[track_caller]
@@ -107,7 +106,7 @@ fn pictures() -> TonalArtMap {
 /// A torus before the paper, which has a border and is covered in part at its rim.
 fn torus() -> Frame {
     let torus = Surface::torus(45.0, 18.0, DVec3::new(0.3, 0.5, 0.8).normalize());
-    let mut frame = with_color(Scene::orthographic(torus, 70.0, 66.0).frame(147, 131));
+    let mut frame = with_color(ExactScene::orthographic(torus, 70.0, 66.0).frame(147, 131));
     frame.alpha = Some(Plane::from_fn(147, 131, |x, y| {
         0.3 + 0.1 * ((x * 7 + y * 3) % 8) as f32
     }));

@@ -1,12 +1,13 @@
 //! Values and sizes that files and callers bring: the GPU makes of them what the CPU makes.
 
-use super::common::poisoned;
 use super::{assert_same, on_gpu, plan, waves};
+use crate::common::poisoned;
 use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
-use relievo::frame::{Frame, Mask, Plane, Window};
+use relievo::frame::Window;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Goal, Stage};
+use relievo::report::scenes::frames::masked;
 
 /// What no renderer means by a colour.
 pub(super) const HOSTILE: [f32; 7] = [
@@ -75,24 +76,15 @@ fn sizes() {
     });
 }
 
-fn with_mask(mut frame: Frame, covers: impl Fn(usize, usize) -> bool) -> Frame {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    frame.mask = Mask::new(Plane::from_fn(width, height, covers));
-    frame
-}
-
 #[test]
 fn masks() {
     on_gpu(|runner| {
         let speckled = |x: usize, y: usize| !(x * 7 + y * 13).is_multiple_of(5);
         for (name, frame) in [
-            ("nothing", with_mask(waves(40, 30), |_, _| false)),
-            (
-                "one pixel",
-                with_mask(waves(40, 30), |x, y| x == 20 && y == 9),
-            ),
-            ("speckled", with_mask(waves(80, 60), speckled)),
-            ("half", with_mask(waves(80, 60), |x, _| x < 37)),
+            ("nothing", masked(waves(40, 30), |_, _| false)),
+            ("one pixel", masked(waves(40, 30), |x, y| x == 20 && y == 9)),
+            ("speckled", masked(waves(80, 60), speckled)),
+            ("half", masked(waves(80, 60), |x, _| x < 37)),
         ] {
             for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
                 let plan = plan(
@@ -110,7 +102,7 @@ fn masks() {
 #[test]
 fn what_lies_outside_the_mask_changes_nothing() {
     on_gpu(|runner| {
-        let frame = with_mask(waves(80, 60), |x, y| (x / 20 + y / 20).is_multiple_of(2));
+        let frame = masked(waves(80, 60), |x, y| (x / 20 + y / 20).is_multiple_of(2));
         for poison in [f32::NAN, f32::INFINITY, -1.0] {
             let frame = poisoned(&frame, poison);
             let plan = plan(

@@ -15,15 +15,13 @@ mod products;
 mod relight;
 mod report;
 
-use common::scenes::{Scene, Surface};
-use relievo::engine::cpu;
-use relievo::engine::cpu::Outcome;
-use relievo::engine::gpu;
-use relievo::engine::gpu::{Choice, Device};
+use relievo::engine::cpu::{self, Outcome};
+use relievo::engine::gpu::{self, Choice, Device};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 use relievo::product::Product;
+use relievo::report::scenes::{ExactScene, Surface};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Runs a test on the device that all share, one at a time; says so, once, where there is none.
@@ -105,7 +103,7 @@ fn assert_alike(
 
 /// Waves seen from near, with a picture.
 fn waves(width: usize, height: usize) -> Frame {
-    let scene = Scene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
+    let scene = ExactScene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
     with_color(scene.in_perspective().frame(width, height))
 }
 

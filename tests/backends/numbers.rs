@@ -1,10 +1,10 @@
 //! Numbers at the ends of what single precision holds: what is none is left out on reading, and both backends make the
 //! same of the rest.
 
-use super::common::through_a_file;
 use super::{assert_same, on_gpu, plan, waves};
+use crate::common::exr::Stored;
+use crate::common::through_a_file;
 use relievo::frame::{Frame, Plane, Vector3Planes};
-use relievo::io::exr::OutputType;
 use relievo::params::{Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 
@@ -53,7 +53,7 @@ fn as_read(frame: &Frame) -> Frame {
         ("N.z", &frame.normal.z),
         ("Z", frame.depth.as_ref().unwrap()),
     ];
-    through_a_file(&layers, OutputType::Float).frame
+    through_a_file(&layers, Stored::Float).frame
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Analytic scenes and real ones, with every solver and kind of readout.
 
-use super::common::scenes::{Scene, Surface};
 use super::{assert_same, on_gpu, plan, waves, with_color};
 use glam::DVec3;
 use relievo::frame::Plane;
@@ -8,6 +7,7 @@ use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{ExactScene, Surface};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 
@@ -43,7 +43,7 @@ fn settings() -> Vec<(&'static str, ShapeParams)> {
 fn solvers_and_scales() {
     on_gpu(|runner| {
         // A torus has a border; its size is no multiple of a workgroup.
-        let torus = Scene::orthographic(Surface::torus(45.0, 18.0, DVec3::Z), 70.0, 66.0);
+        let torus = ExactScene::orthographic(Surface::torus(45.0, 18.0, DVec3::Z), 70.0, 66.0);
         let torus = with_color(torus.frame(147, 131));
         for (scene, frame) in [("waves", waves(203, 155)), ("torus", torus)] {
             for (name, shape) in settings() {

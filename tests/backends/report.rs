@@ -1,29 +1,25 @@
 //! `relievo report` with a device beside the CPU.
 
+use super::command::program_without_adapters;
 use super::on_gpu;
+use crate::common::program::{Ran, fixture, program};
 use relievo::product::Product;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 /// Reports on a frame with these further words, into `desk`.
-fn report(desk: &Path, words: &str, adapters: bool) -> Output {
-    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr");
-    let mut program = Command::new(env!("CARGO_BIN_EXE_relievo"));
+fn report(desk: &Path, words: &str, adapters: bool) -> Ran {
+    let mut program = match adapters {
+        true => program(desk),
+        false => program_without_adapters(desk),
+    };
     program
         .arg("report")
-        .arg(fixture)
+        .arg(fixture("bust.exr"))
         .args(["-o", "report", "--quick", "--quiet"])
-        .args(words.split_whitespace())
-        .current_dir(desk);
-    if !adapters {
-        program.env("VK_DRIVER_FILES", "/dev/null");
-        program.env("VK_ICD_FILENAMES", "/dev/null");
-    }
-    let output = program.output().unwrap();
-    assert!(output.status.success(), "{output:?}");
-    output
+        .args(words.split_whitespace());
+    Ran::of(&mut program).done()
 }
 
 fn read(desk: &Path) -> (String, Value) {

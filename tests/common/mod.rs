@@ -1,41 +1,33 @@
-//! What the tests share: scenes whose answers are known, and frames turned and mirrored.
+//! What the tests share: inputs, runs of the program, and frames turned and mirrored.
 
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
 
-pub mod scenes;
+pub mod exr;
+pub mod planes;
+pub mod program;
+pub mod real_files;
+pub mod relit;
 
-use glam::{DAffine3, DMat3, DVec3};
+use exr::{Part, Stored};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
+use relievo::engine::cpu::Drawing;
 use relievo::frame::{
-    Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window,
+    Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector2Planes, Vector3Planes,
+    Window,
 };
-use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Loaded};
 
-/// Layers with view-space normals and a picture, written to a file with samples of `sample_type`, and loaded.
-pub fn through_a_file(layers: &[(&str, &Plane)], sample_type: OutputType) -> Loaded {
-    let channels = layers.iter().map(|&(name, plane)| OutputChannel {
-        name: name.into(),
-        plane,
-        sample_type,
-    });
-    let (_, plane) = layers[0];
-    let window = Window::from_size(plane.width(), plane.height());
-    let part = OutputPart {
-        name: "main".into(),
-        data_window: window,
-        display_window: window,
-        pixel_aspect: 1.0,
-        channels: channels.collect(),
-        attributes: Vec::new(),
-        chromaticities: None,
-        compression: Default::default(),
-    };
+/// Layers with view-space normals and a picture, written to a file with samples stored so, and loaded.
+pub fn through_a_file(layers: &[(&str, &Plane)], stored: Stored) -> Loaded {
+    let mut part = Part::of(layers.iter().copied());
+    for channel in &mut part.channels {
+        channel.1 = stored;
+    }
     let desk = tempfile::tempdir().unwrap();
     let picture = desk.path().join("render.exr");
-    let mut file = std::fs::File::create(&picture).unwrap();
-    write_results(&mut file, &picture, &part).unwrap();
+    part.write(&picture);
     let inputs = Inputs {
         picture,
         normal_space: Some(NormalSpace::View),
@@ -161,6 +153,55 @@ pub fn poisoned(frame: &Frame, poison: f32) -> Frame {
         depth: frame.depth.as_ref().map(spoil),
         ..frame.clone()
     }
+}
+
+/// The frame with its normals passed through `round`, and normalised as loading does.
+pub fn rounded(mut frame: Frame, rounding: f32, round: impl Fn(f32) -> f32) -> Frame {
+    let n = &mut frame.normal;
+    let xy = n.x.samples_mut().iter_mut().zip(n.y.samples_mut());
+    for ((x, y), z) in xy.zip(n.z.samples_mut()) {
+        let v = Vec3::new(round(*x), round(*y), round(*z)).normalize_or_zero();
+        (*x, *y, *z) = v.into();
+    }
+    frame.source.normal_rounding = rounding;
+    frame
+}
+
+/// The frame with its normals as 8 bits over -1..1 store them.
+pub fn in_8_bits(frame: Frame) -> Frame {
+    rounded(frame, 1.0 / 255.0, |v| {
+        ((v * 0.5 + 0.5) * 255.0).round() / 255.0 * 2.0 - 1.0
+    })
+}
+
+pub fn without_depth(frame: Frame) -> Frame {
+    Frame {
+        depth: None,
+        ..frame
+    }
+}
+
+/// The direction at a pixel.
+pub fn direction_at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
+    DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())
+}
+
+/// The value below which this share of the sorted values lies.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+/// Whether every sample of all layers is a share.
+pub fn is_a_drawing(drawn: &Drawing) -> bool {
+    let layers = std::iter::once(&drawn.hatching).chain(&drawn.contours);
+    layers
+        .flat_map(|plane| plane.samples())
+        .all(|v| (0.0..=1.0).contains(v))
+}
+
+/// The bits of all samples.
+pub fn bits(plane: &Plane) -> Vec<u32> {
+    plane.samples().iter().map(|s| s.to_bits()).collect()
 }
 
 /// A plane turned the way `quarter_turned` turns a frame.

@@ -1,21 +1,9 @@
 //! Recipes and pictures that the viewer writes, against the command line's.
 
-use super::{Window, fixture};
+use super::Window;
+use crate::common::program::{fixture, run};
 use eframe::egui::vec2;
 use std::path::Path;
-use std::process::Command;
-
-fn relievo(arguments: &[&Path]) {
-    let run = Command::new(env!("CARGO_BIN_EXE_relievo"))
-        .args(arguments)
-        .output()
-        .unwrap();
-    assert!(
-        run.status.success(),
-        "{}",
-        String::from_utf8_lossy(&run.stderr)
-    );
-}
 
 /// The pixels of a PNG, opaque where it has no alpha, grey as three equals.
 fn pixels_of(path: &Path) -> Vec<[u8; 4]> {
@@ -37,7 +25,8 @@ fn a_recipe_makes_the_same_picture_from_the_command_line_bit_for_bit() {
         let picture = place.path().join(format!("{command}.png"));
         window.view().save_recipe(&recipe);
         window.settle();
-        relievo(&["run".as_ref(), &recipe, &input, "-o".as_ref(), &picture]);
+        let arguments = ["run".as_ref(), &*recipe, &*input, "-o".as_ref(), &*picture];
+        run(place.path(), arguments).done();
         assert!(pixels_of(&picture) == shown, "{command} differs");
         // What the viewer writes itself is the same file.
         let own = place.path().join(format!("{command}.own.png"));

@@ -1,25 +1,23 @@
 //! The viewer, clicked and dragged without a window.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod controls;
 mod files;
 mod pictures;
 
+use common::program::fixture;
 use eframe::egui;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use relievo::view::View;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// How long anything here may take.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
-}
 
 /// A viewer that is open on `input`, when it shows it.
 struct Window {

@@ -1,13 +1,11 @@
 //! The list of cases: everything that shape analysis could stumble over, and what light and drawings add.
 
-use super::frames::{
-    gentle, masked, noise, normals, relief, rough, through_a_file, with_conductance, with_depth,
-    with_normals,
-};
+use super::frames::{through_a_file, with_conductance, with_depth, with_normals};
 use super::{Case, Expected, Verdict, judged};
 use crate::Result;
 use crate::frame::{Frame, Plane};
 use crate::params::{Scale, ShapeParams, Solver};
+use crate::report::scenes::frames::{gentle, masked, noise, normals, relief, rough};
 use glam::Vec3;
 
 use Expected::{Bounded, Refused, Warned};

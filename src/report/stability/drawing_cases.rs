@@ -1,21 +1,22 @@
 //! The list of cases, continued: everything that a drawing could stumble over.
 
 use super::cases::case;
-use super::frames::{masked, normals, relief, rough};
 use super::{Case, Expected, Verdict};
 use crate::Result;
-use crate::engine::cpu::runner::{DrawingInputs, Runner};
-use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::engine::cpu::{DrawingInputs, Runner};
+use crate::frame::Frame;
 use crate::params::{
     Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneParams,
 };
 use crate::plan::{Available, Plan, ToneFrom};
 use crate::report::scenes::Scene;
+use crate::report::scenes::frames::{grey, masked, normals, relief, rough};
 
 /// Every case of a drawing.
 pub(super) fn all() -> Vec<Case> {
-    [surfaces(), tones(), sizes(), settings(), refusals()]
+    let settings = settings().into_iter().map(Setting::case).collect();
+    [surfaces(), tones(), sizes(), settings, refusals()]
         .into_iter()
         .flatten()
         .collect()
@@ -27,19 +28,6 @@ const ANY: [f64; 2] = [0.0, 1.0];
 const HALF: [f64; 2] = [0.47, 0.53];
 const NONE: [f64; 2] = [0.0, 0.0];
 const ALL: [f64; 2] = [1.0, 1.0];
-
-/// A surface in one tone.
-fn grey(frame: Frame, tone: f32) -> Frame {
-    let even = Plane::filled(frame.mask.width(), frame.mask.height(), tone);
-    Frame {
-        color: Some(ColorPlanes {
-            r: even.clone(),
-            g: even.clone(),
-            b: even,
-        }),
-        ..frame
-    }
-}
 
 fn ball(tone: f32) -> Frame {
     grey(Scene::ball(200, 200).frame, tone)
@@ -186,9 +174,40 @@ fn sizes() -> Vec<Case> {
     ]
 }
 
-fn settings() -> Vec<Case> {
-    let on_plane = |name, done, line, ink| drawn(name, done, || plane(0.5), line, ink);
-    let on_ball = |name, done, line, ink| drawn(name, done, || ball(0.5), line, ink);
+/// Settings at the ends of their ranges, by name.
+pub fn extreme_strokes() -> Vec<(&'static str, LineParams)> {
+    let settings = settings().into_iter();
+    settings
+        .map(|setting| (setting.name, setting.line))
+        .collect()
+}
+
+/// A setting with the surface that shows it.
+struct Setting {
+    name: &'static str,
+    done: &'static str,
+    surface: fn(f32) -> Frame,
+    line: LineParams,
+    ink: [f64; 2],
+}
+
+impl Setting {
+    fn case(self) -> Case {
+        let frame = move || (self.surface)(0.5);
+        drawn(self.name, self.done, frame, self.line, self.ink)
+    }
+}
+
+fn settings() -> Vec<Setting> {
+    let on = |surface, name, done, line, ink| Setting {
+        name,
+        done,
+        surface,
+        line,
+        ink,
+    };
+    let on_plane = |name, done, line, ink| on(plane, name, done, line, ink);
+    let on_ball = |name, done, line, ink| on(ball, name, done, line, ink);
     let scale = |factor| strokes(|s| s.scale = StrokeScale::Factor(factor));
     vec![
         on_ball(

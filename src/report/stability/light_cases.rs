@@ -1,7 +1,7 @@
 //! The list of cases, continued: everything that light could stumble over.
 
 use super::cases::case;
-use super::frames::{gentle, masked, normals, relief, rough, through_a_file, with_normals};
+use super::frames::{through_a_file, with_normals};
 use super::lit::{Asked, judged, judged_picture};
 use super::{Case, Expected};
 use crate::frame::{ColorPlanes, Frame, Plane};
@@ -11,6 +11,7 @@ use crate::light::lights::{DirectionalLight, Illumination};
 use crate::params::{
     Adaptive, Material, Method, Samples, ScalingParams, ShapeParams, Tangent, WarpBy,
 };
+use crate::report::scenes::frames::{gentle, masked, normals, relief, rough};
 use glam::Vec3;
 
 /// Every case of light.

@@ -8,6 +8,7 @@ mod light_cases;
 mod lit;
 
 pub use cases::all;
+pub use drawing_cases::extreme_strokes;
 
 use super::timing;
 use crate::engine::cpu;
@@ -280,7 +281,7 @@ fn largest(plane: &Plane) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frames::relief;
+    use crate::report::scenes::frames::relief;
 
     fn case(expected: Expected, run: impl Fn() -> Result<Verdict> + 'static) -> Case {
         Case {

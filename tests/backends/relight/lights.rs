@@ -63,7 +63,7 @@ fn environments() {
             ("refracted", Glass, Samples::Auto, WarpBy::Auto),
         ] {
             for method in METHODS {
-                let asked = Asked::of(material, method).around(sky(), samples);
+                let asked = Asked::of(material, method).in_environment(sky(), samples);
                 let asked = asked.with(|asked| {
                     asked.relight.warp_by = warp_by;
                     if material == Glass {
@@ -84,8 +84,8 @@ fn an_environment_is_made_ready_once() {
         let frame = torus();
         let mut asked = Asked::of(Material::Phong, Method::Scale);
         for turn in [0.0, 90.0] {
-            asked = asked.around(sky().rotated_deg(turn), Samples::Fixed(0));
-            let plan = asked.plan(&frame);
+            asked = asked.in_environment(sky().rotated_deg(turn), Samples::Fixed(0));
+            let plan = asked.plan(&frame).unwrap();
             for is_first in [true, false] {
                 asked.assert_same("again", runner, &frame);
                 let again = runner.relight(&plan, &frame, &asked.light).unwrap();

@@ -123,7 +123,7 @@ fn hard_tones_are_the_same_but_for_a_pixel_on_the_edge() {
                     softness: 0.0,
                 });
             });
-            let plan = asked.plan(&frame);
+            let plan = asked.plan(&frame).unwrap();
             let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);
             let found = runner.relight(&plan, &frame, &asked.light).unwrap();
             let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap().g);

@@ -4,9 +4,9 @@ mod lights;
 mod materials;
 mod surfaces;
 
-use super::common::scenes::{Scene, Surface};
 use super::{assert_alike, with_color};
-use glam::{DVec3, Vec3};
+use crate::common::relit::{self, Asked, LIT, METHODS, torus_scene};
+use glam::Vec3;
 use relievo::engine::gpu::Runner;
 use relievo::engine::{cpu, relit_tolerance};
 use relievo::frame::{ColorPlanes, Frame, Plane};
@@ -14,20 +14,9 @@ use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::lit_sphere::LitSphere;
 use relievo::params::{
-    AlbedoSource, Material, Method, RelightParams, Samples, Scale, ScalingParams, ShapeParams,
-    Tangent,
+    AlbedoSource, Material, Method, RelightParams, Scale, ScalingParams, ShapeParams, Tangent,
 };
-use relievo::plan::{Available, LightKinds, Plan};
 use relievo::product::Product;
-
-/// What a test asks for; the rest is as it comes.
-#[derive(Clone)]
-struct Asked {
-    shape: ShapeParams,
-    scaling: ScalingParams,
-    relight: RelightParams,
-    light: Illumination,
-}
 
 impl Asked {
     /// Lights from six sides on white.
@@ -55,35 +44,9 @@ impl Asked {
         }
     }
 
-    fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
-        change(&mut self);
-        self
-    }
-
-    fn around(self, environment: Environment, samples: Samples) -> Self {
-        self.with(|asked| {
-            asked.light = Illumination {
-                environment: Some(environment.into()),
-                ..Illumination::default()
-            };
-            asked.relight.samples = samples;
-        })
-    }
-
-    fn plan(&self, frame: &Frame) -> Plan {
-        Plan::relight(
-            Available::in_frame(frame),
-            self.shape,
-            self.scaling,
-            self.relight,
-            LightKinds::in_light(&self.light),
-        )
-        .unwrap()
-    }
-
     #[track_caller]
     fn assert_same(&self, name: &str, runner: &Runner, frame: &Frame) {
-        let plan = self.plan(frame);
+        let plan = self.plan(frame).unwrap();
         assert!(Runner::can_run(&plan), "{name}");
         let expected = cpu::Runner::default().relight(&plan, frame, &self.light);
         let found = runner.relight(&plan, frame, &self.light).unwrap();
@@ -93,17 +56,6 @@ impl Asked {
         });
     }
 }
-
-const LIT: [Material; 6] = [
-    Material::Lambert,
-    Material::Phong,
-    Material::BlinnPhong,
-    Material::Toon,
-    Material::Sublambert,
-    Material::AshikhminShirley,
-];
-
-const METHODS: [Method; 4] = [Method::Plain, Method::Warp, Method::Scale, Method::Both];
 
 fn six_lights() -> Illumination {
     let from = [
@@ -125,20 +77,8 @@ fn six_lights() -> Illumination {
     }
 }
 
-/// An environment with a bright side, a dark one, and some colour.
 fn sky() -> Environment {
-    let blank = Environment::from_fn(64, 32, |_, _| [0.0; 3]);
-    let sky = Environment::from_fn(64, 32, |x, y| {
-        let [x, y, z] = blank.direction(x, y).to_array();
-        let glow = (0.5 + 0.5 * (0.6 * x + 0.5 * y + 0.62 * z)).max(0.0);
-        let glow = glow * glow * glow;
-        [
-            0.1 + 2.0 * glow,
-            0.15 + 1.5 * glow,
-            0.3 + glow + 0.2 * y.abs(),
-        ]
-    });
-    sky.rotated_deg(33.0)
+    relit::sky(3).rotated_deg(33.0)
 }
 
 fn ball(bright: f32) -> LitSphere {
@@ -162,11 +102,6 @@ fn torus() -> Frame {
 /// The same seen by an eye close by.
 fn torus_from_near() -> Frame {
     with_color(torus_scene().in_perspective().frame(97, 94))
-}
-
-fn torus_scene() -> Scene {
-    let axis = DVec3::new(0.3, 0.2, 0.9);
-    Scene::orthographic(Surface::torus(30.0, 14.0, axis), 48.2, 47.1)
 }
 
 /// Partly covered pixels, albedo, and light that does not reach every corner.

@@ -1,10 +1,9 @@
 //! What surfaces bring: albedo, coverage, numbers that are none, sizes and masks.
 
-use super::super::common::poisoned;
-use super::super::common::scenes::{Scene, Surface};
 use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
 use super::{Asked, sky, torus, torus_from_near, with_layers};
+use crate::common::poisoned;
 use glam::Vec3;
 use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
@@ -12,6 +11,7 @@ use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::PointLight;
 use relievo::params::{AlbedoSource, Material, Method, Quantisation, Samples};
+use relievo::report::scenes::{ExactScene, Surface};
 
 #[test]
 fn albedo_alpha_and_occlusion() {
@@ -63,7 +63,7 @@ fn colors_that_are_no_numbers() {
                     softness: 1.0,
                 });
             });
-            let plan = asked.plan(&frame);
+            let plan = asked.plan(&frame).unwrap();
             let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);
             let found = runner.relight(&plan, &frame, &asked.light).unwrap();
             let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap());
@@ -87,7 +87,7 @@ fn sizes_and_masks() {
     on_gpu(|runner| {
         let asked = Asked::of(Material::BlinnPhong, Method::Both);
         for (width, height) in [(1, 1), (1, 7), (65, 1), (129, 5)] {
-            let scene = Scene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
+            let scene = ExactScene::orthographic(Surface::sine_relief(3.0, 24.0, 0.4), 30.0, 20.0);
             let frame = scene.frame(width, height);
             asked.assert_same(&format!("{width}x{height}"), runner, &frame);
         }
@@ -127,11 +127,11 @@ fn a_device_that_takes_small_planes_lights_strips() {
         });
         asked.assert_same(&format!("{albedo:?}"), &runner, &frame);
     }
-    let asked = Asked::of(Material::Mirror, Method::Plain).around(sky(), Samples::Auto);
+    let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), Samples::Auto);
     asked.assert_same("mirrored", &runner, &frame);
     // 64x32 pixels of 16 bytes fit; four times as many do not.
     let blank = Environment::from_fn(128, 64, |_, _| [1.0; 3]);
-    let asked = asked.around(blank, Samples::Auto);
-    let plan = asked.plan(&frame);
+    let asked = asked.in_environment(blank, Samples::Auto);
+    let plan = asked.plan(&frame).unwrap();
     assert!(runner.relight(&plan, &frame, &asked.light).is_err());
 }

@@ -1,0 +1,102 @@
+//! Colour spaces: layers keep theirs, displays get sRGB, data are never touched.
+
+use crate::common::exr::{Part, channel};
+use crate::common::program::relievo;
+use relievo::frame::Plane;
+use relievo::io::exr::ExrFile;
+use relievo::io::photo::Photo;
+use std::path::Path;
+
+/// A wall of one colour.
+fn write_wall(path: &Path, color: [f32; 3], chromaticities: Option<[f32; 8]>) {
+    let flat = |value| Plane::filled(8, 8, value);
+    let planes = [color, [0.0, 0.0, 1.0]].concat();
+    let planes: Vec<_> = planes.into_iter().map(flat).collect();
+    let names = ["R", "G", "B", "N.X", "N.Y", "N.Z"];
+    let part = Part::of(names.into_iter().zip(&planes));
+    match chromaticities {
+        Some(chromaticities) => part.chromaticities(chromaticities).write(path),
+        None => part.write(path),
+    }
+}
+
+fn pixel(path: &Path, name: &str) -> f32 {
+    channel(path, name).at(3, 3)
+}
+
+fn shown(path: &Path) -> [f32; 3] {
+    let photo = Photo::read(path).unwrap().to_linear();
+    [0, 1, 2].map(|c| photo[c].at(3, 3))
+}
+
+#[test]
+fn acescg_is_shown_in_srgb_and_kept_in_layers() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_wall(&here.join("told.exr"), [0.5, 0.4, 0.2], None);
+    // The file itself says AP1.
+    let ap1 = relievo::io::colorspace::AP1;
+    write_wall(&here.join("tagged.exr"), [0.5, 0.4, 0.2], Some(ap1));
+    // 1.70505 * 0.5 - 0.62179 * 0.4 - 0.08326 * 0.2, and so on, of the published matrix.
+    let expected = [0.5872, 0.3891, 0.1670];
+    for (name, flags) in [("told", "--colorspace acescg"), ("tagged", "")] {
+        for format in ["hdr", "png"] {
+            let words = format!("enhance {name}.exr -o {name}.{format} --scaling 0 {flags}");
+            relievo(here, &words).ended(0);
+            let found = shown(&here.join(format!("{name}.{format}")));
+            for (found, expected) in found.into_iter().zip(expected) {
+                // A step of RGBE, or of 8 bits at these brightnesses.
+                assert!(
+                    (found - expected).abs() < 0.006,
+                    "{name}.{format}: {found} for {expected}"
+                );
+            }
+        }
+        let words =
+            format!("enhance {name}.exr -o {name}.out.exr --scaling 0 --layers results {flags}");
+        relievo(here, &words).ended(0);
+        let out = here.join(format!("{name}.out.exr"));
+        assert_eq!(
+            [pixel(&out, "R"), pixel(&out, "G"), pixel(&out, "B")],
+            [0.5, 0.4, 0.2]
+        );
+        let file = ExrFile::open(&out, &Default::default()).unwrap();
+        assert_eq!(file.chromaticities, Some(ap1));
+    }
+}
+
+#[test]
+fn encoded_colours_are_made_linear_and_data_are_not() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_wall(&here.join("in.exr"), [0.5, 0.25, 1.0], None);
+    relievo(
+        here,
+        "enhance in.exr -o out.exr --scaling 0 --layers results --colorspace srgb",
+    )
+    .ended(0);
+    // ((0.5 + 0.055) / 1.055)^2.4 and ((0.25 + 0.055) / 1.055)^2.4.
+    for (name, expected) in [("R", 0.214_041), ("G", 0.050_876), ("B", 1.0)] {
+        let found = pixel(&here.join("out.exr"), name);
+        assert!((found - expected).abs() < 1e-5, "{name}: {found}");
+    }
+    relievo(
+        here,
+        "shape in.exr -o shape.exr --layers results --colorspace srgb",
+    )
+    .ended(0);
+    assert_eq!(pixel(&here.join("shape.exr"), "normal.z"), 1.0);
+    // A photo of linear numbers: what is stored is what counts.
+    relievo(
+        here,
+        "enhance in.exr -o linear.png --scaling 0 --view-transform none",
+    )
+    .ended(0);
+    relievo(
+        here,
+        "enhance linear.png --normal in.exr -o again.exr --scaling 0 --colorspace linear",
+    )
+    .ended(0);
+    let found = pixel(&here.join("again.exr"), "R");
+    assert!((found - 0.5).abs() < 0.003, "{found}");
+}

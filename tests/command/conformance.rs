@@ -1,0 +1,298 @@
+//! The binary on files that others made: every known kind of OpenEXR, damaged ones, and real renders.
+//!
+//! The files are no part of this project; where they are not at hand the tests say so and pass.
+
+use crate::common::program::Ran;
+use crate::common::real_files::real;
+use serde_json::Value;
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// No file may keep the program busy for longer.
+const TIME_LIMIT: Duration = Duration::from_secs(10);
+/// Nor take more memory, in units of 1024 bytes.
+const MEMORY_LIMIT: u32 = 2_000_000;
+
+/// All files under `directory`, in order.
+fn files(directory: &Path) -> Vec<PathBuf> {
+    let mut paths: Vec<_> = fs::read_dir(directory)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    paths.sort();
+    paths
+        .into_iter()
+        .flat_map(|path| match path.is_dir() {
+            true => files(&path),
+            false => vec![path],
+        })
+        .collect()
+}
+
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    let extension = path.extension().and_then(OsStr::to_str);
+    extension.is_some_and(|e| extensions.contains(&e))
+}
+
+/// Runs the binary within the limits; a run past them, or ended by a signal, fails the test.
+fn relievo(args: &[&OsStr]) -> Ran {
+    let binary = env!("CARGO_BIN_EXE_relievo");
+    let mut command = if cfg!(target_os = "linux") {
+        let mut shell = Command::new("sh");
+        let limited = format!(r#"ulimit -v {MEMORY_LIMIT}; exec "$0" "$@""#);
+        shell.arg("-c").arg(limited).arg(binary);
+        shell
+    } else {
+        Command::new(binary)
+    };
+    let said = tempfile::tempdir().unwrap();
+    let [out, err] = ["out", "err"].map(|name| said.path().join(name));
+    let mut child = command
+        .args(args)
+        .env("RAYON_NUM_THREADS", "2")
+        .stdin(Stdio::null())
+        .stdout(fs::File::create(&out).unwrap())
+        .stderr(fs::File::create(&err).unwrap())
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        if started.elapsed() > TIME_LIMIT {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("{args:?} takes longer than {TIME_LIMIT:?}");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    let text = |path| String::from_utf8(fs::read(path).unwrap()).unwrap();
+    let (stdout, stderr) = (text(out), text(err));
+    let code = status.code();
+    assert!(code.is_some(), "{args:?} ended with {status}: {stderr}");
+    Ran {
+        code,
+        stdout,
+        stderr,
+    }
+}
+
+/// Expects success, or exit code 1 with one line that names the file.
+fn assert_done_or_told(ran: &Ran, file: &Path, verb: &str) {
+    let name = file.file_name().unwrap().to_string_lossy();
+    let case = format!("{verb} {name}: exit code {:?}\n{}", ran.code, ran.stderr);
+    match ran.code {
+        Some(0) => assert!(!ran.stderr.contains("error"), "{case}"),
+        Some(1) => {
+            let errors = ran.stderr.lines().filter(|l| l.starts_with("error: "));
+            assert_eq!(errors.count(), 1, "{case}");
+            let rest = ran.stderr.lines().filter(|l| !l.starts_with("warning: "));
+            assert_eq!(rest.count(), 1, "{case}");
+            assert!(ran.stderr.contains(&*name), "{case}");
+            assert_eq!(ran.stdout, "", "{case}");
+        }
+        _ => panic!("{case}"),
+    }
+}
+
+#[test]
+fn any_file_is_read_or_refused_with_one_line() {
+    let Some(directory) = real("conformance") else {
+        return;
+    };
+    let files = files(&directory);
+    assert!(files.len() > 100, "only {} files", files.len());
+    let mut done = [0; 3];
+    for file in &files {
+        let inspected = relievo(&["inspect".as_ref(), file.as_os_str()]);
+        assert_done_or_told(&inspected, file, "inspect");
+        done[0] += usize::from(inspected.code == Some(0));
+
+        // As it is, and with its picture taken for normals, so that every pixel is decoded.
+        let any_normals = [
+            "--normal".as_ref(),
+            file.as_os_str(),
+            "--normal-space".as_ref(),
+            "view".as_ref(),
+        ];
+        for (i, (name, flags)) in [("a.png", &[][..]), ("a.exr", &any_normals)]
+            .into_iter()
+            .enumerate()
+        {
+            let desk = tempfile::tempdir().unwrap();
+            let output = desk.path().join(name);
+            let head = [
+                "enhance".as_ref(),
+                file.as_os_str(),
+                "-o".as_ref(),
+                output.as_os_str(),
+            ];
+            let ran = relievo(&[&head[..], flags].concat());
+            assert_done_or_told(&ran, file, "enhance");
+            done[i + 1] += usize::from(ran.code == Some(0));
+            // The whole output or nothing at all.
+            let left = fs::read_dir(desk.path()).unwrap().count();
+            assert_eq!(left, usize::from(ran.code == Some(0)), "{}", file.display());
+            assert_eq!(output.exists(), ran.code == Some(0), "{}", file.display());
+        }
+    }
+    println!("{} files, done {done:?}", files.len());
+    assert!(done[0] > 50 && done[2] > 30, "{done:?}");
+    assert!(done[0] < files.len() - 30, "damaged files pass: {done:?}");
+}
+
+/// `inspect --json` of one file.
+fn inspection(file: &Path) -> Value {
+    let ran = relievo(&["inspect".as_ref(), "--json".as_ref(), file.as_os_str()]);
+    assert_eq!(ran.code, Some(0), "{}: {}", file.display(), ran.stderr);
+    let mut json: Value = serde_json::from_str(&ran.stdout).unwrap();
+    json[0].take()
+}
+
+/// Pairs of a role and the layer that plays it.
+fn roles(inspection: &Value) -> Vec<(&str, &str)> {
+    let roles = inspection["roles"].as_array().unwrap();
+    roles
+        .iter()
+        .map(|r| (r["role"].as_str().unwrap(), r["layer"].as_str().unwrap()))
+        .collect()
+}
+
+fn layer_names(inspection: &Value) -> Vec<&str> {
+    let parts = inspection["parts"].as_array().unwrap().iter();
+    parts
+        .flat_map(|part| part["layers"].as_array().unwrap())
+        .map(|layer| layer["name"].as_str().unwrap())
+        .collect()
+}
+
+#[test]
+fn renders_show_their_roles() {
+    let Some(directory) = real("renders") else {
+        return;
+    };
+    let known = [
+        ("ViewLayer.Combined", "color"),
+        ("ViewLayer.Normal", "normal"),
+        ("ViewLayer.Depth", "depth"),
+        ("ViewLayer.Position", "position"),
+    ];
+    let mut seen = [0; 4];
+    for file in files(&directory) {
+        if !has_extension(&file, &["exr"]) {
+            continue;
+        }
+        let inspection = inspection(&file);
+        let (roles, layers) = (roles(&inspection), layer_names(&inspection));
+        for (count, (layer, role)) in seen.iter_mut().zip(known) {
+            let expected = layers.contains(&layer).then_some(layer);
+            let found = roles.iter().find(|(r, _)| *r == role).map(|(_, l)| *l);
+            assert_eq!(found, expected, "{role} of {}", file.display());
+            *count += usize::from(expected.is_some());
+        }
+        // A problem, where there is one, names the flag that solves it.
+        if let Some(problem) = inspection["problem"].as_str() {
+            assert!(problem.contains("--"), "{problem}");
+        }
+    }
+    assert!(seen.iter().all(|&count| count >= 8), "{seen:?}");
+}
+
+#[test]
+fn the_light_passes_of_blender_are_known() {
+    let Some(directory) = real("renders") else {
+        return;
+    };
+    let common = [
+        ("color", "Combined", "Combined"),
+        ("normal", "Normal", "Normal"),
+        ("depth", "Depth", "Depth"),
+        ("position", "Position", "Position"),
+        ("occlusion", "AO", "Ambient Occlusion"),
+        ("diffuse-direct", "DiffDir", "Diffuse Direct"),
+        ("diffuse-indirect", "DiffInd", "Diffuse Indirect"),
+        ("diffuse-color", "DiffCol", "Diffuse Color"),
+        ("glossy-direct", "GlossDir", "Glossy Direct"),
+        ("glossy-indirect", "GlossInd", "Glossy Indirect"),
+        ("glossy-color", "GlossCol", "Glossy Color"),
+        ("transmission-direct", "TransDir", "Transmission Direct"),
+        ("emission", "Emit", "Emission"),
+        ("environment", "Env", "Environment"),
+        ("motion", "Vector", "Vector"),
+        ("mist", "Mist", "Mist"),
+        ("object-index", "IndexOB", "Object Index"),
+        ("material-index", "IndexMA", "Material Index"),
+    ];
+    let files = [
+        "suzanne_480_allpasses_b34_dwaa.exr",
+        "suzanne_480_allpasses_b50_multipart_dwaa.exr",
+    ];
+    for (i, name) in files.into_iter().enumerate() {
+        let inspection = inspection(&directory.join(name));
+        let told = roles(&inspection);
+        for (role, old, new) in common {
+            let layer = format!("ViewLayer.{}", [old, new][i]);
+            assert!(told.contains(&(role, &layer)), "{name}: no {role} {layer}");
+        }
+        let findings = inspection["findings"].as_array().unwrap();
+        let space = findings.iter().find(|f| f["subject"] == "normal space");
+        assert_eq!(space.unwrap()["conclusion"], "world", "{name}");
+        let warnings = inspection["warnings"].to_string();
+        assert!(warnings.contains("ViewLayer.Normal.Y"), "{warnings}");
+    }
+}
+
+#[test]
+fn photos_are_pictures_and_serve_as_normal_maps() {
+    let Some(directory) = real("rgbn") else {
+        return;
+    };
+    let mut photos = 0;
+    for file in files(&directory) {
+        if has_extension(&file, &["exr", "jpg", "png"]) {
+            let inspection = inspection(&file);
+            let roles = roles(&inspection);
+            assert!(roles.iter().any(|(r, _)| *r == "color"), "{roles:?}");
+            photos += 1;
+        }
+    }
+    assert!(photos >= 6);
+
+    // The same map as OpenGL and as DirectX, whose green points down.
+    let desk = tempfile::tempdir().unwrap();
+    let photo = directory.join("Bricks102_1K-JPG_Color.jpg");
+    let enhanced = |map: &str, flags: &[&str]| {
+        let normal = directory.join(format!("Bricks102_1K-JPG_{map}.jpg"));
+        let output = desk.path().join("a.png");
+        let head: [&OsStr; 6] = [
+            "enhance".as_ref(),
+            photo.as_os_str(),
+            "--normal".as_ref(),
+            normal.as_os_str(),
+            "-o".as_ref(),
+            output.as_os_str(),
+        ];
+        let flags = flags.iter().map(AsRef::as_ref);
+        let ran = relievo(&head.into_iter().chain(flags).collect::<Vec<_>>());
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        image::open(output).unwrap().to_rgb8()
+    };
+    let mean_apart = |a: &image::RgbImage, b: &image::RgbImage| {
+        let apart = a
+            .iter()
+            .zip(b.iter())
+            .map(|(a, b)| f64::from(a.abs_diff(*b)));
+        apart.sum::<f64>() / a.len() as f64
+    };
+    let right = enhanced("NormalGL", &[]);
+    let flipped = mean_apart(&right, &enhanced("NormalDX", &["--normal-flip", "y"]));
+    let wrong = mean_apart(&right, &enhanced("NormalDX", &[]));
+    assert!(
+        10.0 * flipped < wrong,
+        "{flipped} flipped, {wrong} as it is"
+    );
+}

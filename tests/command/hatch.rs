@@ -1,0 +1,175 @@
+//! `relievo hatch` as a user runs it.
+
+use crate::common::program::{Ran, fixture, relievo, run};
+use relievo::io::photo::Photo;
+use std::ffi::OsStr;
+use std::path::Path;
+
+fn hatch(directory: &Path, input: &str, words: &str) -> Ran {
+    let words = words.split_whitespace().map(OsStr::new);
+    let input = fixture(input);
+    run(
+        directory,
+        ["hatch".as_ref(), input.as_os_str()]
+            .into_iter()
+            .chain(words),
+    )
+}
+
+fn drawn(directory: &Path, input: &str, words: &str) -> Photo {
+    hatch(directory, input, &format!("{words} -o drawing.png")).done();
+    Photo::read(&directory.join("drawing.png")).unwrap()
+}
+
+/// Mean of the picture's light.
+fn light(photo: &Photo) -> f32 {
+    let grey = &photo.to_linear()[0];
+    grey.samples().iter().sum::<f32>() / grey.samples().len() as f32
+}
+
+#[test]
+fn renders_and_photos_are_drawn_with_every_tool() {
+    let desk = tempfile::tempdir().unwrap();
+    let normal = fixture("tablet.normal.png");
+    for style in ["pen", "pencil", "lines"] {
+        let bust = drawn(desk.path(), "bust.exr", &format!("--style {style}"));
+        assert_eq!((bust.width, bust.height), (480, 360));
+        // Paper around the bust, ink on it.
+        assert!((0.2..0.98).contains(&light(&bust)), "{}", light(&bust));
+        let tablet = drawn(
+            desk.path(),
+            "tablet.color.jpg",
+            &format!("--normal {} --style {style}", normal.display()),
+        );
+        assert!((0.05..0.95).contains(&light(&tablet)));
+    }
+}
+
+#[test]
+fn an_svg_holds_lines_in_millimetres() {
+    let desk = tempfile::tempdir().unwrap();
+    let written = |flags: &str| {
+        hatch(desk.path(), "bust.exr", &format!("{flags} -o bust.svg")).done();
+        std::fs::read_to_string(desk.path().join("bust.svg")).unwrap()
+    };
+    let page = written("--dpi 96");
+    // 480 x 360 pixels at 96 to the inch are 5 x 3.75 inches.
+    assert!(page.starts_with("<svg ") && page.ends_with("</svg>\n"));
+    assert!(page.contains("width=\"127.000mm\" height=\"95.250mm\" viewBox=\"0 0 480 360\""));
+    assert!(!page.contains("NaN") && !page.contains("inf"));
+    // Every point lies on the page, but for lines that run off it.
+    let numbers = page.split("<path d=\"").skip(1).flat_map(|path| {
+        let path = path.split('"').next().unwrap();
+        let points = path
+            .split(['M', 'L'])
+            .filter(|p| !p.is_empty() && *p != "h0");
+        points
+            .map(|p| p.split_once(' ').unwrap())
+            .collect::<Vec<_>>()
+    });
+    let mut count = 0;
+    for (x, y) in numbers {
+        let [x, y] = [x, y.trim_end_matches("h0")].map(|v| v.parse::<f32>().unwrap());
+        assert!(
+            (-6.0..486.0).contains(&x) && (-6.0..366.0).contains(&y),
+            "{x} {y}"
+        );
+        count += 1;
+    }
+    assert!(count > 3000, "{count}");
+    // One pen for all strokes without pressure.
+    let page = written("--pressure 0 --contours off");
+    assert_eq!(page.matches("<g stroke-width").count(), 1);
+    for flags in ["--style pencil", "--style ."] {
+        let ran = hatch(desk.path(), "bust.exr", &format!("{flags} -o other.svg"));
+        assert!(
+            ran.error(2)
+                .contains("--style is a texture, and an SVG holds lines")
+        );
+        assert!(!desk.path().join("other.svg").exists());
+    }
+}
+
+#[test]
+fn tone_comes_from_new_light_where_there_is_any() {
+    let desk = tempfile::tempdir().unwrap();
+    let flags = |light| format!("--light {light} --albedo-from white --contours off");
+    let lit = drawn(desk.path(), "bust.exr", &flags("90,80"));
+    let raking = drawn(desk.path(), "bust.exr", &flags("0,2"));
+    assert!(light(&lit) > light(&raking) + 0.03);
+    // Without a picture there is a lamp.
+    let explained = hatch(desk.path(), "bust.exr", "--tone relight --explain -o a.png");
+    let plan = explained.stdout;
+    assert!(
+        plan.lines().any(|line| line.starts_with("run   light-sum")),
+        "{plan}"
+    );
+    let explained = hatch(desk.path(), "bust.exr", "--tone picture --explain -o a.png");
+    let plan = explained.stdout;
+    for stage in ["diffusion", "trace", "radiance-scaling", "light-sum"] {
+        let skipped = format!("skip  {stage} ");
+        assert!(
+            plan.lines().any(|line| line.starts_with(&skipped)),
+            "{stage}: {plan}"
+        );
+    }
+}
+
+#[test]
+fn layers_of_a_drawing_lie_beside_the_input() {
+    let desk = tempfile::tempdir().unwrap();
+    hatch(desk.path(), "bust.exr", "-o drawing.exr").done();
+    let said = relievo(desk.path(), "inspect drawing.exr").done().stdout;
+    for layer in ["relievo.R", "strokes.hatching", "strokes.contours"] {
+        assert!(
+            said.contains(layer.split('.').next().unwrap()),
+            "{layer}: {said}"
+        );
+    }
+}
+
+#[test]
+fn a_folder_of_pictures_draws_and_one_without_is_refused() {
+    let desk = tempfile::tempdir().unwrap();
+    let folder = desk.path().join("dots");
+    std::fs::create_dir(&folder).unwrap();
+    let refused = hatch(desk.path(), "bust.exr", "--style dots -o a.png");
+    assert!(refused.error(1).contains("holds 0 pictures"));
+    for (name, size) in [("light.png", 2), ("dark.png", 6)] {
+        let dots = image::GrayImage::from_fn(64, 64, |x, y| {
+            image::Luma([if x % 8 < size && y % 8 < size { 0 } else { 255 }])
+        });
+        dots.save(folder.join(name)).unwrap();
+    }
+    std::fs::write(folder.join("notes.txt"), "not a picture").unwrap();
+    let dotted = drawn(desk.path(), "bust.exr", "--style dots");
+    assert!((0.2..0.98).contains(&light(&dotted)));
+    let refused = hatch(
+        desk.path(),
+        "bust.exr",
+        "--style dots --stroke-scale 0.3mm -o a.png",
+    );
+    assert!(refused.error(2).contains("--stroke-scale"));
+    image::GrayImage::new(32, 64)
+        .save(folder.join("odd.png"))
+        .unwrap();
+    let refused = hatch(desk.path(), "bust.exr", "--style dots -o a.png");
+    assert!(refused.error(1).contains("odd.png"));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_in_one_line() {
+    let desk = tempfile::tempdir().unwrap();
+    for (flags, said) in [
+        ("--levels 0", "--levels"),
+        ("--stroke-scale 0", "--stroke-scale"),
+        ("--style crayon", "--style"),
+        ("--passes 99", "--passes"),
+        ("--tone-gamma nan", "--tone-gamma"),
+    ] {
+        let ran = hatch(desk.path(), "bust.exr", &format!("{flags} -o a.png"));
+        let refused = ran.error(2);
+        assert!(refused.contains(said), "{refused}");
+        assert!(!desk.path().join("a.png").exists());
+    }
+}

@@ -1,0 +1,28 @@
+//! Everything that runs the program, as a user or a farm does.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cli;
+mod colors;
+mod conformance;
+#[cfg(unix)]
+mod corpus;
+mod dependencies;
+mod hatch;
+mod inputs;
+mod moving_strokes;
+mod names;
+mod numbers;
+mod outputs;
+mod photos;
+mod readme;
+mod recipes;
+mod relight;
+mod report;
+mod sequences;
+mod specular;
+#[cfg(unix)]
+mod stops;
+mod strips;
+mod threads;

@@ -1,0 +1,248 @@
+//! Outputs that cannot be written leave one line and no debris, and layers go where they are asked to.
+
+use super::inputs::{bytes, desk};
+use crate::common::program::{Ran, names, relievo};
+use relievo::io::exr::ExrFile;
+use std::fs;
+
+#[test]
+fn layers_go_beside_the_input_into_it_or_alone() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    for (how, parts, channels) in [
+        ("keep", 2, &["relievo.B", "relievo.G", "relievo.R"][..]),
+        ("channels", 1, &["relievo.B", "relievo.G", "relievo.R"]),
+        ("results", 1, &["B", "G", "R"]),
+    ] {
+        let words = format!("enhance in.0001.exr -o {how}.exr --layers {how} --compression zips");
+        relievo(here, &words).ended(0);
+        let file = ExrFile::open(&here.join(format!("{how}.exr")), &Default::default()).unwrap();
+        assert_eq!(file.parts.len(), parts, "{how}");
+        let last = &file.parts[parts - 1];
+        let names: Vec<_> = last.channels.iter().map(|c| c.name.as_str()).collect();
+        assert!(
+            channels.iter().all(|name| names.contains(name)),
+            "{how}: {names:?}"
+        );
+        // With channels the compression of the input is kept.
+        let expected = if how == "channels" { "none" } else { "zips" };
+        assert_eq!(last.compression, expected, "{how}");
+        let own = names.contains(&"N.X");
+        assert_eq!(own, how == "channels", "{how}");
+    }
+}
+
+/// What a run cannot write, and what it says.
+#[cfg(unix)]
+#[test]
+fn what_cannot_be_written_is_one_line_and_no_debris() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = desk(1..=2);
+    let here = desk.path();
+    let said = relievo(here, "enhance in.0001.exr -o none/out.exr").ended(1);
+    assert!(said.contains("there is no directory none"), "{said}");
+    fs::create_dir(here.join("out.png")).unwrap();
+    let said = relievo(here, "enhance in.0001.exr -o out.png").ended(1);
+    assert!(said.contains("out.png: cannot write"), "{said}");
+    // A full disk: this one never has room.
+    if std::path::Path::new("/dev/full").exists() {
+        let said = relievo(here, "enhance in.0001.exr -o /dev/full").ended(2);
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    // A directory that nobody may write to; the superuser may.
+    let locked = here.join("locked");
+    fs::create_dir(&locked).unwrap();
+    fs::set_permissions(&locked, fs::Permissions::from_mode(0o555)).unwrap();
+    let output = relievo(
+        here,
+        "enhance in.####.exr --frames 1-2 -o locked/out.####.exr --keep-going",
+    );
+    if output.code == Some(0) {
+        eprintln!("skipped: this user may write anywhere");
+    } else {
+        let said = output.ended(1);
+        assert_eq!(said.matches("cannot write").count(), 2, "{said}");
+    }
+    assert_eq!(names(here, ".relievo"), [""; 0]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_fills_up_leaves_the_old_file() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    relievo(here, "enhance in.0001.exr -o out.exr").ended(0);
+    let before = bytes(here, "out.exr");
+    // No file may grow beyond 8 KiB: the write fails in the middle.
+    let words = format!(
+        "trap '' XFSZ; ulimit -f 8; exec {} enhance in.0001.exr -o out.exr --scaling 0.5 --backend cpu",
+        env!("CARGO_BIN_EXE_relievo")
+    );
+    let mut shell = std::process::Command::new("bash");
+    let said = Ran::of(shell.args(["-c", &words]).current_dir(here)).ended(1);
+    assert!(said.contains("out.exr: cannot write"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(bytes(here, "out.exr") == before);
+    assert_eq!(names(here, ".relievo"), [""; 0]);
+}
+
+/// What is read is never written over, and no file is written twice, however it is spelled.
+#[cfg(unix)]
+#[test]
+fn files_are_compared_and_not_their_names() {
+    use std::os::unix::fs::symlink;
+    let desk = desk(1..=2);
+    let here = desk.path();
+    fs::create_dir(here.join("st")).unwrap();
+    fs::copy(
+        concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/clay.png"),
+        here.join("st/1.png"),
+    )
+    .unwrap();
+    fs::hard_link(here.join("in.0002.exr"), here.join("next.0001.exr")).unwrap();
+    symlink("st", here.join("links")).unwrap();
+    fs::write(
+        here.join("look.toml"),
+        "version = 1\ncommand = \"enhance\"\n",
+    )
+    .unwrap();
+    let before =
+        ["in.0001.exr", "in.0002.exr", "st/1.png", "look.toml"].map(|name| bytes(here, name));
+    for (words, found) in [
+        (
+            "enhance in.0001.exr -o o.png --timings ./o.png",
+            "output of -o too",
+        ),
+        (
+            "enhance in.0001.exr -o o.png --save-recipe ./o.png",
+            "output of -o too",
+        ),
+        (
+            "enhance in.0001.exr -o o.png --timings x --save-recipe st/../x",
+            "output of --timings too",
+        ),
+        (
+            "enhance in.0001.exr -o o.png --timings ./in.0001.exr",
+            "is the input",
+        ),
+        (
+            "relight in.0001.exr --light 9,9 --lit-sphere st/1.png -o links/1.png",
+            "is the input",
+        ),
+        ("hatch in.0001.exr --style st -o links/1.png", "lies in st"),
+        ("hatch in.0001.exr --style st -o st/new.png", "lies in st"),
+        (
+            "run look.toml in.0001.exr -o o.png --save-recipe ./look.toml",
+            "is the input",
+        ),
+        // The output of one frame is the input of the next.
+        (
+            "enhance in.####.exr --frames 1-2 -o next.####.exr",
+            "is the input",
+        ),
+        (
+            "enhance in.####.exr --frames 1-2 -o o.####.png --timings ./o.####.png",
+            "output of -o too",
+        ),
+        (
+            "hatch in.####.exr --frames 1-2 --motion next.%04d.exr -o next.####.exr",
+            "is the input",
+        ),
+    ] {
+        let said = relievo(here, words).ended(2);
+        assert!(said.contains(found), "{words}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    let after =
+        ["in.0001.exr", "in.0002.exr", "st/1.png", "look.toml"].map(|name| bytes(here, name));
+    assert!(before == after);
+    assert_eq!(names(here, "o."), [""; 0]);
+}
+
+/// A path that cannot be written to is found before the frame is read: here there is none.
+#[test]
+fn bad_paths_are_found_before_any_work() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    fs::create_dir(here.join("folder.png")).unwrap();
+    for flag in ["-o", "--timings", "--save-recipe"] {
+        for path in ["none/x.png", "folder.png"] {
+            let output = if flag == "-o" { "" } else { "-o o.png" };
+            let words = format!("enhance none.exr {output} {flag} {path}");
+            let said = relievo(here, &words).ended(1);
+            assert!(said.contains("cannot write"), "{words}: {said}");
+        }
+    }
+    assert_eq!(fs::read_dir(here).unwrap().count(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn outputs_keep_permissions_and_write_protected_ones_stay() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = desk(1..=1);
+    let here = desk.path();
+    let mode = |mode| fs::set_permissions(here.join("o.png"), fs::Permissions::from_mode(mode));
+    let enhance = |rest: &str| relievo(here, &format!("enhance in.0001.exr -o o.png {rest}"));
+    enhance("").ended(0);
+    mode(0o600).unwrap();
+    enhance("--scaling 2").ended(0);
+    let is = || {
+        fs::metadata(here.join("o.png"))
+            .unwrap()
+            .permissions()
+            .mode()
+            & 0o777
+    };
+    assert_eq!(is(), 0o600);
+    mode(0o400).unwrap();
+    let before = bytes(here, "o.png");
+    let said = enhance("--scaling 3").ended(1);
+    assert!(
+        said.contains("write-protected; --force replaces it"),
+        "{said}"
+    );
+    assert!(bytes(here, "o.png") == before);
+    enhance("--scaling 3 --force").ended(0);
+    assert!(bytes(here, "o.png") != before && is() == 0o400);
+}
+
+/// Pipes and devices are refused at once, as inputs and where a killed run's leftovers are looked for.
+#[cfg(unix)]
+#[test]
+fn pipes_are_not_waited_for() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    let pipe = |name: &str| {
+        let made = std::process::Command::new("mkfifo")
+            .arg(here.join(name))
+            .status();
+        assert!(
+            made.is_ok_and(|status| status.success()),
+            "mkfifo is missing"
+        );
+    };
+    pipe("pipe");
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
+    pipe(&format!(".relievo-{host}-1-abcdef.part"));
+    pipe(&format!(".relievo-{host}-abcdef.part"));
+    relievo(here, "enhance in.0001.exr -o o.png").ended(0);
+    relievo(here, "enhance in.####.exr --frames 1 -o o.####.png").ended(0);
+    for words in [
+        "enhance pipe -o x.png",
+        "inspect pipe",
+        "inspect /dev/zero",
+        "enhance in.0001.exr --normal pipe -o x.png",
+        "enhance in.0001.exr --camera pipe -o x.png",
+        "relight in.0001.exr --environment pipe -o x.png",
+        "relight in.0001.exr --lit-sphere pipe -o x.png",
+        "run pipe in.0001.exr -o x.png",
+    ] {
+        let said = relievo(here, words).ended(1);
+        assert!(said.contains("it is a pipe or a device"), "{words}: {said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    let said = relievo(here, "enhance in.0001.exr -o pipe").ended(2);
+    assert!(said.contains("no known extension"), "{said}");
+}

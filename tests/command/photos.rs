@@ -1,0 +1,148 @@
+//! Photos and what goes with them: headers first, pixels when they are needed, no more than fits.
+
+use super::inputs::write_planes;
+use crate::common::program::relievo;
+use relievo::frame::Plane;
+use relievo::io::photo::Photo;
+use relievo::io::picture::ViewTransform;
+use std::fs::{self, File};
+use std::path::Path;
+
+/// A PNG of 8-bit grey: `value(x, y)` is its code.
+fn write_grey(path: &Path, [width, height]: [u32; 2], value: impl Fn(u32, u32) -> u8) {
+    let mut encoder = png::Encoder::new(File::create(path).unwrap(), width, height);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header().unwrap();
+    let codes = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let codes: Vec<u8> = codes.map(|(x, y)| value(x, y)).collect();
+    writer.write_image_data(&codes).unwrap();
+}
+
+/// A PNG that claims so many pixels, and holds none of them.
+fn write_header(path: &Path, [width, height]: [u32; 2]) {
+    let encoder = png::Encoder::new(File::create(path).unwrap(), width, height);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_chunk(png::chunk::IDAT, b"nothing").unwrap();
+}
+
+/// A colour picture by the extension of its name, of light from 0 to 1.
+fn write_color(path: &Path, [width, height]: [usize; 2], light: impl Fn(usize, usize) -> [f32; 3]) {
+    let planes = [0, 1, 2].map(|c| Plane::from_fn(width, height, |x, y| light(x, y)[c]));
+    write_planes(path, planes, None, 8, ViewTransform::Srgb);
+}
+
+/// A small picture and its normal map: a plane that faces the viewer.
+fn write_small(here: &Path) {
+    write_color(&here.join("in.png"), [64, 64], |x, y| {
+        [x, y, 32].map(|v| v as f32 / 64.0)
+    });
+    write_color(&here.join("n.png"), [64, 64], |_, _| [0.22, 0.22, 1.0]);
+}
+
+#[test]
+fn inspect_reads_the_header_of_a_photo_alone() {
+    let desk = tempfile::tempdir().unwrap();
+    write_header(&desk.path().join("huge.png"), [18000, 18000]);
+    let told = relievo(desk.path(), "inspect huge.png").done().stdout;
+    assert!(
+        told.contains("18000x18000") && told.contains("u8"),
+        "{told}"
+    );
+}
+
+#[test]
+fn files_of_other_sizes_are_refused_before_they_are_decoded() {
+    let desk = tempfile::tempdir().unwrap();
+    write_small(desk.path());
+    write_header(&desk.path().join("huge.png"), [18000, 18000]);
+    let said = relievo(desk.path(), "enhance in.png --normal huge.png -o out.png").ended(1);
+    assert!(said.contains("inputs of one size"), "{said}");
+}
+
+#[test]
+fn inspect_looks_at_the_middle_of_what_is_too_large() {
+    let desk = tempfile::tempdir().unwrap();
+    // 100 bytes for each of 11 million pixels are more than 1 GiB.
+    for name in ["in.png", "n.png"] {
+        write_grey(&desk.path().join(name), [4096, 2700], |x, y| (x + y) as u8);
+    }
+    let words = "inspect in.png --normal n.png --normal-space view";
+    let told = relievo(desk.path(), words).done().stdout;
+    let said: Vec<&str> = told
+        .lines()
+        .filter(|l| l.contains("rows in the middle"))
+        .collect();
+    assert_eq!(said.len(), 1, "{told}");
+    assert!(
+        said[0].contains("of 2700") && told.contains("normal encoding"),
+        "{told}"
+    );
+}
+
+#[test]
+fn pictures_of_no_pixels_are_refused_in_one_line_in_every_role() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_small(here);
+    fs::write(
+        here.join("none.hdr"),
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 0 +X 0\n",
+    )
+    .unwrap();
+    for words in [
+        "inspect none.hdr",
+        "enhance none.hdr --normal n.png -o out.png",
+        "enhance in.png --normal none.hdr -o out.png",
+        "enhance in.png --normal n.png --occlusion none.hdr -o out.png",
+        "relight in.png --normal n.png --environment none.hdr -o out.png",
+        "relight in.png --normal n.png --lit-sphere none.hdr -o out.png",
+    ] {
+        let said = relievo(here, words).ended(1);
+        assert!(
+            said.contains("none.hdr: is 0x0 and holds no pixels"),
+            "{words}: {said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn environments_are_reduced_to_what_may_be_used() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_small(here);
+    // Brighter to the right and upward, by steps far finer than what they are reduced by.
+    let sky = |x: usize, y: usize| [x as f32 / 512.0, 0.3, 1.0 - y as f32 / 256.0];
+    for name in ["sky.png", "sky.jpg", "sky.hdr"] {
+        write_color(&here.join(name), [512, 256], sky);
+    }
+    let lit = |sky: &str, memory: &str, code: i32| {
+        let words = format!(
+            "relight in.png --normal n.png --environment {sky} -o out.png --max-memory {memory}"
+        );
+        relievo(here, &words).ended(code)
+    };
+    for sky in ["sky.png", "sky.jpg", "sky.hdr"] {
+        lit(sky, "1G", 0);
+        let whole = Photo::read(&here.join("out.png")).unwrap();
+        // Half of 4 MiB holds a third of 512 x 256 pixels at 48 bytes.
+        lit(sky, "4M", 0);
+        let reduced = Photo::read(&here.join("out.png")).unwrap();
+        for (whole, reduced) in whole.channels.iter().zip(&reduced.channels) {
+            let pairs = whole.samples().iter().zip(reduced.samples());
+            // Two codes of 8 bits.
+            assert!(
+                pairs.into_iter().all(|(a, b)| (a - b).abs() < 2.5 / 255.0),
+                "{sky}"
+            );
+        }
+    }
+    // Half of 500 KiB is less than the 384 that its samples take.
+    let said = lit("sky.jpg", "500K", 1);
+    assert!(
+        said.contains("sky.jpg") && said.contains("decoded whole"),
+        "{said}"
+    );
+    assert_eq!(said.lines().count(), 1, "{said}");
+    lit("sky.png", "500K", 0);
+}

@@ -1,0 +1,134 @@
+//! Recipes: any command line, kept and run again.
+
+use super::inputs::{bytes, desk};
+use crate::common::program::relievo;
+use std::fs;
+
+#[test]
+fn a_recipe_is_the_command_line_it_was_made_of() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    let flags = "--light 135,40 --light 20,30,1,0.5,0.25 --material phong --specular-gain 0.5 --scale 2.5 \
+        --silhouette 0.05,0.06 --thin --contrast -0.25";
+    let words = format!("relight in.0001.exr {flags} -o one.png --save-recipe look.toml");
+    relievo(here, &words).ended(0);
+    let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
+    for line in [
+        "version = 1",
+        "command = \"relight\"",
+        "light = [\"135,40\", \"20,30,1,0.5,0.25\"]",
+        "thin = true",
+        "contrast = -0.25",
+    ] {
+        assert!(recipe.lines().any(|l| l == line), "{line} in\n{recipe}");
+    }
+    // What was chosen automatically is in it too.
+    assert!(recipe.contains("curvature-gain = "), "{recipe}");
+    relievo(here, "run look.toml in.0001.exr -o two.png").ended(0);
+    assert!(bytes(here, "one.png") == bytes(here, "two.png"));
+
+    // The command line has the last word; what it rules out is dropped.
+    relievo(
+        here,
+        "run look.toml in.0001.exr -o three.png --contrast 0.5 --iterations 4",
+    )
+    .ended(0);
+    let typed = flags
+        .replace("--contrast -0.25", "--contrast 0.5")
+        .replace("--scale 2.5", "--iterations 4");
+    let gain = recipe
+        .lines()
+        .find_map(|l| l.strip_prefix("curvature-gain = "))
+        .unwrap();
+    let words = format!("relight in.0001.exr {typed} --curvature-gain {gain} -o four.png");
+    relievo(here, &words).ended(0);
+    assert!(bytes(here, "three.png") == bytes(here, "four.png"));
+}
+
+#[test]
+fn lights_of_the_command_line_replace_those_of_the_recipe() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    let recipe =
+        "version = 1\ncommand = \"relight\"\nlight = [[135, 40], [10, 10]]\ncurvature-gain = 2";
+    fs::write(here.join("look.toml"), recipe).unwrap();
+    relievo(here, "run look.toml in.0001.exr --light 90,60 -o one.png").ended(0);
+    let words = "relight in.0001.exr --light 90,60 --curvature-gain 2 -o two.png";
+    relievo(here, words).ended(0);
+    assert!(bytes(here, "one.png") == bytes(here, "two.png"));
+}
+
+#[test]
+fn a_recipe_that_cannot_be_used_is_refused_in_one_line() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    for (text, expected) in [
+        (
+            "version = 1\ncommand = \"enhance\"\nscallng = 2",
+            "the nearest is scaling",
+        ),
+        (
+            "version = 1\ncommand = \"enhance\"\nscaling = \"much\"",
+            "scaling",
+        ),
+        ("command = \"enhance\"", "add version = 1"),
+        ("version = 1\nscaling = ", "line 2"),
+        ("\u{0}", "line 1"),
+    ] {
+        fs::write(here.join("look.toml"), text).unwrap();
+        let said = relievo(here, "run look.toml in.0001.exr -o out.png").ended(2);
+        assert!(
+            said.contains(expected) && said.lines().count() == 1,
+            "{said}"
+        );
+    }
+    let said = relievo(here, "run none.toml in.0001.exr -o out.png").ended(1);
+    assert!(said.contains("none.toml: cannot read"), "{said}");
+    assert!(!here.join("out.png").exists());
+}
+
+#[test]
+fn the_recipe_is_recorded_in_the_output() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    relievo(
+        here,
+        "enhance in.0001.exr --scaling 1.5 -o out.exr --layers results",
+    )
+    .ended(0);
+    let file = relievo::io::exr::ExrFile::open(&here.join("out.exr"), &Default::default()).unwrap();
+    let recipe = &file.attributes["relievo.recipe"];
+    assert!(
+        recipe.contains("scaling = 1.5") && recipe.contains("white-level = "),
+        "{recipe}"
+    );
+    assert!(file.attributes["software"].starts_with("relievo "));
+    // It can be taken out and run.
+    fs::write(here.join("look.toml"), recipe).unwrap();
+    relievo(
+        here,
+        "run look.toml in.0001.exr -o again.exr --layers results",
+    )
+    .ended(0);
+    assert!(bytes(here, "again.exr") == bytes(here, "out.exr"));
+}
+
+#[test]
+fn the_schema_knows_every_setting() {
+    let desk = tempfile::tempdir().unwrap();
+    let schema = relievo(desk.path(), "schema").done().stdout;
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    let commands = schema["oneOf"].as_array().unwrap();
+    let titles: Vec<_> = commands
+        .iter()
+        .map(|c| c["title"].as_str().unwrap())
+        .collect();
+    assert_eq!(titles, ["shape", "enhance", "relight", "hatch"]);
+    let relight = &commands[2]["properties"];
+    assert_eq!(relight["ior"]["type"], "number");
+    assert_eq!(relight["ior"]["default"], "1.5");
+    assert_eq!(relight["thin"]["type"], "boolean");
+    assert_eq!(relight["method"]["enum"][1], "warp");
+    assert!(relight["light"]["anyOf"].is_array());
+    assert!(relight["threads"].is_null() && relight["output"].is_null());
+}

@@ -1,0 +1,165 @@
+//! Pictures that do not fit in the memory they are given: the same bits, strip by strip.
+
+use super::inputs::{bytes, write_bumps, write_planes};
+use crate::common::program::relievo;
+use relievo::frame::Plane;
+use relievo::io::picture::ViewTransform;
+use std::path::Path;
+
+/// 512 x 6400 pixels take about 310 MiB, of 100 bytes each; in 300 MiB a strip has some 900 rows.
+const SIZE: [usize; 2] = [512, 6400];
+
+#[test]
+fn strips_are_the_whole_bit_for_bit() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    // Directions on the planes come from the bumps above and below.
+    write_bumps(&here.join("in.exr"), 1, SIZE, 0.7, |y| y / 100 % 3 == 0);
+    for (name, work) in [
+        ("explicit", "enhance --solver explicit --layers results"),
+        ("chebyshev", "enhance --scale 3 --foreshortening 0.5"),
+        ("into", "enhance --layers channels --compression zips"),
+        (
+            "given",
+            "enhance --curvature-gain 3 --white-level 0.5 --depth-of-output half",
+        ),
+        ("idle", "enhance --scaling 0"),
+        ("layers", "shape --layers results"),
+        (
+            "scales",
+            "shape --scale 2,3 --layers results --depth-of-output half",
+        ),
+        (
+            "lit",
+            "relight --light 30,40 --method both --albedo-from white",
+        ),
+        ("estimated", "relight --light 30,40 --method scale"),
+        (
+            "grain",
+            "relight --light 30,40 --method scale --anisotropy 0.5 --albedo-from picture \
+             --material ashikhmin-shirley --coat 10,200 --tangent curvature",
+        ),
+    ] {
+        for (kind, memory) in [("whole", "8G"), ("strips", "300M")] {
+            let words = format!("{work} in.exr -o {name}.{kind}.exr --max-memory {memory}");
+            relievo(here, &words).ended(0);
+        }
+        let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{name}.{k}.exr")));
+        assert!(whole == strips, "{name}");
+    }
+}
+
+#[test]
+fn what_needs_the_picture_whole_is_refused() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_bumps(&here.join("in.exr"), 1, SIZE, 0.7, |_| false);
+    for (words, expected) in [
+        (
+            "hatch in.exr -o out.png --max-memory 300M",
+            "needs the picture whole",
+        ),
+        (
+            "enhance in.exr -o out.exr --max-memory 100M",
+            "even in strips",
+        ),
+    ] {
+        let said = relievo(here, words).ended(1);
+        assert!(
+            said.contains(expected) && said.contains("--max-memory"),
+            "{said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
+/// A photo and its normal map, in 8 and 16 bits, with alpha in the latter.
+fn write_photos(here: &Path) {
+    let [width, height] = SIZE;
+    let wave = |x: usize| (x as f32 * std::f32::consts::TAU / 24.0).sin();
+    let normal = |x: usize, y: usize| {
+        let n = glam::Vec3::new(0.5 * wave(x), 0.5 * wave(y + 3), 1.0).normalize();
+        n * 0.5 + 0.5
+    };
+    let normals = [0, 1, 2].map(|c| Plane::from_fn(width, height, |x, y| normal(x, y)[c]));
+    let color = [0.9, 0.6, 0.3].map(|hue| {
+        let light = |x, y| hue * normal(x, y).z * (0.6 + 0.4 * wave(x / 7 + y / 5));
+        Plane::from_fn(width, height, light)
+    });
+    // Nothing in the first rows, then a rim, then all.
+    let alpha = Plane::from_fn(width, height, |_, y| {
+        (y as f32 / 20.0 - 1.0).clamp(0.0, 1.0)
+    });
+    let transform = ViewTransform::None;
+    write_planes(&here.join("in8.jpg"), color.clone(), None, 8, transform);
+    write_planes(&here.join("n8.png"), normals.clone(), None, 8, transform);
+    write_planes(&here.join("in16.png"), color, Some(&alpha), 16, transform);
+    write_planes(&here.join("n16.tif"), normals, None, 16, transform);
+}
+
+#[test]
+fn photos_in_strips_are_the_whole_bit_for_bit() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_photos(here);
+    for (name, work) in [
+        ("a.png", "enhance in8.jpg --normal n8.png"),
+        ("b.png", "enhance in16.png --normal n16.tif --scale 3"),
+        ("c.tif", "relight in16.png --normal n16.tif --light 30,40"),
+        (
+            "d.jpg",
+            "relight in8.jpg --normal n8.png --light 30,40 --method scale",
+        ),
+        (
+            "e.hdr",
+            "enhance in8.jpg --normal n16.tif --curvature-gain 3",
+        ),
+        ("f.exr", "enhance in16.png --normal n8.png"),
+        ("g.png", "shape in8.jpg --normal n8.png"),
+    ] {
+        for (kind, memory) in [("whole", "8G"), ("strips", least_of(name))] {
+            let words = format!("{work} -o {kind}.{name} --max-memory {memory}");
+            relievo(here, &words).ended(0);
+        }
+        // The recipe in an EXR tells nothing of memory.
+        let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{k}.{name}")));
+        assert!(whole == strips, "{name}");
+    }
+}
+
+/// Less than the 313 MiB of the whole: an EXR that is written takes more besides.
+fn least_of(name: &str) -> &'static str {
+    if name.ends_with("exr") {
+        "310M"
+    } else {
+        "230M"
+    }
+}
+
+/// The number of MiB that a refusal names.
+fn named(said: &str) -> u64 {
+    let (_, rest) = said.split_once("--max-memory ").expect("names the flag");
+    let (number, _) = rest.split_once('M').expect("in MiB");
+    number.parse().unwrap()
+}
+
+#[test]
+fn the_least_memory_that_is_named_works_and_less_does_not() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_photos(here);
+    write_bumps(&here.join("in.exr"), 1, SIZE, 0.7, |_| false);
+    for work in [
+        "enhance in.exr -o out.exr",
+        "enhance in.exr -o out.exr --scale 20",
+        "shape in8.jpg --normal n8.png -o out.png",
+        "hatch in8.jpg --normal n8.png -o out.png",
+    ] {
+        let within = |mib: u64| relievo(here, &format!("{work} --max-memory {mib}M"));
+        let said = within(40).ended(1);
+        assert_eq!(said.lines().count(), 1, "{said}");
+        let least = named(&said);
+        within(least).ended(0);
+        assert_eq!(named(&within(least - 1).ended(1)), least, "{work}");
+    }
+}

@@ -1,0 +1,103 @@
+//! The one runner of the program.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The program, to be run in a directory.
+pub fn program(directory: &Path) -> Command {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_relievo"));
+    // Mesa's choice of a device writes lines of its own to stderr.
+    program.current_dir(directory).env("NODEVICE_SELECT", "1");
+    program
+}
+
+/// Runs the program with these arguments.
+pub fn run<A: AsRef<OsStr>>(directory: &Path, arguments: impl IntoIterator<Item = A>) -> Ran {
+    Ran::of(program(directory).args(arguments))
+}
+
+/// Runs the program with arguments that are separated by spaces.
+pub fn relievo(directory: &Path, words: &str) -> Ran {
+    run(directory, words.split_whitespace())
+}
+
+/// The outcome of a run.
+#[derive(Debug)]
+pub struct Ran {
+    /// `None` where a signal ended it.
+    pub code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Ran {
+    pub fn of(command: &mut Command) -> Self {
+        let Output {
+            status,
+            stdout,
+            stderr,
+        } = command.output().unwrap();
+        Self {
+            code: status.code(),
+            stdout: String::from_utf8(stdout).unwrap(),
+            stderr: String::from_utf8(stderr).unwrap(),
+        }
+    }
+
+    /// Expects success.
+    #[track_caller]
+    pub fn done(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}", self.stderr);
+        self
+    }
+
+    /// The messages of a run that ended with `code`.
+    #[track_caller]
+    pub fn ended(self, code: i32) -> String {
+        assert_eq!(self.code, Some(code), "{}", self.stderr);
+        self.stderr
+    }
+
+    /// The one error among the messages of a run that ended with `code`.
+    #[track_caller]
+    pub fn error(self, code: i32) -> String {
+        let said = self.ended(code);
+        let errors: Vec<_> = said
+            .lines()
+            .filter(|line| line.starts_with("error: "))
+            .collect();
+        assert_eq!(errors.len(), 1, "{said}");
+        errors[0].into()
+    }
+
+    /// The only line of a refusal with exit code `code`; it says what to do next.
+    #[track_caller]
+    pub fn refused(self, code: i32) -> String {
+        assert_eq!(self.stdout, "", "an error leaves stdout alone");
+        let line = self.ended(code);
+        assert!(line.starts_with("error: "), "{line}");
+        assert!(line.ends_with('\n'), "{line}");
+        assert_eq!(line.lines().count(), 1, "{line}");
+        // What the system refused it explains in its own words.
+        let advises = line.contains("; ") || line.contains(": cannot ");
+        assert!(advises, "no word on what to do next: {line}");
+        line
+    }
+}
+
+/// A file of the examples.
+pub fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fixtures")
+        .join(name)
+}
+
+/// The names of the files in a directory that begin so, sorted.
+pub fn names(directory: &Path, begin: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = names.filter(|name| name.starts_with(begin)).collect();
+    names.sort();
+    names
+}

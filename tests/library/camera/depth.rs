@@ -1,0 +1,279 @@
+//! Rotations and lenses recovered from the depth and normals of small scenes.
+
+use super::measure::{expect_rotation, focal, turn_deg};
+use super::planes::{strew, vectors};
+use super::shots::{Numbers, Scene, Seen, Shot, looking, panorama, perspective};
+use glam::{DAffine3, DMat3, DVec3, EulerRot};
+use relievo::frame::{DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
+use relievo::io::camera::{DepthCamera, RecoveryFailure, recover_camera_from_depth};
+
+struct Layers {
+    normal: Vector3Planes,
+    depth: Plane,
+    mask: Mask,
+}
+
+/// The layers that a shot sees, spoiled as it says.
+fn layers_of(shot: &Shot) -> Layers {
+    // Depth comes from a random place in the pixel, normals from its middle.
+    let (near, middle) = (shot.seen_jittered(&mut Numbers(7)), shot.seen());
+    let (w, h) = (middle.width(), middle.height());
+    let depth = |s: Seen| shot.stored(if shot.ray { s.distance } else { s.steps }) as f32;
+    let normal = |s: Seen| (shot.normals * s.normal).map(|v| shot.stored(v));
+    Layers {
+        normal: vectors(w, h, |x, y| middle.at(x, y).map_or(DVec3::ZERO, normal)),
+        depth: near.map(|s| s.map_or(1e10, depth)),
+        mask: Mask::new(Plane::from_fn(w, h, |x, y| {
+            near.at(x, y).is_some() && middle.at(x, y).is_some()
+        })),
+    }
+}
+
+fn recovered_from(shot: &Shot, layers: &Layers) -> Result<DepthCamera, RecoveryFailure> {
+    recover_camera_from_depth(
+        &layers.normal,
+        &layers.depth,
+        &layers.mask,
+        shot.data,
+        shot.display,
+        shot.aspect as f32,
+    )
+}
+
+fn recovered(shot: &Shot) -> Result<DepthCamera, RecoveryFailure> {
+    recovered_from(shot, &layers_of(shot))
+}
+
+/// Recovers the camera, which must lie within `limit` degrees of the true one.
+fn expect_within(shot: &Shot, limit: f64) -> DepthCamera {
+    let found = recovered(shot).expect("no camera");
+    let truth = shot.camera.view_from_world.matrix3 * shot.normals.transpose();
+    expect_rotation(&found.camera, truth, limit, &found);
+    assert_eq!(found.camera.view_from_world.translation, DVec3::ZERO);
+    found
+}
+
+fn expect_focal(found: &DepthCamera, truth: f64, share: f64) {
+    let focal = focal(&found.camera);
+    assert!((focal / truth - 1.0).abs() < share, "{focal}: {found:?}");
+    assert!(!found.focal_uncertain);
+}
+
+#[test]
+fn exact_layers_give_rotation_and_focal_length() {
+    let found = expect_within(&Shot::default(), 0.02);
+    expect_focal(&found, 380.0, 2e-3);
+    assert_eq!(found.depth_kind, DepthKind::Planar);
+    assert!(found.residual_deg_median < 0.2 && found.rotation_uncertainty_deg < 0.1);
+}
+
+#[test]
+fn rotations_about_every_axis_are_found() {
+    for (a, b, c) in [(0.4, -1.1, 2.0), (-2.5, 0.7, 0.3), (3.1, 1.4, -1.9)] {
+        let shot = Shot {
+            normals: DMat3::from_euler(EulerRot::XYZ, a, b, c),
+            ..Shot::default()
+        };
+        expect_within(&shot, 0.02);
+    }
+    let mut rolled = Shot::default();
+    let roll = DAffine3::from_mat3(DMat3::from_rotation_z(2.2));
+    rolled.camera.view_from_world = roll * looking(DVec3::new(-3.0, -4.0, 4.0));
+    expect_within(&rolled, 0.05);
+}
+
+#[test]
+fn view_space_normals_need_no_rotation() {
+    let mut shot = Shot::default();
+    shot.normals = shot.camera.view_from_world.matrix3;
+    let found = expect_within(&shot, 0.02);
+    assert!(turn_deg(found.camera.view_from_world.matrix3, DMat3::IDENTITY) < 0.02);
+}
+
+#[test]
+fn half_floats_and_jitter_cost_tenths_of_a_degree() {
+    let half = Shot {
+        half: true,
+        ..Shot::default()
+    };
+    expect_within(&half, 0.1);
+    let jitter = Shot {
+        jitter: 0.5,
+        ..Shot::default()
+    };
+    expect_within(&jitter, 0.3);
+    let both = Shot {
+        half: true,
+        ..jitter
+    };
+    expect_within(&both, 0.3);
+}
+
+#[test]
+fn parallel_projections_are_told_apart() {
+    let found = expect_within(&Shot::parallel(1.0), 0.05);
+    let Projection::Orthographic { sx, .. } = found.camera.projection else {
+        panic!("not parallel: {found:?}")
+    };
+    assert!((sx / 60.0 - 1.0).abs() < 5e-3, "{sx}");
+    let rough = Shot {
+        half: true,
+        jitter: 0.5,
+        ..Shot::parallel(1.0)
+    };
+    expect_within(&rough, 0.5);
+}
+
+#[test]
+fn distance_along_the_ray_is_told_from_planar_depth() {
+    let shot = Shot {
+        ray: true,
+        ..Shot::default()
+    };
+    let found = expect_within(&shot, 0.02);
+    expect_focal(&found, 380.0, 2e-3);
+    assert_eq!(found.depth_kind, DepthKind::Ray);
+}
+
+#[test]
+fn crops_and_tall_pixels_keep_the_camera() {
+    let cropped = Shot {
+        data: Window::at(40, 30, 200, 170),
+        ..Shot::default()
+    };
+    expect_focal(&expect_within(&cropped, 0.03), 380.0, 5e-3);
+    let eye = DVec3::new(1.0, -6.0, 2.5);
+    let tall = Shot {
+        camera: perspective(eye, 380.0, Window::from_size(320, 240), 2.0),
+        aspect: 2.0,
+        ..Shot::default()
+    };
+    expect_focal(&expect_within(&tall, 0.03), 380.0, 5e-3);
+}
+
+#[test]
+fn the_same_layers_give_the_same_bits() {
+    let shot = Shot {
+        jitter: 0.5,
+        half: true,
+        ..Shot::default()
+    };
+    assert_eq!(recovered(&shot).unwrap(), recovered(&shot).unwrap());
+}
+
+#[test]
+fn one_plane_leaves_a_turn_open() {
+    for projection in [Shot::default(), Shot::parallel(1.0)] {
+        for (jitter, half) in [(0.0, false), (0.5, true)] {
+            let shot = Shot {
+                scene: Scene::Ground,
+                jitter,
+                half,
+                ..projection.clone()
+            };
+            let failure = recovered(&shot).expect_err("guessed a camera");
+            println!("{failure}");
+            assert!(matches!(
+                failure,
+                RecoveryFailure::ParallelNormals | RecoveryFailure::Undetermined { .. }
+            ));
+        }
+    }
+}
+
+#[test]
+fn mirrored_normals_are_turned_by_a_mirror() {
+    let shot = Shot::default();
+    let mut layers = layers_of(&shot);
+    layers.normal.x = layers.normal.x.map(|x| -x);
+    let found = recovered_from(&shot, &layers).unwrap();
+    let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
+    let turn = found.camera.view_from_world.matrix3 * mirror;
+    assert!(turn_deg(turn, shot.camera.view_from_world.matrix3) < 0.05);
+}
+
+#[test]
+fn depth_that_is_none_is_refused() {
+    let shot = Shot::default();
+    let mut layers = layers_of(&shot);
+    let mut numbers = Numbers(1);
+    layers.depth = layers.depth.map(|_| 1.0 + numbers.next() as f32);
+    assert!(recovered_from(&shot, &layers).is_err());
+    layers.depth = layers_of(&shot).normal.y.map(|n| 2.0 + n);
+    let failure = recovered_from(&shot, &layers).expect_err("fitted shading");
+    println!("{failure}");
+}
+
+#[test]
+fn bad_layers_fail_without_panic() {
+    for value in [0.0, 1.0, -1.0, f32::NAN, f32::INFINITY, 1e-30, f32::MAX] {
+        for (w, h) in [(0, 0), (1, 1), (1, 90), (2, 2), (64, 64)] {
+            let shot = Shot {
+                data: Window::from_size(w, h),
+                display: Window::from_size(w, h),
+                ..Shot::default()
+            };
+            for (x, depth) in [(value, 1.0), (1.0, value), (value, value)] {
+                let layers = Layers {
+                    normal: vectors(w, h, |_, _| DVec3::new(x.into(), 0.0, 0.0)),
+                    depth: Plane::filled(w, h, depth),
+                    mask: Mask::full(w, h),
+                };
+                assert!(
+                    recovered_from(&shot, &layers).is_err(),
+                    "{value} in {w}x{h}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn stray_values_and_an_empty_mask_do_no_harm() {
+    let shot = Shot::default();
+    let mut layers = layers_of(&shot);
+    strew(&mut layers.depth, 5, 37);
+    strew(&mut layers.normal.z, 5, 41);
+    let found = recovered_from(&shot, &layers)
+        .unwrap()
+        .camera
+        .view_from_world;
+    let truth = shot.camera.view_from_world.matrix3;
+    assert!(turn_deg(found.matrix3, truth) < 0.05);
+    layers.mask = Mask::new(Plane::filled(320, 240, false));
+    let failure = recovered_from(&shot, &layers);
+    assert!(matches!(
+        failure,
+        Err(RecoveryFailure::TooFewPatches { found: 0, .. })
+    ));
+}
+
+#[test]
+fn a_long_lens_is_still_a_camera() {
+    let eye = DVec3::new(16.0, -96.0, 40.0);
+    let camera = perspective(eye, 6400.0, Window::from_size(320, 240), 1.0);
+    let shot = Shot {
+        camera,
+        ..Shot::default()
+    };
+    expect_focal(&expect_within(&shot, 0.05), 6400.0, 0.01);
+}
+
+#[test]
+fn panoramas_are_refused() {
+    let (w, h) = (512, 256);
+    let seen = panorama(w, h);
+    let normal = |x, y| seen.at(x, y).map_or(DVec3::ZERO, |s| s.normal);
+    let layers = Layers {
+        normal: vectors(w, h, normal),
+        depth: seen.map(|s| s.map_or(1e10, |s| s.steps as f32)),
+        mask: Mask::new(seen.map(|s| s.is_some())),
+    };
+    let shot = Shot {
+        data: Window::from_size(w, h),
+        display: Window::from_size(w, h),
+        ..Shot::default()
+    };
+    let failure = recovered_from(&shot, &layers).expect_err("fitted a panorama");
+    println!("{failure}");
+}

@@ -1,0 +1,231 @@
+//! Cameras of real renders: recovered from their layers, and read from the JSON beside them.
+//!
+//! The renders are not part of this crate: where their folder is absent, these tests say so and pass.
+
+use super::measure::{focal, turn_between};
+use super::planes::{mapped, vector_at};
+use crate::common::real_files::real;
+use glam::{DAffine3, DVec3};
+use relievo::frame::{Camera, Mask, Plane, Vector3Planes, Window};
+use relievo::io::camera::{
+    DepthCamera, RecoveredCamera, RecoveryFailure, read_camera, recover_camera,
+    recover_camera_from_depth,
+};
+use relievo::io::exr::{ExrFile, Limits};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A render, with the camera it was made by beside it.
+pub(crate) struct Render {
+    pub(crate) path: PathBuf,
+    file: ExrFile,
+}
+
+/// The renders that are not panoramas.
+pub(crate) fn pictures() -> impl Iterator<Item = Render> {
+    renders(|path| !is_panorama(path))
+}
+
+fn renders(wanted: impl Fn(&Path) -> bool) -> impl Iterator<Item = Render> {
+    let folders = [real("renders"), real("renders/seq")];
+    let mut files: Vec<PathBuf> = folders
+        .iter()
+        .flatten()
+        .filter_map(|f| std::fs::read_dir(f).ok())
+        .flatten()
+        .filter_map(|entry| entry.ok().map(|e| e.path()))
+        .filter(|path| path.extension().is_some_and(|e| e == "exr"))
+        .collect();
+    files.sort();
+    files.retain(|path| wanted(path));
+    files.into_iter().map(|path| Render {
+        file: ExrFile::open(&path, &Limits::default()).expect("a readable render"),
+        path,
+    })
+}
+
+fn is_panorama(path: &Path) -> bool {
+    path.to_string_lossy().contains("pano")
+}
+
+impl Render {
+    /// The first channels whose names end in these.
+    fn channels<const N: usize>(&self, ends: [&str; N]) -> Option<[Plane; N]> {
+        let mut ids = Vec::new();
+        for end in ends {
+            let named = |part: usize, channel: usize| &self.file.parts[part].channels[channel].name;
+            let mut all = self.file.channel_ids();
+            ids.push(all.find(|id| named(id.part, id.channel).ends_with(end))?);
+        }
+        let planes = self.file.read_channels(&ids).expect("readable channels");
+        planes.try_into().ok()
+    }
+
+    pub(crate) fn depth(&self) -> Option<Plane> {
+        self.channels(["Depth.Z"]).map(|[depth]| depth)
+    }
+
+    pub(crate) fn vector(&self, name: &str) -> Option<Vector3Planes> {
+        let [x, y, z] = ["X", "Y", "Z"].map(|axis| format!("{name}.{axis}"));
+        let [x, y, z] = self.channels([&x, &y, &z])?;
+        Some(Vector3Planes { x, y, z })
+    }
+
+    /// Pixels nearer than the background, or with a position where there is no depth.
+    pub(crate) fn mask(&self, position: &Vector3Planes) -> Mask {
+        if let Some(depth) = self.depth() {
+            return Mask::new(depth.map(|d| d < 1e9));
+        }
+        let seen = |x: usize, y: usize| vector_at(position, x, y) != DVec3::ZERO;
+        Mask::new(Plane::from_fn(
+            position.x.width(),
+            position.x.height(),
+            seen,
+        ))
+    }
+
+    pub(crate) fn data_window(&self) -> Window {
+        self.file.parts[0].window
+    }
+
+    /// The camera that the render was made by.
+    pub(crate) fn camera(&self) -> relievo::Result<Camera> {
+        let path = self.path.with_extension("json");
+        read_camera(&path, self.file.display_window, self.file.pixel_aspect)
+    }
+
+    fn name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
+    fn recovered(
+        &self,
+        position: &Vector3Planes,
+        mask: &Mask,
+    ) -> Result<RecoveredCamera, RecoveryFailure> {
+        let (display, aspect) = (self.file.display_window, self.file.pixel_aspect);
+        recover_camera(position, mask, self.data_window(), display, aspect)
+    }
+
+    fn recovered_from_depth(
+        &self,
+        normal: &Vector3Planes,
+        depth: &Plane,
+        mask: &Mask,
+    ) -> Result<DepthCamera, RecoveryFailure> {
+        let (display, aspect) = (self.file.display_window, self.file.pixel_aspect);
+        recover_camera_from_depth(normal, depth, mask, self.data_window(), display, aspect)
+    }
+}
+
+/// What `work` gives, and the milliseconds it took.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64() * 1e3)
+}
+
+fn eye(camera: &Camera) -> DVec3 {
+    camera.view_from_world.inverse().translation
+}
+
+#[test]
+fn recovered_cameras_match_the_renders() {
+    println!(
+        "{:<36} {:>9} {:>8} {:>8} {:>8} {:>7} {:>6} {:>6} {:>7}",
+        "render", "turn deg", "focal %", "eye", "med px", "p95 px", "in %", "n", "ms"
+    );
+    let mut worst: f64 = 0.0;
+    for render in pictures() {
+        let Some(position) = render.vector("Position") else {
+            continue;
+        };
+        let (name, mask) = (render.name(), render.mask(&position));
+        let (found, ms) = timed(|| render.recovered(&position, &mask));
+        let found = found.unwrap_or_else(|failure| panic!("{name}: {failure}"));
+        let truth = render.camera().expect("a camera beside the render");
+        let turn = turn_between(&found.camera, &truth);
+        println!(
+            "{name:<36} {turn:>9.5} {:>8.4} {:>8.5} {:>8.4} {:>7.3} {:>6.1} {:>6} {ms:>7.1}",
+            100.0 * (focal(&found.camera) / focal(&truth) - 1.0),
+            (eye(&found.camera) - eye(&truth)).length(),
+            found.residual_px_median,
+            found.residual_px_p95,
+            100.0 * found.inlier_share,
+            found.samples,
+        );
+        worst = worst.max(turn);
+    }
+    assert!(worst < 0.05, "a camera is off by {worst} degrees");
+}
+
+#[test]
+fn panoramas_are_refused() {
+    for render in renders(is_panorama) {
+        let position = render.vector("Position").expect("positions");
+        let mask = render.mask(&position);
+        let (found, ms) = timed(|| render.recovered(&position, &mask));
+        let failure = found.expect_err("fitted a panorama");
+        println!("{}: {failure} ({ms:.1} ms)", render.path.display());
+        assert!(matches!(failure, RecoveryFailure::NotACamera { .. }));
+        let error = render.camera().expect_err("read a panorama's camera");
+        assert!(error.to_string().contains("panorama"), "{error}");
+    }
+}
+
+#[test]
+fn rotations_match_the_renders() {
+    println!(
+        "{:<44} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6} {:>7}",
+        "render", "turn deg", "+- deg", "focal %", "+- %", "med deg", "n", "ms"
+    );
+    let (mut worst, mut worst_tiny) = (0.0f64, 0.0f64);
+    for render in pictures() {
+        let name = render.name();
+        let (Some(normal), Some(depth)) = (render.vector("Normal"), render.depth()) else {
+            println!("{name:<44} has no normals with depth");
+            continue;
+        };
+        let mask = render.mask(&normal);
+        let (found, ms) = timed(|| render.recovered_from_depth(&normal, &depth, &mask));
+        let found = found.unwrap_or_else(|failure| panic!("{name}: {failure}"));
+        let truth = render.camera().expect("a camera beside the render");
+        let turn = turn_between(&found.camera, &truth);
+        println!(
+            "{name:<44} {turn:>8.4} {:>8.4} {:>8.3} {:>8.3} {:>8.4} {:>6} {ms:>7.1}",
+            found.rotation_uncertainty_deg,
+            100.0 * (focal(&found.camera) / focal(&truth) - 1.0),
+            100.0 * found.focal_uncertainty,
+            found.residual_deg_median,
+            found.samples,
+        );
+        let tiny = render.data_window().width() < 100;
+        let worst = if tiny { &mut worst_tiny } else { &mut worst };
+        *worst = worst.max(turn);
+        assert!(tiny || turn < 4.0 * found.rotation_uncertainty_deg + 0.01);
+    }
+    assert!(worst < 0.2, "a camera is off by {worst} degrees");
+    assert!(worst_tiny < 1.0, "a camera is off by {worst_tiny} degrees");
+}
+
+#[test]
+fn view_space_normals_come_out_unturned() {
+    for render in pictures() {
+        let (Some(world), Some(depth)) = (render.vector("Normal"), render.depth()) else {
+            continue;
+        };
+        let truth = render.camera().expect("a camera beside the render");
+        let view = mapped(&world, |n| truth.view_from_world.matrix3 * n);
+        let mask = render.mask(&view);
+        let found = render
+            .recovered_from_depth(&view, &depth, &mask)
+            .expect("a camera");
+        let unturned = Camera {
+            view_from_world: DAffine3::IDENTITY,
+            ..found.camera
+        };
+        let turn = turn_between(&found.camera, &unturned);
+        assert!(turn < 1.0, "{}: {turn} degrees", render.path.display());
+    }
+}

@@ -1,0 +1,442 @@
+//! Contours against scenes whose edges are known: where lines run, how wide they are, that each edge has one,
+//! and that they meet.
+
+use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
+use glam::{DVec3, Vec2};
+use relievo::engine::cpu::{Drawing, DrawingInputs, Runner};
+use relievo::frame::{Frame, Plane};
+use relievo::line::contours::{Contour, ContourKind};
+use relievo::params::{ContourParams, LineParams, ScalingParams, ShapeParams};
+use relievo::plan::{Available, Plan, ToneFrom};
+use relievo::report::scenes::frames::masked;
+use relievo::report::scenes::{ExactScene, Surface, surfaces::DISTANCE};
+use std::f32::consts::{PI, TAU};
+
+fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
+    let drawing = LineParams {
+        contours: Some(contours),
+        ..LineParams::default()
+    };
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let available = Available::in_frame(frame);
+    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, drawing).unwrap();
+    let outcome = Runner::default().draw(&plan, frame, DrawingInputs::default());
+    outcome.drawing.expect("a drawing was asked for")
+}
+
+fn drawn(frame: &Frame) -> Drawing {
+    drawn_with(frame, ContourParams::default())
+}
+
+fn ink(drawing: &Drawing) -> &Plane {
+    drawing.contours.as_ref().expect("contours were asked for")
+}
+
+/// The ink at a place between the middles of pixels.
+fn interpolated(ink: &Plane, p: Vec2) -> f32 {
+    let p = p - Vec2::splat(0.5);
+    let (x, y, share) = (p.x as usize, p.y as usize, p.fract());
+    let row = |y| ink.at(x, y) * (1.0 - share.x) + ink.at(x + 1, y) * share.x;
+    row(y) * (1.0 - share.y) + row(y + 1) * share.y
+}
+
+/// How often ink starts along a straight way, looked at every tenth of a pixel.
+fn runs_of_ink(ink: &Plane, from: Vec2, to: Vec2) -> usize {
+    let steps = (10.0 * from.distance(to)) as usize;
+    let is_inked = |i: usize| {
+        let p = from.lerp(to, i as f32 / steps as f32);
+        interpolated(ink, p) > 0.1
+    };
+    let starts = (1..=steps).filter(|&i| is_inked(i) && !is_inked(i - 1));
+    starts.count() + usize::from(is_inked(0))
+}
+
+fn length(contour: &Contour) -> f32 {
+    contour
+        .points
+        .windows(2)
+        .map(|pair| pair[0].distance(pair[1]))
+        .sum()
+}
+
+/// The points every `step` pixels along a line.
+fn evenly(contour: &Contour, step: f32) -> Vec<Vec2> {
+    let (mut left, mut points) = (0.0, Vec::new());
+    for pair in contour.points.windows(2) {
+        let length = pair[0].distance(pair[1]);
+        while left < length {
+            points.push(pair[0].lerp(pair[1], left / length));
+            left += step;
+        }
+        left -= length;
+    }
+    points
+}
+
+const RADIUS: f32 = 60.0;
+const CENTER: Vec2 = Vec2::new(80.3, 79.6);
+
+fn disc() -> Frame {
+    let ball = Surface::ball(f64::from(RADIUS));
+    ExactScene::orthographic(ball, f64::from(CENTER.x), f64::from(CENTER.y)).frame(160, 160)
+}
+
+/// The coverage of pixels by a disc, of 16 x 16 samples each.
+fn coverage_of_disc() -> Plane {
+    Plane::from_fn(160, 160, |x, y| {
+        let sample = |i: usize| {
+            let offset = Vec2::new((i % 16) as f32 + 0.5, (i / 16) as f32 + 0.5) / 16.0;
+            (Vec2::new(x as f32, y as f32) + offset).distance(CENTER) < RADIUS
+        };
+        (0..256).filter(|&i| sample(i)).count() as f32 / 256.0
+    })
+}
+
+fn farthest_from_circle(contour: &Contour) -> f32 {
+    let off = |p: &Vec2| (p.distance(CENTER) - RADIUS).abs();
+    contour.points.iter().map(off).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_disc_is_one_smooth_closed_line() {
+    let drawing = drawn(&disc());
+    assert_eq!(drawing.contour_lines.len(), 1);
+    let line = &drawing.contour_lines[0];
+    assert!(line.is_closed() && line.kind == ContourKind::Silhouette);
+    // A crack lies within half a pixel of the edge that passes between its pixels.
+    let off = farthest_from_circle(line);
+    assert!(off < 0.5, "{off}");
+    // Over s pixels a circle turns by s/R: over 12 pixels by 0.2 rad. Were the steps between pixels left in,
+    // single turns would be 0 or 0.8 rad.
+    let points = evenly(line, 12.0);
+    for three in points.windows(3) {
+        let turn = (three[1] - three[0]).angle_to(three[2] - three[1]);
+        assert!((turn.abs() - 12.0 / RADIUS).abs() < 0.1, "turns by {turn}");
+    }
+    // Before the background, and almost at one depth: a rim pixel lies up to 1 px inside, the surface there
+    // sqrt(R^2 - (R-1)^2) = 11 px nearer than the rim, 2.7 % of the distance of 400. Over 0.4 in the logarithm
+    // 40 % of the width are lost: here up to 2.7 %.
+    let width = ContourParams::default().width_px;
+    assert!(line.widths.iter().all(|&w| w <= width && w > 0.97 * width));
+    let sum: f32 = ink(&drawing).samples().iter().sum();
+    let expected = TAU * RADIUS * width;
+    assert!(
+        (sum - expected).abs() < 0.03 * expected,
+        "{sum} of {expected}"
+    );
+    assert!((length(line) - TAU * RADIUS).abs() < 0.02 * TAU * RADIUS);
+}
+
+#[test]
+fn alpha_tells_where_between_pixels_the_edge_is() {
+    let smooth = Frame {
+        alpha: Some(coverage_of_disc()),
+        ..disc()
+    };
+    let line = &drawn(&smooth).contour_lines[0];
+    // Sums of coverage along rows or columns miss a slanted edge of slope m by up to m/8 where it leaves the
+    // four pixels looked at, here never: 1/16 pixel of sampling, and what smoothing adds.
+    let off = farthest_from_circle(line);
+    assert!(off < 0.2, "{off}");
+}
+
+#[test]
+fn one_run_of_ink_on_every_way_across_an_edge() {
+    let drawing = drawn(&disc());
+    for i in 0..720 {
+        let way = Vec2::from_angle(i as f32 * TAU / 720.0);
+        let runs = runs_of_ink(ink(&drawing), CENTER + 2.0 * way, CENTER + 75.0 * way);
+        assert_eq!(runs, 1, "toward {way}");
+    }
+}
+
+/// Where the balls of `two_balls(40, 50)` are seen: near and far, with their radii.
+fn balls() -> (Frame, [(Vec2, f32); 2]) {
+    let (near, far, cx, cy) = (40.0, 50.0, 90.2, 100.4);
+    let frame = ExactScene::two_balls(near, far, cx, cy).frame(200, 200);
+    let seen = |x: f64, y: f64| Vec2::new((cx + x) as f32, (cy - y) as f32);
+    let near_at = seen(-0.7 * near, -0.4 * near);
+    let far_at = seen(0.6 * far, 0.4 * far);
+    (frame, [(near_at, near as f32), (far_at, far as f32)])
+}
+
+#[test]
+fn the_nearer_ball_is_outlined_whole_and_the_farther_joins_it() {
+    let (frame, [(near, near_radius), (far, far_radius)]) = balls();
+    let drawing = drawn(&frame);
+    let ink = ink(&drawing);
+    for i in 0..360 {
+        let way = Vec2::from_angle(i as f32 * PI / 180.0);
+        let edge = near + near_radius * way;
+        // Where the farther ball's own outline is close by, both are crossed.
+        if (edge.distance(far) - far_radius).abs() > 9.0 {
+            let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
+            assert_eq!(runs, 1, "near ball, {i} degrees");
+        }
+        let edge = far + far_radius * way;
+        if edge.distance(near) > near_radius + 9.0 {
+            let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
+            assert_eq!(runs, 1, "far ball, {i} degrees");
+        } else if edge.distance(near) < near_radius - 9.0 {
+            let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
+            assert_eq!(runs, 0, "hidden, {i} degrees");
+        }
+    }
+    // Two lines: around the near ball, closed; around the far one, both ends on the near one's edge.
+    let silhouettes: Vec<_> = drawing.contour_lines.iter().collect();
+    assert_eq!(silhouettes.len(), 2);
+    let (whole, part): (Vec<_>, Vec<_>) =
+        silhouettes.into_iter().partition(|line| line.is_closed());
+    assert_eq!((whole.len(), part.len()), (1, 1));
+    for point in &whole[0].points {
+        assert!((point.distance(near) - near_radius).abs() < 0.7, "{point}");
+    }
+    let ends = [part[0].points[0], part[0].points[part[0].points.len() - 1]];
+    for end in ends {
+        let gap = whole[0]
+            .points
+            .iter()
+            .map(|p| p.distance(end))
+            .fold(f32::INFINITY, f32::min);
+        assert!(gap < 0.8, "an end {gap} px off the near ball's line");
+    }
+    // The near ball's line is the heavier one.
+    let mean = |line: &Contour| line.widths.iter().sum::<f32>() / line.widths.len() as f32;
+    assert!(mean(whole[0]) > 1.05 * mean(part[0]));
+}
+
+/// Unit directions, in rows that run down, of the edges that meet in a corner.
+fn edges(block: bool, roll: f32) -> [Vec2; 3] {
+    // Faces lean toward roll + 90 degrees and thirds of a turn from there; edges of a block run opposite to
+    // the faces, those of a room along them.
+    let first = roll + if block { -PI / 2.0 } else { PI / 2.0 };
+    [0.0, 1.0, 2.0].map(|i| {
+        let (sin, cos) = (first + i * TAU / 3.0).sin_cos();
+        Vec2::new(cos, -sin)
+    })
+}
+
+#[test]
+fn three_straight_creases_meet_in_a_corner() {
+    let corner = Vec2::new(80.3, 78.9);
+    for (block, roll) in [(true, 0.0_f32), (true, 0.3), (false, 0.0), (false, 0.45)] {
+        let scene = ExactScene::box_corner(
+            block,
+            f64::from(roll),
+            f64::from(corner.x),
+            f64::from(corner.y),
+        );
+        let drawing = drawn(&scene.frame(160, 160));
+        let lines = &drawing.contour_lines;
+        let lengths: Vec<f32> = lines.iter().map(length).collect();
+        assert_eq!(lines.len(), 3, "{block} {roll}: {lengths:?}");
+        let edges = edges(block, roll);
+        for line in lines {
+            assert_eq!(line.kind, ContourKind::Crease);
+            // The point farthest out tells which edge it is.
+            let out = line
+                .points
+                .iter()
+                .max_by(|a, b| a.distance(corner).total_cmp(&b.distance(corner)));
+            let way = (*out.unwrap() - corner).normalize();
+            let edge = edges
+                .iter()
+                .max_by(|a, b| a.dot(way).total_cmp(&b.dot(way)))
+                .unwrap();
+            for &point in &line.points {
+                let off = (point - corner).perp_dot(*edge).abs();
+                assert!(off < 0.5, "{block} {roll}: {point} is {off} off");
+            }
+            let gap = line
+                .points
+                .iter()
+                .map(|p| p.distance(corner))
+                .fold(f32::INFINITY, f32::min);
+            assert!(gap < 0.7, "{block} {roll}: ends {gap} px from the corner");
+        }
+        for edge in edges {
+            for along in 10..70 {
+                let (at, across) = (corner + along as f32 * edge, 5.0 * edge.perp());
+                let runs = runs_of_ink(ink(&drawing), at - across, at + across);
+                assert_eq!(runs, 1, "{block} {roll}: {along} px along {edge}");
+            }
+        }
+    }
+}
+
+#[test]
+fn depth_that_a_filter_spread_gives_the_same_single_line() {
+    // A disc one quarter of the distance before a wall, its border pixels mixed by coverage.
+    let (near, far) = (DISTANCE, 1.25 * DISTANCE);
+    let wall = ExactScene::orthographic(Surface::plane(DVec3::Z), 80.0, 80.0).frame(160, 160);
+    let coverage = coverage_of_disc();
+    for spread in [false, true] {
+        let share = |c: f32| if spread { c } else { c.round() };
+        let depth = coverage.map(|c| far as f32 + share(c) * (near - far) as f32);
+        let frame = Frame {
+            depth: Some(depth),
+            camera: None,
+            ..wall.clone()
+        };
+        let drawing = drawn(&frame);
+        assert_eq!(drawing.contour_lines.len(), 1, "spread: {spread}");
+        let line = &drawing.contour_lines[0];
+        assert!(line.is_closed());
+        let off = farthest_from_circle(line);
+        assert!(off < 0.6, "spread: {spread}, {off} off");
+    }
+}
+
+/// The sum of the differences of two planes, and the share of pixels that differ by more than a fifth.
+fn difference(a: &Plane, b: &Plane) -> (f32, f32) {
+    assert_eq!((a.width(), a.height()), (b.width(), b.height()));
+    let apart: Vec<f32> = a
+        .samples()
+        .iter()
+        .zip(b.samples())
+        .map(|(a, b)| (a - b).abs())
+        .collect();
+    let n = apart.len() as f32;
+    let far = apart.iter().filter(|&&d| d > 0.2).count();
+    (apart.iter().sum(), far as f32 / n)
+}
+
+#[test]
+fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
+    let corner = ExactScene::box_corner(true, 0.3, 80.3, 78.9).frame(160, 150);
+    for (name, frame) in [("disc", disc()), ("balls", balls().0), ("corner", corner)] {
+        let drawing = drawn(&frame);
+        let mirror = drawn(&mirrored(&frame));
+        let turned = drawn(&quarter_turned(&frame));
+        // Silhouettes are the same to rounding, but are cut into pieces from another end on, each within 0.03 px
+        // of the line. Bands two pixels wide are thinned to the one or the other, whose neighbours differ: a
+        // crease moves by up to a tenth of a pixel. A line moved by d changes 2 d of ink per pixel of length.
+        let all: f32 = drawing.contour_lines.iter().map(length).sum();
+        for (case, other) in [
+            (mirrored_plane(ink(&drawing)), mirror),
+            (quarter_turned_plane(ink(&drawing)), turned),
+        ] {
+            let (sum, far) = difference(&case, ink(&other));
+            assert!(
+                sum < 2.0 * 0.1 * all && far < 2e-4,
+                "{name}: {sum} over {all} px, {far} far apart"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let frame = balls().0;
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| drawn(&frame))
+    };
+    let (one, five) = (with(1), with(5));
+    assert_eq!(one.contour_lines, five.contour_lines);
+    assert_eq!(ink(&one), ink(&five));
+}
+
+#[test]
+fn hard_frames_give_finite_drawings() {
+    let flat = |width, height| {
+        ExactScene::orthographic(Surface::plane(DVec3::new(0.3, 0.2, 1.0)), 20.0, 20.0)
+            .frame(width, height)
+    };
+    let wall = flat(97, 83);
+    let mut rough = wall.clone();
+    // Normals that turn by 90 degrees from pixel to pixel.
+    rough.normal.x = Plane::from_fn(97, 83, |x, y| if (x + y) % 2 == 0 { 0.707 } else { -0.707 });
+    rough.normal.y = Plane::filled(97, 83, 0.0);
+    rough.normal.z = Plane::filled(97, 83, 0.707);
+    let mut steps = wall.clone();
+    steps.depth = Some(Plane::from_fn(97, 83, |x, y| {
+        if (x / 2 + y / 3) % 2 == 0 { 1.0 } else { 3.0 }
+    }));
+    let mut bad = wall.clone();
+    bad.depth = Some(Plane::from_fn(97, 83, |x, y| {
+        [f32::NAN, 1.0, f32::INFINITY, 0.0, -1.0][(x + y) % 5]
+    }));
+    bad.normal.x = Plane::from_fn(97, 83, |x, _| if x % 7 == 0 { f32::NAN } else { 0.0 });
+    bad.alpha = Some(Plane::filled(97, 83, f32::NAN));
+    let frames = [
+        ("one pixel", flat(1, 1)),
+        ("one row", flat(50, 1)),
+        ("one column", flat(1, 50)),
+        ("full", wall.clone()),
+        ("empty mask", masked(wall.clone(), |_, _| false)),
+        (
+            "one covered pixel",
+            masked(wall.clone(), |x, y| (x, y) == (40, 40)),
+        ),
+        (
+            "checkerboard",
+            masked(wall.clone(), |x, y| (x + y) % 2 == 0),
+        ),
+        ("stripes", masked(wall.clone(), |x, _| x % 2 == 0)),
+        ("crease everywhere", rough),
+        ("steps everywhere", steps),
+        ("bad values", masked(bad.clone(), |x, y| x > 10 || y > 20)),
+    ];
+    for (name, frame) in &frames {
+        for width_px in [0.1, 2.0, 500.0] {
+            let params = ContourParams {
+                width_px,
+                ..ContourParams::default()
+            };
+            let drawing = drawn_with(frame, params);
+            let is_share = |&c: &f32| (0.0..=1.0).contains(&c);
+            assert!(
+                ink(&drawing).samples().iter().all(is_share),
+                "{name}, {width_px} px"
+            );
+            for line in &drawing.contour_lines {
+                assert_eq!(line.points.len(), line.widths.len());
+                let finite = line.points.iter().all(|p| p.is_finite())
+                    && line.widths.iter().all(|w| w.is_finite() && *w >= 0.0);
+                assert!(
+                    finite,
+                    "{name}, {width_px} px: {:?} {:?}",
+                    &line.points[..3.min(line.points.len())],
+                    &line.widths[..3.min(line.points.len())]
+                );
+            }
+        }
+    }
+    let blank = |name: &str| &frames.iter().find(|(n, _)| *n == name).unwrap().1;
+    for name in ["full", "empty mask", "one pixel", "one covered pixel"] {
+        assert!(drawn(blank(name)).contour_lines.is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn specks_are_left_out_unless_asked_for() {
+    let ball = disc();
+    let speckled = masked(ball.clone(), |x, y| {
+        ball.mask.at(x, y) && (x, y) != (80, 80)
+    });
+    assert_eq!(drawn(&speckled).contour_lines.len(), 1);
+    let params = ContourParams {
+        shortest_px: 0.0,
+        ..ContourParams::default()
+    };
+    assert_eq!(drawn_with(&speckled, params).contour_lines.len(), 2);
+}
+
+#[test]
+fn lines_run_off_the_picture() {
+    // The upper half is covered: one line from border to border, of full width to the last pixel.
+    let wall = ExactScene::orthographic(Surface::plane(DVec3::Z), 20.0, 20.0).frame(60, 40);
+    let drawing = drawn(&masked(wall.clone(), |_, y| y < 20));
+    assert_eq!(drawing.contour_lines.len(), 1);
+    for x in [0, 30, 59] {
+        // Two pixels wide, on the crack between rows 19 and 20.
+        for (y, expected) in [(18, 0.0), (19, 1.0), (20, 1.0), (21, 0.0)] {
+            let c = ink(&drawing).at(x, y);
+            assert!((c - expected).abs() < 1e-3, "({x}, {y}): {c}");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Every background of depth with everything that depth may hold.
+
+use super::truth::{display, truth};
+use crate::common::exr::{Part, Stored, write};
+use glam::DVec3;
+use relievo::frame::{DepthKind, Plane};
+use relievo::io::inputs::{Inputs, StoredDepth};
+use relievo::io::{self, Loaded, Needs};
+
+/// A file with normals in view space, `background` where there is nothing, and this depth.
+fn loaded(
+    background: DVec3,
+    stored: Stored,
+    depth: &Plane,
+    alpha: bool,
+    told: Option<StoredDepth>,
+) -> Loaded {
+    let truth = truth();
+    let mut part = Part::new(display()).channel("depth.Z", stored, depth);
+    for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
+        let plane = truth.normal(axis, background[axis], |n| n);
+        part = part.channel(&format!("N.{name}"), Stored::Float, &plane);
+    }
+    if alpha {
+        for name in ["R", "G", "B", "A"] {
+            part = part.channel(name, Stored::Half, &truth.alpha());
+        }
+    }
+    let desk = tempfile::tempdir().unwrap();
+    let picture = desk.path().join("a.exr");
+    write(&picture, display(), &[part]);
+    let inputs = Inputs {
+        picture,
+        depth_kind: told,
+        ..Inputs::default()
+    };
+    let needs = Needs {
+        projection: true,
+        ..Needs::default()
+    };
+    io::load(&inputs, needs).unwrap()
+}
+
+/// Something of planar depth and distance along the sight line.
+type Value = fn(f64, f64) -> f64;
+
+const KINDS: [(StoredDepth, Value, &[f64]); 5] = [
+    (
+        StoredDepth::Planar,
+        |z, _| z,
+        &[0.0, 1e10, 1e30, 1e38, f64::INFINITY, f64::NAN, -1.0],
+    ),
+    (
+        StoredDepth::Ray,
+        |_, distance| distance,
+        &[0.0, 1e10, 1e30, 1e38, f64::INFINITY, f64::NAN, -1.0],
+    ),
+    (StoredDepth::Inverse, |z, _| 1.0 / z, &[0.0, f64::NAN]),
+    // The scene reaches from 3.3 to 8.7.
+    (
+        StoredDepth::WhiteFar,
+        |z, _| ((z - 3.8) / 4.0).clamp(0.0, 1.0),
+        &[0.0, 1.0],
+    ),
+    (
+        StoredDepth::WhiteNear,
+        |z, _| ((7.8 - z) / 4.0).clamp(0.0, 1.0),
+        &[0.0, 1.0],
+    ),
+];
+
+#[test]
+fn each_background_with_each_kind() {
+    let truth = truth();
+    for (kind, value, backgrounds) in KINDS {
+        for &background in backgrounds {
+            for told in [None, Some(kind)] {
+                let case = format!("{kind:?} on {background}, told {told:?}");
+                let depth = truth.depth(background, value);
+                let frame = loaded(DVec3::ZERO, Stored::Float, &depth, false, told);
+                assert_eq!(frame.conventions.depth_kind, Some(kind), "{case}");
+                assert_eq!(frame.frame.source.depth_kind, kind.kind(), "{case}");
+                assert_eq!(truth.mask_errors(&frame.frame), 0, "{case}");
+                if kind.kind() != DepthKind::Relative {
+                    let off = truth.worst_depth(&frame.frame, kind == StoredDepth::Ray, 1.0);
+                    assert!(off < 1e-6, "{case}: {off}");
+                }
+            }
+            // In half floats every infinity is 65504 or inf; depth is then no place.
+            let depth = truth.depth(background.min(65504.0), value);
+            let frame = loaded(DVec3::ZERO, Stored::Half, &depth, false, None);
+            assert_eq!(truth.mask_errors(&frame.frame), 0, "{kind:?}, half");
+            assert_eq!(frame.frame.source.depth_kind, DepthKind::Relative);
+        }
+    }
+}
+
+#[test]
+fn depth_tells_coverage_where_normals_do_not() {
+    let truth = truth();
+    let filler = DVec3::new(0.0, 0.0, 1.0);
+    for (kind, value, backgrounds) in &KINDS[..3] {
+        for &background in *backgrounds {
+            let depth = truth.depth(background, value);
+            let frame = loaded(filler, Stored::Float, &depth, false, Some(*kind)).frame;
+            assert_eq!(truth.mask_errors(&frame), 0, "{kind:?} on {background}");
+        }
+    }
+}
+
+#[test]
+fn alpha_tells_coverage_where_depth_does_not() {
+    let truth = truth();
+    let filler = DVec3::new(0.0, 0.0, 1.0);
+    for (kind, value, backgrounds) in &KINDS[3..] {
+        for &background in *backgrounds {
+            let depth = truth.depth(background, value);
+            let frame = loaded(filler, Stored::Float, &depth, true, Some(*kind)).frame;
+            assert_eq!(truth.mask_errors(&frame), 0, "{kind:?} on {background}");
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Rows on demand, and files written strip by strip: both give what reading and writing whole gives.
+
+use super::{HEIGHTS, TARGET, bits, part, planes, push_in_strips, saved, whole};
+use crate::common::real_files::real;
+use relievo::frame::{Plane, Window};
+use relievo::io::exr::{
+    ChannelId, ExrFile, Limits, OutputChannel, OutputCompression, OutputPart, OutputType,
+    PartDescription, PartWriter, RowReader, append_part, write_results,
+};
+use std::io::Cursor;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The bits of the rows `rows`.
+fn row_bits(plane: &Plane, rows: Range<usize>) -> Vec<u32> {
+    let all = bits(plane);
+    all[rows.start * plane.width()..rows.end * plane.width()].to_vec()
+}
+
+#[test]
+fn a_file_does_not_depend_on_how_its_rows_were_cut() {
+    let planes = planes();
+    let mut part = part(&planes);
+    for compression in OutputCompression::ALL {
+        part.compression = compression;
+        let expected = whole(&part);
+        for heights in HEIGHTS {
+            let mut file = Cursor::new(Vec::new());
+            let description: PartDescription = part.description();
+            let writer = PartWriter::create(&mut file, Path::new(TARGET), &description).unwrap();
+            push_in_strips(writer, &planes, heights);
+            assert!(file.into_inner() == expected, "{compression} {heights:?}");
+        }
+    }
+}
+
+#[test]
+fn a_part_added_does_not_depend_on_how_its_rows_were_cut() {
+    let planes = planes();
+    let part = part(&planes);
+    let (_directory, own) = saved(&whole(&part), &Limits::default());
+    let others = [
+        "conformance/structure/lineOrder_decreasing.exr",
+        "conformance/multires/MirrorPattern.exr",
+        "renders/tiny_bunny_64_multipart.exr",
+    ];
+    let others = others.into_iter().filter_map(real);
+    let others = others.map(|path| ExrFile::open(&path, &Limits::default()).unwrap());
+    for input in std::iter::once(own).chain(others) {
+        let mut expected = Cursor::new(Vec::new());
+        append_part(&input, &mut expected, Path::new(TARGET), &part).unwrap();
+        let expected = expected.into_inner();
+        for heights in HEIGHTS {
+            let mut file = Cursor::new(Vec::new());
+            let description = part.description();
+            let writer = PartWriter::append(&input, &mut file, Path::new(TARGET), &description);
+            push_in_strips(writer.unwrap(), &planes, heights);
+            assert!(file.into_inner() == expected, "{heights:?}");
+        }
+    }
+}
+
+#[test]
+fn lossless_compressions_keep_every_sample_and_dwa_keeps_colours_close() {
+    // A ramp in the colours, and a sample that is no number in alpha.
+    let color = Plane::from_fn(67, 300, |x, y| 0.01 * x as f32 + 0.002 * y as f32);
+    let mut alpha = Plane::filled(67, 300, 1.0);
+    alpha.samples_mut()[5] = f32::NAN;
+    let channels = [("R", &color), ("G", &color), ("B", &color), ("A", &alpha)];
+    let channels = channels.map(|(name, plane)| OutputChannel {
+        name: name.into(),
+        plane,
+        sample_type: OutputType::Float,
+    });
+    let planes = planes();
+    for compression in OutputCompression::ALL {
+        let part = OutputPart {
+            data_window: Window::from_size(67, 300),
+            channels: channels.to_vec(),
+            compression,
+            ..part(&planes)
+        };
+        let (_directory, file) = saved(&whole(&part), &Limits::default());
+        assert_eq!(file.parts[0].compression, compression.name());
+        let ids: Vec<ChannelId> = file.channel_ids().collect();
+        // A, B, G, R.
+        let read = file.read_channels(&ids).unwrap();
+        for (plane, (channel, name)) in read.iter().zip(file.parts[0].channels.iter().zip(0..)) {
+            let expected = if channel.name == "A" { &alpha } else { &color };
+            match file.parts[0].is_lossy(name) {
+                false => assert!(bits(plane) == bits(expected), "{compression}"),
+                true => {
+                    assert!(compression.is_lossy());
+                    let pairs = plane.samples().iter().zip(expected.samples());
+                    // Far below the step of 0.01 between pixels; the ramp ends at 1.27.
+                    let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                    assert!(apart < 5e-3, "{compression} {apart}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn data_are_not_compressed_with_loss() {
+    let planes = planes();
+    let mut part = part(&planes);
+    part.compression = OutputCompression::Dwaa;
+    part.channels[1].name = "normal.Y".into();
+    let mut file = Cursor::new(Vec::new());
+    let error = write_results(&mut file, Path::new(TARGET), &part).unwrap_err();
+    assert!(error.to_string().contains("normal.Y"), "{error}");
+    assert!(file.into_inner().is_empty());
+}
+
+/// Compares rows with the same rows of whole channels: one by one, and with a reader that goes down,
+/// back up, and over strips that overlap.
+fn check_rows(file: &ExrFile) {
+    for part in 0..file.parts.len() {
+        let wanted: Vec<ChannelId> = file.channel_ids().filter(|id| id.part == part).collect();
+        // Twice the same channel, and not in order.
+        let wanted = [&wanted[wanted.len() / 2..], &wanted[..1]].concat();
+        let whole = file.read_channels(&wanted).unwrap();
+        let height = file.parts[part].window.height();
+        let mut ranges = vec![0..height, height..height, 0..0, height / 2..height];
+        ranges.extend([0..1, height - 1..height, height / 3..height - height / 4]);
+        let strip = (height / 5).max(3);
+        let strips = (0..height).step_by(strip);
+        ranges
+            .extend(strips.map(|y| y.saturating_sub(strip / 2)..height.min(y + strip + strip / 3)));
+        let mut reader = RowReader::new(file, &wanted).unwrap();
+        for rows in ranges {
+            let alone = file.read_rows(&wanted, rows.clone()).unwrap();
+            let running = reader.rows(rows.clone()).unwrap();
+            for ((whole, alone), running) in whole.iter().zip(&alone).zip(&running) {
+                let expected = row_bits(whole, rows.clone());
+                let name = file.path.display();
+                assert_eq!((alone.width(), alone.height()), (whole.width(), rows.len()));
+                assert!(bits(alone) == expected, "{name} {rows:?}");
+                assert!(bits(running) == expected, "{name} {rows:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_are_those_of_the_whole() {
+    let planes = planes();
+    check_rows(&saved(&whole(&part(&planes)), &Limits::default()).1);
+    let folders = ["compression/f16", "compression/f32"];
+    let folders = folders.map(|f| real(&format!("conformance/{f}")));
+    let listed = folders.into_iter().flatten().flat_map(|folder| {
+        let entries = std::fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().path())
+    });
+    let named = [
+        "conformance/structure/lineOrder_decreasing.exr",
+        "conformance/structure/tiled_with_scanlineimage_type.exr",
+        "conformance/multires/MirrorPattern.exr",
+        "conformance/displaywindow/t16.exr",
+        "renders/suzanne_640_half_dwaa.exr",
+        "renders/tiny_bunny_64_multipart.exr",
+    ];
+    let paths: Vec<PathBuf> = named.into_iter().filter_map(real).chain(listed).collect();
+    for path in paths {
+        match ExrFile::open(&path, &Limits::default()) {
+            Ok(file) => check_rows(&file),
+            Err(error) => println!("{error}"),
+        }
+    }
+}
+
+#[test]
+fn limits_count_for_the_rows_that_are_read() {
+    let planes = planes();
+    // 23 columns of 71 rows are 1633 pixels; 20 rows are 460.
+    let limits = Limits {
+        max_pixels: 500,
+        ..Limits::default()
+    };
+    let (_directory, file) = saved(&whole(&part(&planes)), &limits);
+    let wanted: Vec<ChannelId> = file.channel_ids().collect();
+    let error = file.read_channels(&wanted).unwrap_err().to_string();
+    assert!(error.contains("1633 pixels"), "{error}");
+    assert!(file.read_rows(&wanted, 40..62).is_err());
+    assert_eq!(file.read_rows(&wanted, 40..60).unwrap()[0].height(), 20);
+    let mut reader = RowReader::new(&file, &wanted).unwrap();
+    assert!(reader.rows(0..22).is_err());
+    assert_eq!(reader.rows(0..21).unwrap()[0].height(), 21);
+}
+
+#[test]
+fn only_the_blocks_that_hold_the_rows_are_read() {
+    let planes = planes();
+    let mut bytes = whole(&part(&planes));
+    // The last of five blocks, rows 64 to 70, claims to lie elsewhere.
+    let place = 73i32.to_le_bytes();
+    let at = bytes.windows(4).rposition(|w| w == place).unwrap();
+    bytes[at] ^= 1;
+    let (_directory, file) = saved(&bytes, &Limits::default());
+    let wanted: Vec<ChannelId> = file.channel_ids().collect();
+    assert!(file.read_rows(&wanted, 0..64).is_ok());
+    assert!(file.read_rows(&wanted, 60..65).is_err());
+    // What came before the failure is still there.
+    let mut reader = RowReader::new(&file, &wanted).unwrap();
+    let before = reader.rows(20..60).unwrap();
+    assert!(reader.rows(30..70).is_err());
+    let after = reader.rows(20..60).unwrap();
+    assert_eq!(bits(&before[2]), bits(&after[2]));
+}

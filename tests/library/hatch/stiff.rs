@@ -1,0 +1,115 @@
+//! Frames and settings at their extremes: a drawing or a refusal, never a NaN.
+
+use super::*;
+use crate::common::{is_a_drawing, poisoned};
+use glam::DVec3;
+use relievo::frame::Mask;
+use relievo::params::{StrokeDirections, StrokeScale};
+use relievo::report::scenes::Surface;
+use relievo::report::stability::extreme_strokes;
+
+/// Those of the report and a few more.
+fn settings() -> Vec<(&'static str, LineParams)> {
+    let usual = LineParams {
+        directions: StrokeDirections::Both,
+        ..LineParams::default()
+    };
+    let strokes = |name, change: fn(&mut StrokeParams)| {
+        let mut line = usual;
+        change(&mut line.strokes);
+        (name, line)
+    };
+    let mut settings = extreme_strokes();
+    settings.extend([
+        ("usual", usual),
+        strokes("8 sets of a pencil", |s| {
+            (s.style, s.sets) = (Style::Pencil, 8)
+        }),
+        strokes("lines", |s| s.style = Style::Lines),
+        strokes("no wobble", |s| {
+            (s.wobble, s.pressure) = (Some(0.0), Some(0.0))
+        }),
+    ]);
+    settings
+}
+
+fn frames() -> Vec<(&'static str, Frame)> {
+    let scene = |surface| ExactScene::orthographic(surface, 20.0, 20.0);
+    let ball = scene(Surface::ball(15.0)).frame(40, 40);
+    let plane = scene(Surface::plane(DVec3::Z)).frame(40, 40);
+    let masked = |mask: Mask| Frame {
+        mask,
+        ..ball.clone()
+    };
+    let spot = Plane::from_fn(40, 40, |x, y| (x, y) == (20, 20));
+    let even = |luminance| grey(scene(Surface::ball(15.0)).frame(40, 40), luminance);
+    let mut bare = ball.clone();
+    (bare.depth, bare.alpha, bare.camera) = (None, None, None);
+    vec![
+        ("umbilic everywhere", ball.clone()),
+        ("planar everywhere", plane),
+        (
+            "nothing covered",
+            masked(Mask::new(Plane::filled(40, 40, false))),
+        ),
+        ("one pixel covered", masked(Mask::new(spot))),
+        ("black", even(0.0)),
+        ("white", even(1.0)),
+        ("infinitely bright", even(f32::INFINITY)),
+        ("no number", even(f32::NAN)),
+        ("normals alone", bare),
+        ("poisoned outside", poisoned(&ball, f32::NAN)),
+        ("one pixel", scene(Surface::plane(DVec3::Z)).frame(1, 1)),
+        ("one row", scene(Surface::plane(DVec3::Z)).frame(90, 1)),
+        ("one column", scene(Surface::plane(DVec3::Z)).frame(1, 90)),
+    ]
+}
+
+#[test]
+fn extremes_are_drawn() {
+    let frames = frames();
+    for (setting, line) in settings() {
+        // One runner for a setting: it keeps the strokes it has made.
+        let runner = Runner::default();
+        for (name, frame) in &frames {
+            let drawn = drawn_by(&runner, frame, line);
+            assert!(is_a_drawing(&drawn), "{name}, {setting}");
+        }
+    }
+}
+
+#[test]
+fn what_lies_outside_the_mask_changes_nothing() {
+    let frame = ExactScene::orthographic(Surface::ball(15.0), 20.0, 20.0).frame(40, 40);
+    let clean = drawing(&frame, LineParams::default());
+    for poison in [f32::NAN, f32::INFINITY, -1e30] {
+        let other = drawing(&poisoned(&frame, poison), LineParams::default());
+        assert_eq!(clean.hatching, other.hatching);
+        assert_eq!(clean.contours, other.contours);
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_refused_by_name() {
+    let refused = |change: fn(&mut LineParams), name: &str| {
+        let mut line = LineParams::default();
+        change(&mut line);
+        let said = line.validate().unwrap_err().to_string();
+        assert!(said.starts_with(name), "{said}");
+    };
+    refused(|l| l.strokes.levels = 0, "--levels");
+    refused(|l| l.strokes.levels = 361, "--levels");
+    refused(|l| l.strokes.sets = 9, "--sets");
+    refused(
+        |l| l.strokes.scale = StrokeScale::Factor(0.0),
+        "--stroke-scale",
+    );
+    refused(
+        |l| l.strokes.scale = StrokeScale::Millimetres(f32::NAN),
+        "--stroke-scale",
+    );
+    refused(|l| l.strokes.dpi = -1.0, "--dpi");
+    refused(|l| l.strokes.wobble = Some(2.0), "--wobble");
+    refused(|l| l.tone.black_point = 1.0, "--black-point");
+    refused(|l| l.tone.gamma = f32::NAN, "--tone-gamma");
+}

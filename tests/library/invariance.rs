@@ -1,0 +1,242 @@
+//! What must change nothing: mirrors, turns, crops, windows, threads, tiles and whatever lies outside the
+//! mask.
+
+use crate::common::planes::planes;
+use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
+use glam::DVec3;
+use relievo::engine::cpu;
+use relievo::engine::cpu::{Outcome, Runner};
+use relievo::frame::{Frame, Plane, Window};
+use relievo::params::{Adaptive, RunOptions, Scale, ScalingParams, ShapeParams, TileSize};
+use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{ExactScene, Surface};
+use std::num::NonZeroUsize;
+
+/// Every goal, with diffusion by steps and by expansion.
+const CASES: [(Goal, Scale); 4] = [
+    (Goal::Layers, Scale::Iterations(8)),
+    (Goal::Layers, Scale::Sigma(2.0)),
+    (Goal::Display, Scale::Sigma(1.5)),
+    (Goal::Enhance, Scale::Iterations(12)),
+];
+
+fn plan((goal, scale): (Goal, Scale), frame: &Frame) -> Plan {
+    let shape = ShapeParams {
+        scale,
+        foreshortening: 0.5,
+        ..ShapeParams::default()
+    };
+    // Fixed, so that a crop is not judged by another gain.
+    let scaling = ScalingParams {
+        curvature_gain: Adaptive::Fixed(20.0),
+        white_level: Adaptive::Fixed(0.6),
+        ..ScalingParams::default()
+    };
+    Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
+}
+
+fn run(case: (Goal, Scale), frame: &Frame) -> Outcome {
+    cpu::run(&plan(case, frame), frame)
+}
+
+/// Balls before each other and a slanted cylinder, in perspective, off centre: silhouettes, a
+/// border of coverage and smooth parts.
+fn frames() -> Vec<Frame> {
+    frames_of_size(1)
+}
+
+/// The same in pictures so many times as large.
+fn frames_of_size(times: usize) -> Vec<Frame> {
+    let px = |length: f64| length * times as f64;
+    let balls = ExactScene::two_balls(px(22.0), px(31.0), px(51.3), px(44.6)).in_perspective();
+    let axis = DVec3::new(0.6, 0.5, 0.45);
+    let cylinder = ExactScene::orthographic(Surface::cylinder(px(25.0), axis), px(40.0), px(50.0));
+    let corner = ExactScene::box_corner(false, 0.3, px(47.0), px(52.0)).in_perspective();
+    [balls, cylinder, corner]
+        .map(|scene| scene.frame(96 * times, 80 * times))
+        .into()
+}
+
+/// Planes whose values do not turn with the picture.
+fn scalars(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
+    let turns = |name: &str| {
+        ["gradient", "hessian", "direction"]
+            .iter()
+            .any(|v| name.starts_with(v))
+    };
+    planes(outcome)
+        .into_iter()
+        .filter(|(name, _)| !turns(name))
+        .collect()
+}
+
+fn assert_close(name: &str, found: &Plane, expected: &Plane) {
+    let largest = expected
+        .samples()
+        .iter()
+        .fold(0.0_f32, |m, v| m.max(v.abs()));
+    let pairs = found.samples().iter().zip(expected.samples());
+    let error = pairs.fold(0.0_f32, |m, (a, b)| m.max((a - b).abs()));
+    assert!(
+        error <= 1e-6 * largest.max(1.0),
+        "{name} differs by {error} of {largest}"
+    );
+}
+
+fn assert_same_bits(one: &Outcome, other: &Outcome) {
+    let (one, other) = (planes(one), planes(other));
+    assert!(!one.is_empty() && one.len() == other.len());
+    for ((name, a), (_, b)) in one.into_iter().zip(other) {
+        let same = a
+            .samples()
+            .iter()
+            .zip(b.samples())
+            .all(|(a, b)| a.to_bits() == b.to_bits());
+        assert!(same, "{name} has other bits");
+    }
+}
+
+#[test]
+fn a_mirrored_picture_gives_the_mirrored_result() {
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let (plain, turned) = (run(case, frame), run(case, &mirrored(frame)));
+        for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
+            assert_close(name, found, &mirrored_plane(expected));
+        }
+        if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
+            assert_close(
+                "gradient.x",
+                &turned.x,
+                &mirrored_plane(&plain.x).map(|v| -v),
+            );
+            assert_close("gradient.y", &turned.y, &mirrored_plane(&plain.y));
+        }
+    }
+}
+
+#[test]
+fn a_turned_picture_gives_the_turned_result() {
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let (plain, turned) = (run(case, frame), run(case, &quarter_turned(frame)));
+        for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
+            assert_close(name, found, &quarter_turned_plane(expected));
+        }
+        // Counterclockwise: what pointed right points up.
+        if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
+            assert_close("gradient.y", &turned.y, &quarter_turned_plane(&plain.x));
+            assert_close(
+                "gradient.x",
+                &turned.x,
+                &quarter_turned_plane(&plain.y).map(|v| -v),
+            );
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let with_threads = |threads, case, frame: &Frame| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| run(case, frame))
+    };
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let alone = with_threads(1, case, frame);
+        for threads in [2, 3, 8] {
+            assert_same_bits(&alone, &with_threads(threads, case, frame));
+        }
+    }
+}
+
+fn options(width: usize, height: usize, sweeps: usize) -> RunOptions {
+    let size = |n| NonZeroUsize::new(n).unwrap();
+    RunOptions {
+        tile: TileSize {
+            width: size(width),
+            height: size(height),
+        },
+        sweeps_per_pass: size(sweeps),
+    }
+}
+
+#[test]
+fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let whole = run(case, frame);
+        for (width, height, sweeps) in
+            [(7, 5, 1), (33, 80, 3), (96, 16, 5), (1, 1, 2), (16, 24, 64)]
+        {
+            let runner = Runner::new(options(width, height, sweeps));
+            assert_same_bits(&whole, &runner.run(&plan(case, frame), frame));
+        }
+    }
+}
+
+#[test]
+fn memory_used_again_leaves_no_trace() {
+    let runner = Runner::default();
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let again = runner.run(&plan(case, frame), frame);
+        assert_same_bits(&run(case, frame), &again);
+        runner.take_back(again);
+    }
+}
+
+#[test]
+fn a_crop_gives_the_same_bits_away_from_its_border() {
+    // Directions come from more than 96 pixels away.
+    let part = Window {
+        x0: 13,
+        y0: 9,
+        x1: 371,
+        y1: 314,
+    };
+    let frames = frames_of_size(4);
+    for (frame, case) in frames.iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let (whole, cropped) = (run(case, frame), run(case, &frame.crop(part)));
+        let reach = plan(case, frame).reach() as i32;
+        let inner = Window {
+            x0: part.x0 + reach,
+            y0: part.y0 + reach,
+            x1: part.x1 - reach,
+            y1: part.y1 - reach,
+        };
+        for ((name, a), (_, b)) in planes(&whole).into_iter().zip(planes(&cropped)) {
+            let (a, b) = (a.crop(frame.data_window, inner), b.crop(part, inner));
+            assert!(a == b, "{name} differs inside the crop");
+        }
+    }
+}
+
+#[test]
+fn moving_the_windows_changes_nothing() {
+    // A picture without a camera may lie anywhere: overscan, negative origins.
+    for (mut frame, case) in frames()
+        .into_iter()
+        .flat_map(|f| CASES.map(|case| (f.clone(), case)))
+    {
+        frame.camera = None;
+        let here = run(case, &frame);
+        frame.data_window = Window::at(-500, 30_000, 96, 80);
+        assert_same_bits(&here, &run(case, &frame));
+    }
+}
+
+#[test]
+fn what_lies_outside_the_mask_changes_nothing_inside() {
+    for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
+        let clean = run(case, frame);
+        for poison in [f32::NAN, f32::INFINITY, -1e30] {
+            let spoiled = run(case, &poisoned(frame, poison));
+            for ((name, a), (_, b)) in planes(&clean).into_iter().zip(planes(&spoiled)) {
+                for y in 0..80 {
+                    for x in frame.mask.span(y).filter(|&x| frame.mask.at(x, y)) {
+                        assert_eq!(a.at(x, y), b.at(x, y), "{name} at ({x}, {y})");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,492 @@
+//! Lobes, light groups and ambient occlusion: scaled one by one, on scenes made for it, through the binary,
+//! and on renders with all passes.
+
+mod files;
+
+use glam::Vec3;
+use relievo::engine::cpu::{self, Outcome};
+use relievo::frame::{ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Mask, Plane};
+use relievo::light::radiance_scaling::scaling;
+use relievo::params::{Adaptive, ScalingParams, ShapeParams, TermWhiteLevels};
+use relievo::plan::{Available, Goal, Plan, Stage};
+use relievo::report::scenes::{ExactScene, Surface};
+use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
+
+const WIDTH: usize = 61;
+const HEIGHT: usize = 40;
+const WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Waves across the picture, a strip at its right uncovered, under white light on a coloured surface, with
+/// warm highlights; the picture is their sum and a little light that no layer tells of.
+fn scene() -> Frame {
+    let surface = Surface::sine_relief(2.0, 19.0, 0.4);
+    let mut frame = ExactScene::orthographic(surface, 30.0, 20.0).frame(WIDTH, HEIGHT);
+    frame.mask = Mask::new(Plane::from_fn(WIDTH, HEIGHT, |x, _| x < WIDTH - 5));
+    let facing = |x: usize, y: usize, to: Vec3| {
+        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));
+        Vec3::from(n).dot(to.normalize()).max(0.0)
+    };
+    let light = |tint: [f32; 3], value: &dyn Fn(usize, usize) -> f32| {
+        color(|i, x, y| tint[i] * value(x, y))
+    };
+    let diffuse = LobeLayers {
+        lobe: Lobe::Diffuse,
+        direct: Some(light([0.9; 3], &|x, y| {
+            facing(x, y, Vec3::new(1.0, 1.0, 1.0))
+        })),
+        indirect: Some(light([0.1; 3], &|_, y| 0.5 + y as f32 / 80.0)),
+        color: Some(light([0.6, 0.3, 0.1], &|x, _| {
+            if x % 9 < 4 { 1.0 } else { 0.2 }
+        })),
+        albedo: None,
+    };
+    let specular = LobeLayers {
+        lobe: Lobe::Specular,
+        direct: Some(light([3.0, 2.5, 2.0], &|x, y| {
+            facing(x, y, Vec3::new(0.3, 0.2, 1.0)).powi(60)
+        })),
+        indirect: None,
+        color: Some(light([0.04; 3], &|_, _| 1.0)),
+        albedo: None,
+    };
+    let lobes = vec![diffuse, specular];
+    frame.color = Some(color(|i, x, y| {
+        0.001 + lobes.iter().map(|l| radiance(l, i, x, y)).sum::<f32>()
+    }));
+    frame.light = LightLayers {
+        lobes,
+        ..LightLayers::default()
+    };
+    frame
+}
+
+fn color(value: impl Fn(usize, usize, usize) -> f32) -> ColorPlanes {
+    let plane = |i| Plane::from_fn(WIDTH, HEIGHT, |x, y| value(i, x, y));
+    ColorPlanes {
+        r: plane(0),
+        g: plane(1),
+        b: plane(2),
+    }
+}
+
+fn channels(color: &ColorPlanes) -> [&Plane; 3] {
+    [&color.r, &color.g, &color.b]
+}
+
+fn light(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
+    let at =
+        |planes: &Option<ColorPlanes>| planes.as_ref().map_or(0.0, |p| channels(p)[i].at(x, y));
+    at(&lobe.direct) + at(&lobe.indirect)
+}
+
+fn radiance(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
+    let color = lobe.color.as_ref().map_or(1.0, |p| channels(p)[i].at(x, y));
+    light(lobe, i, x, y) * color
+}
+
+const FIXED: ScalingParams = ScalingParams {
+    scaling: 1.0,
+    scaling_ambient: None,
+    scaling_diffuse: None,
+    scaling_specular: None,
+    invariant_point: 0.25,
+    curvature_gain: Adaptive::Fixed(20.0),
+    white_level: Adaptive::Fixed(1.5),
+    term_white_levels: TermWhiteLevels::NONE,
+    anisotropy: 0.0,
+};
+
+fn plan(frame: &Frame, params: ScalingParams) -> Plan {
+    let available = Available::in_frame(frame);
+    Plan::new(Goal::Enhance, available, ShapeParams::default(), params).unwrap()
+}
+
+fn run(frame: &Frame, params: ScalingParams) -> Outcome {
+    cpu::run(&plan(frame, params), frame)
+}
+
+/// What comes of the picture, and the mapped curvature it was scaled by.
+fn enhanced(frame: &Frame, params: ScalingParams) -> (ColorPlanes, Plane) {
+    let outcome = run(frame, params);
+    let gain = outcome.gain.unwrap();
+    let kappa = outcome
+        .shape
+        .trace
+        .unwrap()
+        .map(|t| mapped_curvature(t, gain));
+    (outcome.color.unwrap(), kappa)
+}
+
+fn bits(color: &ColorPlanes) -> Vec<u32> {
+    let samples = channels(color).into_iter().flat_map(|p| p.samples());
+    samples.map(|s| s.to_bits()).collect()
+}
+
+fn pixels() -> impl Iterator<Item = (usize, usize)> {
+    (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)))
+}
+
+#[track_caller]
+fn near(found: f32, expected: f32, of: f32, what: &str) {
+    assert!(
+        (found - expected).abs() <= 2e-6 * of.max(1.0),
+        "{what}: {found}, not {expected}"
+    );
+}
+
+#[test]
+fn a_magnitude_of_0_runs_nothing_in_every_mode() {
+    let none = ScalingParams {
+        scaling: 0.0,
+        ..FIXED
+    };
+    let lobes = scene();
+    let mut whole = lobes.clone();
+    whole.light.lobes.clear();
+    let mut groups = lobes.clone();
+    groups.light.groups.push(group("key", 1.0, &[Vec3::Z]));
+    let mut occlusion = whole.clone();
+    occlusion.light.occlusion = Some(Plane::filled(WIDTH, HEIGHT, 0.5));
+    let by_term = ScalingParams {
+        scaling_ambient: Some(0.0),
+        scaling_diffuse: Some(0.0),
+        scaling_specular: Some(0.0),
+        ..FIXED
+    };
+    for frame in [&lobes, &whole, &groups, &occlusion] {
+        assert!(plan(frame, none).stages().is_empty());
+    }
+    // By terms: the picture as a whole is none of them, and still scaled.
+    for frame in [&lobes, &groups] {
+        assert!(plan(frame, by_term).stages().is_empty());
+    }
+    assert!(plan(&whole, by_term).has(Stage::RadianceScaling));
+}
+
+#[test]
+fn a_lobe_without_light_changes_no_bit() {
+    let mut frame = scene();
+    let picture = frame.color.as_mut().unwrap();
+    picture.r.samples_mut()[3] = -0.0;
+    picture.g.samples_mut()[4] = -0.25;
+    frame.light.lobes[1].direct = Some(color(|_, _, _| 0.0));
+    let params = ScalingParams {
+        scaling_diffuse: Some(0.0),
+        ..FIXED
+    };
+    assert!(plan(&frame, params).has(Stage::LightLobes));
+    let (made, _) = enhanced(&frame, params);
+    assert_eq!(bits(&made), bits(frame.color.as_ref().unwrap()));
+}
+
+#[test]
+fn each_lobe_is_scaled_by_its_own_light_and_magnitude() {
+    let frame = scene();
+    let picture = frame.color.as_ref().unwrap();
+    for (diffuse, specular) in [(1.5, 0.0), (0.0, 0.7), (0.8, 2.0)] {
+        let params = ScalingParams {
+            scaling_diffuse: Some(diffuse),
+            scaling_specular: Some(specular),
+            ..FIXED
+        };
+        let (made, kappa) = enhanced(&frame, params);
+        let mut changed = 0;
+        for (x, y) in pixels() {
+            let sigma = |lobe: &LobeLayers, magnitude: f32| {
+                let luminance: f32 = (0..3).map(|i| WEIGHTS[i] * light(lobe, i, x, y)).sum();
+                scaling(luminance / 1.5, magnitude * kappa.at(x, y), 0.25)
+            };
+            let [d, s] = [&frame.light.lobes[0], &frame.light.lobes[1]];
+            let (sigma_d, sigma_s) = (sigma(d, diffuse), sigma(s, specular));
+            for i in 0..3 {
+                // out = picture + (sigma_d - 1) diffuse + (sigma_s - 1) specular; uncovered as it was.
+                let (before, after) = (channels(picture)[i].at(x, y), channels(&made)[i].at(x, y));
+                let expected = before
+                    + (sigma_d - 1.0) * radiance(d, i, x, y)
+                    + (sigma_s - 1.0) * radiance(s, i, x, y);
+                let expected = if frame.mask.at(x, y) {
+                    expected
+                } else {
+                    before
+                };
+                near(after, expected, before, "scaled");
+                changed += usize::from((after - before).abs() > 0.01);
+            }
+        }
+        assert!(changed > 300, "only {changed} samples changed");
+    }
+}
+
+#[test]
+fn the_color_of_a_lobe_is_kept() {
+    // With nothing but the diffuse lobe the picture's red over green is its own, however it is scaled.
+    let mut frame = scene();
+    frame.light.lobes.truncate(1);
+    let lobe = frame.light.lobes[0].clone();
+    frame.color = Some(color(|i, x, y| radiance(&lobe, i, x, y)));
+    let strong = ScalingParams {
+        scaling: 3.0,
+        ..FIXED
+    };
+    let (made, _) = enhanced(&frame, strong);
+    for (x, y) in pixels() {
+        let ratio = |c: &ColorPlanes| c.r.at(x, y) / c.g.at(x, y);
+        let (before, after) = (ratio(frame.color.as_ref().unwrap()), ratio(&made));
+        assert!((after / before - 1.0).abs() < 1e-5, "{after}, not {before}");
+    }
+}
+
+#[test]
+fn ambient_light_has_a_magnitude_of_its_own_where_it_is_given() {
+    let frame = scene();
+    let params = ScalingParams {
+        scaling_ambient: Some(2.0),
+        scaling_diffuse: Some(0.0),
+        scaling_specular: Some(0.0),
+        ..FIXED
+    };
+    let (made, kappa) = enhanced(&frame, params);
+    let picture = frame.color.as_ref().unwrap();
+    let mut lobe = frame.light.lobes[0].clone();
+    lobe.direct = None;
+    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
+        let luminance: f32 = (0..3).map(|i| WEIGHTS[i] * light(&lobe, i, x, y)).sum();
+        let sigma = scaling(luminance / 1.5, 2.0 * kappa.at(x, y), 0.25);
+        let expected = picture.g.at(x, y) + (sigma - 1.0) * radiance(&lobe, 1, x, y);
+        near(made.g.at(x, y), expected, 1.0, "ambient");
+    }
+    // An occlusion layer is in that light already; without it, the whole picture is scaled by it.
+    let mut occluded = frame.clone();
+    occluded.light.occlusion = Some(Plane::from_fn(WIDTH, HEIGHT, |x, _| 0.2 + x as f32 / 80.0));
+    assert!(!plan(&occluded, params).has(Stage::AmbientOcclusion));
+    occluded.light.lobes.clear();
+    let alone = ScalingParams {
+        scaling: 0.0,
+        ..params
+    };
+    let (made, kappa) = enhanced(&occluded, alone);
+    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
+        let open = 0.2 + x as f32 / 80.0;
+        let expected = picture.b.at(x, y) * scaling(open, 2.0 * kappa.at(x, y), 0.25);
+        near(made.b.at(x, y), expected, 1.0, "occlusion");
+    }
+}
+
+#[test]
+fn a_picture_of_occlusion_has_a_white_of_1() {
+    let mut frame = scene();
+    frame.light = LightLayers {
+        picture_is_occlusion: true,
+        ..LightLayers::default()
+    };
+    let auto = ScalingParams {
+        white_level: Adaptive::Auto,
+        ..FIXED
+    };
+    let outcome = run(&frame, auto);
+    assert_eq!(outcome.white_level, Some(1.0));
+    let ambient = ScalingParams {
+        scaling: 0.0,
+        scaling_ambient: Some(1.0),
+        ..auto
+    };
+    assert_eq!(
+        bits(&run(&frame, ambient).color.unwrap()),
+        bits(&outcome.color.unwrap())
+    );
+}
+
+#[test]
+fn layers_that_tell_of_too_much_light_make_nothing_negative() {
+    let mut frame = scene();
+    let picture = frame.color.clone().unwrap();
+    // Twice and, in stripes, no part of the picture's light.
+    frame.color = Some(color(|i, x, y| match x % 3 {
+        0 => 0.0,
+        _ => 0.5 * channels(&picture)[i].at(x, y),
+    }));
+    for invariant_point in [0.0, 0.25, 1.0] {
+        let params = ScalingParams {
+            scaling: 9.0,
+            invariant_point,
+            ..FIXED
+        };
+        let (made, _) = enhanced(&frame, params);
+        let samples = channels(&made).into_iter().flat_map(|p| p.samples());
+        assert!(samples.clone().all(|s| s.is_finite() && *s >= 0.0));
+        assert_ne!(bits(&made), bits(frame.color.as_ref().unwrap()));
+    }
+}
+
+#[test]
+fn bad_light_gives_finite_pictures() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, -1e30] {
+        let spoiled = |planes: &ColorPlanes| {
+            color(|i, x, y| match (x + y) % 4 {
+                0 => bad,
+                _ => channels(planes)[i].at(x, y),
+            })
+        };
+        for layer in 0..3 {
+            let mut frame = scene();
+            let lobe = &mut frame.light.lobes[0];
+            lobe.albedo = Some(color(|_, _, _| 0.5));
+            let spoil = [&mut lobe.direct, &mut lobe.color, &mut lobe.albedo];
+            for (i, planes) in spoil.into_iter().enumerate() {
+                *planes = planes
+                    .as_ref()
+                    .map(|p| if i == layer { spoiled(p) } else { p.clone() });
+            }
+            frame.light.groups.clear();
+            for white_level in [Adaptive::Auto, Adaptive::Fixed(1e-30)] {
+                let params = ScalingParams {
+                    scaling: 50.0,
+                    white_level,
+                    ..FIXED
+                };
+                let (made, _) = enhanced(&frame, params);
+                let mut samples = channels(&made).into_iter().flat_map(|p| p.samples());
+                assert!(samples.all(|s| s.is_finite()), "layer {layer} with {bad}");
+            }
+        }
+    }
+}
+
+fn group(name: &str, strength: f32, to_light: &[Vec3]) -> LightGroup {
+    LightGroup {
+        name: name.into(),
+        light: color(|i, x, _| strength * (0.5 + 0.1 * i as f32) * (1.0 + x as f32 / 100.0)),
+        to_light: to_light.iter().map(|l| l.normalize()).collect(),
+    }
+}
+
+#[test]
+fn a_shadow_keeps_its_edge_where_light_groups_are_scaled() {
+    let to_light = [Vec3::new(-1.0, 0.5, 1.0), Vec3::new(-0.8, 0.9, 1.0)];
+    let lit = |shadow: f32| {
+        let mut frame = scene();
+        let mut key = group("key", 1.0, &to_light);
+        let share = |x: usize| if x < WIDTH / 2 { shadow } else { 1.0 };
+        key.light = color(|i, x, y| share(x) * channels(&key.light)[i].at(x, y));
+        frame.color = Some(key.light.clone());
+        frame.light.lobes.clear();
+        frame.light.groups.push(key);
+        frame
+    };
+    let factors = |frame: &Frame| {
+        let (made, _) = enhanced(frame, FIXED);
+        let picture = frame.color.as_ref().unwrap();
+        let ratio = |(a, b): (&f32, &f32)| a / b;
+        let samples = made.g.samples().iter().zip(picture.g.samples());
+        samples.map(ratio).collect::<Vec<f32>>()
+    };
+    let most_apart = |a: Vec<f32>, b: Vec<f32>| {
+        let apart = a.iter().zip(&b).map(|(a, b)| (a / b - 1.0).abs());
+        apart.fold(0.0, f32::max)
+    };
+    let (open, shadowed) = (lit(1.0), lit(0.15));
+    let factors_open = factors(&open);
+    assert!(
+        factors_open.iter().any(|f| (f - 1.0).abs() > 0.2),
+        "nothing is scaled"
+    );
+    let apart = most_apart(factors_open, factors(&shadowed));
+    assert!(apart < 1e-6, "the shadow is scaled by {apart} otherwise");
+    // The picture as a whole takes the shadow for dark shading.
+    let whole = |mut frame: Frame| {
+        frame.light.groups.clear();
+        factors(&frame)
+    };
+    assert!(most_apart(whole(open), whole(shadowed)) > 0.1);
+}
+
+#[test]
+fn what_no_group_covers_stays() {
+    let mut frame = scene();
+    let key = group("key", 0.3, &[Vec3::new(1.0, 0.0, 1.0)]);
+    let fill = group(
+        "fill",
+        0.1,
+        &[Vec3::new(0.0, -1.0, 0.2), Vec3::new(0.0, 0.0, -1.0)],
+    );
+    let env = color(|_, _, y| 0.05 + y as f32 / 100.0);
+    frame.color = Some(color(|i, x, y| {
+        let sum = [&key.light, &fill.light, &env];
+        sum.map(|c| channels(c)[i].at(x, y)).iter().sum()
+    }));
+    frame.light.groups = vec![key, fill];
+    assert!(plan(&frame, FIXED).has(Stage::LightGroups));
+    assert!(
+        !plan(&frame, FIXED).has(Stage::LightLobes),
+        "groups go before lobes"
+    );
+    let (made, kappa) = enhanced(&frame, FIXED);
+    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
+        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));
+        let scaled = |group: &LightGroup| {
+            let cosines = group.to_light.iter().map(|l| l.dot(n.into()).max(0.0));
+            let sum: f32 = cosines.clone().sum();
+            let sigmas = cosines.map(|d| d * scaling(d, kappa.at(x, y), 0.25));
+            let sigma = if sum > 0.0 {
+                sigmas.sum::<f32>() / sum
+            } else {
+                1.0
+            };
+            sigma * group.light.r.at(x, y)
+        };
+        let expected: f32 = frame.light.groups.iter().map(scaled).sum::<f32>() + env.r.at(x, y);
+        near(made.r.at(x, y), expected, 1.0, "groups");
+    }
+}
+
+#[test]
+fn anisotropy_takes_the_curvature_along_the_light() {
+    let mut frame = scene();
+    let to_light = Vec3::new(1.0, 0.3, 0.8).normalize();
+    frame.light.groups = vec![group("key", 0.3, &[to_light])];
+    let params = ScalingParams {
+        anisotropy: 0.8,
+        ..FIXED
+    };
+    let planned = plan(&frame, params);
+    assert!(planned.has(Stage::Hessian) && !planned.has(Stage::Curvatures));
+    assert!(
+        !plan(&frame, FIXED).has(Stage::Hessian),
+        "the trace is enough"
+    );
+    let outcome = run(&frame, params);
+    let (made, hessian) = (outcome.color.unwrap(), outcome.shape.hessian.unwrap());
+    let mut differ = 0;
+    for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
+        let h = [&hessian.xx, &hessian.xy, &hessian.yy].map(|p| p.at(x, y));
+        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));
+        let d = to_light.dot(n.into()).max(0.0);
+        let kappa = mapped_curvature_toward(h, [to_light.x, to_light.y], 20.0, 0.8);
+        let light = frame.light.groups[0].light.r.at(x, y);
+        let before = frame.color.as_ref().unwrap().r.at(x, y);
+        // The group tells of more light than this picture has: it takes the picture's share.
+        let share = (before / light).min(1.0);
+        let expected = before + share * (scaling(d, kappa, 0.25) - 1.0) * light;
+        near(made.r.at(x, y), expected, 1.0, "along the light");
+        differ += usize::from((kappa - mapped_curvature(h[0] + h[2], 20.0)).abs() > 0.05);
+    }
+    assert!(
+        differ > 100,
+        "the direction matters at {differ} pixels only"
+    );
+}
+
+#[test]
+fn a_mirrored_frame_gives_the_mirrored_picture() {
+    let frame = scene();
+    let (made, _) = enhanced(&frame, FIXED);
+    let (mirrored, _) = enhanced(&crate::common::mirrored(&frame), FIXED);
+    for (x, y) in pixels() {
+        near(
+            mirrored.g.at(WIDTH - 1 - x, y),
+            made.g.at(x, y),
+            1.0,
+            "mirrored",
+        );
+    }
+}

@@ -1,0 +1,247 @@
+//! A runner that keeps a frame makes what one makes that begins anew, and no more of it than a change touches.
+
+use crate::common::bits;
+use crate::common::planes::planes;
+use relievo::engine::cpu::{DrawingInputs, LiveRunner, Outcome, Runner};
+use relievo::frame::Frame;
+use relievo::io::{self, Needs, inputs::Inputs, inputs::LightInputs};
+use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
+use relievo::params::{
+    Adaptive, AlbedoSource, LineParams, Method, RelightParams, Scale, ScalingParams, ShapeParams,
+    SoftThreshold, Solver, Style,
+};
+use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use std::collections::BTreeMap;
+
+fn bust() -> Frame {
+    let inputs = Inputs {
+        picture: "fixtures/bust.exr".into(),
+        light: Some(LightInputs::default()),
+        ..Inputs::default()
+    };
+    let needs = Needs {
+        color: true,
+        projection: true,
+        ..Needs::default()
+    };
+    io::load(&inputs, needs).unwrap().frame
+}
+
+fn light(azimuth: f32) -> Illumination {
+    Illumination {
+        directional: vec![DirectionalLight {
+            to_light: direction_of(azimuth, 35.0),
+            intensity: [1.0; 3],
+        }],
+        ..Illumination::default()
+    }
+}
+
+/// What is asked for.
+#[derive(Clone)]
+struct Asked {
+    goal: Goal,
+    shape: ShapeParams,
+    scaling: ScalingParams,
+    relight: RelightParams,
+    azimuth: f32,
+    line: Option<LineParams>,
+}
+
+impl Asked {
+    fn of(goal: Goal) -> Self {
+        Self {
+            goal,
+            shape: ShapeParams::default(),
+            scaling: ScalingParams::default(),
+            relight: RelightParams::default(),
+            azimuth: 120.0,
+            line: None,
+        }
+    }
+
+    fn with(&self, change: impl FnOnce(&mut Self)) -> Self {
+        let mut asked = self.clone();
+        change(&mut asked);
+        asked
+    }
+
+    fn plan(&self, frame: &Frame) -> Plan {
+        let available = Available::in_frame(frame);
+        let kinds = LightKinds::in_light(&light(self.azimuth));
+        let Self {
+            goal,
+            shape,
+            scaling,
+            relight,
+            line,
+            ..
+        } = *self;
+        let tone = match goal {
+            Goal::Relight => ToneFrom::Relit(relight, kinds),
+            _ => ToneFrom::Enhanced,
+        };
+        match (goal, line) {
+            (_, Some(line)) => Plan::hatch(available, shape, scaling, tone, line),
+            (Goal::Relight, None) => Plan::relight(available, shape, scaling, relight, kinds),
+            (goal, None) => Plan::new(goal, available, shape, scaling),
+        }
+        .unwrap()
+    }
+
+    fn run_anew(&self, frame: &Frame) -> Outcome {
+        let (plan, light, runner) = (self.plan(frame), light(self.azimuth), Runner::default());
+        match (self.goal, self.line) {
+            (_, Some(_)) => runner.draw(&plan, frame, drawn_in(&light)),
+            (Goal::Relight, None) => runner.relight(&plan, frame, &light),
+            _ => runner.run(&plan, frame),
+        }
+    }
+
+    fn run_on<'l>(&self, live: &'l mut LiveRunner<Frame>) -> &'l Outcome {
+        let (plan, light) = (self.plan(live.held()), light(self.azimuth));
+        match (self.goal, self.line) {
+            (_, Some(_)) => live.draw(&plan, drawn_in(&light)),
+            (Goal::Relight, None) => live.relight(&plan, &light, None),
+            _ => live.run(&plan),
+        }
+    }
+}
+
+fn drawn_in(light: &Illumination) -> DrawingInputs<'_> {
+    DrawingInputs {
+        illumination: Some(light),
+        ..DrawingInputs::default()
+    }
+}
+
+/// Every plane and number of an outcome, by its name.
+fn all_of(outcome: &Outcome) -> BTreeMap<&'static str, Vec<u32>> {
+    let planes = planes(outcome).into_iter();
+    let planes = planes.map(|(name, plane)| (name, bits(plane)));
+    let numbers = [
+        ("gain", outcome.gain),
+        ("white", outcome.white_level),
+        (
+            "white point",
+            outcome.drawing.as_ref().map(|d| d.white_point),
+        ),
+    ];
+    let numbers = numbers
+        .into_iter()
+        .filter_map(|(name, number)| Some((name, vec![number?.to_bits()])));
+    planes.chain(numbers).collect()
+}
+
+#[test]
+fn what_is_kept_changes_no_bit() {
+    let frame = bust();
+    let mut live = LiveRunner::new(frame.clone());
+    let enhance = Asked::of(Goal::Enhance);
+    let relight = Asked::of(Goal::Relight);
+    let coarse = |a: &mut Asked| a.shape.scale = Scale::Sigma(6.0);
+    let steps = [
+        enhance.clone(),
+        enhance.with(|a| a.scaling.scaling = 1.7),
+        enhance.with(|a| a.shape.scale = Scale::Iterations(25)),
+        enhance.with(|a| a.shape.scale = Scale::Iterations(0)),
+        enhance.with(|a| a.shape.solver = Solver::Explicit),
+        enhance.with(|a| a.shape.reference_height = Some(640)),
+        enhance.with(|a| a.scaling.curvature_gain = Adaptive::Fixed(3.0)),
+        enhance.with(|a| a.scaling.white_level = Adaptive::Fixed(0.5)),
+        relight.clone(),
+        relight.with(|a| a.azimuth = 10.0),
+        relight.with(|a| a.relight.method = Method::Plain),
+        relight.with(|a| a.relight.albedo = AlbedoSource::White),
+        relight.with(coarse),
+        Asked::of(Goal::Layers),
+        Asked::of(Goal::Layers).with(coarse),
+        Asked::of(Goal::Display).with(coarse),
+        enhance.with(coarse),
+        Asked::of(Goal::Display),
+        relight.with(|a| a.line = Some(LineParams::default())),
+        relight.with(|a| {
+            a.azimuth = 200.0;
+            a.line = Some(LineParams::default());
+        }),
+        enhance.with(|a| {
+            let mut line = LineParams::default();
+            line.strokes.style = Style::Pencil;
+            line.field.passes += 2;
+            a.line = Some(line);
+        }),
+        enhance.with(|a| {
+            a.shape.silhouette = SoftThreshold { lo: 0.1, hi: 0.2 };
+            a.line = Some(LineParams {
+                contours: None,
+                ..LineParams::default()
+            });
+        }),
+        enhance.with(|a| a.shape.foreshortening = 0.5),
+        enhance,
+    ];
+    for (step, asked) in steps.iter().enumerate() {
+        let expected = all_of(&asked.run_anew(&frame));
+        let found = all_of(asked.run_on(&mut live));
+        assert!(found.keys().eq(expected.keys()), "step {step}");
+        let differing: Vec<_> = expected
+            .iter()
+            .filter(|(name, bits)| found[*name] != **bits)
+            .map(|(name, _)| *name)
+            .collect();
+        assert!(differing.is_empty(), "step {step}: {differing:?} differ");
+    }
+}
+
+/// The passes that `asked` makes run after `before` has.
+fn passes_of(live: &mut LiveRunner<Frame>, before: &Asked, asked: &Asked) -> Vec<&'static str> {
+    before.run_on(live);
+    let counts = live.counts().clone();
+    asked.run_on(live);
+    let more = live.counts().iter();
+    let more = more.filter(|(name, count)| counts.get(*name) != Some(count));
+    more.map(|(&name, _)| name).collect()
+}
+
+#[test]
+fn only_what_a_change_touches_is_made_anew() {
+    let mut live = LiveRunner::new(bust());
+    let relight = Asked::of(Goal::Relight);
+    let enhance = Asked::of(Goal::Enhance);
+    let hatch = relight.with(|a| a.line = Some(LineParams::default()));
+    let mut passes = |before: &Asked, change: fn(&mut Asked)| {
+        let after = before.with(change);
+        passes_of(&mut live, before, &after)
+    };
+    // Light and its scaling leave shape alone.
+    assert_eq!(passes(&relight, |a| a.azimuth = 30.0), ["relight"]);
+    assert_eq!(passes(&relight, |a| a.scaling.scaling = 1.5), ["relight"]);
+    assert_eq!(
+        passes(&relight, |a| a.relight.warping.warp = 2.0),
+        ["relight"]
+    );
+    assert_eq!(
+        passes(&enhance, |a| a.scaling.scaling = 1.5),
+        ["radiance-scaling"]
+    );
+    // A scale is diffused anew, between the same edges.
+    let another_scale = |a: &mut Asked| a.shape.scale = Scale::Iterations(30);
+    let expected = ["auto-gain", "diffusion", "relight", "trace"];
+    assert_eq!(passes(&relight, another_scale), expected);
+    // The gain is of the same curvature.
+    let told_gain = |a: &mut Asked| a.scaling.curvature_gain = Adaptive::Fixed(4.0);
+    assert_eq!(passes(&enhance, told_gain), ["radiance-scaling"]);
+    // Other edges make everything anew but what is of the picture alone.
+    let other_edges = |a: &mut Asked| a.shape.crease = SoftThreshold { lo: 20.0, hi: 40.0 };
+    let expected = [
+        "auto-gain",
+        "diffusion",
+        "edges-and-gradient",
+        "radiance-scaling",
+        "trace",
+    ];
+    assert_eq!(passes(&enhance, other_edges), expected);
+    // Of a drawing in another light directions and contours stay.
+    let other_light = passes(&hatch, |a| a.azimuth = 30.0);
+    assert_eq!(other_light, ["auto-white", "hatching", "relight"]);
+}

@@ -1,0 +1,28 @@
+//! Everything that calls the library.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod camera;
+mod contours;
+mod conventions;
+mod diffusion;
+mod environments;
+mod exr;
+mod hatch;
+mod invariance;
+mod io;
+mod light_layers;
+mod live;
+mod normal_rays;
+mod points;
+mod relight;
+mod resolution;
+mod sanitize;
+mod scales;
+mod scenes;
+mod sequences;
+mod shape;
+mod specular;
+mod stability;
+mod stroke_field;

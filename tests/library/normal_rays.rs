@@ -1,0 +1,474 @@
+//! Normal-ray principal directions against surfaces whose curvatures are known exactly.
+
+use crate::common::{
+    direction_at, in_8_bits, mirrored, poisoned, quantile, quarter_turned, rounded, without_depth,
+};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use relievo::engine::cpu;
+use relievo::frame::{DepthKind, Frame, Plane, Projection, Vector2Planes, Vector3Planes};
+use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{Exact, ExactScene, Surface};
+use relievo::report::sweeps::directions::angle_deg;
+
+/// The direction layer of `frame`, and conductance.
+fn directions(frame: &Frame, step: Adaptive) -> (Vector2Planes, Plane) {
+    let shape = ShapeParams {
+        scale: Scale::Iterations(0),
+        direction_step: step,
+        ..ShapeParams::default()
+    };
+    let available = Available::in_frame(frame);
+    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
+    let shape = cpu::run(&plan, frame).shape;
+    (shape.direction.unwrap(), shape.conductance.unwrap())
+}
+
+/// The exact direction, in the picture, of the curvature larger in size; `None` where the two differ by
+/// less than a twentieth of their sum.
+fn expected(exact: &Exact, projection: Projection) -> Option<DVec2> {
+    let c = exact.object_curvatures;
+    let (larger, along) = if c.k_u.abs() > c.k_v.abs() {
+        (c.k_u, c.u)
+    } else {
+        (c.k_v, c.v)
+    };
+    let clear = (c.k_u.abs() - c.k_v.abs()).abs() > 0.05 * (c.k_u.abs() + c.k_v.abs());
+    if larger == 0.0 || !clear {
+        return None;
+    }
+    // A small step along the tangent, seen in the picture: the projection's derivative to nine digits.
+    let step = 1e-5 * exact.depth;
+    let ahead = projection.pixel_of(exact.point + step * along)?;
+    let behind = projection.pixel_of(exact.point - step * along)?;
+    let seen = ahead - behind;
+    Some(DVec2::new(seen.x, -seen.y).normalize())
+}
+
+/// Whether a pixel and a neighbour along either axis are open: at a corner of edges the direction is its
+/// neighbours'.
+fn has_rays(conductance: &Plane, x: usize, y: usize) -> bool {
+    let (width, height) = (conductance.width(), conductance.height());
+    let open = |x: usize, y: usize| x < width && y < height && conductance.at(x, y) > 0.0;
+    let (left, above) = (x.wrapping_sub(1), y.wrapping_sub(1));
+    open(x, y) && (open(left, y) || open(x + 1, y)) && (open(x, above) || open(x, y + 1))
+}
+
+/// Sorted angles in degrees between found and expected directions, over pixels with rays whose normal faces
+/// the viewer with more than 0.35, as measured against the sight line.
+fn errors_deg(scene: &ExactScene, frame: &Frame, step: Adaptive) -> Vec<f64> {
+    let (found, conductance) = directions(frame, step);
+    let mut errors = Vec::new();
+    for y in 0..frame.mask.height() {
+        for x in 0..frame.mask.width() {
+            let t = DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into());
+            assert!(t.is_finite(), "({x}, {y}): {t}");
+            let unit = (t.length() - 1.0).abs() < 1e-6;
+            assert!(unit == frame.mask.at(x, y), "({x}, {y}): {t}");
+            let Some(exact) = scene.exact(x, y).filter(|_| has_rays(&conductance, x, y)) else {
+                continue;
+            };
+            let line = scene.projection.to_eye(x as f64 + 0.5, y as f64 + 0.5);
+            let facing = exact.normal.dot(line.extend(1.0).normalize());
+            if facing < 0.35 {
+                continue;
+            }
+            if let Some(e) = expected(&exact, scene.projection) {
+                errors.push(t.perp_dot(e).abs().asin().to_degrees());
+            }
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
+/// Scenes of about `radius` pixels, orthographic, off the pixel grid.
+fn scenes(radius: f64) -> Vec<(&'static str, ExactScene)> {
+    let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
+    let c = side(radius) as f64 / 2.0;
+    let at =
+        |surface| ExactScene::orthographic(surface, c + 0.3, c - 0.4).at_distance(3.0 * radius);
+    let axes = DVec3::new(1.0, 0.7, 0.5) * radius;
+    vec![
+        ("ellipsoid", at(Surface::ellipsoid(axes, DMat3::IDENTITY))),
+        ("turned ellipsoid", at(Surface::ellipsoid(axes, turn))),
+        (
+            "torus",
+            at(Surface::torus(
+                0.7 * radius,
+                0.3 * radius,
+                DVec3::new(0.3, 0.5, 0.8),
+            )),
+        ),
+        (
+            "upright cylinder",
+            at(Surface::cylinder(0.8 * radius, DVec3::Y)),
+        ),
+        (
+            "tilted cylinder",
+            at(Surface::cylinder(0.7 * radius, DVec3::new(0.6, 0.5, 0.45))),
+        ),
+        (
+            "saddle",
+            at(Surface::saddle(0.7 / radius, -0.4 / radius, 0.4)),
+        ),
+    ]
+}
+
+/// In perspective, from three radii away, a pixel being as large as before.
+fn deep(scene: ExactScene, radius: f64) -> ExactScene {
+    let Projection::Orthographic { cx, cy, .. } = scene.projection else {
+        panic!("already in perspective");
+    };
+    let focal = 3.0 * radius;
+    ExactScene {
+        projection: Projection::Perspective {
+            fx: focal,
+            fy: focal,
+            cx,
+            cy,
+        },
+        ..scene
+    }
+}
+
+fn side(radius: f64) -> usize {
+    (2.2 * radius) as usize
+}
+
+fn framed(scene: &ExactScene, radius: f64) -> Frame {
+    scene.frame(side(radius), side(radius))
+}
+
+/// Depth, normals with the camera, normals alone.
+fn sources(frame: &Frame) -> [(&'static str, Frame); 3] {
+    let from_normals = without_depth(frame.clone());
+    let alone = Frame {
+        camera: None,
+        ..from_normals.clone()
+    };
+    [
+        ("depth", frame.clone()),
+        ("normals", from_normals),
+        ("normals alone", alone),
+    ]
+}
+
+#[test]
+fn directions_are_exact_to_the_second_order() {
+    println!("radius scene projection from: median / p95 degrees");
+    for (name, flat) in scenes(1.0)
+        .iter()
+        .map(|(name, _)| *name)
+        .flat_map(|n| [(n, true), (n, false)])
+    {
+        if name == "saddle" && !flat {
+            continue;
+        }
+        let mut before: [Option<f64>; 3] = [None; 3];
+        for radius in [32.0, 64.0, 128.0, 256.0] {
+            let scene = scenes(radius)
+                .into_iter()
+                .find(|(n, _)| *n == name)
+                .unwrap()
+                .1;
+            let scene = if flat { scene } else { deep(scene, radius) };
+            let frame = framed(&scene, radius);
+            for (i, (source, frame)) in sources(&frame).into_iter().enumerate() {
+                // Without a camera sight lines are taken for parallel.
+                if source == "normals alone" && !flat {
+                    continue;
+                }
+                let errors = errors_deg(&scene, &frame, Adaptive::Auto);
+                assert!(
+                    errors.len() as f64 > 0.3 * radius * radius,
+                    "{name}: {}",
+                    errors.len()
+                );
+                let (median, p95) = (quantile(&errors, 0.5), quantile(&errors, 0.95));
+                let view = if flat { "orthographic" } else { "perspective" };
+                println!("{radius:4} {name:17} {view:12} {source:13}: {median:.5} / {p95:.5}");
+                // A quarter per doubling, down to the rounding of f32: 3e-8 over a turn of 2/256 is
+                // 2e-4 degrees, and depth's own rounding at three radii, 3e-5 px of 2, 1e-3.
+                if let Some(coarser) = before[i] {
+                    let bound = (coarser / 3.0).max(1.5e-3);
+                    assert!(
+                        p95 < bound,
+                        "{name} from {source} at {radius}: {p95}, after {coarser}"
+                    );
+                }
+                before[i] = Some(p95);
+                if radius == 256.0 {
+                    let bound = if name.contains("cylinder") {
+                        0.01
+                    } else {
+                        0.02
+                    };
+                    assert!(p95 < bound, "{name} from {source}: p95 {p95} degrees");
+                }
+                if name.contains("cylinder") {
+                    let largest = quantile(&errors, 1.0);
+                    assert!(largest < 0.01, "{name} from {source}: {largest} degrees");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn coarse_normals_are_compared_farther_away() {
+    println!("radius scene stored as: median / p95 degrees at 1 px, auto");
+    for radius in [32.0, 64.0, 128.0, 256.0] {
+        for (name, scene) in scenes(radius) {
+            let frame = framed(&scene, radius);
+            let frame = without_depth(frame);
+            let half = rounded(frame.clone(), 1.0 / 4096.0, |v| {
+                half::f16::from_f32(v).to_f32()
+            });
+            // What was measured: p95 7.1 and 1.9 at the most.
+            for (stored, frame, bound) in [("8 bits", in_8_bits(frame), 8.0), ("half", half, 2.0)] {
+                let [one, auto] = [Adaptive::Fixed(1.0), Adaptive::Auto].map(|step| {
+                    let errors = errors_deg(&scene, &frame, step);
+                    [quantile(&errors, 0.5), quantile(&errors, 0.95)]
+                });
+                println!(
+                    "{radius:4} {name:17} {stored:6}: {:5.2} / {:5.2}, {:5.2} / {:5.2}",
+                    one[0], one[1], auto[0], auto[1]
+                );
+                assert!(auto[1] < bound, "{name} of {radius} px, {stored}: {auto:?}");
+            }
+        }
+    }
+}
+
+/// The largest angle between the directions of covered neighbours.
+fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
+    let (mut largest, mask) = (0.0_f64, &frame.mask);
+    for y in 1..mask.height() {
+        for x in 1..mask.width() {
+            for (px, py) in [(x - 1, y), (x, y - 1)] {
+                if mask.at(x, y) && mask.at(px, py) {
+                    let turn = angle_deg(direction_at(found, x, y), direction_at(found, px, py));
+                    largest = largest.max(turn);
+                }
+            }
+        }
+    }
+    largest
+}
+
+#[test]
+fn balls_and_planes_take_the_fixed_axis_and_show_no_noise() {
+    for radius in [40.0, 150.0, 2000.0] {
+        let ball = ExactScene::orthographic(Surface::ball(radius), 80.3, 79.6);
+        let deep_ball = deep(ball.clone().at_distance(3.0 * radius), radius);
+        let plane =
+            ExactScene::orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8)), 80.0, 80.0);
+        for scene in [ball, deep_ball, plane.clone(), plane.in_perspective()] {
+            let frame = scene.frame(160, 160);
+            for frame in [
+                without_depth(frame.clone()),
+                in_8_bits(without_depth(frame.clone())),
+                frame,
+            ] {
+                let (found, _) = directions(&frame, Adaptive::Auto);
+                // x crossed with the normal is (0, -n_z, n_y): upright in a parallel projection, and in
+                // perspective turned by n_y X / n_z at the most; 1 degree from a pixel to the next
+                // but for the last row before the rim, where n_z falls to 0.
+                let turn = largest_turn_deg(&found, &frame);
+                let parallel = matches!(scene.projection, Projection::Orthographic { .. });
+                assert!(
+                    turn < if parallel { 1e-3 } else { 12.0 },
+                    "{radius}: {turn} degrees"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_umbilic_takes_its_neighbours_direction() {
+    // A capsule: the cylinder of radius 60 around y goes over into balls where its ends lie.
+    let frame = {
+        let tube = ExactScene::orthographic(Surface::cylinder(60.0, DVec3::X), 100.0, 100.0);
+        let mut frame = tube.frame(200, 200);
+        let ends = |x: f64| (x - 100.0).abs() - 40.0;
+        for y in 0..200 {
+            for x in 0..200 {
+                let (px, py) = (x as f64 + 0.5 - 100.0, 100.0 - (y as f64 + 0.5));
+                let out = ends(x as f64 + 0.5).max(0.0).copysign(px);
+                let square = 3600.0 - py * py - out * out;
+                if square > 0.0 {
+                    let n = DVec3::new(out, py, square.sqrt()) / 60.0;
+                    frame.normal.x.row_mut(y)[x] = n.x as f32;
+                    frame.normal.y.row_mut(y)[x] = n.y as f32;
+                    frame.normal.z.row_mut(y)[x] = n.z as f32;
+                }
+            }
+        }
+        without_depth(frame.clone())
+    };
+    let (found, _) = directions(&frame, Adaptive::Auto);
+    // Across the axis on the tube; on the caps its neighbours' across too, as far as the waves go from
+    // the seam: along the middle row all the way.
+    for x in 45..155 {
+        let t = direction_at(&found, x, 100);
+        assert!(t.x.abs() < 0.02, "({x}, 100): {t}");
+    }
+    // Not the fixed direction by chance: turned by a quarter, it is the other axis.
+    let turned = quarter_turned(&frame);
+    let (found, _) = directions(&turned, Adaptive::Auto);
+    for y in 45..155 {
+        let t = direction_at(&found, 100, y);
+        assert!(t.y.abs() < 0.02, "(100, {y}): {t}");
+    }
+}
+
+#[test]
+fn a_wide_plane_is_no_patchwork_of_its_rims() {
+    // A block with its edges rounded at 20 px, 200 px of plane between them, tilted in the picture.
+    let profile = |d: f64| ((d.abs() - 100.0).max(0.0) / 20.0).min(0.9).copysign(d);
+    let turn = DMat3::from_rotation_z(0.5);
+    let normal = |x: usize, y: usize| {
+        let p = turn.transpose() * DVec3::new(x as f64 - 150.0, 150.0 - y as f64, 0.0);
+        let (a, b) = (profile(p.x), profile(p.y));
+        turn * DVec3::new(a, b, (1.0 - a * a - b * b).max(0.05).sqrt()).normalize()
+    };
+    let plane = |i: usize| Plane::from_fn(300, 300, |x, y| normal(x, y)[i] as f32);
+    let mut frame =
+        ExactScene::orthographic(Surface::plane(DVec3::Z), 150.0, 150.0).frame(300, 300);
+    frame.normal = Vector3Planes {
+        x: plane(0),
+        y: plane(1),
+        z: plane(2),
+    };
+    let (found, _) = directions(&without_depth(frame.clone()), Adaptive::Auto);
+    // On the rounding the direction is across the edge; farther than 16 px inside, upright.
+    let across = turn * DVec3::X;
+    let at_place = |a: f64| {
+        let p = DVec3::new(150.0, 150.0, 0.0) + DVec3::new(across.x, -across.y, 0.0) * a;
+        direction_at(&found, p.x.round() as usize, p.y.round() as usize)
+    };
+    assert!(angle_deg(at_place(108.0), across.truncate()) < 3.0);
+    assert!(angle_deg(at_place(98.0), across.truncate()) < 20.0);
+    for a in [-80.0, -40.0, 0.0, 40.0, 80.0] {
+        assert!(
+            angle_deg(at_place(a), DVec2::Y) < 1e-3,
+            "{a}: {}",
+            at_place(a)
+        );
+    }
+}
+
+#[test]
+fn turned_and_mirrored_pictures_give_turned_and_mirrored_directions() {
+    for (name, flat) in scenes(48.0) {
+        let deep = deep(flat.clone(), 48.0);
+        for scene in [flat, deep] {
+            let frame = framed(&scene, 48.0);
+            for frame in [without_depth(frame.clone()), frame] {
+                let (plain, open) = directions(&frame, Adaptive::Auto);
+                let (flipped, _) = directions(&mirrored(&frame), Adaptive::Auto);
+                let (turned, _) = directions(&quarter_turned(&frame), Adaptive::Auto);
+                let (width, height) = (frame.mask.width(), frame.mask.height());
+                for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    // What pixels find themselves; where two curvatures are alike in size either may win.
+                    let exact = scene.exact(x, y).filter(|_| open.at(x, y) > 0.0);
+                    if exact.and_then(|e| expected(&e, scene.projection)).is_none() {
+                        continue;
+                    }
+                    let t = direction_at(&plain, x, y);
+                    let mirror = direction_at(&flipped, width - 1 - x, y);
+                    let turn = direction_at(&turned, y, width - 1 - x);
+                    for (found, wanted) in [(mirror, DVec2::new(-t.x, t.y)), (turn, t.perp())] {
+                        let angle = angle_deg(found, wanted);
+                        assert!(angle < 1e-3, "{name} at ({x}, {y}): {angle} degrees");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_lies_outside_the_mask_changes_nothing() {
+    for (name, scene) in scenes(40.0) {
+        let frame = framed(&scene, 40.0);
+        let (clean, _) = directions(&frame, Adaptive::Fixed(3.0));
+        for poison in [f32::NAN, f32::INFINITY, -1e30] {
+            let (found, _) = directions(&poisoned(&frame, poison), Adaptive::Fixed(3.0));
+            assert!(found == clean, "{name} under {poison}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_taken_across_a_silhouette() {
+    // A cylinder before another at right angles: on each the direction is across its own axis, up to
+    // the edge between them, with the widest of steps.
+    let near = Surface::cylinder(30.0, DVec3::Y).moved(DVec3::new(0.0, 0.0, 100.0));
+    let scene = ExactScene {
+        surfaces: vec![near, Surface::cylinder(60.0, DVec3::X)],
+        ..ExactScene::orthographic(near, 80.0, 80.0)
+    };
+    let frame = scene.frame(160, 160);
+    let (found, open) = directions(&frame, Adaptive::Fixed(8.0));
+    let mut tested = [0; 2];
+    for (x, y) in (0..160).flat_map(|y| (0..160).map(move |x| (x, y))) {
+        let Some(exact) = scene.exact(x, y).filter(|_| open.at(x, y) > 0.0) else {
+            continue;
+        };
+        let across = [DVec2::X, DVec2::Y][exact.surface];
+        let angle = angle_deg(direction_at(&found, x, y), across);
+        assert!(angle < 0.01, "({x}, {y}): {angle} degrees");
+        tested[exact.surface] += 1;
+    }
+    assert!(tested.iter().all(|&count| count > 4000), "{tested:?}");
+}
+
+#[test]
+fn the_unit_of_length_changes_nothing() {
+    for (name, scene) in scenes(48.0) {
+        let scene = deep(scene, 48.0);
+        let frame = framed(&scene, 48.0);
+        let (plain, open) = directions(&frame, Adaptive::Auto);
+        for unit in [1e-3_f32, 0.37, 1e3] {
+            let scaled = Frame {
+                depth: frame.depth.as_ref().map(|depth| depth.map(|d| d * unit)),
+                ..frame.clone()
+            };
+            let (found, _) = directions(&scaled, Adaptive::Auto);
+            for (x, y) in (0..open.height()).flat_map(|y| (0..open.width()).map(move |x| (x, y))) {
+                let exact = scene.exact(x, y).filter(|_| open.at(x, y) > 0.0);
+                if exact.and_then(|e| expected(&e, scene.projection)).is_some() {
+                    // Depth is rounded anew.
+                    let angle = angle_deg(direction_at(&found, x, y), direction_at(&plain, x, y));
+                    assert!(
+                        angle < 0.05,
+                        "{name} in units of {unit} at ({x}, {y}): {angle}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn depth_may_be_measured_along_the_sight_line() {
+    let radius = 128.0;
+    for (name, scene) in scenes(radius) {
+        let scene = deep(scene, radius);
+        let mut frame = framed(&scene, radius);
+        let window = frame.mask.width();
+        let along = Plane::from_fn(window, window, |x, y| {
+            let depth = scene.exact(x, y).map_or(0.0, |e| e.point.length());
+            depth as f32
+        });
+        frame.depth = Some(along);
+        frame.source.depth_kind = DepthKind::Ray;
+        let errors = errors_deg(&scene, &frame, Adaptive::Auto);
+        let p95 = quantile(&errors, 0.95);
+        // As from planar depth: see the table of the second order.
+        assert!(p95 < 0.1, "{name}: {p95} degrees");
+    }
+}

@@ -1,0 +1,314 @@
+//! Scenes whose light is known: furnaces, planes, mirrors, spheres, environments of one direction.
+
+use super::{Asked, covered, lights, sky, torus, torus_in_perspective};
+use glam::{DVec3, Vec3};
+use relievo::frame::{ColorPlanes, Frame, Plane};
+use relievo::light::environment::Environment;
+use relievo::light::light_samples::light_disc;
+use relievo::light::lights::{Illumination, direction_of};
+use relievo::light::lit_sphere::LitSphere;
+use relievo::params::{AlbedoSource, Material, Method, Samples, WarpBy};
+
+fn constant() -> Environment {
+    Environment::from_fn(64, 32, |_, _| [0.7, 0.7, 0.7])
+}
+
+fn largest_error(
+    color: &ColorPlanes,
+    frame: &Frame,
+    expected: impl Fn(usize, usize) -> f64,
+) -> f64 {
+    covered(frame)
+        .map(|(x, y)| (f64::from(color.r.at(x, y)) - expected(x, y)).abs())
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn a_furnace_shows_itself() {
+    // Constant radiance L: a white diffuse surface, a mirror and glass all show L; Phong's lobe of exponent
+    // 32, 1 at its brightest, adds the integral of cos^32 / pi over a hemisphere: 2/33 of it.
+    let frame = torus_in_perspective();
+    let cases = [
+        (Material::Lambert, 0.7),
+        (Material::Mirror, 0.7),
+        (Material::Glass, 0.7),
+        (Material::Phong, 0.7 * (1.0 + 2.0 / 33.0)),
+    ];
+    for (material, expected) in cases {
+        let asked =
+            Asked::of(material, Method::Plain).in_environment(constant(), Samples::Fixed(0));
+        let error = largest_error(&asked.color(&frame), &frame, |_, _| expected);
+        assert!(error < 2e-6, "{material:?}: {error:.1e}");
+    }
+    let mut thin =
+        Asked::of(Material::Glass, Method::Plain).in_environment(constant(), Samples::Auto);
+    thin.relight.material.thin = true;
+    let error = largest_error(&thin.color(&frame), &frame, |_, _| 0.7);
+    assert!(error < 2e-6, "thin glass: {error:.1e}");
+}
+
+#[test]
+fn a_sampled_furnace_converges() {
+    // Lights cut from a constant environment: the error of the sum over the cosine falls with N.
+    let frame = torus();
+    let error = |samples| {
+        let asked = Asked::of(Material::Lambert, Method::Plain)
+            .in_environment(constant(), Samples::Fixed(samples));
+        largest_error(&asked.color(&frame), &frame, |_, _| 0.7)
+    };
+    let errors = [16, 64, 256, 1024].map(error);
+    println!("{errors:?}");
+    assert!(
+        errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0]),
+        "{errors:?}"
+    );
+    assert!(errors[3] < 0.02, "{errors:?}");
+}
+
+#[test]
+fn light_without_bounds_is_warped_alike_from_both_sides() {
+    // Equation 1 looks the environment up at W(l) for even directions l; equation 2 takes lights l' and
+    // the Jacobian of W^-1. Both are sums for one integral: they meet as N grows.
+    let frame = torus();
+    let made = |warp_by, samples| {
+        let mut asked = Asked::of(Material::Lambert, Method::Warp)
+            .in_environment(sky(), Samples::Fixed(samples));
+        asked.relight.warp_by = warp_by;
+        asked.color(&frame)
+    };
+    let plain = Asked::of(Material::Lambert, Method::Plain)
+        .in_environment(sky(), Samples::Fixed(4096))
+        .color(&frame);
+    let mean_difference = |a: &ColorPlanes, b: &ColorPlanes| {
+        let differences =
+            covered(&frame).map(|(x, y)| f64::from((a.r.at(x, y) - b.r.at(x, y)).abs()));
+        differences.sum::<f64>() / frame.mask.count() as f64
+    };
+    let differences = [64, 512, 4096].map(|samples| {
+        mean_difference(
+            &made(WarpBy::Lookups, samples),
+            &made(WarpBy::Lights, samples),
+        )
+    });
+    let effect = mean_difference(&made(WarpBy::Lights, 4096), &plain);
+    println!("{differences:?}, the warp itself {effect:.1e}");
+    // Both keep to the hemisphere of the normal by a hard edge, so the order is 1/2 to 1 in N.
+    assert!(differences[1] < 0.5 * differences[0] && differences[2] < 0.5 * differences[1]);
+    assert!(
+        differences[2] < 0.1 * effect,
+        "{differences:?} beside {effect}"
+    );
+}
+
+#[test]
+fn prefiltered_light_is_what_many_lights_make() {
+    let frame = torus();
+    let with = |samples| {
+        Asked::of(Material::Lambert, Method::Plain)
+            .in_environment(sky(), samples)
+            .color(&frame)
+    };
+    let (prefiltered, sampled) = (with(Samples::Fixed(0)), with(Samples::Fixed(16_384)));
+    let error = largest_error(&prefiltered, &frame, |x, y| sampled.r.at(x, y).into());
+    let largest = covered(&frame)
+        .map(|(x, y)| sampled.r.at(x, y))
+        .fold(0.0, f32::max);
+    assert!(error < 0.01 * f64::from(largest), "{error} of {largest}");
+}
+
+#[test]
+fn a_plane_shows_the_sine_of_the_elevation() {
+    let frame = relievo::report::scenes::ExactScene::orthographic(
+        relievo::report::scenes::Surface::plane(DVec3::Z),
+        16.0,
+        16.0,
+    )
+    .frame(32, 32);
+    for elevation in [5.0_f32, 30.0, 90.0] {
+        let mut asked = Asked::of(Material::Lambert, Method::Both);
+        asked.light = lights(&[direction_of(217.0, elevation)]);
+        let expected = f64::from(elevation.to_radians().sin());
+        // A plane has no curvature: no method changes it.
+        assert!(largest_error(&asked.color(&frame), &frame, |_, _| expected) < 1e-6);
+    }
+}
+
+#[test]
+fn azimuth_runs_against_the_clock_from_the_right() {
+    for (azimuth, expected) in [(0.0, Vec3::X), (90.0, Vec3::Y), (180.0, Vec3::NEG_X)] {
+        assert!(direction_of(azimuth, 0.0).distance(expected) < 1e-6);
+    }
+    assert!(direction_of(30.0, 90.0).distance(Vec3::Z) < 1e-6);
+}
+
+#[test]
+fn a_mirror_shows_the_environment_where_the_view_is_thrown() {
+    let frame = torus_in_perspective();
+    let environment = sky();
+    let asked = Asked::of(Material::Mirror, Method::Plain).in_environment(sky(), Samples::Auto);
+    let color = asked.color(&frame);
+    let projection = frame.camera.unwrap().projection;
+    let error = largest_error(&color, &frame, |x, y| {
+        let n = &frame.normal;
+        let n = DVec3::new(
+            n.x.at(x, y).into(),
+            n.y.at(x, y).into(),
+            n.z.at(x, y).into(),
+        );
+        let eye = projection
+            .to_eye(x as f64 + 0.5, y as f64 + 0.5)
+            .extend(1.0)
+            .normalize();
+        let r = 2.0 * n.dot(eye) * n - eye;
+        environment.radiance(r.as_vec3().to_array())[0].into()
+    });
+    assert!(error < 1e-4, "{error:.1e}");
+}
+
+#[test]
+fn a_sphere_lit_by_a_light_shows_what_the_light_does() {
+    // A picture of a white ball under light from (-0.6, 0.6, 0.53), 400 px wide.
+    let l = Vec3::new(-0.6, 0.6, 0.53).normalize();
+    let ball = Plane::from_fn(400, 400, |x, y| {
+        let (x, y) = (
+            (x as f32 + 0.5) / 200.0 - 1.0,
+            1.0 - (y as f32 + 0.5) / 200.0,
+        );
+        let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+        Vec3::new(x, y, z).normalize().dot(l).max(0.0)
+    });
+    let sphere = LitSphere::new(ColorPlanes {
+        r: ball.clone(),
+        g: ball.clone(),
+        b: ball,
+    });
+    let frame = torus();
+    let by_light = Asked::of(Material::Lambert, Method::Plain).color(&frame);
+    let mut asked = Asked::of(Material::Lambert, Method::Plain);
+    asked.light = Illumination {
+        lit_spheres: vec![sphere.clone()],
+        ..Illumination::default()
+    };
+    let by_sphere = asked.color(&frame);
+    // Beside the rim the ball turns quickly from pixel to pixel.
+    let inside = covered(&frame).filter(|&(x, y)| frame.normal.z.at(x, y) > 0.3);
+    let error = inside
+        .map(|(x, y)| (by_light.r.at(x, y) - by_sphere.r.at(x, y)).abs())
+        .fold(0.0, f32::max);
+    assert!(error < 0.02, "{error}");
+    // Two equal spheres are one.
+    asked.light.lit_spheres = vec![sphere.clone(), sphere];
+    assert_eq!(asked.color(&frame).r, by_sphere.r);
+}
+
+#[test]
+fn an_area_light_far_smaller_than_the_lobes_is_one_light() {
+    let frame = torus();
+    let center = Vec3::new(-0.6, 0.6, 0.53).normalize();
+    let one = Asked::of(Material::Phong, Method::Both);
+    let mut area = one.clone();
+    area.light = lights(&light_disc(center, 0.5_f32.to_radians(), 16));
+    for light in &mut area.light.directional {
+        light.intensity = [1.0 / 16.0; 3];
+    }
+    let (one, area) = (one.color(&frame), area.color(&frame));
+    let error = largest_error(&area, &frame, |x, y| one.r.at(x, y).into());
+    // The terminator is half a degree wide now: 0.9 % of a cosine.
+    assert!(error < 0.02 && error > 0.0, "{error}");
+}
+
+#[test]
+fn an_estimated_albedo_is_flat_where_the_picture_was_shaded_flat() {
+    // The scene's picture: grey 0.5 under some ambient and one light.
+    let frame = torus();
+    let shade = |x: usize, y: usize| {
+        let n = &frame.normal;
+        0.3 + 0.1 * n.x.at(x, y) + 0.2 * n.y.at(x, y) + 0.2 * n.z.at(x, y)
+    };
+    // Two stripes of paint, 0.8 and 0.4.
+    let paint = |x: usize| if (x / 8).is_multiple_of(2) { 0.8 } else { 0.4 };
+    let plane = Plane::from_fn(97, 94, |x, y| paint(x) * shade(x, y));
+    let painted = Frame {
+        color: Some(ColorPlanes {
+            r: plane.clone(),
+            g: plane.clone(),
+            b: plane,
+        }),
+        ..frame.clone()
+    };
+    let mut asked = Asked::of(Material::Lambert, Method::Plain);
+    asked.relight.albedo = AlbedoSource::Estimate;
+    let (mut least, mut most) = ([f32::MAX; 2], [0.0_f32; 2]);
+    let lit = asked.color(&painted);
+    let bare = Asked::of(Material::Lambert, Method::Plain).color(&painted);
+    for (x, y) in covered(&painted).filter(|&(x, y)| bare.r.at(x, y) > 0.05) {
+        let albedo = lit.r.at(x, y) / bare.r.at(x, y);
+        let stripe = x / 8 % 2;
+        least[stripe] = least[stripe].min(albedo);
+        most[stripe] = most[stripe].max(albedo);
+    }
+    // Within a tenth of 0.8 and 0.4, though half of the paint was dark.
+    for (stripe, expected) in [0.8, 0.4].into_iter().enumerate() {
+        assert!(
+            least[stripe] > 0.9 * expected && most[stripe] < 1.1 * expected,
+            "{least:?} {most:?}"
+        );
+    }
+}
+
+#[test]
+fn coverage_is_multiplied_in_once() {
+    // A premultiplied picture of 0.5 under coverage of 0.6: light of 1 from the viewer shows 0.5 n_z, times
+    // 0.6, whether the picture is the albedo, or its estimate, 0.8 for all of it.
+    let frame = torus();
+    let flat = |value: f32| Plane::filled(97, 94, value);
+    let thin = Frame {
+        color: Some(ColorPlanes {
+            r: flat(0.3),
+            g: flat(0.3),
+            b: flat(0.3),
+        }),
+        alpha: Some(flat(0.6)),
+        ..frame.clone()
+    };
+    for (source, albedo) in [
+        (AlbedoSource::Picture, 0.5),
+        (AlbedoSource::Estimate, 0.8),
+        (AlbedoSource::White, 1.0),
+    ] {
+        let mut asked = Asked::of(Material::Lambert, Method::Plain);
+        asked.light = lights(&[Vec3::Z]);
+        asked.relight.albedo = source;
+        let error = largest_error(&asked.color(&thin), &thin, |x, y| {
+            0.6 * albedo * f64::from(frame.normal.z.at(x, y))
+        });
+        assert!(error < 1e-3, "{source:?}: {error}");
+    }
+}
+
+#[test]
+fn corners_get_less_light_from_all_around_however_it_is_summed() {
+    // Occlusion of 1/2 everywhere: half of an environment's diffuse light and of even light, and all of a
+    // light that has a direction.
+    let frame = torus();
+    let mut dim = frame.clone();
+    dim.light.occlusion = Some(Plane::filled(97, 94, 0.5));
+    let ways = [
+        (Samples::Fixed(0), WarpBy::Auto, Method::Plain),
+        (Samples::Fixed(33), WarpBy::Auto, Method::Plain),
+        (Samples::Fixed(33), WarpBy::Lights, Method::Warp),
+        (Samples::Fixed(33), WarpBy::Lookups, Method::Warp),
+    ];
+    for (samples, warp_by, method) in ways {
+        let mut asked = Asked::of(Material::Lambert, method).in_environment(sky(), samples);
+        asked.relight.warp_by = warp_by;
+        asked.relight.material.ambient = 0.2;
+        let open = asked.color(&frame);
+        let error = largest_error(&asked.color(&dim), &dim, |x, y| {
+            0.5 * f64::from(open.r.at(x, y))
+        });
+        assert!(error < 1e-6, "{samples:?} {warp_by:?} {method:?}: {error}");
+    }
+    let asked = Asked::of(Material::Lambert, Method::Plain);
+    assert_eq!(asked.color(&dim).r, asked.color(&frame).r);
+}

@@ -1,0 +1,81 @@
+//! New light: against a reference in double precision that follows the papers sample by sample, closed
+//! forms, and what must change nothing.
+
+mod closed_forms;
+mod invariances;
+mod nothing_asked;
+mod sums;
+
+use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
+use glam::Vec3;
+use relievo::engine::cpu::{Outcome, Runner};
+use relievo::frame::{ColorPlanes, Frame, Plane};
+use relievo::light::environment::Environment;
+use relievo::light::lights::{DirectionalLight, Illumination};
+use relievo::params::{Adaptive, Material, Method, Scale, ScalingParams, ShapeParams};
+use relievo::report::light::bare;
+
+impl Asked {
+    /// Light of 1 from 30 degrees above the upper left, on white.
+    fn of(material: Material, method: Method) -> Self {
+        Self {
+            shape: ShapeParams {
+                scale: Scale::Iterations(4),
+                ..ShapeParams::default()
+            },
+            scaling: ScalingParams {
+                curvature_gain: Adaptive::Fixed(12.0),
+                ..ScalingParams::default()
+            },
+            relight: bare(material, method),
+            light: lights(&[Vec3::new(-0.6, 0.6, 0.53)]),
+        }
+    }
+
+    fn outcome(&self, frame: &Frame) -> Outcome {
+        let plan = self.plan(frame).unwrap();
+        Runner::default().relight(&plan, frame, &self.light)
+    }
+
+    fn color(&self, frame: &Frame) -> ColorPlanes {
+        self.outcome(frame).color.expect("light makes a picture")
+    }
+}
+
+/// Lights of 1 from these directions.
+fn lights(directions: &[Vec3]) -> Illumination {
+    let directional = directions.iter().map(|direction| DirectionalLight {
+        to_light: direction.normalize(),
+        intensity: [1.0; 3],
+    });
+    Illumination {
+        directional: directional.collect(),
+        ..Illumination::default()
+    }
+}
+
+fn torus() -> Frame {
+    torus_scene().frame(97, 94)
+}
+
+/// The same seen by an eye close by.
+fn torus_in_perspective() -> Frame {
+    torus_scene().in_perspective().frame(97, 94)
+}
+
+fn sky() -> Environment {
+    relit::sky(4)
+}
+
+fn covered(frame: &Frame) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let mask = &frame.mask;
+    (0..mask.height())
+        .flat_map(|y| (0..mask.width()).map(move |x| (x, y)))
+        .filter(|&(x, y)| mask.at(x, y))
+}
+
+fn bits(color: &ColorPlanes) -> Vec<u32> {
+    let planes: [&Plane; 3] = [&color.r, &color.g, &color.b];
+    let samples = planes.into_iter().flat_map(|plane| plane.samples());
+    samples.map(|v| v.to_bits()).collect()
+}

@@ -1,0 +1,127 @@
+//! Strength 0 is the plain picture, bit for bit; what has no light is refused.
+
+use super::{Asked, LIT, bits, lights, sky, torus_in_perspective};
+use relievo::frame::{ColorPlanes, Plane};
+use relievo::light::lights::Illumination;
+use relievo::light::lit_sphere::LitSphere;
+use relievo::params::{Material, Method, Samples, Tangent};
+use relievo::plan::Stage;
+
+/// Every material, in light that shines on it.
+fn all() -> Vec<(String, Asked)> {
+    let mut all = Vec::new();
+    for material in LIT {
+        all.push((
+            format!("{material:?} by a light"),
+            Asked::of(material, Method::Plain),
+        ));
+        let sampled = Asked::of(material, Method::Plain).in_environment(sky(), Samples::Fixed(20));
+        all.push((format!("{material:?} by an environment"), sampled));
+    }
+    for material in [
+        Material::Lambert,
+        Material::Phong,
+        Material::Mirror,
+        Material::Glass,
+    ] {
+        let samples = match material {
+            Material::Mirror | Material::Glass => Samples::Auto,
+            _ => Samples::Fixed(0),
+        };
+        let asked = Asked::of(material, Method::Plain).in_environment(sky(), samples);
+        all.push((format!("{material:?} by look-ups"), asked));
+    }
+    let plane = Plane::from_fn(32, 32, |x, y| (x + y) as f32 / 64.0);
+    let mut asked = Asked::of(Material::Lambert, Method::Plain);
+    asked.light = Illumination {
+        lit_spheres: vec![LitSphere::new(ColorPlanes {
+            r: plane.clone(),
+            g: plane.clone(),
+            b: plane,
+        })],
+        ..Illumination::default()
+    };
+    all.push(("lit sphere".into(), asked));
+    all
+}
+
+#[test]
+fn strength_0_reproduces_plain_bit_for_bit() {
+    let frame = torus_in_perspective();
+    for (name, plain) in all() {
+        let expected = bits(&plain.color(&frame));
+        for method in [Method::Warp, Method::Scale, Method::Both] {
+            let mut idle = plain.clone();
+            idle.relight.method = method;
+            idle.relight.warping.warp = 0.0;
+            idle.scaling.scaling = 0.0;
+            assert!(
+                bits(&idle.color(&frame)) == expected,
+                "{name}, {method:?} of 0"
+            );
+            // And the strengths do something where they are not 0.
+            let mut active = plain.clone();
+            active.relight.method = method;
+            assert!(
+                bits(&active.color(&frame)) != expected,
+                "{name}, {method:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_term_of_magnitude_0_stays_while_another_is_scaled() {
+    let frame = torus_in_perspective();
+    let mut scaled = Asked::of(Material::Phong, Method::Scale);
+    scaled.relight.material.specular_gain = Some(0.0);
+    let plain = Asked {
+        relight: relievo::params::RelightParams {
+            method: Method::Plain,
+            ..scaled.relight
+        },
+        ..scaled.clone()
+    };
+    scaled.scaling.scaling_diffuse = Some(0.0);
+    scaled.scaling.scaling_specular = Some(2.0);
+    assert!(bits(&scaled.color(&frame)) == bits(&plain.color(&frame)));
+}
+
+#[test]
+fn a_plan_pays_only_for_what_it_needs() {
+    let frame = torus_in_perspective();
+    let has = |asked: &Asked, stage| asked.plan(&frame).unwrap().has(stage);
+    let plain = Asked::of(Material::Phong, Method::Plain);
+    assert!(!has(&plain, Stage::Conductance) && !has(&plain, Stage::Hessian));
+    let scaled = Asked::of(Material::Phong, Method::Scale);
+    assert!(has(&scaled, Stage::Trace) && !has(&scaled, Stage::Hessian));
+    let mut toward = scaled.clone();
+    toward.scaling.anisotropy = 0.5;
+    assert!(has(&toward, Stage::Hessian) && !has(&toward, Stage::Trace));
+    let warped = Asked::of(Material::Phong, Method::Warp);
+    assert!(has(&warped, Stage::Hessian) && has(&warped, Stage::Jacobian));
+    assert!(!has(&warped, Stage::EnvironmentPrefilter) && !has(&warped, Stage::Directions));
+    let looked_up = warped.in_environment(sky(), Samples::Fixed(0));
+    assert!(has(&looked_up, Stage::EnvironmentPrefilter) && !has(&looked_up, Stage::Jacobian));
+    assert!(!has(&looked_up, Stage::LightSum));
+    let mut brushed = Asked::of(Material::AshikhminShirley, Method::Plain);
+    brushed.relight.material.coat = [10.0, 100.0];
+    assert!(has(&brushed, Stage::NormalRays) && !has(&brushed, Stage::Hessian));
+    brushed.relight.material.tangent = Tangent::Degrees(0.0);
+    assert!(!has(&brushed, Stage::NormalRays));
+}
+
+#[test]
+fn what_cannot_be_lit_is_refused_with_a_way_out() {
+    let frame = torus_in_perspective();
+    let refused = |asked: &Asked| asked.plan(&frame).unwrap_err().to_string();
+    let mut dark = Asked::of(Material::Lambert, Method::Plain);
+    dark.light = Illumination::default();
+    assert!(refused(&dark).contains("--light"));
+    let mut mirror = Asked::of(Material::Mirror, Method::Plain);
+    mirror.light = lights(&[glam::Vec3::Z]);
+    assert!(refused(&mirror).contains("--environment"));
+    let sampled = Asked::of(Material::AshikhminShirley, Method::Plain);
+    let sampled = sampled.in_environment(sky(), Samples::Fixed(0));
+    assert!(refused(&sampled).contains("--samples"));
+}

@@ -1,0 +1,184 @@
+//! Several scales, and scales of every pixel's own, from the sweeps of one.
+
+use relievo::engine::cpu;
+use relievo::frame::{Frame, Plane, Vector2Planes};
+use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
+use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::ExactScene;
+
+/// Balls one before the other: silhouettes between them, smooth parts, uncovered ground.
+fn frame() -> Frame {
+    let scene = ExactScene::two_balls(26.0, 37.0, 61.3, 52.6).in_perspective();
+    scene.frame(120, 100)
+}
+
+fn with(solver: Solver, scale: Scale) -> ShapeParams {
+    ShapeParams {
+        solver,
+        scale,
+        ..ShapeParams::default()
+    }
+}
+
+fn gradient(frame: &Frame, shape: ShapeParams) -> Vector2Planes {
+    let available = Available::in_frame(frame);
+    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
+    cpu::run(&plan, frame).shape.gradient.unwrap()
+}
+
+/// Whether two values are the same bits, the sign of 0 apart.
+fn same(a: f32, b: f32) -> bool {
+    a == b
+}
+
+/// A frame whose pixels have the importance of `share(n)`, `n` running through the numbers below `count`.
+fn painted(count: usize, share: impl Fn(usize) -> f32) -> (Frame, Plane<usize>) {
+    let mut frame = frame();
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let number = Plane::from_fn(width, height, |x, y| (x * 7 + y * 13) % count);
+    frame.importance = Some(number.map(share));
+    (frame, number)
+}
+
+#[test]
+fn explicit_steps_stop_where_a_pixel_has_had_its_share() {
+    // 20 steps, in shares of 1/4 (few levels) and of 1/20 (many).
+    for count in [5, 21] {
+        let share = |n: usize| n as f32 / (count - 1) as f32;
+        let (frame, number) = painted(count, share);
+        let found = gradient(&frame, with(Solver::Explicit, Scale::Iterations(20)));
+        let plain = Frame {
+            importance: None,
+            ..frame.clone()
+        };
+        for n in 0..count {
+            let steps = 20 * n / (count - 1);
+            let scale = Scale::Iterations(steps as u32);
+            let expected = gradient(&plain, with(Solver::Explicit, scale));
+            for (y, x) in (0..100).flat_map(|y| (0..120).map(move |x| (y, x))) {
+                if number.at(x, y) == n {
+                    let at = |planes: &Vector2Planes| (planes.x.at(x, y), planes.y.at(x, y));
+                    let ((ax, ay), (bx, by)) = (at(&found), at(&expected));
+                    assert!(same(ax, bx) && same(ay, by), "{steps} steps at ({x}, {y})");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_pixel_is_diffused_for_its_share_of_the_time() {
+    let sigma = 6.0;
+    for count in [5, 12] {
+        let share = |n: usize| n as f32 / (count - 1) as f32;
+        let (frame, number) = painted(count, share);
+        let found = gradient(&frame, with(Solver::Chebyshev, Scale::Sigma(sigma)));
+        let plain = Frame {
+            importance: None,
+            ..frame.clone()
+        };
+        for n in 0..count {
+            // A share of the time is its root of the sigma. The map is told in 1023 steps: a time off by
+            // 1/2046 of t changes a wave of decay m by t m e^(-s t m) / 2046, at most 1 / (2046 e s).
+            let share = share(n);
+            let scale = Scale::Sigma(sigma * share.sqrt());
+            let expected = gradient(&plain, with(Solver::Chebyshev, scale));
+            let in_time = if share > 0.0 { 1.8e-4 / share } else { 0.0 };
+            for (y, x) in (0..100).flat_map(|y| (0..120).map(move |x| (y, x))) {
+                if number.at(x, y) == n {
+                    let error = (found.x.at(x, y) - expected.x.at(x, y)).abs();
+                    // Twice the tolerance: both are expansions.
+                    assert!(
+                        error < 2e-4 + in_time,
+                        "share {share} at ({x}, {y}): {error}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn full_importance_is_as_none_and_no_number_is_none_at_all() {
+    for solver in [Solver::Chebyshev, Solver::Explicit] {
+        let shape = with(solver, Scale::Sigma(4.0));
+        let plain = frame();
+        let ones = Frame {
+            importance: Some(Plane::filled(120, 100, 1.0)),
+            ..plain.clone()
+        };
+        let (expected, found) = (gradient(&plain, shape), gradient(&ones, shape));
+        for (a, b) in found.x.samples().iter().zip(expected.x.samples()) {
+            assert!(same(*a, *b), "{a}, not {b}");
+        }
+        let hostile = [f32::NAN, -1.0, f32::NEG_INFINITY];
+        let nothing = Frame {
+            importance: Some(Plane::from_fn(120, 100, |x, _| hostile[x % 3])),
+            ..plain.clone()
+        };
+        let (expected, found) = (
+            gradient(&plain, with(solver, Scale::Iterations(0))),
+            gradient(&nothing, shape),
+        );
+        for (a, b) in found.x.samples().iter().zip(expected.x.samples()) {
+            assert!(same(*a, *b), "{a}, not {b}");
+        }
+    }
+}
+
+#[test]
+fn several_scales_are_what_each_is_alone() {
+    let frame = frame();
+    let available = Available::in_frame(&frame);
+    let sigmas = [3.0_f32, 8.0, 0.0, 1.5];
+    let at = |sigma| with(Solver::Chebyshev, Scale::Sigma(sigma));
+    let scaling = ScalingParams::default();
+    let goal = Goal::Layers;
+    let plan = Plan::at_scales(goal, available, at(sigmas[0]), scaling, &sigmas[1..]).unwrap();
+    let all = cpu::run(&plan, &frame).shape;
+    assert_eq!(all.more_scales.len(), 3);
+    for (scale, sigma) in all.more_scales.iter().zip(&sigmas[1..]) {
+        assert_eq!(scale.sigma_px, *sigma);
+        let plan = Plan::new(goal, available, at(*sigma), scaling).unwrap();
+        let alone = cpu::run(&plan, &frame).shape.curvatures.unwrap();
+        for (a, b) in scale.curvatures.u.samples().iter().zip(alone.u.samples()) {
+            assert!(same(*a, *b), "sigma {sigma}: {a}, not {b}");
+        }
+    }
+    let plan = Plan::new(goal, available, at(sigmas[0]), scaling).unwrap();
+    let alone = cpu::run(&plan, &frame).shape.gradient.unwrap();
+    for (a, b) in all
+        .gradient
+        .unwrap()
+        .x
+        .samples()
+        .iter()
+        .zip(alone.x.samples())
+    {
+        assert!(same(*a, *b), "{a}, not {b}");
+    }
+}
+
+#[test]
+fn several_scales_are_refused_where_they_cannot_share() {
+    let mut frame = frame();
+    let plan = |frame: &Frame, solver, more: &[f32]| {
+        let available = Available::in_frame(frame);
+        let shape = with(solver, Scale::Sigma(2.0));
+        Plan::at_scales(
+            Goal::Layers,
+            available,
+            shape,
+            ScalingParams::default(),
+            more,
+        )
+    };
+    assert!(plan(&frame, Solver::Chebyshev, &[4.0]).is_ok());
+    assert!(plan(&frame, Solver::Explicit, &[4.0]).is_err());
+    for bad in [-1.0, f32::NAN, f32::INFINITY] {
+        assert!(plan(&frame, Solver::Chebyshev, &[bad]).is_err());
+    }
+    frame.importance = Some(Plane::filled(120, 100, 0.5));
+    assert!(plan(&frame, Solver::Chebyshev, &[4.0]).is_err());
+    assert!(plan(&frame, Solver::Chebyshev, &[]).is_ok());
+}

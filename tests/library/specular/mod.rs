@@ -1,0 +1,51 @@
+//! Mirrors and lenses: what bent sight lines meet, how strokes of it are seen, what light shows of it.
+
+mod exact;
+mod lens;
+mod light;
+mod propagation;
+mod rendered;
+mod stiff;
+
+use relievo::engine::cpu::Runner;
+use relievo::frame::{Frame, SpecularScene, Vector2Planes};
+use relievo::params::{
+    Bend, LineParams, RelightParams, ScalingParams, SearchParams, ShapeParams, SpecularParams,
+};
+use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
+
+/// The default search.
+fn traced(bend: Bend) -> SpecularParams {
+    SpecularParams {
+        bend,
+        search: SearchParams::default(),
+    }
+}
+
+/// The plan of a drawing of `frame` under a lamp.
+fn drawing(frame: &Frame, params: LineParams, bend: Bend) -> Plan {
+    let available = Available {
+        specular: Some(traced(bend)),
+        ..Available::in_frame(frame)
+    };
+    let tone = ToneFrom::Relit(
+        RelightParams::default(),
+        LightKinds {
+            directional: true,
+            ..LightKinds::default()
+        },
+    );
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    Plan::hatch(available, shape, scaling, tone, params).unwrap()
+}
+
+/// The directions of strokes on what a frame's specular pixels show.
+fn fields(
+    frame: &Frame,
+    scene: &SpecularScene,
+    params: LineParams,
+    bend: Bend,
+) -> Vec<Vector2Planes> {
+    let plan = drawing(frame, params, bend);
+    Runner::default().stroke_fields_through(&plan, frame, scene, &params)
+}

@@ -1,0 +1,145 @@
+//! A rendered mirror ball in a hall, against where the renderer's own rays ended.
+
+use super::{fields, traced};
+use glam::{DVec2, DVec3};
+use relievo::frame::{SpecularScene, Vector3Planes};
+use relievo::io::inputs::Inputs;
+use relievo::io::{self, Loaded, Needs, SpecularInputs, load_specular};
+use relievo::params::{Bend, Fallback, FieldParams, LineParams};
+use relievo::trace::Tracer;
+use std::path::{Path, PathBuf};
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fixtures")
+        .join(name)
+}
+
+/// The mirror, with normals and points of the file `hits` in place of its own where they are named.
+fn loaded() -> Loaded {
+    let inputs = Inputs {
+        picture: fixture("mirror.exr"),
+        ..Inputs::default()
+    };
+    let needs = Needs {
+        color: true,
+        projection: true,
+        ..Needs::default()
+    };
+    io::load(&inputs, needs).unwrap()
+}
+
+fn hits() -> Option<String> {
+    fixture("mirror.hits.exr").to_str().map(String::from)
+}
+
+fn scene(loaded: &Loaded, hit_position: Option<String>) -> SpecularScene {
+    let inputs = SpecularInputs {
+        mask: Some("Mirror".into()),
+        surroundings: Some(fixture("mirror.surroundings.exr")),
+        hit_position,
+        ..SpecularInputs::default()
+    };
+    load_specular(&inputs, loaded, None).unwrap()
+}
+
+#[test]
+fn the_search_ends_where_the_renderers_rays_did() {
+    let loaded = loaded();
+    let scene = scene(&loaded, hits());
+    let truth = scene.hit_position.as_ref().unwrap();
+    let tracer = Tracer::new(&loaded.frame, &scene, &traced(Bend::Mirror)).unwrap();
+    let (mut errors, mut all) = (Vec::new(), 0);
+    for y in 0..240 {
+        for x in 0..320 {
+            let expected = truth.at(x, y);
+            let Some(path) = tracer.path(x, y).filter(|_| expected.is_finite()) else {
+                continue;
+            };
+            all += 1;
+            if let Some(hit) = tracer.hit(&path.leaving()) {
+                let seen =
+                    (hit.point - path.entry.start).angle_between(expected - path.entry.start);
+                let apart = hit.point.distance(expected) / expected.distance(path.entry.start);
+                errors.push(apart.max(seen));
+            }
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    let found = errors.len() as f64 / f64::from(all);
+    let median = errors[errors.len() / 2];
+    println!(
+        "{all} rays, {:.2} % found, median error {median:.1e} of the way",
+        100.0 * found
+    );
+    // The map is rounded to 1/4096 of a length of some units, and normals on the ball are filtered.
+    assert!(all > 20_000 && found > 0.97 && median < 5e-3);
+}
+
+/// Where walls are met beside one another: the upright tangent of [LA] section 4.2, seen by the Jacobian of the
+/// renderer's own points.
+fn truth(points: &Vector3Planes, x: usize, y: usize) -> Option<DVec2> {
+    let point = |x: usize, y: usize| {
+        let is_inside = x < points.x.width() && y < points.x.height();
+        is_inside.then(|| points.at(x, y)).filter(|p| p.is_finite())
+    };
+    let here = point(x, y)?;
+    let sides = [
+        point(x - 1, y)?,
+        point(x + 1, y)?,
+        point(x, y + 1)?,
+        point(x, y - 1)?,
+    ];
+    let (right, up) = (0.5 * (sides[1] - sides[0]), 0.5 * (sides[3] - sides[2]));
+    let normal = right.cross(up).try_normalize()?;
+    // A cell of the field and more around it shows this plane alone: strokes are averaged over cells of 4 pixels.
+    let is_flat = (0..81).all(|i| {
+        let (x, y) = ((x + i % 9).wrapping_sub(4), (y + i / 9).wrapping_sub(4));
+        point(x, y).is_some_and(|p| normal.dot(p - here).abs() <= 2e-3 * p.distance(here))
+    });
+    if !is_flat {
+        return None;
+    }
+    // Side walls have x for a normal: y is next.
+    let is_side = DVec3::X.cross(normal).length() < 0.02;
+    let axis = if is_side { DVec3::Y } else { DVec3::X };
+    let tangent = axis.cross(normal).try_normalize()?;
+    let (aa, ab, bb) = (right.dot(right), right.dot(up), up.dot(up));
+    let (a, b) = (right.dot(tangent), up.dot(tangent));
+    DVec2::new(bb * a - ab * b, aa * b - ab * a).try_normalize()
+}
+
+#[test]
+fn strokes_on_a_mirror_lie_where_the_renderers_rays_put_them() {
+    let loaded = loaded();
+    let params = LineParams {
+        field: FieldParams {
+            fallback: Fallback::Surface,
+            ..FieldParams::default()
+        },
+        ..LineParams::default()
+    };
+    let told = scene(&loaded, hits());
+    let points = told.hit_position.clone().unwrap();
+    for (name, scene) in [("searched", scene(&loaded, None)), ("told", told)] {
+        let field = &fields(&loaded.frame, &scene, params, Bend::Mirror)[0];
+        let mut errors = Vec::new();
+        for y in 1..239 {
+            for x in 1..319 {
+                let Some(expected) = truth(&points, x, y) else {
+                    continue;
+                };
+                let found = DVec2::new(field.x.at(x, y).into(), field.y.at(x, y).into());
+                let sine = found.perp_dot(expected).abs();
+                errors.push(sine.atan2(found.dot(expected).abs()).to_degrees());
+            }
+        }
+        errors.sort_by(f64::total_cmp);
+        let median = errors[errors.len() / 2];
+        println!(
+            "{name}: {} pixels of walls, median {median:.2} degrees",
+            errors.len()
+        );
+        assert!(errors.len() > 1_000 && median < 3.0);
+    }
+}

@@ -1,0 +1,473 @@
+//! The field of stroke directions against surfaces whose directions are known exactly.
+
+use crate::common::{direction_at, in_8_bits, mirrored, quantile, quarter_turned, without_depth};
+use glam::{DMat3, DQuat, DVec2, DVec3, Vec2};
+use relievo::engine::cpu::Runner;
+use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Window};
+use relievo::params::{Fallback, FieldParams, ScalingParams, ShapeParams, StrokeDirections};
+use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::{Exact, ExactScene, Surface};
+use relievo::report::sweeps::directions::angle_deg;
+
+fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> Vec<Vector2Planes> {
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let available = Available::in_frame(frame);
+    let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
+    let found = Runner::default().stroke_fields(&plan, frame, params, directions);
+    for (x, y) in places(frame) {
+        for field in &found {
+            let t = direction_at(field, x, y);
+            let unit = (t.length() - 1.0).abs() < 1e-5;
+            let none = t == DVec2::ZERO;
+            assert!(
+                if frame.mask.at(x, y) { unit } else { none },
+                "({x}, {y}): {t}"
+            );
+        }
+    }
+    found
+}
+
+fn both(frame: &Frame) -> [Vector2Planes; 2] {
+    let found = fields(frame, &FieldParams::default(), StrokeDirections::Both);
+    found.try_into().unwrap()
+}
+
+fn places(frame: &Frame) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// The exact directions, in the picture, of the curvatures larger and lesser in size; `None` where they
+/// differ by less than a fifth of their sum.
+fn expected(exact: &Exact, projection: Projection) -> Option<[DVec2; 2]> {
+    let c = exact.object_curvatures;
+    let (u, v) = (c.k_u.abs(), c.k_v.abs());
+    let tangents = if u > v { [c.u, c.v] } else { [c.v, c.u] };
+    let step = 1e-5 * exact.depth;
+    let seen = |tangent: DVec3| {
+        let [ahead, behind] = [step, -step].map(|s| projection.pixel_of(exact.point + s * tangent));
+        let seen = ahead? - behind?;
+        Some(DVec2::new(seen.x, -seen.y).normalize())
+    };
+    let clear = (u - v).abs() > 0.2 * (u + v);
+    if !clear {
+        return None;
+    }
+    Some([seen(tangents[0])?, seen(tangents[1])?])
+}
+
+/// How squarely the surface is seen.
+fn facing(scene: &ExactScene, exact: &Exact, x: usize, y: usize) -> f64 {
+    let line = scene.projection.to_eye(x as f64 + 0.5, y as f64 + 0.5);
+    exact.normal.dot(line.extend(1.0).normalize())
+}
+
+/// Sorted errors in degrees of both families where the surface is seen at a cosine of more than `least`.
+fn errors(scene: &ExactScene, frame: &Frame, params: &FieldParams, least: f64) -> [Vec<f64>; 2] {
+    let found = fields(frame, params, StrokeDirections::Both);
+    let mut errors = [Vec::new(), Vec::new()];
+    for (x, y) in places(frame) {
+        let exact = scene.exact(x, y);
+        let Some(exact) = exact.filter(|e| facing(scene, e, x, y) > least) else {
+            continue;
+        };
+        if let Some(wanted) = expected(&exact, scene.projection) {
+            for i in 0..2 {
+                errors[i].push(angle_deg(direction_at(&found[i], x, y), wanted[i]));
+            }
+        }
+    }
+    assert!(errors[0].len() > 500, "{}", errors[0].len());
+    errors.each_mut().map(|e| {
+        e.sort_by(f64::total_cmp);
+        std::mem::take(e)
+    })
+}
+
+fn scene(surface: Surface, radius: f64) -> (ExactScene, usize) {
+    let side = (0.55 * radius).ceil() as usize * 4;
+    let scene = ExactScene::orthographic(surface, side as f64 / 2.0 + 0.3, side as f64 / 2.0 - 0.4);
+    (scene.at_distance(3.0 * radius), side)
+}
+
+fn in_perspective(scene: &ExactScene, radius: f64) -> ExactScene {
+    let Projection::Orthographic { cx, cy, .. } = scene.projection else {
+        panic!("already in perspective");
+    };
+    let (fx, fy) = (3.0 * radius, 3.0 * radius);
+    ExactScene {
+        projection: Projection::Perspective { fx, fy, cx, cy },
+        ..scene.clone()
+    }
+}
+
+fn ellipsoid(radius: f64) -> Surface {
+    let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
+    Surface::ellipsoid(DVec3::new(1.0, 0.7, 0.5) * radius, turn)
+}
+
+fn torus(radius: f64) -> Surface {
+    Surface::torus(0.7 * radius, 0.3 * radius, DVec3::new(0.3, 0.5, 0.8))
+}
+
+#[test]
+fn strokes_run_around_cylinders_and_along_them() {
+    println!("axis, rounding, passes: p95 / largest degrees around, along");
+    let axes = [
+        DVec3::Y,
+        DVec3::X,
+        DVec3::new(0.6, 0.5, 0.0),
+        DVec3::new(0.6, 0.5, 0.45),
+    ];
+    for axis in axes {
+        let (flat, side) = scene(Surface::cylinder(80.0, axis), 128.0);
+        for scene in [flat.clone(), in_perspective(&flat, 128.0)] {
+            let frame = scene.frame(side, side);
+            for frame in [in_8_bits(without_depth(frame.clone())), frame] {
+                for passes in [0, FieldParams::default().passes] {
+                    let params = FieldParams {
+                        passes,
+                        ..FieldParams::default()
+                    };
+                    let rounding = frame.source.normal_rounding;
+                    let [around, along] = errors(&scene, &frame, &params, 0.7)
+                        .map(|e| [quantile(&e, 0.95), quantile(&e, 1.0)]);
+                    println!(
+                        "{axis} {rounding:.4} {passes}: {:.3} / {:.3}, {:.3} / {:.3}",
+                        around[0], around[1], along[0], along[1]
+                    );
+                    // The normals tell the directions to a small part of a degree. A pass keeps straight
+                    // lines, of those along the axis in a parallel projection; rings seen at a slant
+                    // bend, and near the rim, where the kernel is cut off, all of it to one side.
+                    let straight =
+                        passes == 0 || axis.z == 0.0 && scene.projection == flat.projection;
+                    let bound = if straight { 0.5 } else { 1.25 };
+                    assert!(around[0] < bound && along[0] < 0.5, "{around:?} {along:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn both_families_follow_the_curvature() {
+    println!("radius: median / p95 degrees of the larger, of the lesser");
+    for radius in [64.0, 128.0, 256.0] {
+        for (name, surface) in [("ellipsoid", ellipsoid(radius)), ("torus", torus(radius))] {
+            let (scene, side) = scene(surface, radius);
+            let frame = scene.frame(side, side);
+            let bits = in_8_bits(without_depth(frame.clone()));
+            for (stored, frame) in [("float", frame), ("8 bits", bits)] {
+                for passes in [0, FieldParams::default().passes] {
+                    let params = FieldParams {
+                        passes,
+                        ..FieldParams::default()
+                    };
+                    let [larger, lesser] = errors(&scene, &frame, &params, 0.35)
+                        .map(|e| [quantile(&e, 0.5), quantile(&e, 0.95)]);
+                    println!(
+                        "{radius:4} {name:9} {stored:6} {passes} passes: {:.2} / {:.2}, {:.2} / {:.2}",
+                        larger[0], larger[1], lesser[0], lesser[1]
+                    );
+                    // Neighbours 4 px apart: off by the square of 4 / radius, 0.2 degrees in 64 px in the
+                    // mean and twenty times that where curvatures are nearly alike; a quarter per
+                    // doubling. Rounding turns directions by 1/255 over the turn of 8 px, 8/radius.
+                    let second_order = 5.0 * (64.0 / radius).powi(2);
+                    let rounded = if stored == "float" { 0.0 } else { 3.0 };
+                    if passes == 0 {
+                        let bound = second_order.max(0.5) + rounded;
+                        assert!(larger[1] < bound && lesser[1] < bound, "{name} of {radius}");
+                    } else if radius == 256.0 {
+                        // Passes of 24 px round the tube of 77 px off; what they cost is the bend of the
+                        // field, not noise: 8 bits and floats are alike.
+                        let bound = if name == "torus" { 8.0 } else { 5.0 };
+                        assert!(
+                            larger[1] < bound && lesser[1] < 3.0,
+                            "{name}: {larger:?} {lesser:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The largest angle between the directions of covered neighbours.
+fn largest_turn_deg(found: &Vector2Planes, frame: &Frame) -> f64 {
+    let mut largest = 0.0_f64;
+    for (x, y) in places(frame).filter(|&(x, y)| x > 0 && y > 0) {
+        for (px, py) in [(x - 1, y), (x, y - 1)] {
+            if frame.mask.at(x, y) && frame.mask.at(px, py) {
+                largest = largest.max(angle_deg(
+                    direction_at(found, x, y),
+                    direction_at(found, px, py),
+                ));
+            }
+        }
+    }
+    largest
+}
+
+#[test]
+fn balls_and_planes_take_the_fallback() {
+    for radius in [40.0, 150.0, 2000.0] {
+        let ball = ExactScene::orthographic(Surface::ball(radius), 80.3, 79.6);
+        let plane =
+            ExactScene::orthographic(Surface::plane(DVec3::new(0.5, -0.3, 0.8)), 80.0, 80.0);
+        for scene in [ball, plane.clone(), plane.in_perspective()] {
+            let frame = scene.frame(160, 160);
+            for frame in [in_8_bits(without_depth(frame.clone())), frame] {
+                let exact = frame.source.normal_rounding == 0.0;
+                for angle in [45.0_f32, -20.0] {
+                    let params = FieldParams {
+                        fallback: Fallback::Angle(angle),
+                        ..FieldParams::default()
+                    };
+                    let found = fields(&frame, &params, StrokeDirections::Both);
+                    let first = Vec2::from_angle(angle.to_radians()).as_dvec2();
+                    let wanted = [first, first.perp()];
+                    let covered = places(&frame).filter(|&(x, y)| frame.mask.at(x, y));
+                    let off = covered.flat_map(|(x, y)| {
+                        let off = |i: usize| angle_deg(direction_at(&found[i], x, y), wanted[i]);
+                        [off(0), off(1)]
+                    });
+                    let worst = off.fold(0.0, f64::max);
+                    let turn = found.iter().map(|f| largest_turn_deg(f, &frame));
+                    let turn = turn.fold(0.0, f64::max);
+                    println!("{radius} {angle}, exact {exact}: {worst:.3}, turn {turn:.3}");
+                    // Rounded normals of so large a ball lie in steps 16 px wide, which are forms of a
+                    // kind: strokes lean, and keep calm.
+                    let bound = if exact { 0.01 } else { 10.0 };
+                    assert!(worst < bound && turn < 0.1 * bound, "{worst} {turn}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_surface_fallback_is_upright_and_across() {
+    let ball = ExactScene::orthographic(Surface::ball(60.0), 80.3, 79.6).frame(160, 160);
+    let params = FieldParams {
+        fallback: Fallback::Surface,
+        ..FieldParams::default()
+    };
+    let [first, second] = fields(&ball, &params, StrokeDirections::Both)
+        .try_into()
+        .unwrap();
+    // x crossed with n is (0, -n_z, n_y), upright; n crossed with that, (n_y^2 + n_z^2, -n_x n_y, ..).
+    for (x, y) in places(&ball).filter(|&(x, y)| ball.mask.at(x, y)) {
+        let [nx, ny, nz] =
+            [&ball.normal.x, &ball.normal.y, &ball.normal.z].map(|p| f64::from(p.at(x, y)));
+        if nz > 0.4 {
+            assert!(angle_deg(direction_at(&first, x, y), DVec2::Y) < 1.0);
+            let across = DVec2::new(ny * ny + nz * nz, -nx * ny);
+            let off = angle_deg(direction_at(&second, x, y), across);
+            assert!(off < 3.0, "({x}, {y}): {off}");
+        }
+    }
+}
+
+#[test]
+fn one_family_is_the_same_alone() {
+    let (scene, side) = scene(ellipsoid(60.0), 60.0);
+    let frame = scene.frame(side, side);
+    let [larger, _] = both(&frame);
+    let alone = fields(&frame, &FieldParams::default(), StrokeDirections::Max);
+    assert!(alone == [larger]);
+    assert_eq!(
+        fields(&frame, &FieldParams::default(), StrokeDirections::Min).len(),
+        1
+    );
+}
+
+#[test]
+fn nothing_crosses_a_silhouette() {
+    // A tilted cylinder before a torus. What the normals of one are changes no bit of the other.
+    let near =
+        Surface::cylinder(25.0, DVec3::new(0.3, 1.0, 0.2)).moved(DVec3::new(0.0, 0.0, 200.0));
+    let scene = ExactScene {
+        surfaces: vec![near, torus(90.0)],
+        ..ExactScene::orthographic(near, 110.0, 110.0)
+    };
+    let frame = scene.frame(220, 220);
+    let plain = both(&frame);
+    for changed in 0..2 {
+        let mut frame = frame.clone();
+        for (x, y) in places(&frame) {
+            if scene.exact(x, y).is_some_and(|e| e.surface == changed) {
+                // As if turned by a quarter.
+                let [nx, ny] = [frame.normal.x.at(x, y), frame.normal.y.at(x, y)];
+                frame.normal.x.row_mut(y)[x] = -ny;
+                frame.normal.y.row_mut(y)[x] = nx;
+            }
+        }
+        let found = both(&frame);
+        let (mut kept, mut other) = (0, 0);
+        for (x, y) in places(&frame) {
+            let Some(exact) = scene.exact(x, y) else {
+                continue;
+            };
+            let same =
+                (0..2).all(|i| direction_at(&plain[i], x, y) == direction_at(&found[i], x, y));
+            if exact.surface == changed {
+                other += usize::from(!same);
+            } else if same {
+                kept += 1;
+            } else {
+                // Pixels on the edge itself, two wide, have a neighbour's direction.
+                let beside = (x - 3..=x + 3)
+                    .flat_map(|x| (y - 3..=y + 3).map(move |y| (x, y)))
+                    .any(|(x, y)| scene.exact(x, y).is_none_or(|e| e.surface == changed));
+                assert!(beside, "({x}, {y}) of the one changes with the other");
+            }
+        }
+        assert!(kept > 3000 && other > 3000, "{kept} {other}");
+    }
+}
+
+#[test]
+fn turned_and_mirrored_pictures_give_turned_and_mirrored_fields() {
+    let params = |angle| FieldParams {
+        fallback: Fallback::Angle(angle),
+        ..FieldParams::default()
+    };
+    for surface in [
+        ellipsoid(60.0),
+        torus(60.0),
+        Surface::cylinder(40.0, DVec3::new(0.6, 0.5, 0.45)),
+    ] {
+        let (flat, side) = scene(surface, 60.0);
+        for scene in [flat.clone(), in_perspective(&flat, 60.0)] {
+            let frame = scene.frame(side, side);
+            let plain = fields(&frame, &params(20.0), StrokeDirections::Both);
+            let flipped = fields(&mirrored(&frame), &params(-20.0), StrokeDirections::Both);
+            let turned = fields(
+                &quarter_turned(&frame),
+                &params(110.0),
+                StrokeDirections::Both,
+            );
+            let mut off = Vec::new();
+            for (x, y) in places(&frame).filter(|&(x, y)| frame.mask.at(x, y)) {
+                for i in 0..2 {
+                    let t = direction_at(&plain[i], x, y);
+                    let mirror = direction_at(&flipped[i], side - 1 - x, y);
+                    let turn = direction_at(&turned[i], y, side - 1 - x);
+                    off.push(angle_deg(mirror, DVec2::new(-t.x, t.y)));
+                    off.push(angle_deg(turn, t.perp()));
+                }
+            }
+            off.sort_by(f64::total_cmp);
+            // Sums in another order differ by the rounding of f32.
+            let worst = quantile(&off, 1.0);
+            assert!(worst < 1e-3, "{worst} degrees");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let (scene, side) = scene(torus(150.0), 150.0);
+    let frame = in_8_bits(without_depth(scene.frame(side, side)));
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| both(&frame))
+    };
+    let one = on(1);
+    for threads in [2, 3, 8] {
+        assert!(on(threads) == one, "{threads}");
+    }
+}
+
+#[test]
+fn a_quarter_of_the_size_is_enough() {
+    for (name, surface) in [("ellipsoid", ellipsoid(128.0)), ("torus", torus(128.0))] {
+        let (scene, side) = scene(surface, 128.0);
+        let frame = scene.frame(side, side);
+        let whole = FieldParams {
+            cell_px: 1,
+            ..FieldParams::default()
+        };
+        let (full, quarter) = (fields(&frame, &whole, StrokeDirections::Both), both(&frame));
+        for i in 0..2 {
+            let mut off: Vec<f64> = places(&frame)
+                .filter(|&(x, y)| {
+                    scene
+                        .exact(x, y)
+                        .is_some_and(|e| facing(&scene, &e, x, y) > 0.35)
+                })
+                .map(|(x, y)| {
+                    angle_deg(
+                        direction_at(&full[i], x, y),
+                        direction_at(&quarter[i], x, y),
+                    )
+                })
+                .collect();
+            off.sort_by(f64::total_cmp);
+            println!(
+                "{name} {i}: {:.3} / {:.3}",
+                quantile(&off, 0.5),
+                quantile(&off, 0.95)
+            );
+            assert!(quantile(&off, 0.95) < 1.5, "{name}");
+        }
+    }
+}
+
+#[test]
+fn frames_of_any_kind_give_a_direction_everywhere() {
+    let (scene, _) = scene(ellipsoid(20.0), 20.0);
+    let whole = scene.frame(44, 44);
+    let masks: [fn(usize, usize) -> bool; 5] = [
+        |_, _| false,
+        |x, y| (x, y) == (0, 0),
+        |x, y| (x + y) % 2 == 0,
+        |x, _| x % 3 == 1,
+        |_, _| true,
+    ];
+    for (width, height) in [(1, 1), (1, 9), (9, 1), (3, 2), (5, 5), (8, 4), (13, 7)] {
+        let (x0, y0) = (17, 15);
+        let part = Window {
+            x0,
+            y0,
+            x1: x0 + width,
+            y1: y0 + height,
+        };
+        let part = whole.crop(part);
+        for mask in masks {
+            let covered = Plane::from_fn(width as usize, height as usize, mask);
+            for normal in [None, Some(0.0), Some(f32::NAN), Some(f32::INFINITY)] {
+                let mut frame = part.clone();
+                frame.mask = Mask::new(covered.clone());
+                if let Some(value) = normal {
+                    for plane in [
+                        &mut frame.normal.x,
+                        &mut frame.normal.y,
+                        &mut frame.normal.z,
+                    ] {
+                        plane
+                            .samples_mut()
+                            .iter_mut()
+                            .step_by(2)
+                            .for_each(|v| *v = value);
+                    }
+                }
+                for depth in [Some(f32::INFINITY), Some(-1.0), Some(0.0), None] {
+                    let broken = depth.map(|d| Plane::filled(width as usize, height as usize, d));
+                    frame.depth = broken;
+                    for cell_px in [1, 3, 4, 8] {
+                        let params = FieldParams {
+                            cell_px,
+                            ..FieldParams::default()
+                        };
+                        fields(&frame, &params, StrokeDirections::Both);
+                    }
+                }
+            }
+        }
+    }
+}
