@@ -14,7 +14,7 @@ use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::Inputs;
 use crate::io::picture::{Picture, ViewTransform};
 use crate::io::{Loaded, Needs};
-use crate::params::ScalingParams;
+use crate::params::Params;
 use crate::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ impl FrameCommand for WorkArgs {
 
     fn validate(&self) -> Result<()> {
         match self.goal()? {
-            Goal::Display => self.shape.refuse_more_scales(),
+            Goal::Display => self.flags.refuse_more_scales(),
             _ => Ok(()),
         }
     }
@@ -128,7 +128,7 @@ impl WorkArgs {
     /// What is read of a frame whose shape is looked for.
     pub(super) fn reading(&self, goal: Goal, job: &Job) -> (Inputs, Needs) {
         let needs = Needs {
-            projection: self.shape.params().foreshortening != 0.0 || goal == Goal::Layers,
+            projection: self.flags.params.shape.foreshortening != 0.0 || goal == Goal::Layers,
             ..Needs::default()
         };
         (job.work.roles.inputs(&job.work.input), needs)
@@ -136,14 +136,9 @@ impl WorkArgs {
 
     /// The plan for the shape in a frame, with what was found in the whole of which it is a strip.
     pub(super) fn plan(&self, goal: Goal, frame: &Frame, found: &StripChoice) -> Result<Plan> {
-        let flags = &self.shape;
-        let scaling = ScalingParams {
-            curvature_gain: flags.curvature_gain,
-            ..ScalingParams::default()
-        };
+        let Params { shape, scaling, .. } = self.flags.params;
         let (available, scaling) = (Available::in_frame(frame), found.given(scaling));
-        let scales = flags.more_scales();
-        Plan::at_scales(goal, available, flags.params(), scaling, scales)
+        Plan::at_scales(goal, available, shape, scaling, self.flags.more_scales())
     }
 
     fn goal(&self) -> Result<Goal> {

@@ -1,8 +1,13 @@
-//! Every tunable, its meaning, unit, range and default. Nothing else types a default again.
+//! Every tunable in one table: its meaning, unit, range and default. Nothing else types a default again.
 
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
+use std::sync::LazyLock;
 
+#[macro_use]
+pub(crate) mod table;
+#[macro_use]
+pub(crate) mod value;
 mod light;
 mod line;
 mod relight;
@@ -13,9 +18,8 @@ mod specular;
 pub use light::{Adaptive, Magnitudes, ScalingParams, TERMS, TermWhiteLevel, TermWhiteLevels};
 pub use line::{
     ContourParams, Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke,
-    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams,
+    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
 };
-pub(crate) use relight::ANGLES_DEG;
 pub use relight::{
     AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,
     RelightParams, Samples, Tangent, WarpBy, WarpingParams,
@@ -24,6 +28,72 @@ pub use run::{RunOptions, TileSize};
 pub(crate) use shape::check_scales;
 pub use shape::{MAX_DIRECTION_STEP_PX, MAX_SCALES, Scale, ShapeParams, SoftThreshold, Solver};
 pub use specular::{Bend, MAX_SEARCH_STEPS, SearchParams, SpecularParams};
+pub use table::{Choice, Group, Kind, Many, Param, Parameters, Unit, Useful};
+
+choices! {
+    /// Whether the lobes of light are scaled one by one.
+    pub enum LobeChoice {
+        /// Where the input tells them apart and no layer was named to be scaled as a whole.
+        Auto = "auto",
+        /// They are, and the input has to tell them apart.
+        On = "on",
+        /// They are not.
+        Off = "off",
+    }
+}
+
+impl Default for LobeChoice {
+    fn default() -> Self {
+        Self::Auto
+    }
+}
+
+params! {
+    /// All parameters of a picture.
+    pub struct Params in Light {
+        /// How shape is found.
+        shape: ShapeParams;
+        /// How shading is scaled.
+        scaling: ScalingParams;
+        /// Scale each lobe of the light by itself, where the file has light passes: diffuse, specular and others.
+        /// auto does so unless --color names what is to be scaled.
+        lobes: LobeChoice = LobeChoice::Auto, flag: "--lobes", form: "WHEN", group: Group::LightLayers;
+        /// Turns the environment about the vertical.
+        environment_rotate_deg: f32 = 0.0,
+            flag: "--environment-rotate", form: "DEG", unit: Unit::Degrees,
+            valid: ANGLES_DEG, useful: table::even(-180.0, 180.0);
+        /// How the surface is lit.
+        relight: RelightParams;
+        /// How what mirrors and lenses show is searched for.
+        search: SearchParams;
+        /// Where tone comes from: the picture by radiance scaling, the picture as it is, or new light; auto
+        /// takes new light where any is given or there is no picture.
+        tone: ToneSource = ToneSource::Auto, flag: "--tone", form: "SOURCE", group: Group::Tone;
+        /// How it is drawn.
+        line: LineParams;
+    }
+}
+
+/// Angles in degrees: past a million turns single precision tells no direction.
+const ANGLES_DEG: RangeInclusive<f32> = -1e6..=1e6;
+
+/// The whole table.
+pub fn table() -> &'static [&'static Param] {
+    static TABLE: LazyLock<Vec<&'static Param>> = LazyLock::new(|| {
+        let mut table = Vec::new();
+        Params::rows(&mut table);
+        table
+    });
+    &TABLE
+}
+
+/// The row of the parameter that recipes call `name`.
+pub fn param(name: &str) -> Option<&'static Param> {
+    table()
+        .iter()
+        .find(|row| row.has_flag() && row.name() == name)
+        .copied()
+}
 
 /// Refuses a `value` of the parameter `name` unless it lies in `range`.
 ///

@@ -1,10 +1,9 @@
-//! The settings of a command, from the tables of its flags.
+//! The settings of a command: its parameters from their table, its inputs and outputs from their flags.
 
 use super::super::invocation::command_named;
 use super::super::recipe::{is_repeatable, is_setting, is_switch};
-use super::ranges::{RANGES, Range};
+use crate::params::{self, Param, Useful, param};
 use clap::Arg;
-use std::any::TypeId;
 
 /// A setting as a control shows it.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +29,7 @@ pub(crate) enum Kind {
     Choice(Vec<String>),
     /// A number, or the word that may stand in its place.
     Number {
-        range: Range,
+        range: Useful,
         is_whole: bool,
         word: Option<String>,
     },
@@ -52,22 +51,34 @@ pub(crate) fn settings_of(command: &str) -> Vec<Setting> {
 
 fn setting(arg: &Arg) -> Option<Setting> {
     let name = arg.get_long()?;
+    let row = param(name);
     let defaults = arg.get_default_values().iter();
     let defaults: Vec<_> = defaults.map(|v| v.to_string_lossy()).collect();
     let has_default = !defaults.is_empty() && !is_switch(arg);
-    let forms = arg.get_value_names().unwrap_or_default();
-    let form = forms.first().map_or("", |form| form.as_str());
+    let kind = row.and_then(slider).unwrap_or_else(|| kind(arg));
     Some(Setting {
         name: name.into(),
         family: arg.get_help_heading().unwrap_or_default().into(),
         help: arg.get_help().map(ToString::to_string).unwrap_or_default(),
-        unit: unit_of(form),
+        unit: row.map_or("", |row| row.unit.suffix()),
         default: has_default.then(|| defaults.join(",")),
-        kind: kind(arg, name, form),
+        kind,
     })
 }
 
-fn kind(arg: &Arg, name: &str, form: &str) -> Kind {
+/// The slider of a parameter that has one.
+fn slider(row: &Param) -> Option<Kind> {
+    match row.kind {
+        params::Kind::Number { whole, word } => Some(Kind::Number {
+            range: row.useful?,
+            is_whole: whole,
+            word: word.map(String::from),
+        }),
+        _ => None,
+    }
+}
+
+fn kind(arg: &Arg) -> Kind {
     if is_switch(arg) {
         return Kind::Switch;
     }
@@ -76,44 +87,10 @@ fn kind(arg: &Arg, name: &str, form: &str) -> Kind {
         let words = possible.iter().map(|value| value.get_name().to_string());
         return Kind::Choice(words.collect());
     }
-    match RANGES.iter().find(|range| range.name == name) {
-        Some(&range) => Kind::Number {
-            range,
-            is_whole: is_whole(arg, form),
-            word: word_of(form),
-        },
-        None => Kind::Text {
-            form: form.into(),
-            is_repeatable: is_repeatable(arg),
-        },
-    }
-}
-
-/// Whether only whole numbers will do: what is called N, or is parsed as one.
-fn is_whole(arg: &Arg, form: &str) -> bool {
-    let parsed = arg.get_value_parser().type_id();
-    let is_integer = [TypeId::of::<u32>(), TypeId::of::<u64>()]
-        .into_iter()
-        .any(|integer| parsed == integer);
-    let counts = form == "N|auto" || matches!(form, "PX|none" | "PX|auto");
-    is_integer || counts
-}
-
-/// The word of `PX|auto` that stands in place of a number.
-fn word_of(form: &str) -> Option<String> {
-    let words = form.split('|');
-    let mut words = words.filter(|word| word.chars().all(|c| c.is_ascii_lowercase()));
-    words.next().map(String::from)
-}
-
-/// The unit that `PX|auto` names.
-fn unit_of(form: &str) -> &'static str {
-    let first = form.split(['|', ',', '[']).next();
-    match first {
-        Some("PX") => "px",
-        Some("DEG" | "AZ") => "\u{b0}",
-        Some("PPI") => "per inch",
-        _ => "",
+    let forms = arg.get_value_names().unwrap_or_default();
+    Kind::Text {
+        form: forms.first().map_or("", |form| form.as_str()).into(),
+        is_repeatable: is_repeatable(arg),
     }
 }
 
@@ -130,19 +107,14 @@ mod tests {
     }
 
     #[test]
-    fn every_range_is_of_a_setting_and_holds_its_default() {
+    fn every_parameter_with_a_flag_is_a_setting() {
         let all = all();
-        for range in RANGES {
-            let setting = all.iter().find(|setting| setting.name == range.name);
-            let setting = setting.unwrap_or_else(|| panic!("no command has {}", range.name));
-            assert!(range.from < range.to, "{}", range.name);
-            assert!(!range.is_logarithmic || range.from > 0.0, "{}", range.name);
-            let default = setting.default.as_deref();
-            let Some(Ok(number)) = default.map(str::parse::<f64>) else {
-                continue;
-            };
-            let holds = (range.from..=range.to).contains(&number);
-            assert!(holds, "{} is {number} by default", range.name);
+        for row in params::table().iter().filter(|row| row.has_flag()) {
+            let setting = all.iter().find(|setting| setting.name == row.name());
+            let setting = setting.unwrap_or_else(|| panic!("no command has {}", row.flag));
+            assert_eq!(setting.family, row.group.name(), "{}", row.flag);
+            let has_slider = matches!(setting.kind, Kind::Number { .. });
+            assert_eq!(has_slider, row.useful.is_some(), "{}", row.flag);
         }
     }
 

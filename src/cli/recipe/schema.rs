@@ -1,10 +1,10 @@
-//! The JSON schema of recipes, from the flags themselves.
+//! The JSON schema of recipes, from the table of parameters and the other flags.
 
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
 use crate::cli::invocation::command_named;
+use crate::params::{Kind, Many, param};
 use clap::{Arg, Command};
 use serde_json::{Map, Value, json};
-use std::any::TypeId;
 
 /// The schema of all recipes: one object for each command.
 pub(in crate::cli) fn schema() -> Value {
@@ -68,13 +68,24 @@ fn of_value(arg: &Arg) -> Value {
         let names: Vec<_> = possible.iter().map(|value| value.get_name()).collect();
         return json!({ "enum": names });
     }
-    let kind = arg.get_value_parser().type_id();
-    let is = |id: TypeId| kind == id;
-    if is(TypeId::of::<f32>()) {
-        return json!({ "type": "number" });
+    let row = arg.get_long().and_then(param);
+    match row.map(|row| (row.kind, row.many)) {
+        Some((
+            Kind::Number {
+                whole: false,
+                word: None,
+            },
+            Many::One,
+        )) => json!({ "type": "number" }),
+        Some((
+            Kind::Number {
+                whole: true,
+                word: None,
+            },
+            Many::One,
+        )) => {
+            json!({ "type": "integer", "minimum": 0 })
+        }
+        _ => json!({ "type": ["string", "number", "array"] }),
     }
-    if is(TypeId::of::<u32>()) || is(TypeId::of::<u64>()) {
-        return json!({ "type": "integer", "minimum": 0 });
-    }
-    json!({ "type": ["string", "number", "array"] })
 }
