@@ -1,7 +1,7 @@
 //! The parameters of radiance scaling.
 
 use super::table::{Kind, Many, Unit, by_factors, even};
-use super::value::{Value, by_str};
+use super::value::{Value, finite};
 use super::{Group, Param};
 use std::ops::RangeInclusive;
 
@@ -84,7 +84,7 @@ pub const TERMS: [&str; 7] = [
     "sheen",
 ];
 
-/// White levels by kind of light, as many as are given.
+/// White levels by kind of light, as many as are given: `diffuse=0.4`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct TermWhiteLevels([Option<f32>; TERMS.len()]);
 
@@ -109,21 +109,21 @@ impl TermWhiteLevels {
     }
 }
 
-impl FromIterator<TermWhiteLevel> for TermWhiteLevels {
-    fn from_iter<I: IntoIterator<Item = TermWhiteLevel>>(levels: I) -> Self {
-        let mut all = Self::NONE;
-        for TermWhiteLevel { term, level } in levels {
-            all.0[term] = Some(level);
-        }
-        all
-    }
-}
-
 impl Value for TermWhiteLevels {
     const KIND: Kind = Kind::Text;
 
     fn parse(text: &str, _: &Param) -> Result<Self, String> {
-        text.split(',').map(by_str::<TermWhiteLevel>).collect()
+        let mut levels = Self::NONE;
+        for one in text.split(',') {
+            let (name, level) = one
+                .split_once('=')
+                .ok_or("expected NAME=L, as in diffuse=0.4")?;
+            let term = TERMS.iter().position(|&term| term == name);
+            let term = term.ok_or_else(|| format!("expected one of {}", TERMS.join(", ")))?;
+            let level = finite(level).filter(|&level| level > 0.0);
+            levels.0[term] = Some(level.ok_or("expected a level above 0")?);
+        }
+        Ok(levels)
     }
 
     fn text(&self, _: &Param) -> Option<String> {
@@ -133,32 +133,8 @@ impl Value for TermWhiteLevels {
         (!given.is_empty()).then(|| given.join(","))
     }
 
-    fn outside(&self, valid: &RangeInclusive<f32>) -> Option<String> {
-        self.0.iter().find_map(|level| level.outside(valid))
-    }
-}
-
-/// The white level of one kind of light: `diffuse=0.4`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TermWhiteLevel {
-    /// Index into [`TERMS`].
-    term: usize,
-    level: f32,
-}
-
-impl std::str::FromStr for TermWhiteLevel {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (name, level) = text
-            .split_once('=')
-            .ok_or("expected NAME=L, as in diffuse=0.4")?;
-        let term = TERMS.iter().position(|&term| term == name);
-        let term = term.ok_or_else(|| format!("expected one of {}", TERMS.join(", ")))?;
-        match level.parse() {
-            Ok(level) if level > 0.0 && f32::is_finite(level) => Ok(Self { term, level }),
-            _ => Err("expected a level above 0".into()),
-        }
+    fn outside(&self, row: &Param) -> Option<String> {
+        self.0.iter().find_map(|level| level.outside(row))
     }
 }
 

@@ -15,7 +15,7 @@ mod run;
 mod shape;
 mod specular;
 
-pub use light::{Adaptive, Magnitudes, ScalingParams, TERMS, TermWhiteLevel, TermWhiteLevels};
+pub use light::{Adaptive, Magnitudes, ScalingParams, TERMS, TermWhiteLevels};
 pub use line::{
     ContourParams, Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke,
     StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,

@@ -46,8 +46,8 @@ impl Value for SoftThreshold {
         Some(format!("{},{}", self.lo, self.hi))
     }
 
-    fn outside(&self, valid: &RangeInclusive<f32>) -> Option<String> {
-        [self.lo, self.hi].outside(valid)
+    fn outside(&self, row: &Param) -> Option<String> {
+        [self.lo, self.hi].outside(row)
     }
 }
 
@@ -62,48 +62,51 @@ pub enum Scale {
     Sigma(f32),
 }
 
-params!(
-    @row Shape iterations ["Size of the features to find, as diffusion steps: more show larger ones only."]
-    u32 = DEFAULT_ITERATIONS, flag: "--iterations", form: "N", useful: even(0.0, 200.0)
-);
-params!(
-    @row Shape scale [
-        "The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of"
-        "several from one run of sweeps."
-    ]
-    Option<f32> = None::<f32>, flag: "--scale", form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
-    valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
-);
-
 const DEFAULT_ITERATIONS: u32 = 10;
 
-impl Parameters for Scale {
-    fn usual() -> Self {
-        Self::Iterations(DEFAULT_ITERATIONS)
-    }
+/// Two parameters that rule each other out.
+const _: () = {
+    params!(
+        @row Shape iterations ["Size of the features to find, as diffusion steps: more show larger ones only."]
+        u32 = DEFAULT_ITERATIONS, flag: "--iterations", form: "N", useful: even(0.0, 200.0)
+    );
+    params!(
+        @row Shape scale [
+            "The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of"
+            "several from one run of sweeps."
+        ]
+        Option<f32> = None::<f32>, flag: "--scale", form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
+        valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
+    );
 
-    fn rows(table: &mut Vec<&'static Param>) {
-        table.extend([&iterations, &scale]);
-    }
+    impl Parameters for Scale {
+        fn usual() -> Self {
+            Self::Iterations(DEFAULT_ITERATIONS)
+        }
 
-    /// Of several sigmas the first is the scale.
-    fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
-        let first = text.split(',').next().unwrap_or_default();
-        *self = match name {
-            "iterations" => Self::Iterations(Value::parse(text, &iterations)?),
-            "scale" => Self::Sigma(Value::parse(first, &scale)?),
-            _ => return Ok(false),
-        };
-        Ok(true)
-    }
+        fn rows(table: &mut Vec<&'static Param>) {
+            table.extend([&iterations, &scale]);
+        }
 
-    fn check(&self) -> Result<()> {
-        match self {
-            Self::Iterations(_) => Ok(()),
-            Self::Sigma(sigma) => scale.check(sigma),
+        /// Of several sigmas the first is the scale.
+        fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
+            let first = text.split(',').next().unwrap_or_default();
+            *self = match name {
+                "iterations" => Self::Iterations(Value::parse(text, &iterations)?),
+                "scale" => Self::Sigma(Value::parse(first, &scale)?),
+                _ => return Ok(false),
+            };
+            Ok(true)
+        }
+
+        fn check(&self) -> Result<()> {
+            match self {
+                Self::Iterations(_) => Ok(()),
+                Self::Sigma(sigma) => scale.check(sigma),
+            }
         }
     }
-}
+};
 
 choices! {
     /// How diffusion is computed.
@@ -192,15 +195,6 @@ impl ShapeParams {
             ("--crease", self.crease),
         ] {
             in_range(name, threshold.hi, threshold.lo..=*THRESHOLDS.end())?;
-        }
-        if let Adaptive::Fixed(step) = self.direction_step
-            && step.fract() != 0.0
-        {
-            return Err(Error::BadParameter {
-                name: "--direction-step",
-                found: format!("is {step}"),
-                remedy: "give a whole number, or auto".into(),
-            });
         }
         if self.scale_px() > f64::from(MAX_SIGMA_PX) {
             let most = (Self::time_of(MAX_SIGMA_PX) / f64::from(self.time_step)).floor();

@@ -230,9 +230,14 @@ impl Param {
         }
     }
 
+    /// Whether it counts something.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.kind, Kind::Number { whole: true, .. })
+    }
+
     /// Refuses a value outside the range.
     pub(super) fn check(&self, value: &impl Value) -> Result<()> {
-        match value.outside(&self.valid) {
+        match value.outside(self) {
             Some(number) => Err(self.out_of_range(&number)),
             None => Ok(()),
         }
@@ -240,18 +245,20 @@ impl Param {
 
     fn out_of_range(&self, number: &str) -> Error {
         let (from, to) = (short(*self.valid.start()), *self.valid.end());
-        let remedy = match to.is_finite() {
-            true => format!("give {from} to {}", short(to)),
-            false => format!("give {from} or more"),
+        let remedy = match self.kind {
+            _ if to.is_infinite() => format!("give {from} or more"),
+            Kind::Number {
+                whole: true,
+                word: Some(word),
+            } => format!(
+                "give a whole number from {from} to {}, or {word}",
+                short(to)
+            ),
+            _ => format!("give {from} to {}", short(to)),
         };
-        self.refusal(format!("is {number}"), remedy)
-    }
-
-    /// The error of a value that was `found`.
-    pub(super) fn refusal(&self, found: String, remedy: String) -> Error {
         Error::BadParameter {
             name: self.flag,
-            found,
+            found: format!("is {number}"),
             remedy,
         }
     }

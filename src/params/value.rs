@@ -3,8 +3,6 @@
 use super::table::{Kind, Param, Unit};
 use crate::error::short;
 use std::fmt::Display;
-use std::ops::RangeInclusive;
-use std::str::FromStr;
 
 /// A type of parameters.
 pub(crate) trait Value: Sized {
@@ -21,7 +19,7 @@ pub(crate) trait Value: Sized {
     fn text(&self, row: &Param) -> Option<String>;
 
     /// The first of its numbers that lies outside a range.
-    fn outside(&self, _valid: &RangeInclusive<f32>) -> Option<String> {
+    fn outside(&self, _: &Param) -> Option<String> {
         None
     }
 }
@@ -40,8 +38,9 @@ impl Value for f32 {
         Some(self.to_string())
     }
 
-    fn outside(&self, valid: &RangeInclusive<f32>) -> Option<String> {
-        (!valid.contains(self)).then(|| short(*self))
+    fn outside(&self, row: &Param) -> Option<String> {
+        let is_one = row.valid.contains(self) && (!row.is_whole() || self.fract() == 0.0);
+        (!is_one).then(|| short(*self))
     }
 }
 
@@ -63,8 +62,8 @@ impl Value for u32 {
         Some(self.to_string())
     }
 
-    fn outside(&self, valid: &RangeInclusive<f32>) -> Option<String> {
-        (!valid.contains(&(*self as f32))).then(|| self.to_string())
+    fn outside(&self, row: &Param) -> Option<String> {
+        (!row.valid.contains(&(*self as f32))).then(|| self.to_string())
     }
 }
 
@@ -118,8 +117,8 @@ impl<T: Value> Value for Option<T> {
         }
     }
 
-    fn outside(&self, valid: &RangeInclusive<f32>) -> Option<String> {
-        self.as_ref()?.outside(valid)
+    fn outside(&self, row: &Param) -> Option<String> {
+        self.as_ref()?.outside(row)
     }
 }
 
@@ -137,8 +136,8 @@ impl Value for [f32; 2] {
         Some(format!("{a},{b}"))
     }
 
-    fn outside(&self, valid: &RangeInclusive<f32>) -> Option<String> {
-        self.iter().find_map(|number| number.outside(valid))
+    fn outside(&self, row: &Param) -> Option<String> {
+        self.iter().find_map(|number| number.outside(row))
     }
 }
 
@@ -150,11 +149,6 @@ pub(super) fn finite(text: &str) -> Option<f32> {
 
 fn in_words(error: impl Display) -> String {
     error.to_string()
-}
-
-/// By [`FromStr`] and [`Display`].
-pub(super) fn by_str<T: FromStr<Err = String>>(text: &str) -> Result<T, String> {
-    text.parse()
 }
 
 /// Defines an enum of a number and the word that may stand in its place.
@@ -186,33 +180,26 @@ macro_rules! number_or_word {
             }
         }
 
-        impl std::str::FromStr for $name {
-            type Err = String;
-
-            fn from_str(text: &str) -> std::result::Result<Self, String> {
-                let is_one: fn(&$number) -> bool = $is_one;
-                match text {
-                    $word => Ok(Self::$word_variant),
-                    _ => text.parse().ok().filter(is_one).map(Self::$variant).ok_or($expected.into()),
-                }
-            }
-        }
-
         impl $crate::params::value::Value for $name {
             const KIND: $crate::params::Kind = $crate::params::Kind::Number { whole: $whole, word: Some($word) };
 
             fn parse(text: &str, _: &$crate::params::Param) -> std::result::Result<Self, String> {
-                text.parse()
+                let is_one: fn(&$number) -> bool = $is_one;
+                let number = || text.parse().ok().filter(is_one).map(Self::$variant);
+                match text {
+                    $word => Ok(Self::$word_variant),
+                    _ => number().ok_or($expected.into()),
+                }
             }
 
             fn text(&self, _: &$crate::params::Param) -> Option<String> {
                 Some(self.to_string())
             }
 
-            fn outside(&self, valid: &std::ops::RangeInclusive<f32>) -> Option<String> {
+            fn outside(&self, row: &$crate::params::Param) -> Option<String> {
                 match self {
                     Self::$word_variant => None,
-                    Self::$variant(number) => number.outside(valid),
+                    Self::$variant(number) => number.outside(row),
                 }
             }
         }

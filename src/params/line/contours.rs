@@ -59,40 +59,42 @@ choices! {
     }
 }
 
-params!(
-    @row Contours contours ["Lines along silhouettes and creases, over the strokes."]
-    OnOff = OnOff::On, flag: "--contours", form: "on|off"
-);
-
 /// Contours that are drawn or not. Settings of those that are not are read, and forgotten.
-impl Parameters for Option<ContourParams> {
-    fn usual() -> Self {
-        Some(ContourParams::default())
-    }
+const _: () = {
+    params!(
+        @row Contours contours ["Lines along silhouettes and creases, over the strokes."]
+        OnOff = OnOff::On, flag: "--contours", form: "on|off"
+    );
 
-    fn rows(table: &mut Vec<&'static Param>) {
-        table.push(&contours);
-        ContourParams::rows(table);
-    }
-
-    fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
-        if name != contours.name() {
-            let mut own = self.unwrap_or_default();
-            let is_own = own.set(name, text)?;
-            *self = self.map(|_| own);
-            return Ok(is_own);
+    impl Parameters for Option<ContourParams> {
+        fn usual() -> Self {
+            Some(ContourParams::default())
         }
-        *self = match OnOff::parse(text, &contours)? {
-            OnOff::On => self.or(Self::usual()),
-            OnOff::Off => None,
-        };
-        Ok(true)
-    }
 
-    fn check(&self) -> Result<()> {
-        self.as_ref().map_or(Ok(()), ContourParams::check)
+        fn rows(table: &mut Vec<&'static Param>) {
+            table.push(&contours);
+            ContourParams::rows(table);
+        }
+
+        fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
+            if name != contours.name() {
+                let mut own = self.unwrap_or_default();
+                let is_own = own.set(name, text)?;
+                *self = self.map(|_| own);
+                return Ok(is_own);
+            }
+            *self = match OnOff::parse(text, &contours)? {
+                OnOff::On => self.or(Self::usual()),
+                OnOff::Off => None,
+            };
+            Ok(true)
+        }
+
+        fn check(&self) -> Result<()> {
+            self.as_ref().map_or(Ok(()), ContourParams::check)
+        }
     }
-}
+};
 
 impl ContourParams {
     /// The same for lines `factor` times as large.

@@ -5,7 +5,6 @@ use crate::params::table::{Choice, Kind, Unit, even};
 use crate::params::value::{Value, finite};
 use crate::params::{Param, in_range};
 use serde::Serialize;
-use std::ops::RangeInclusive;
 
 /// What strokes are drawn with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -96,9 +95,9 @@ impl Value for StrokeScale {
     }
 
     /// A range is one of factors.
-    fn outside(&self, valid: &RangeInclusive<f32>) -> Option<String> {
+    fn outside(&self, row: &Param) -> Option<String> {
         match self {
-            Self::Factor(factor) => factor.outside(valid),
+            Self::Factor(factor) => factor.outside(row),
             Self::Millimetres(_) => None,
         }
     }

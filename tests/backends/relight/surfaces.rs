@@ -11,7 +11,7 @@ use relievo::backend::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::PointLight;
-use relievo::params::{AlbedoSource, Material, Method, Quantisation, Samples};
+use relievo::params::{AlbedoSource, Material, Method, Samples};
 
 #[test]
 fn albedo_alpha_and_occlusion() {
@@ -58,10 +58,8 @@ fn colors_that_are_no_numbers() {
         ] {
             let asked = Asked::of(material, Method::Both).with(|asked| {
                 asked.relight.albedo = albedo;
-                asked.relight.quantisation = Some(Quantisation {
-                    levels: 4,
-                    softness: 1.0,
-                });
+                asked.relight.toon_levels = Some(4);
+                asked.relight.toon_softness = 1.0;
             });
             let plan = asked.plan(&frame);
             let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);
