@@ -1,6 +1,6 @@
 //! The names of the contract. Flags of parameters come from their table.
 
-use super::flags::{Flags, Section};
+use super::flags::{Flags, Section, one_of};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
 use super::memory::MaxMemory;
@@ -10,10 +10,9 @@ use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::{FramesArg, SequenceArgs};
 use super::threads::MOST_THREADS;
-use crate::io::exr::OutputCompression;
+use crate::io::exr::{OutputCompression, OutputType};
 use crate::io::picture::ViewTransform;
 use crate::params::Group;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -260,14 +259,14 @@ pub(super) struct OutputArgs {
     #[arg(long, value_name = "WHAT", default_value = "keep")]
     pub(super) layers: LayersArg,
     /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
-    #[arg(long, value_name = "HOW", default_value = "zip", value_parser = compression_parser())]
+    #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(super) compression: OutputCompression,
     /// EXR: sample type; as the input where not given (float for descriptor layers and photos).
-    #[arg(long, value_name = "TYPE")]
-    pub(super) depth_of_output: Option<SampleArg>,
+    #[arg(long, value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
+    pub(super) depth_of_output: Option<OutputType>,
     /// Pictures: from scene-linear to display.
-    #[arg(long, value_name = "CURVE", default_value = "srgb")]
-    pub(super) view_transform: TransformArg,
+    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
+    pub(super) view_transform: ViewTransform,
     /// Refuse to replace a file.
     #[arg(long, conflicts_with = "force")]
     pub(super) no_clobber: bool,
@@ -276,41 +275,19 @@ pub(super) struct OutputArgs {
     pub(super) force: bool,
 }
 
-fn compression_parser() -> impl TypedValueParser<Value = OutputCompression> {
-    let names = OutputCompression::ALL.map(OutputCompression::name);
-    PossibleValuesParser::new(names).map(|told| {
-        let all = OutputCompression::ALL;
-        let known = all.into_iter().find(|kind| kind.name() == told);
-        known.expect("the parser knows no other names")
-    })
-}
+/// The words for sample types.
+const OUTPUT_TYPES: [(OutputType, &str); 2] =
+    [(OutputType::Half, "half"), (OutputType::Float, "float")];
+
+/// The words for curves.
+const VIEW_TRANSFORMS: [(ViewTransform, &str); 2] =
+    [(ViewTransform::Srgb, "srgb"), (ViewTransform::None, "none")];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum LayersArg {
     Keep,
     Channels,
     Results,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum SampleArg {
-    Half,
-    Float,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum TransformArg {
-    Srgb,
-    None,
-}
-
-impl From<TransformArg> for ViewTransform {
-    fn from(arg: TransformArg) -> Self {
-        match arg {
-            TransformArg::Srgb => Self::Srgb,
-            TransformArg::None => Self::None,
-        }
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

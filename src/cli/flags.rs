@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::params::{Choice, Kind, Many, Param, Parameters, Params, Style, check_scales, table};
-use clap::builder::{PossibleValuesParser, ValueParser};
+use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::path::{Path, PathBuf};
@@ -150,6 +150,18 @@ fn arg(row: &'static Param) -> Arg {
         Some(default) => arg.default_value(default),
         None => arg,
     }
+}
+
+/// Takes the words of `all`.
+pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
+    all: impl IntoIterator<Item = (T, &'static str)>,
+) -> impl TypedValueParser<Value = T> {
+    let all: Vec<_> = all.into_iter().collect();
+    let names = PossibleValuesParser::new(all.iter().map(|(_, name)| *name));
+    names.map(move |word| {
+        let named = all.iter().find(|(_, name)| *name == word);
+        named.expect("other words are refused").0
+    })
 }
 
 /// Takes the texts that are values of a parameter.

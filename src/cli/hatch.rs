@@ -353,7 +353,7 @@ pub(super) fn on_a_page<'a>(color: &'a ColorPlanes, output: &OutputArgs) -> Pict
         alpha: None,
         grey: true,
         bits: 8,
-        transform: output.view_transform.into(),
+        transform: output.view_transform,
     }
 }
 
@@ -371,7 +371,7 @@ fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
     if let Kind::Picture(_) = output.kind()? {
         return job.write_picture(done, &on_a_page(color, output));
     }
-    let sample_type = output.depth_of_output.map_or(OutputType::Half, Into::into);
+    let sample_type = output.depth_of_output.unwrap_or(OutputType::Half);
     let layer = output.color_layer(&done.loaded);
     let mut channels = color_channels(layer, color, None, sample_type);
     channels.push(OutputChannel {

@@ -93,8 +93,7 @@ impl StripWork for Description<'_> {
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
         let stored = self.args.output.depth_of_output;
-        let stored = stored.map_or(OutputType::Float, Into::into);
-        descriptor_channels(&strip.frame, outcome, stored)
+        descriptor_channels(&strip.frame, outcome, stored.unwrap_or(OutputType::Float))
     }
 
     fn picture<'a>(&self, _job: &Job, _strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {

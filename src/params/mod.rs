@@ -109,3 +109,126 @@ pub(crate) fn in_range(name: &'static str, value: f32, range: RangeInclusive<f32
         remedy: format!("give {} to {}", short(*range.start()), short(*range.end())),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// The parameters with one of them set to `text`, if they pass.
+    fn with(row: &Param, text: &str) -> std::result::Result<Params, String> {
+        let mut params = Params::default();
+        assert!(params.set(row.name(), text)?, "{} is not set", row.flag);
+        match params.validate() {
+            Ok(()) => Ok(params),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    #[test]
+    fn rows_are_whole() {
+        let names: BTreeSet<_> = table().iter().map(|row| row.name()).collect();
+        assert_eq!(names.len(), table().len(), "a name stands twice");
+        for row in table() {
+            let help = row.help();
+            assert!(!help.is_empty() && !help.contains('\n'), "{}", row.flag);
+            assert_eq!(
+                row.has_flag() && row.kind != Kind::Switch,
+                !row.form.is_empty(),
+                "{}",
+                row.flag
+            );
+            assert!(
+                row.rival.is_none_or(|rival| names.contains(rival)),
+                "{}",
+                row.flag
+            );
+        }
+        assert!(param("stroke-width").is_some() && param("min_nz").is_none());
+    }
+
+    #[test]
+    fn defaults_are_read_back() {
+        Params::default().validate().unwrap();
+        for row in table() {
+            if let Some(text) = (row.default)() {
+                assert_eq!(
+                    with(row, &text),
+                    Ok(Params::default()),
+                    "{} {text}",
+                    row.flag
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn sliders_reach_no_farther_than_the_range() {
+        for row in table() {
+            let Some(Useful {
+                from,
+                to,
+                logarithmic,
+            }) = row.useful
+            else {
+                continue;
+            };
+            assert!(from < to && (!logarithmic || from > 0.0), "{}", row.flag);
+            let ends = [from, to].map(|end| end.to_string());
+            for text in ends.iter().map(String::as_str).chain(row.word()) {
+                with(row, text).unwrap_or_else(|error| panic!("{} {text}: {error}", row.flag));
+            }
+            if let Some(Ok(default)) = (row.default)().map(|text| text.parse::<f64>()) {
+                assert!((from..=to).contains(&default), "{} is {default}", row.flag);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_outside_a_range_is_refused() {
+        for row in table() {
+            let number = |number: f32| match row.kind {
+                Kind::Pair => format!("{number},{number}"),
+                _ if row.flag == "--term-white-level" => format!("diffuse={number}"),
+                _ => number.to_string(),
+            };
+            let (from, to) = (*row.valid.start(), *row.valid.end());
+            if from.is_infinite() {
+                continue;
+            }
+            for end in [from, to].into_iter().filter(|end| end.is_finite()) {
+                with(row, &number(end))
+                    .unwrap_or_else(|error| panic!("{} {end}: {error}", row.flag));
+            }
+            let below = if row.is_whole() {
+                from - 1.0
+            } else {
+                from.next_down()
+            };
+            let above = if row.is_whole() {
+                to + 1.0
+            } else {
+                to.next_up()
+            };
+            for outside in [below, above, f32::NAN, f32::INFINITY] {
+                assert!(
+                    with(row, &number(outside)).is_err(),
+                    "{} {outside}",
+                    row.flag
+                );
+            }
+        }
+        // A message names the flag, the value and the range.
+        let levels = param("levels").unwrap();
+        assert_eq!(
+            with(levels, "361").unwrap_err(),
+            "--levels is 361; give 1 to 360"
+        );
+        let step = param("direction-step").unwrap();
+        let remedy = "give a whole number from 1 to 64, or auto";
+        assert_eq!(
+            with(step, "1.5").unwrap_err(),
+            format!("--direction-step is 1.5; {remedy}")
+        );
+    }
+}
