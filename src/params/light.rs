@@ -43,13 +43,13 @@ params! {
         /// concavities may show new dark rims.
         scaling: f32 = 1.0, flag: "--scaling", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
         /// The same for ambient light and occlusion alone.
-        scaling_ambient: Option<f32> = None::<f32>,
+        scaling_ambient: Option<f32> = None,
             flag: "--scaling-ambient", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
         /// The same for diffuse light alone.
-        scaling_diffuse: Option<f32> = None::<f32>,
+        scaling_diffuse: Option<f32> = None,
             flag: "--scaling-diffuse", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
         /// The same for specular light alone.
-        scaling_specular: Option<f32> = None::<f32>,
+        scaling_specular: Option<f32> = None,
             flag: "--scaling-specular", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
         /// Intensity, 0..1, that stays as it is; brighter ones brighten on convexities.
         ///

@@ -150,7 +150,7 @@ params! {
         /// Factor of diffuse light.
         diffuse_gain: f32 = 0.9, flag: "--diffuse-gain", form: "D", valid: FACTORS, useful: even(0.0, 2.0);
         /// Factor of specular light: 0.25 for phong and blinn-phong, else 1.
-        specular_gain: Option<f32> = None::<f32>,
+        specular_gain: Option<f32> = None,
             flag: "--specular-gain", form: "S", valid: FACTORS, useful: even(0.0, 2.0);
         /// phong, blinn-phong: exponent of the highlight, higher is smaller.
         shininess: f32 = 32.0, flag: "--shininess", form: "N", valid: EXPONENTS, useful: by_factors(1.0, 500.0);
@@ -206,7 +206,7 @@ params! {
         /// How light is altered.
         method: Method = Method::Both, flag: "--method", form: "METHOD", group: Group::Light;
         /// Tones above black; toon has 4, other materials all.
-        toon_levels: Option<u32> = None::<u32>,
+        toon_levels: Option<u32> = None,
             flag: "--toon-levels", form: "N", valid: 1.0..=1024.0, useful: even(1.0, 12.0);
         /// Softness of the step between tones, 0 to 1.
         ///

@@ -75,7 +75,7 @@ const _: () = {
             "The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of"
             "several from one run of sweeps."
         ]
-        Option<f32> = None::<f32>, flag: "--scale", form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
+        Option<f32> = None, flag: "--scale", form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
         valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
     );
 
@@ -130,7 +130,7 @@ params! {
         /// pixels, and curvature is given per pixel of the reference, f times what it is per pixel, so that a proxy and
         /// the final picture look alike. Without one a look grows finer with resolution. The thresholds of silhouettes
         /// and creases are jumps across one pixel of the picture either way.
-        reference_height: Option<u32> = None::<u32>,
+        reference_height: Option<u32> = None,
             flag: "--reference-height", form: "PX|none", unit: Unit::Pixels,
             kind: Kind::Number { whole: true, word: Some("none") },
             valid: 1.0..=f32::INFINITY, useful: by_factors(256.0, 8192.0);

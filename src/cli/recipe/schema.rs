@@ -2,7 +2,7 @@
 
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
 use crate::cli::invocation::command_named;
-use crate::params::{Kind, Many, param};
+use crate::params::{Kind, Many, Param, param};
 use clap::{Arg, Command};
 use serde_json::{Map, Value, json};
 
@@ -69,23 +69,25 @@ fn of_value(arg: &Arg) -> Value {
         return json!({ "enum": names });
     }
     let row = arg.get_long().and_then(param);
-    match row.map(|row| (row.kind, row.many)) {
-        Some((
-            Kind::Number {
-                whole: false,
-                word: None,
-            },
-            Many::One,
-        )) => json!({ "type": "number" }),
-        Some((
-            Kind::Number {
-                whole: true,
-                word: None,
-            },
-            Many::One,
-        )) => {
-            json!({ "type": "integer", "minimum": 0 })
-        }
+    match row.map(|row| (row, row.kind, row.many)) {
+        Some((row, Kind::Number { whole, word: None }, Many::One)) => of_number(row, whole),
         _ => json!({ "type": ["string", "number", "array"] }),
     }
+}
+
+/// A number within its range.
+fn of_number(row: &Param, whole: bool) -> Value {
+    let mut schema = match whole {
+        true => json!({ "type": "integer", "minimum": 0 }),
+        false => json!({ "type": "number" }),
+    };
+    let ends = [("minimum", row.valid.start()), ("maximum", row.valid.end())];
+    for (name, end) in ends.into_iter().filter(|(_, end)| end.is_finite()) {
+        schema[name] = match whole {
+            true => json!(*end as i64),
+            // As many digits as single precision has.
+            false => json!(end.to_string().parse::<f64>().unwrap_or(f64::from(*end))),
+        };
+    }
+    schema
 }

@@ -116,28 +116,28 @@ params! {
         /// Pixels per inch of the printed drawing, for sizes in millimetres.
         dpi: f32 = 300.0, flag: "--dpi", form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0;
         /// Width of a stroke pressed hard, in pixels at scale 1; the style's own where not given.
-        width_px: Option<f32> = None::<f32>,
+        width_px: Option<f32> = None,
             flag: "--stroke-width", form: "PX", unit: Unit::Pixels, valid: 0.05..=100.0, useful: even(0.2, 10.0);
         /// Length of a stroke, likewise.
         ///
         /// Long strokes are calm; short ones follow tight curves.
-        length_px: Option<f32> = None::<f32>,
+        length_px: Option<f32> = None,
             flag: "--stroke-length", form: "PX", unit: Unit::Pixels, valid: 1.0..=10_000.0;
         /// Distance between strokes in light tones, likewise.
         ///
         /// Wide spacing makes darker strokes stand alone; narrow spacing thins them.
-        spacing_px: Option<f32> = None::<f32>,
+        spacing_px: Option<f32> = None,
             flag: "--stroke-spacing", form: "PX", unit: Unit::Pixels, valid: 0.5..=1000.0, useful: even(1.0, 40.0);
         /// How far strokes stray from straight, 0 to 1; the style's own where not given.
         ///
         /// 0 is ruled, 1 is a trembling hand.
-        wobble: Option<f32> = None::<f32>, flag: "--wobble", form: "W", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        wobble: Option<f32> = None, flag: "--wobble", form: "W", valid: 0.0..=1.0, useful: even(0.0, 1.0);
         /// How much strokes swell with tone, 0 to 1, likewise.
         ///
         /// At 0 the number of strokes alone makes the tone.
-        pressure: Option<f32> = None::<f32>, flag: "--pressure", form: "P", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        pressure: Option<f32> = None, flag: "--pressure", form: "P", valid: 0.0..=1.0, useful: even(0.0, 1.0);
         /// Chooses one drawing of many.
-        seed: u64 = 1u64, flag: "--seed", form: "N";
+        seed: u64 = 1, flag: "--seed", form: "N";
         /// Levels that directions are quantised to: more follow the form with shorter strokes.
         ///
         /// They divide half a turn; [LA] takes 12 to 24. Few make long strokes that turn in jumps.
