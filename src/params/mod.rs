@@ -1,4 +1,19 @@
 //! Every tunable in one table: its meaning, unit, range and default. Nothing else types a default again.
+//!
+//! The table says of each parameter what whoever offers it needs to know, and [`Params`] takes it by its name:
+//!
+//! ```
+//! use relievo::params::{Group, Parameters, Params, param, table};
+//!
+//! let scaling = param("scaling").unwrap();
+//! assert_eq!((scaling.group, scaling.valid.clone()), (Group::Scaling, 0.0..=1e6));
+//! assert_eq!((scaling.default)().as_deref(), Some("1"));
+//!
+//! let mut params = Params::default();
+//! params.set("scaling", "1.5").unwrap();
+//! assert_eq!(params.scaling.scaling, 1.5);
+//! assert!(table().iter().any(|row| row.unit.suffix() == "px"));
+//! ```
 
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
