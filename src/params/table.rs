@@ -45,7 +45,7 @@ pub enum Kind {
     ChoiceOrFolder(&'static [Choice]),
     /// A number, or the word that may stand in its place.
     Number {
-        /// Whether it counts something.
+        /// Whether only whole numbers will do.
         whole: bool,
         /// `auto`, where that is a value.
         word: Option<&'static str>,
@@ -230,7 +230,7 @@ impl Param {
         }
     }
 
-    /// Whether it counts something.
+    /// Whether its numbers are whole.
     pub fn is_whole(&self) -> bool {
         matches!(self.kind, Kind::Number { whole: true, .. })
     }

@@ -102,12 +102,14 @@ impl<T: Value> Value for Option<T> {
         if text == word {
             return Ok(None);
         }
-        let number = match (row.kind, row.unit) {
-            (_, Unit::Pixels) => "a whole number of pixels",
-            _ => "a number",
+        let whole = if row.is_whole() { "whole " } else { "" };
+        let unit = if row.unit == Unit::Pixels {
+            " of pixels"
+        } else {
+            ""
         };
         let parsed = T::parse(text, row).map(Some);
-        parsed.map_err(|_| format!("expected {word} or {number}"))
+        parsed.map_err(|_| format!("expected {word} or a {whole}number{unit}"))
     }
 
     fn text(&self, row: &Param) -> Option<String> {
@@ -141,7 +143,7 @@ impl Value for [f32; 2] {
     }
 }
 
-/// A number that is one.
+/// A finite number; spaces around it do not count.
 pub(super) fn finite(text: &str) -> Option<f32> {
     let number: f32 = text.trim().parse().ok()?;
     number.is_finite().then_some(number)

@@ -98,8 +98,6 @@ fn kind(arg: &Arg) -> Kind {
 mod tests {
     use super::super::Look;
     use super::*;
-    use crate::cli::args::Command;
-    use crate::cli::frames::validate;
 
     fn all() -> Vec<Setting> {
         let commands = Look::commands().iter();
@@ -115,33 +113,6 @@ mod tests {
             assert_eq!(setting.family, row.group.name(), "{}", row.flag);
             let has_slider = matches!(setting.kind, Kind::Number { .. });
             assert_eq!(has_slider, row.useful.is_some(), "{}", row.flag);
-        }
-    }
-
-    #[test]
-    fn both_ends_of_every_slider_are_taken() {
-        for &command in Look::commands() {
-            for setting in settings_of(command) {
-                let Kind::Number { range, word, .. } = &setting.kind else {
-                    continue;
-                };
-                let ends = [range.from, range.to].map(|end| end.to_string());
-                for value in ends.into_iter().chain(word.clone()) {
-                    let mut look = Look::default();
-                    look.set_command(command);
-                    look.set(&setting.name, Some(value.clone()));
-                    let parsed = look.parse(std::path::Path::new("render.exr")).unwrap();
-                    let valid = match &parsed.cli.command {
-                        Command::Shape(args) => validate(args),
-                        Command::Enhance(args) => validate(args),
-                        Command::Relight(args) => validate(&**args),
-                        Command::Hatch(args) => validate(&**args),
-                        _ => unreachable!("a look is none of these"),
-                    };
-                    let name = &setting.name;
-                    assert!(valid.is_ok(), "{command} --{name} {value}: {valid:?}");
-                }
-            }
         }
     }
 

@@ -59,7 +59,7 @@ choices! {
     }
 }
 
-/// Contours that are drawn or not. Settings of those that are not are read, and forgotten.
+/// Contours are drawn or not. Where they are not, their settings are checked and dropped.
 const _: () = {
     params!(
         @row Contours contours ["Lines along silhouettes and creases, over the strokes."]
