@@ -47,19 +47,14 @@ pub use table::{Choice, Group, Kind, Many, Param, Parameters, Unit, Useful};
 
 choices! {
     /// Whether the lobes of light are scaled one by one.
+    #[derive(Default)]
     pub enum LobeChoice {
         /// Where the input tells them apart and no layer was named to be scaled as a whole.
-        Auto = "auto",
+        Auto = "auto" [default],
         /// They are, and the input has to tell them apart.
         On = "on",
         /// They are not.
         Off = "off",
-    }
-}
-
-impl Default for LobeChoice {
-    fn default() -> Self {
-        Self::Auto
     }
 }
 

@@ -388,18 +388,18 @@ macro_rules! params {
     (@check $this:ident $field:ident) => { Parameters::check(&$this.$field)? };
 }
 
-/// Defines an enum that a parameter can be, each value with its word.
+/// Defines an enum that a parameter can be, each value with its word. One that derives [`Default`] marks it `[default]`.
 macro_rules! choices {
     (
         $(#[$meta:meta])*
         $vis:vis enum $name:ident {
-            $($(#[doc = $doc:literal])* $variant:ident = $word:literal,)*
+            $($(#[doc = $doc:literal])* $variant:ident = $word:literal $([$default:ident])?,)*
         }
     ) => {
         $(#[$meta])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
         $vis enum $name {
-            $($(#[doc = $doc])* #[serde(rename = $word)] $variant,)*
+            $($(#[doc = $doc])* $(#[$default])? #[serde(rename = $word)] $variant,)*
         }
 
         impl $name {
