@@ -9,7 +9,7 @@ mod common;
 
 use relievo::io::environment::read_environment;
 use relievo::light::lights::Illumination;
-use relievo::params::{Method, Quantisation, RelightParams, Samples, ScalingParams, WarpingParams};
+use relievo::params::{Method, RelightParams, Samples, ScalingParams, WarpingParams};
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
@@ -33,12 +33,8 @@ fn run() -> Result<(), Box<dyn Error>> {
         ..Illumination::default()
     };
     let minimal = common::light_from(120.0, 40.0);
-    let few = Quantisation {
-        levels: 3,
-        softness: 0.1,
-    };
     let mut cells = Vec::new();
-    for tones in [None, Some(few)] {
+    for tones in [None, Some(3)] {
         for light in [&natural, &minimal] {
             let params = exaggerated(tones);
             cells.push(common::relit(
@@ -54,14 +50,15 @@ fn run() -> Result<(), Box<dyn Error>> {
 }
 
 /// Strong warping and contrast; many samples, as tones show every step between them.
-fn exaggerated(quantisation: Option<Quantisation>) -> RelightParams {
+fn exaggerated(toon_levels: Option<u32>) -> RelightParams {
     RelightParams {
         method: Method::Warp,
         warping: WarpingParams {
             warp: 6.0,
             contrast: -0.7,
         },
-        quantisation,
+        toon_levels,
+        toon_softness: 0.1,
         samples: Samples::Fixed(500),
         ..RelightParams::default()
     }

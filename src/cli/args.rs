@@ -1,5 +1,6 @@
-//! The names of the contract. Every default is read from `params`.
+//! The names of the contract. Flags of parameters come from their table.
 
+use super::flags::{Flags, Section, one_of};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
 use super::memory::MaxMemory;
@@ -9,21 +10,12 @@ use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::{FramesArg, SequenceArgs};
 use super::threads::MOST_THREADS;
-use crate::error::Error;
-use crate::io::exr::OutputCompression;
+use crate::io::exr::{OutputCompression, OutputType};
 use crate::io::picture::ViewTransform;
-use crate::params::{
-    Adaptive, Magnitudes, Scale, ScalingParams, ShapeParams, SoftThreshold, Solver, TermWhiteLevel,
-    check_scales,
-};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use crate::params::Group;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::sync::LazyLock;
-
-static SHAPE: LazyLock<ShapeParams> = LazyLock::new(ShapeParams::default);
-static SCALING: LazyLock<ScalingParams> = LazyLock::new(ScalingParams::default);
 
 /// Brings out the shape of surfaces in pictures, from their normals and depth.
 #[derive(Debug, Parser)]
@@ -193,7 +185,9 @@ pub(super) struct WorkArgs {
     #[command(flatten)]
     pub(super) roles: RoleArgs,
     #[command(flatten)]
-    pub(super) shape: ShapeFlags,
+    pub(super) flags: Flags,
+    #[command(flatten)]
+    _shape: Section<{ Group::Shape as u8 }>,
     #[command(flatten)]
     pub(super) output: OutputArgs,
     #[command(flatten)]
@@ -207,15 +201,13 @@ pub(super) struct EnhanceArgs {
     #[command(flatten)]
     pub(super) work: WorkArgs,
     #[command(flatten)]
+    _lobes: Section<{ Group::LightLayers as u8 }>,
+    #[command(flatten)]
     pub(super) light: LightLayerFlags,
     #[command(flatten)]
-    pub(super) scaling: ScalingFlags,
-    /// Luminance that counts as intensity 1, or auto to fit the picture.
-    #[arg(long, value_name = "L|auto", default_value_t = SCALING.white_level, allow_negative_numbers = true, help_heading = "Radiance scaling")]
-    pub(super) white_level: Adaptive,
-    /// The same for one kind of light where lobes are scaled by themselves: diffuse=0.4. Repeatable.
-    #[arg(long, value_name = "NAME=L", help_heading = "Radiance scaling")]
-    pub(super) term_white_level: Vec<TermWhiteLevel>,
+    _scaling: Section<{ Group::Scaling as u8 }>,
+    #[command(flatten)]
+    _white_levels: Section<{ Group::WhiteLevels as u8 }>,
 }
 
 #[derive(Debug, Args)]
@@ -226,7 +218,9 @@ pub(super) struct ReportArgs {
     #[command(flatten)]
     pub(super) roles: RoleArgs,
     #[command(flatten)]
-    pub(super) shape: ShapeFlags,
+    pub(super) flags: Flags,
+    #[command(flatten)]
+    _shape: Section<{ Group::Shape as u8 }>,
     #[command(flatten)]
     pub(super) frames: FramesArg,
     #[command(flatten)]
@@ -248,205 +242,6 @@ pub(super) struct ReportArgs {
     pub(super) quiet: bool,
 }
 
-/// How shape is found.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Shape")]
-pub(super) struct ShapeFlags {
-    /// Size of the features to find, as diffusion steps: more show larger ones only.
-    #[arg(long, value_name = "N", default_value_t = default_iterations())]
-    iterations: u32,
-    /// The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of
-    /// several from one run of sweeps.
-    #[arg(
-        long,
-        value_name = "PX[,PX]",
-        conflicts_with = "iterations",
-        allow_negative_numbers = true,
-        value_delimiter = ','
-    )]
-    scale: Vec<f32>,
-    /// Height in pixels of the whole picture that the scale and the curvature gain are meant for: a look
-    /// survives another resolution. none counts in the picture's own pixels.
-    #[arg(long, value_name = "PX|none", default_value_t = HeightArg(SHAPE.reference_height), allow_negative_numbers = true)]
-    reference_height: HeightArg,
-    /// How diffusion is computed.
-    #[arg(long, value_name = "SOLVER", value_enum, default_value_t = SolverArg::from(SHAPE.solver))]
-    solver: SolverArg,
-    /// Largest error of a slope that the Chebyshev solver may add.
-    #[arg(long, value_name = "E", default_value_t = SHAPE.tolerance, allow_negative_numbers = true)]
-    tolerance: f32,
-    /// Foreshortening of the gradient: 0 as an object, 1 as the viewer's height field.
-    #[arg(long, value_name = "F", default_value_t = SHAPE.foreshortening, allow_negative_numbers = true)]
-    foreshortening: f32,
-    /// Jump of depth, as a share of the distance, that makes a silhouette.
-    #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.silhouette)]
-    silhouette: SoftThreshold,
-    /// Angle across a pixel, in degrees, that makes a crease.
-    #[arg(long, value_name = "LO,HI", default_value_t = SHAPE.crease)]
-    crease: SoftThreshold,
-    /// Curvature gain in pixels, or auto to fit the frame.
-    #[arg(long, value_name = "K|auto", default_value_t = SCALING.curvature_gain, allow_negative_numbers = true)]
-    pub(super) curvature_gain: Adaptive,
-    /// Pixels between the normals compared for directions, or auto: more for coarse normals.
-    #[arg(long, value_name = "PX|auto", default_value_t = SHAPE.direction_step, allow_negative_numbers = true)]
-    direction_step: Adaptive,
-}
-
-/// A height in pixels, or none.
-#[derive(Debug, Clone, Copy)]
-struct HeightArg(Option<u32>);
-
-impl std::fmt::Display for HeightArg {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.0 {
-            None => write!(f, "none"),
-            Some(height) => write!(f, "{height}"),
-        }
-    }
-}
-
-impl std::str::FromStr for HeightArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "none" => Ok(Self(None)),
-            _ => text
-                .parse()
-                .map(|height| Self(Some(height)))
-                .map_err(|_| "expected none or a whole number of pixels".into()),
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum SolverArg {
-    Chebyshev,
-    Explicit,
-}
-
-impl From<Solver> for SolverArg {
-    fn from(solver: Solver) -> Self {
-        match solver {
-            Solver::Chebyshev => Self::Chebyshev,
-            Solver::Explicit => Self::Explicit,
-        }
-    }
-}
-
-impl From<SolverArg> for Solver {
-    fn from(arg: SolverArg) -> Self {
-        match arg {
-            SolverArg::Chebyshev => Self::Chebyshev,
-            SolverArg::Explicit => Self::Explicit,
-        }
-    }
-}
-
-fn default_iterations() -> u32 {
-    match SHAPE.scale {
-        Scale::Iterations(count) => count,
-        Scale::Sigma(_) => unreachable!("the default scale is told in steps"),
-    }
-}
-
-impl ShapeFlags {
-    /// Sigmas of the scales after the first.
-    pub(super) fn more_scales(&self) -> &[f32] {
-        self.scale.get(1..).unwrap_or(&[])
-    }
-
-    /// Refuses parameters outside their ranges.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] naming the first one.
-    pub(super) fn validate(&self) -> crate::Result<()> {
-        check_scales(self.scale.len())?;
-        self.params().validate()
-    }
-
-    /// Refuses several scales where there is one result.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] telling what takes several.
-    pub(super) fn refuse_more_scales(&self) -> crate::Result<()> {
-        if self.more_scales().is_empty() {
-            return Ok(());
-        }
-        Err(Error::BadParameter {
-            name: "--scale",
-            found: "names several scales".into(),
-            remedy: "give one, or write the layers of all with `shape` to an .exr".into(),
-        })
-    }
-
-    pub(super) fn params(&self) -> ShapeParams {
-        ShapeParams {
-            scale: match self.scale.first() {
-                Some(&sigma) => Scale::Sigma(sigma),
-                None => Scale::Iterations(self.iterations),
-            },
-            solver: self.solver.into(),
-            tolerance: self.tolerance,
-            foreshortening: self.foreshortening,
-            silhouette: self.silhouette,
-            crease: self.crease,
-            reference_height: self.reference_height.0,
-            direction_step: self.direction_step,
-            ..*SHAPE
-        }
-    }
-}
-
-/// How the picture is scaled.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Radiance scaling")]
-pub(super) struct ScalingFlags {
-    /// Scaling magnitude: 0 changes nothing.
-    #[arg(long, value_name = "G", default_value_t = SCALING.scaling, allow_negative_numbers = true)]
-    scaling: f32,
-    /// The same for ambient light and occlusion alone.
-    #[arg(long, value_name = "G", allow_negative_numbers = true)]
-    scaling_ambient: Option<f32>,
-    /// The same for diffuse light alone.
-    #[arg(long, value_name = "G", allow_negative_numbers = true)]
-    scaling_diffuse: Option<f32>,
-    /// The same for specular light alone.
-    #[arg(long, value_name = "G", allow_negative_numbers = true)]
-    scaling_specular: Option<f32>,
-    /// Intensity, 0..1, that stays as it is; brighter ones brighten on convexities.
-    #[arg(long, value_name = "A", default_value_t = SCALING.invariant_point, allow_negative_numbers = true)]
-    invariant_point: f32,
-    /// Where lights have directions: 1 lets the curvature along the light count, -1 that across it.
-    #[arg(long, value_name = "L", default_value_t = SCALING.anisotropy, allow_negative_numbers = true)]
-    anisotropy: f32,
-}
-
-impl ScalingFlags {
-    /// The magnitude of every term.
-    pub(super) fn magnitudes(&self) -> Magnitudes {
-        self.params(Adaptive::Auto).magnitudes()
-    }
-
-    /// The magnitude of ambient light, where it was given.
-    pub(super) fn ambient(&self) -> Option<f32> {
-        self.scaling_ambient
-    }
-
-    pub(super) fn params(&self, curvature_gain: Adaptive) -> ScalingParams {
-        ScalingParams {
-            scaling: self.scaling,
-            scaling_ambient: self.scaling_ambient,
-            scaling_diffuse: self.scaling_diffuse,
-            scaling_specular: self.scaling_specular,
-            invariant_point: self.invariant_point,
-            curvature_gain,
-            anisotropy: self.anisotropy,
-            ..*SCALING
-        }
-    }
-}
-
 /// Where results go.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
@@ -464,14 +259,14 @@ pub(super) struct OutputArgs {
     #[arg(long, value_name = "WHAT", default_value = "keep")]
     pub(super) layers: LayersArg,
     /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
-    #[arg(long, value_name = "HOW", default_value = "zip", value_parser = compression_parser())]
+    #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(super) compression: OutputCompression,
     /// EXR: sample type; as the input where not given (float for descriptor layers and photos).
-    #[arg(long, value_name = "TYPE")]
-    pub(super) depth_of_output: Option<SampleArg>,
+    #[arg(long, value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
+    pub(super) depth_of_output: Option<OutputType>,
     /// Pictures: from scene-linear to display.
-    #[arg(long, value_name = "CURVE", default_value = "srgb")]
-    pub(super) view_transform: TransformArg,
+    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
+    pub(super) view_transform: ViewTransform,
     /// Refuse to replace a file.
     #[arg(long, conflicts_with = "force")]
     pub(super) no_clobber: bool,
@@ -480,41 +275,19 @@ pub(super) struct OutputArgs {
     pub(super) force: bool,
 }
 
-fn compression_parser() -> impl TypedValueParser<Value = OutputCompression> {
-    let names = OutputCompression::ALL.map(OutputCompression::name);
-    PossibleValuesParser::new(names).map(|told| {
-        let all = OutputCompression::ALL;
-        let known = all.into_iter().find(|kind| kind.name() == told);
-        known.expect("the parser knows no other names")
-    })
-}
+/// The words for sample types.
+const OUTPUT_TYPES: [(OutputType, &str); 2] =
+    [(OutputType::Half, "half"), (OutputType::Float, "float")];
+
+/// The words for curves.
+const VIEW_TRANSFORMS: [(ViewTransform, &str); 2] =
+    [(ViewTransform::Srgb, "srgb"), (ViewTransform::None, "none")];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum LayersArg {
     Keep,
     Channels,
     Results,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum SampleArg {
-    Half,
-    Float,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum TransformArg {
-    Srgb,
-    None,
-}
-
-impl From<TransformArg> for ViewTransform {
-    fn from(arg: TransformArg) -> Self {
-        match arg {
-            TransformArg::Srgb => Self::Srgb,
-            TransformArg::None => Self::None,
-        }
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

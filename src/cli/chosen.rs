@@ -1,13 +1,12 @@
 //! What is chosen automatically, as the flags that would choose the same.
 
 use super::job::Done;
-use super::role_args::{EncodingArg, SpaceArg};
+use super::role_args;
 use super::still_camera::{self, StillCamera};
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
-use clap::ValueEnum;
 use std::ffi::OsString;
 
 /// A flag with its value: `--name=value`; without one, a switch.
@@ -127,7 +126,7 @@ impl Chosen {
             "" => Flag::new(name, number),
             term => Flag::new(name, format_args!("{term}={number}")),
         };
-        let conventions = self.conventions.iter().flat_map(conventions_as_flags);
+        let conventions = self.conventions.iter().flat_map(role_args::flags_of);
         let camera = self
             .still_camera
             .map(|still| Flag::new("still-camera", still));
@@ -193,32 +192,6 @@ fn recovered(loaded: &Loaded) -> Option<(KnownCamera, f64)> {
 fn conventions_of(loaded: &Loaded) -> Option<Conventions> {
     let shows_surface = loaded.frame.mask.count() > 0;
     shows_surface.then_some(loaded.conventions)
-}
-
-fn conventions_as_flags(conventions: &Conventions) -> Vec<Flag> {
-    let Conventions {
-        normal_space,
-        normal_encoding,
-        normal_flip,
-        depth_kind,
-    } = conventions;
-    let space = SpaceArg::from(*normal_space);
-    let encoding = EncodingArg::from(*normal_encoding);
-    let depth = depth_kind.map(|kind| Flag::new("depth-kind", kind.name()));
-    [
-        Flag::new("normal-space", name(space)),
-        Flag::new("normal-encoding", name(encoding)),
-        Flag::new("normal-flip", normal_flip),
-    ]
-    .into_iter()
-    .chain(depth)
-    .collect()
-}
-
-/// The word that the command line has for a value.
-fn name(value: impl ValueEnum) -> String {
-    let word = value.to_possible_value().expect("every value has a word");
-    word.get_name().into()
 }
 
 /// What there is most of; of equals the first.

@@ -15,9 +15,8 @@ use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::{Loaded, Needs};
 use crate::light::radiance_scaling::monotone_limit;
-use crate::params::ScalingParams;
-use crate::plan::LightAvailable;
-use crate::plan::{Available, Goal, Plan};
+use crate::params::{Params, ScalingParams};
+use crate::plan::{Available, Goal, LightAvailable, Plan};
 use std::path::PathBuf;
 
 impl FrameCommand for EnhanceArgs {
@@ -33,8 +32,7 @@ impl FrameCommand for EnhanceArgs {
 
     fn validate(&self) -> Result<()> {
         self.work.output.kind()?;
-        self.work.shape.refuse_more_scales()?;
-        self.scaling().validate()
+        self.work.flags.refuse_more_scales()
     }
 
     fn prepare(&self) -> Result<Engine> {
@@ -42,7 +40,7 @@ impl FrameCommand for EnhanceArgs {
     }
 
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
-        let scaling = self.scaling();
+        let scaling = self.work.flags.params.scaling;
         let (inputs, needs) = self.reading(job);
         let told = dark_rims(&scaling);
         told.iter().for_each(|warning| job.warn(warning));
@@ -105,7 +103,7 @@ impl StripWork for Enhancement<'_> {
     }
 
     fn warnings(&self, loaded: &Loaded) -> Vec<String> {
-        idle_magnitudes(&self.args.scaling(), &loaded.frame.light)
+        idle_magnitudes(&self.args.work.flags.params.scaling, &loaded.frame.light)
     }
 }
 
@@ -119,10 +117,10 @@ impl EnhanceArgs {
     /// What is read of a frame.
     pub(super) fn reading(&self, job: &Job) -> (Inputs, Needs) {
         let mut inputs = job.work.roles.inputs(&job.work.input);
-        inputs.light = Some(self.light.inputs(&self.scaling, job.frame));
+        inputs.light = Some(self.light.inputs(&self.work.flags.params, job.frame));
         let needs = Needs {
             color: true,
-            projection: self.work.shape.params().foreshortening != 0.0,
+            projection: self.work.flags.params.shape.foreshortening != 0.0,
             ..Needs::default()
         };
         (inputs, needs)
@@ -130,16 +128,9 @@ impl EnhanceArgs {
 
     /// The plan for a frame, with what was found in the whole of which it is a strip.
     pub(super) fn plan(&self, frame: &Frame, found: &StripChoice) -> Result<Plan> {
-        let (available, shape) = (Available::in_frame(frame), self.work.shape.params());
-        Plan::new(Goal::Enhance, available, shape, found.given(self.scaling()))
-    }
-
-    pub(super) fn scaling(&self) -> ScalingParams {
-        ScalingParams {
-            white_level: self.white_level,
-            term_white_levels: self.term_white_level.iter().copied().collect(),
-            ..self.scaling.params(self.work.shape.curvature_gain)
-        }
+        let Params { shape, scaling, .. } = self.work.flags.params;
+        let available = Available::in_frame(frame);
+        Plan::new(Goal::Enhance, available, shape, found.given(scaling))
     }
 }
 

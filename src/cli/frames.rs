@@ -99,7 +99,7 @@ fn single<C: FrameCommand>(
 
 /// Refuses arguments of `command` that do not hold up.
 pub(super) fn validate<C: FrameCommand>(command: &C) -> Result<()> {
-    command.work().shape.validate()?;
+    command.work().flags.validate()?;
     command.validate()
 }
 

@@ -5,7 +5,7 @@ use super::chosen::Chosen;
 use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
-use super::line_args::{HatchArgs, ToneArg};
+use super::line_args::HatchArgs;
 use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
@@ -25,7 +25,7 @@ use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
     LineParams, Material, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
-    Style,
+    Style, ToneSource,
 };
 use crate::plan::LightKinds;
 use crate::plan::{Available, Plan, ToneFrom};
@@ -94,7 +94,7 @@ impl FrameCommand for HatchArgs {
         Ok(HatchKit {
             art_map: self.art_map(&looks)?,
             illumination: illumination(
-                &self.relight.light,
+                &self.relight,
                 self.relight.work.run.max_memory.for_light(),
             )?,
             engine: Engine::new(self.relight.work.run.backend)?,
@@ -160,23 +160,19 @@ impl HatchArgs {
     pub(super) fn looks(&self) -> Result<Looks> {
         let relight = &self.relight;
         let work = &relight.work;
-        work.shape.refuse_more_scales()?;
+        work.flags.refuse_more_scales()?;
         let mut line = self.params();
         if is_svg(work) {
             in_lines(&mut line.strokes)?;
         } else {
             work.output.kind()?;
         }
-        let looks = Looks {
-            shape: work.shape.params(),
-            scaling: relight.scaling.params(work.shape.curvature_gain),
+        Ok(Looks {
+            shape: work.flags.params.shape,
+            scaling: work.flags.params.scaling,
             light: relight.params(),
             line,
-        };
-        looks.scaling.validate()?;
-        looks.light.validate()?;
-        looks.line.validate()?;
-        Ok(looks)
+        })
     }
 
     /// The texture of strokes, where pictures tell it.
@@ -196,7 +192,7 @@ impl HatchArgs {
     ) -> (Inputs, Needs) {
         let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
         needs.projection = true;
-        needs.color |= matches!(self.tone.tone, ToneArg::Enhance | ToneArg::Picture);
+        needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
         (self.relight.inputs(job), needs)
     }
 
@@ -245,17 +241,20 @@ impl HatchArgs {
         moving: bool,
         is_specular: bool,
     ) -> Result<(Plan, Illumination)> {
-        let specular = self.relight.specular.params(&looks.light.material)?;
+        let specular = self
+            .relight
+            .specular
+            .params(&self.relight.work.flags.params);
         let available = Available {
             moving,
             specular: is_specular.then_some(specular),
             ..Available::in_frame(frame)
         };
         let is_lit = LightKinds::in_light(&illumination) != LightKinds::default();
-        let relit = match self.tone.tone {
-            ToneArg::Relight => true,
-            ToneArg::Auto => is_lit || !available.color,
-            ToneArg::Enhance | ToneArg::Picture => false,
+        let relit = match self.tone() {
+            ToneSource::Relight => true,
+            ToneSource::Auto => is_lit || !available.color,
+            ToneSource::Enhance | ToneSource::Picture => false,
         };
         let material = looks.light.material.material;
         let is_mirror = matches!(material, Material::Mirror | Material::Glass);
@@ -263,9 +262,9 @@ impl HatchArgs {
             illumination.directional.push(lamp());
         }
         let kinds = LightKinds::in_light(&illumination);
-        let tone = match self.tone.tone {
+        let tone = match self.tone() {
             _ if relit => ToneFrom::Relit(looks.light, kinds),
-            ToneArg::Picture => ToneFrom::Picture,
+            ToneSource::Picture => ToneFrom::Picture,
             _ => ToneFrom::Enhanced,
         };
         let plan = Plan::hatch(available, looks.shape, looks.scaling, tone, looks.line)?;
@@ -357,7 +356,7 @@ pub(super) fn on_a_page<'a>(color: &'a ColorPlanes, output: &OutputArgs) -> Pict
         alpha: None,
         grey: true,
         bits: 8,
-        transform: output.view_transform.into(),
+        transform: output.view_transform,
     }
 }
 
@@ -375,7 +374,7 @@ fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
     if let Kind::Picture(_) = output.kind()? {
         return job.write_picture(done, &on_a_page(color, output));
     }
-    let sample_type = output.depth_of_output.map_or(OutputType::Half, Into::into);
+    let sample_type = output.depth_of_output.unwrap_or(OutputType::Half);
     let layer = output.color_layer(&done.loaded);
     let mut channels = color_channels(layer, color, None, sample_type);
     channels.push(OutputChannel {

@@ -1,10 +1,10 @@
 //! The flags of `enhance` that name layers of light.
 
-use super::args::ScalingFlags;
 use super::sequence::numbered;
-use crate::io::inputs::{GroupInput, LightInputs, LobeChoice};
+use crate::io::inputs::{GroupInput, LightInputs};
 use crate::light::lights::direction_of;
-use clap::{Args, ValueEnum};
+use crate::params::Params;
+use clap::Args;
 use glam::Vec3;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -13,10 +13,6 @@ use std::str::FromStr;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light layers")]
 pub(super) struct LightLayerFlags {
-    /// Scale each lobe of the light by itself, where the file has light passes: diffuse, specular and others.
-    /// auto does so unless --color names what is to be scaled.
-    #[arg(long, value_name = "WHEN", value_enum, default_value_t = LobesArg::Auto)]
-    lobes: LobesArg,
     /// Diffuse light, the surface's colour included: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     diffuse: Option<String>,
@@ -31,13 +27,6 @@ pub(super) struct LightLayerFlags {
     /// Again for another group, or for another direction of one: an area light is a set of them.
     #[arg(long, value_name = "NAME=AZ,EL")]
     light_group: Vec<GroupDirection>,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum LobesArg {
-    Auto,
-    On,
-    Off,
 }
 
 /// A light group and one direction to its light.
@@ -70,15 +59,15 @@ impl FromStr for GroupDirection {
 }
 
 impl LightLayerFlags {
-    /// What light to read, of which only that is wanted which `scaling` changes.
+    /// What light to read, of which only that is wanted which the magnitudes of `params` change.
     /// In a sequence the names are those of one frame.
-    pub(super) fn inputs(&self, scaling: &ScalingFlags, frame: Option<i32>) -> LightInputs {
+    pub(super) fn inputs(&self, params: &Params, frame: Option<i32>) -> LightInputs {
         let named = |name: &Option<String>| {
             let name = name.as_deref()?;
             Some(frame.map_or_else(|| name.into(), |frame| numbered(name, frame)))
         };
-        let magnitudes = scaling.magnitudes();
-        let ambient = scaling.ambient().is_some_and(|g| g > 0.0);
+        let magnitudes = params.scaling.magnitudes();
+        let ambient = params.scaling.scaling_ambient.is_some_and(|g| g > 0.0);
         let mut groups: Vec<GroupInput> = Vec::new();
         for GroupDirection { name, to_light } in &self.light_group {
             match groups.iter_mut().find(|group| group.name == *name) {
@@ -90,11 +79,7 @@ impl LightLayerFlags {
             }
         }
         LightInputs {
-            lobes: match self.lobes {
-                LobesArg::Auto => LobeChoice::Auto,
-                LobesArg::On => LobeChoice::On,
-                LobesArg::Off => LobeChoice::Off,
-            },
+            lobes: params.lobes,
             without_diffuse: magnitudes.diffuse == 0.0 && !ambient,
             without_specular: magnitudes.specular == 0.0,
             diffuse: named(&self.diffuse),

@@ -52,7 +52,7 @@ impl MaxMemory {
 impl WorkArgs {
     /// About how much memory it takes to work on `picture`.
     pub(super) fn frame_bytes(&self, picture: &Path) -> u64 {
-        frame_bytes(picture, self.shape.more_scales().len())
+        frame_bytes(picture, self.flags.more_scales().len())
     }
 }
 

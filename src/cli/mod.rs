@@ -5,6 +5,7 @@ mod chosen;
 mod engine;
 mod enhance;
 mod files;
+mod flags;
 mod frames;
 mod hatch;
 mod inspect;

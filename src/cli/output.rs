@@ -1,13 +1,13 @@
 //! From planes to the output file.
 
-use super::args::{LayersArg, OutputArgs, SampleArg, TransformArg};
+use super::args::{LayersArg, OutputArgs};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
 use crate::io::colorspace::{converted, rec709_from};
 use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
 use crate::io::output::{Replace, write_atomically};
-use crate::io::picture::{Picture, PictureFormat};
+use crate::io::picture::{Picture, PictureFormat, ViewTransform};
 use std::io::{Seek, Write};
 use std::path::Path;
 
@@ -81,7 +81,7 @@ impl OutputArgs {
     /// `color` as a display has it, in Rec. 709 primaries, where it has others.
     pub(super) fn turned(&self, loaded: &Loaded, color: &ColorPlanes) -> Option<ColorPlanes> {
         let turn = loaded.chromaticities.and_then(rec709_from);
-        let turn = turn.filter(|_| self.view_transform == TransformArg::Srgb);
+        let turn = turn.filter(|_| self.view_transform == ViewTransform::Srgb);
         turn.map(|matrix| converted(color, matrix))
     }
 
@@ -97,14 +97,14 @@ impl OutputArgs {
             alpha,
             grey: false,
             bits,
-            transform: self.view_transform.into(),
+            transform: self.view_transform,
         }
     }
 
     /// How samples of a picture are stored.
     pub(super) fn sample_type(&self, loaded: &Loaded) -> OutputType {
         match self.depth_of_output {
-            Some(chosen) => chosen.into(),
+            Some(chosen) => chosen,
             None if loaded.color_is_half => OutputType::Half,
             None => OutputType::Float,
         }
@@ -232,13 +232,4 @@ pub(super) fn color_channels<'a>(
             sample_type,
         })
         .collect()
-}
-
-impl From<SampleArg> for OutputType {
-    fn from(arg: SampleArg) -> Self {
-        match arg {
-            SampleArg::Half => Self::Half,
-            SampleArg::Float => Self::Float,
-        }
-    }
 }

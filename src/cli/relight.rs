@@ -22,7 +22,7 @@ use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
 use crate::params::{
-    ANGLES_DEG, AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples, in_range,
+    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, Params, RelightParams, Samples, in_range,
 };
 use crate::plan::LightKinds;
 use crate::plan::{Available, Plan};
@@ -50,20 +50,18 @@ impl FrameCommand for RelightArgs {
     fn validate(&self) -> Result<()> {
         let work = &self.work;
         work.output.kind()?;
-        work.shape.refuse_more_scales()?;
-        self.scaling.params(work.shape.curvature_gain).validate()?;
-        self.params().validate()
+        work.flags.refuse_more_scales()
     }
 
     fn prepare(&self) -> Result<RelightKit> {
         Ok(RelightKit {
-            illumination: illumination(&self.light, self.work.run.max_memory.for_light())?,
+            illumination: illumination(self, self.work.run.max_memory.for_light())?,
             engine: Engine::new(self.work.run.backend)?,
         })
     }
 
     fn make(&self, kit: &RelightKit, job: &Job) -> Result<Chosen> {
-        let shape = self.work.shape.params();
+        let Params { shape, scaling, .. } = self.work.flags.params;
         let needs = needs(&self.params(), shape.foreshortening, &kit.illumination);
         let specular = self.specular.of_frame(job.frame).inputs();
         let mut work = Relight {
@@ -72,7 +70,6 @@ impl FrameCommand for RelightArgs {
             scene: None,
         };
         if self.params().method.scales() {
-            let scaling = self.scaling.params(self.work.shape.curvature_gain);
             let told = dark_rims(&scaling);
             told.iter().for_each(|warning| job.warn(warning));
         }
@@ -159,14 +156,13 @@ impl RelightArgs {
         is_traced: bool,
         found: &StripChoice,
     ) -> Result<Plan> {
-        let (params, flags) = (self.params(), &self.work.shape);
-        let scaling = found.given(self.scaling.params(flags.curvature_gain));
-        let traced = is_traced.then(|| self.specular.params(&params.material));
+        let params = &self.work.flags.params;
+        let scaling = found.given(params.scaling);
         let available = Available {
-            specular: traced.transpose()?,
+            specular: is_traced.then(|| self.specular.params(params)),
             ..Available::in_frame(frame)
         };
-        let mut plan = Plan::relight(available, flags.params(), scaling, params, kinds)?;
+        let mut plan = Plan::relight(available, params.shape, scaling, self.params(), kinds)?;
         if let Some(relighting) = &mut plan.relighting {
             relighting.estimate = found.albedo;
         }
@@ -245,20 +241,22 @@ pub(super) fn needs(
 }
 
 /// The light, whose pictures may take `most_bytes` each.
-pub(super) fn illumination(flags: &LightFlags, most_bytes: u64) -> Result<Illumination> {
+pub(super) fn illumination(args: &RelightArgs, most_bytes: u64) -> Result<Illumination> {
     Ok(Illumination {
-        environment: environment(flags, most_bytes)?,
-        lit_spheres: lit_spheres(flags, most_bytes)?,
-        ..lights(flags)?
+        environment: environment(args, most_bytes)?,
+        lit_spheres: lit_spheres(&args.light, most_bytes)?,
+        ..lights(args)?
     })
 }
 
 /// The environment, if any.
-pub(super) fn environment(flags: &LightFlags, most_bytes: u64) -> Result<Option<Arc<Environment>>> {
-    in_range("--environment-rotate", flags.environment_rotate, ANGLES_DEG)?;
+pub(super) fn environment(args: &RelightArgs, most_bytes: u64) -> Result<Option<Arc<Environment>>> {
     let read = |path| read_environment_within(path, most_bytes);
-    let environment = flags.environment.as_deref().map(read);
-    let turned = |e: Environment| e.rotated_deg(flags.environment_rotate).into();
+    let environment = args.light.environment.as_deref().map(read);
+    let turned = |e: Environment| {
+        e.rotated_deg(args.work.flags.params.environment_rotate_deg)
+            .into()
+    };
     Ok(environment.transpose()?.map(turned))
 }
 
@@ -271,7 +269,8 @@ pub(super) fn lit_spheres(flags: &LightFlags, most_bytes: u64) -> Result<Vec<Lit
 }
 
 /// The lights that no file tells of.
-pub(super) fn lights(flags: &LightFlags) -> Result<Illumination> {
+pub(super) fn lights(args: &RelightArgs) -> Result<Illumination> {
+    let flags = &args.light;
     let mut directional: Vec<DirectionalLight> = flags
         .light
         .iter()
@@ -283,7 +282,7 @@ pub(super) fn lights(flags: &LightFlags) -> Result<Illumination> {
             }
         })
         .collect();
-    let samples = match flags.samples {
+    let samples = match args.params().samples {
         Samples::Fixed(count) if count > 0 => count,
         _ => AUTO_SAMPLES,
     };

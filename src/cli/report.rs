@@ -26,9 +26,9 @@ pub(super) fn run(args: &ReportArgs) -> Result<()> {
 
 fn report(args: &ReportArgs) -> Result<()> {
     let started = Instant::now();
-    args.shape.refuse_more_scales()?;
-    let shape = args.shape.params();
-    shape.validate()?;
+    args.flags.refuse_more_scales()?;
+    args.flags.validate()?;
+    let shape = args.flags.params.shape;
     let device = ReportDevice::of(args.backend)?;
     refuse_collisions(args)?;
     let frames = args.frames.of(&args.input, None)?;

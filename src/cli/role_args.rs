@@ -1,11 +1,13 @@
 //! Which layers and files play which role: the names of the inputs.
 
+use super::chosen::Flag;
+use super::flags::one_of;
 use super::still_camera::StillCamera;
 use crate::frame::NormalSpace;
 use crate::io::colorspace::ColorSpace;
-use crate::io::inputs::{Flip, Inputs, NormalEncoding, StoredDepth};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
+use crate::io::inputs::{Conventions, Flip, Inputs, NormalEncoding, StoredDepth};
+use clap::Args;
+use clap::builder::TypedValueParser;
 use std::path::PathBuf;
 
 /// Which layers and files play which role.
@@ -37,11 +39,11 @@ pub(super) struct RoleArgs {
     #[arg(long, value_name = "NAME|FILE")]
     mask: Option<String>,
     /// Space of the normals.
-    #[arg(long, value_name = "SPACE", default_value = "auto")]
-    normal_space: SpaceArg,
+    #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(NORMAL_SPACES))]
+    normal_space: Told<NormalSpace>,
     /// Encoding of the normals.
-    #[arg(long, value_name = "ENCODING", default_value = "auto")]
-    normal_encoding: EncodingArg,
+    #[arg(long, value_name = "ENCODING", default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS))]
+    normal_encoding: Told<NormalEncoding>,
     /// Axes of the normals that point the wrong way: y for DirectX normal maps, none, or auto.
     #[arg(long, value_name = "AXES", default_value = "auto")]
     normal_flip: FlipArg,
@@ -60,39 +62,17 @@ pub(super) struct RoleArgs {
     camera: Option<PathBuf>,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum SpaceArg {
-    Auto,
-    View,
-    World,
-    // Of an object that was not turned: as the world. No doc comment: it would change the layout of all help.
-    Object,
-}
+/// Spaces of normals. That of an object which was not turned is the world's.
+const NORMAL_SPACES: [(NormalSpace, &str); 3] = [
+    (NormalSpace::View, "view"),
+    (NormalSpace::World, "world"),
+    (NormalSpace::World, "object"),
+];
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum EncodingArg {
-    Auto,
-    Signed,
-    Unsigned,
-}
-
-impl From<NormalSpace> for SpaceArg {
-    fn from(space: NormalSpace) -> Self {
-        match space {
-            NormalSpace::View => Self::View,
-            NormalSpace::World => Self::World,
-        }
-    }
-}
-
-impl From<NormalEncoding> for EncodingArg {
-    fn from(encoding: NormalEncoding) -> Self {
-        match encoding {
-            NormalEncoding::Signed => Self::Signed,
-            NormalEncoding::Unsigned => Self::Unsigned,
-        }
-    }
-}
+const NORMAL_ENCODINGS: [(NormalEncoding, &str); 2] = [
+    (NormalEncoding::Signed, "signed"),
+    (NormalEncoding::Unsigned, "unsigned"),
+];
 
 /// Axes that were told, or none told.
 #[derive(Debug, Clone, Copy)]
@@ -114,15 +94,36 @@ impl std::str::FromStr for FlipArg {
 struct Told<T>(Option<T>);
 
 /// Offers `auto` and the names of `all`.
-fn auto_or<T, const N: usize>(all: [(T, &'static str); N]) -> impl TypedValueParser<Value = Told<T>>
-where
-    T: Copy + Send + Sync + 'static,
-{
-    let names = all.map(|(_, name)| name);
-    PossibleValuesParser::new(std::iter::once("auto").chain(names)).map(move |told| {
-        let known = all.iter().find(|(_, name)| *name == told);
-        Told(known.map(|(value, _)| *value))
-    })
+fn auto_or<T: Copy + Send + Sync + 'static>(
+    all: impl IntoIterator<Item = (T, &'static str)>,
+) -> impl TypedValueParser<Value = Told<T>> {
+    let all = all.into_iter().map(|(value, name)| (Some(value), name));
+    one_of(std::iter::once((None, "auto")).chain(all)).map(Told)
+}
+
+/// The flags by which layers are read in the same way.
+pub(super) fn flags_of(conventions: &Conventions) -> Vec<Flag> {
+    let Conventions {
+        normal_space,
+        normal_encoding,
+        normal_flip,
+        depth_kind,
+    } = conventions;
+    let depth = depth_kind.map(|kind| Flag::new("depth-kind", kind.name()));
+    [
+        Flag::new("normal-space", name(&NORMAL_SPACES, normal_space)),
+        Flag::new("normal-encoding", name(&NORMAL_ENCODINGS, normal_encoding)),
+        Flag::new("normal-flip", normal_flip),
+    ]
+    .into_iter()
+    .chain(depth)
+    .collect()
+}
+
+/// The first word for a value.
+fn name<T: PartialEq>(all: &[(T, &'static str)], value: &T) -> &'static str {
+    let named = all.iter().find(|(one, _)| one == value);
+    named.expect("every value has a word").1
 }
 
 impl RoleArgs {
@@ -140,16 +141,8 @@ impl RoleArgs {
             motion: None,
             mask: self.mask.clone(),
             camera: self.camera.clone(),
-            normal_space: match self.normal_space {
-                SpaceArg::Auto => None,
-                SpaceArg::View => Some(NormalSpace::View),
-                SpaceArg::World | SpaceArg::Object => Some(NormalSpace::World),
-            },
-            normal_encoding: match self.normal_encoding {
-                EncodingArg::Auto => None,
-                EncodingArg::Signed => Some(NormalEncoding::Signed),
-                EncodingArg::Unsigned => Some(NormalEncoding::Unsigned),
-            },
+            normal_space: self.normal_space.0,
+            normal_encoding: self.normal_encoding.0,
             normal_flip: self.normal_flip.0,
             depth_kind: self.depth_kind.0,
             colorspace: self.colorspace.0,

@@ -16,7 +16,7 @@ use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::Inputs;
 use crate::io::picture::{Picture, ViewTransform};
 use crate::io::{Loaded, Needs};
-use crate::params::ScalingParams;
+use crate::params::Params;
 use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ impl FrameCommand for WorkArgs {
 
     fn validate(&self) -> Result<()> {
         match self.goal()? {
-            Goal::Display => self.shape.refuse_more_scales(),
+            Goal::Display => self.flags.refuse_more_scales(),
             _ => Ok(()),
         }
     }
@@ -96,8 +96,7 @@ impl StripWork for Description<'_> {
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
         let stored = self.args.output.depth_of_output;
-        let stored = stored.map_or(OutputType::Float, Into::into);
-        descriptor_channels(&strip.frame, outcome, stored)
+        descriptor_channels(&strip.frame, outcome, stored.unwrap_or(OutputType::Float))
     }
 
     fn picture<'a>(&self, _job: &Job, _strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
@@ -131,7 +130,7 @@ impl WorkArgs {
     /// What is read of a frame whose shape is looked for.
     pub(super) fn reading(&self, goal: Goal, job: &Job) -> (Inputs, Needs) {
         let needs = Needs {
-            projection: self.shape.params().foreshortening != 0.0 || goal == Goal::Layers,
+            projection: self.flags.params.shape.foreshortening != 0.0 || goal == Goal::Layers,
             ..Needs::default()
         };
         (job.work.roles.inputs(&job.work.input), needs)
@@ -139,14 +138,9 @@ impl WorkArgs {
 
     /// The plan for the shape in a frame, with what was found in the whole of which it is a strip.
     pub(super) fn plan(&self, goal: Goal, frame: &Frame, found: &StripChoice) -> Result<Plan> {
-        let flags = &self.shape;
-        let scaling = ScalingParams {
-            curvature_gain: flags.curvature_gain,
-            ..ScalingParams::default()
-        };
+        let Params { shape, scaling, .. } = self.flags.params;
         let (available, scaling) = (Available::in_frame(frame), found.given(scaling));
-        let scales = flags.more_scales();
-        Plan::at_scales(goal, available, flags.params(), scaling, scales)
+        Plan::at_scales(goal, available, shape, scaling, self.flags.more_scales())
     }
 
     fn goal(&self) -> Result<Goal> {

@@ -1,14 +1,10 @@
-//! The names of what mirrors and lenses show. Every default is read from `params`.
+//! The names of what mirrors and lenses show.
 
 use super::sequence::numbered;
-use crate::error::Result;
 use crate::io::SpecularInputs;
-use crate::params::{Bend, Material, MaterialParams, SearchParams, SpecularParams};
+use crate::params::{Bend, Material, Params, SpecularParams};
 use clap::Args;
 use std::path::PathBuf;
-use std::sync::LazyLock;
-
-static SEARCH: LazyLock<SearchParams> = LazyLock::new(SearchParams::default);
 
 /// What mirrors and lenses show.
 #[derive(Debug, Clone, Args)]
@@ -35,9 +31,6 @@ pub(super) struct SpecularFlags {
     /// IN or a file. Nothing is searched for then.
     #[arg(long, value_name = "NAME|FILE")]
     hit_position: Option<String>,
-    /// Steps of the search along mirrored and refracted sight lines: fewer miss thin things.
-    #[arg(long, value_name = "N", default_value_t = SEARCH.steps)]
-    search_steps: u32,
 }
 
 impl SpecularFlags {
@@ -54,19 +47,18 @@ impl SpecularFlags {
     }
 
     /// How sight lines go on: refracted where back faces are named or the material is glass, else mirrored.
-    pub(super) fn params(&self, material: &MaterialParams) -> Result<SpecularParams> {
+    pub(super) fn params(&self, params: &Params) -> SpecularParams {
+        let material = &params.relight.material;
         let is_glass = self.back.is_some() || material.material == Material::Glass;
         let bend = match (is_glass, material.thin) {
             (false, _) => Bend::Mirror,
             (true, true) => Bend::Straight,
             (true, false) => Bend::Glass { ior: material.ior },
         };
-        let search = SearchParams {
-            steps: self.search_steps,
-            ..*SEARCH
-        };
-        search.validate()?;
-        Ok(SpecularParams { bend, search })
+        SpecularParams {
+            bend,
+            search: params.search,
+        }
     }
 
     /// Every input that is a file of its own.

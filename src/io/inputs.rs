@@ -86,17 +86,7 @@ pub struct LightInputs {
     pub occlusion: bool,
 }
 
-/// Whether the lobes of a picture's light are used.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum LobeChoice {
-    /// Where there are any, unless a layer was named for the picture and none for a lobe.
-    #[default]
-    Auto,
-    /// Yes: it is an error if there are none.
-    On,
-    /// No.
-    Off,
-}
+pub use crate::params::LobeChoice;
 
 /// A light group and where its light comes from.
 #[derive(Debug, Clone, PartialEq)]

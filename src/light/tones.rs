@@ -66,10 +66,14 @@ mod tests {
 
     #[test]
     fn what_is_no_colour_stays() {
+        let few = Quantisation {
+            levels: 4,
+            softness: 0.15,
+        };
         for y in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert_eq!(tone_factor(y, Quantisation::default()), 1.0);
+            assert_eq!(tone_factor(y, few), 1.0);
         }
-        assert!(tone_factor(f32::MAX, Quantisation::default()).is_finite());
-        assert!(tone_factor(1e-40, Quantisation::default()).is_finite());
+        assert!(tone_factor(f32::MAX, few).is_finite());
+        assert!(tone_factor(1e-40, few).is_finite());
     }
 }

@@ -1,8 +1,28 @@
-//! Every tunable, its meaning, unit, range and default. Nothing else types a default again.
+//! Every tunable in one table: its meaning, unit, range and default. Nothing else types a default again.
+//!
+//! The table says of each parameter what whoever offers it needs to know, and [`Params`] takes it by its name:
+//!
+//! ```
+//! use relievo::params::{Group, Parameters, Params, param, table};
+//!
+//! let scaling = param("scaling").unwrap();
+//! assert_eq!((scaling.group, scaling.valid.clone()), (Group::Scaling, 0.0..=1e6));
+//! assert_eq!((scaling.default)().as_deref(), Some("1"));
+//!
+//! let mut params = Params::default();
+//! params.set("scaling", "1.5").unwrap();
+//! assert_eq!(params.scaling.scaling, 1.5);
+//! assert!(table().iter().any(|row| row.unit.suffix() == "px"));
+//! ```
 
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
+use std::sync::LazyLock;
 
+#[macro_use]
+pub(crate) mod table;
+#[macro_use]
+pub(crate) mod value;
 mod light;
 mod line;
 mod relight;
@@ -10,12 +30,11 @@ mod run;
 mod shape;
 mod specular;
 
-pub use light::{Adaptive, Magnitudes, ScalingParams, TERMS, TermWhiteLevel, TermWhiteLevels};
+pub use light::{Adaptive, Magnitudes, ScalingParams, TERMS, TermWhiteLevels};
 pub use line::{
     ContourParams, Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke,
-    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams,
+    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
 };
-pub(crate) use relight::ANGLES_DEG;
 pub use relight::{
     AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,
     RelightParams, Samples, Tangent, WarpBy, WarpingParams,
@@ -24,6 +43,67 @@ pub use run::{RunOptions, TileSize};
 pub(crate) use shape::check_scales;
 pub use shape::{MAX_DIRECTION_STEP_PX, MAX_SCALES, Scale, ShapeParams, SoftThreshold, Solver};
 pub use specular::{Bend, MAX_SEARCH_STEPS, SearchParams, SpecularParams};
+pub use table::{Choice, Group, Kind, Many, Param, Parameters, Unit, Useful};
+
+choices! {
+    /// Whether the lobes of light are scaled one by one.
+    #[derive(Default)]
+    pub enum LobeChoice {
+        /// Where the input tells them apart and no layer was named to be scaled as a whole.
+        Auto = "auto" [default],
+        /// They are, and the input has to tell them apart.
+        On = "on",
+        /// They are not.
+        Off = "off",
+    }
+}
+
+params! {
+    /// All parameters of a picture.
+    pub struct Params in Light {
+        /// How shape is found.
+        shape: ShapeParams;
+        /// How shading is scaled.
+        scaling: ScalingParams;
+        /// Scale each lobe of the light by itself, where the file has light passes: diffuse, specular and others.
+        /// auto does so unless --color names what is to be scaled.
+        lobes: LobeChoice = LobeChoice::Auto, flag: "--lobes", form: "WHEN", group: Group::LightLayers;
+        /// Turns the environment about the vertical.
+        environment_rotate_deg: f32 = 0.0,
+            flag: "--environment-rotate", form: "DEG", unit: Unit::Degrees,
+            valid: ANGLES_DEG, useful: table::even(-180.0, 180.0);
+        /// How the surface is lit.
+        relight: RelightParams;
+        /// How what mirrors and lenses show is searched for.
+        search: SearchParams;
+        /// Where tone comes from: the picture by radiance scaling, the picture as it is, or new light; auto
+        /// takes new light where any is given or there is no picture.
+        tone: ToneSource = ToneSource::Auto, flag: "--tone", form: "SOURCE", group: Group::Tone;
+        /// How it is drawn.
+        line: LineParams;
+    }
+}
+
+/// Angles in degrees: past a million turns single precision tells no direction.
+const ANGLES_DEG: RangeInclusive<f32> = -1e6..=1e6;
+
+/// The whole table.
+pub fn table() -> &'static [&'static Param] {
+    static TABLE: LazyLock<Vec<&'static Param>> = LazyLock::new(|| {
+        let mut table = Vec::new();
+        Params::rows(&mut table);
+        table
+    });
+    &TABLE
+}
+
+/// The row of the parameter that recipes call `name`.
+pub fn param(name: &str) -> Option<&'static Param> {
+    table()
+        .iter()
+        .find(|row| row.has_flag() && row.name() == name)
+        .copied()
+}
 
 /// Refuses a `value` of the parameter `name` unless it lies in `range`.
 ///
@@ -38,4 +118,127 @@ pub(crate) fn in_range(name: &'static str, value: f32, range: RangeInclusive<f32
         found: format!("is {}", short(value)),
         remedy: format!("give {} to {}", short(*range.start()), short(*range.end())),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// The parameters with one of them set to `text`, if they pass.
+    fn with(row: &Param, text: &str) -> std::result::Result<Params, String> {
+        let mut params = Params::default();
+        assert!(params.set(row.name(), text)?, "{} is not set", row.flag);
+        match params.validate() {
+            Ok(()) => Ok(params),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    #[test]
+    fn rows_are_whole() {
+        let names: BTreeSet<_> = table().iter().map(|row| row.name()).collect();
+        assert_eq!(names.len(), table().len(), "a name stands twice");
+        for row in table() {
+            let help = row.help();
+            assert!(!help.is_empty() && !help.contains('\n'), "{}", row.flag);
+            assert_eq!(
+                row.has_flag() && row.kind != Kind::Switch,
+                !row.form.is_empty(),
+                "{}",
+                row.flag
+            );
+            assert!(
+                row.rival.is_none_or(|rival| names.contains(rival)),
+                "{}",
+                row.flag
+            );
+        }
+        assert!(param("stroke-width").is_some() && param("min_nz").is_none());
+    }
+
+    #[test]
+    fn defaults_are_read_back() {
+        Params::default().validate().unwrap();
+        for row in table() {
+            if let Some(text) = (row.default)() {
+                assert_eq!(
+                    with(row, &text),
+                    Ok(Params::default()),
+                    "{} {text}",
+                    row.flag
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn sliders_reach_no_farther_than_the_range() {
+        for row in table() {
+            let Some(Useful {
+                from,
+                to,
+                logarithmic,
+            }) = row.useful
+            else {
+                continue;
+            };
+            assert!(from < to && (!logarithmic || from > 0.0), "{}", row.flag);
+            let ends = [from, to].map(|end| end.to_string());
+            for text in ends.iter().map(String::as_str).chain(row.word()) {
+                with(row, text).unwrap_or_else(|error| panic!("{} {text}: {error}", row.flag));
+            }
+            if let Some(Ok(default)) = (row.default)().map(|text| text.parse::<f64>()) {
+                assert!((from..=to).contains(&default), "{} is {default}", row.flag);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_outside_a_range_is_refused() {
+        for row in table() {
+            let number = |number: f32| match row.kind {
+                Kind::Pair => format!("{number},{number}"),
+                _ if row.flag == "--term-white-level" => format!("diffuse={number}"),
+                _ => number.to_string(),
+            };
+            let (from, to) = (*row.valid.start(), *row.valid.end());
+            if from.is_infinite() {
+                continue;
+            }
+            for end in [from, to].into_iter().filter(|end| end.is_finite()) {
+                with(row, &number(end))
+                    .unwrap_or_else(|error| panic!("{} {end}: {error}", row.flag));
+            }
+            let below = if row.is_whole() {
+                from - 1.0
+            } else {
+                from.next_down()
+            };
+            let above = if row.is_whole() {
+                to + 1.0
+            } else {
+                to.next_up()
+            };
+            for outside in [below, above, f32::NAN, f32::INFINITY] {
+                assert!(
+                    with(row, &number(outside)).is_err(),
+                    "{} {outside}",
+                    row.flag
+                );
+            }
+        }
+        // A message names the flag, the value and the range.
+        let levels = param("levels").unwrap();
+        assert_eq!(
+            with(levels, "361").unwrap_err(),
+            "--levels is 361; give 1 to 360"
+        );
+        let step = param("direction-step").unwrap();
+        let remedy = "give a whole number from 1 to 64, or auto";
+        assert_eq!(
+            with(step, "1.5").unwrap_err(),
+            format!("--direction-step is 1.5; {remedy}")
+        );
+    }
 }

@@ -1,24 +1,22 @@
-//! What relighting can be told: how light is altered, what the surface is made of, how finely light is
-//! sampled.
+//! The parameters of relighting: how light is altered, what the surface is made of, how finely light is sampled.
 
 use super::light::LEVELS;
-use super::{Adaptive, in_range};
-use crate::error::Result;
-use serde::Serialize;
+use super::table::{Unit, by_factors, even};
+use super::{Adaptive, Group};
 use std::ops::RangeInclusive;
 
-/// How light is altered to show shape.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Method {
-    /// Not at all.
-    Plain,
-    /// Light warping: its directions are bent by curvature ([LW]).
-    Warp,
-    /// Radiance scaling: what is reflected is scaled by curvature ([RS]).
-    Scale,
-    /// Directions are bent, then what is reflected is scaled ([RS] figure 14).
-    Both,
+choices! {
+    /// How light is altered to show shape.
+    pub enum Method {
+        /// Not at all.
+        Plain = "plain",
+        /// Light warping: its directions are bent by curvature ([LW]).
+        Warp = "warp",
+        /// Radiance scaling: what is reflected is scaled by curvature ([RS]).
+        Scale = "scale",
+        /// Directions are bent, then what is reflected is scaled ([RS] figure 14).
+        Both = "both",
+    }
 }
 
 impl Method {
@@ -33,53 +31,46 @@ impl Method {
     }
 }
 
-/// How light warping bends and brightens ([LW] sections 5 and 6.2).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct WarpingParams {
-    /// Strength, 0 to 1e6; the paper's alpha is this times the curvature gain. 0 bends nothing; the
-    /// bend saturates at 60 degrees for light from the side.
-    pub warp: f32,
-    /// Contrast, -1..1: above 0 concavities brighten and convexities darken, below 0 the other way
-    /// round, at most by the factor 3 to this power.
-    pub contrast: f32,
+params! {
+    /// How light warping bends and brightens ([LW] sections 5 and 6.2).
+    pub struct WarpingParams in Warping {
+        /// Strength of the warp; times the curvature gain it is the paper's alpha. 0 bends nothing.
+        ///
+        /// The bend saturates at 60 degrees for light from the side.
+        warp: f32 = 4.0, flag: "--warp", form: "A", valid: FACTORS, useful: even(0.0, 20.0);
+        /// Contrast by curvature, -1 to 1: above 0 concavities brighten.
+        ///
+        /// Convexities darken then; below 0 it is the other way round, at most by the factor 3 to this power.
+        contrast: f32 = 0.0, flag: "--contrast", form: "G", valid: -1.0..=1.0, useful: even(-1.0, 1.0);
+    }
 }
 
-/// Which side of the light integral is warped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum WarpBy {
-    /// Lights where light is sampled, look-ups where it is prefiltered or mirrored.
-    Auto,
-    /// Every look-up into the environment ([LW] equation 1).
-    Lookups,
-    /// Sampled lights, each with the Jacobian of the inverse ([LW] equation 2).
-    Lights,
+choices! {
+    /// Which side of the light integral is warped.
+    pub enum WarpBy {
+        /// Lights where light is sampled, look-ups where it is prefiltered or mirrored.
+        Auto = "auto",
+        /// Every look-up into the environment ([LW] equation 1).
+        Lookups = "lookups",
+        /// Sampled lights, each with the Jacobian of the inverse ([LW] equation 2).
+        Lights = "lights",
+    }
 }
 
-/// Where the colour of the surface itself comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AlbedoSource {
-    /// A layer where there is one, else an estimate from the picture, else white.
-    Auto,
-    /// A layer or file.
-    Layer,
-    /// The picture divided by the shading that fits it best.
-    Estimate,
-    /// The picture as it is: scans under even light.
-    Picture,
-    /// White.
-    White,
-}
-
-/// How many samples stand for an environment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Samples {
-    /// Prefiltered where that serves, else as many as the paper shows.
-    Auto,
-    /// This many; 0 looks prefiltered maps up.
-    Fixed(u32),
+choices! {
+    /// Where the colour of the surface itself comes from.
+    pub enum AlbedoSource {
+        /// A layer where there is one, else an estimate from the picture, else white.
+        Auto = "auto",
+        /// A layer or file.
+        Layer = "layer",
+        /// The picture divided by the shading that fits it best.
+        Estimate = "estimate",
+        /// The picture as it is: scans under even light.
+        Picture = "picture",
+        /// White.
+        White = "white",
+    }
 }
 
 /// Factors of light, and of the warp.
@@ -97,120 +88,90 @@ pub const AUTO_SAMPLES: u32 = 54;
 /// Most samples of an environment, and most lights.
 pub const MAX_LIGHTS: u32 = 100_000;
 
-impl std::fmt::Display for Samples {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Auto => write!(f, "auto"),
-            Self::Fixed(count) => write!(f, "{count}"),
-        }
+number_or_word! {
+    /// How many samples stand for an environment.
+    #[derive(Eq)]
+    pub enum Samples {
+        /// Prefiltered where that serves, else as many as the paper shows.
+        Auto = "auto",
+        /// This many; 0 looks prefiltered maps up.
+        Fixed(u32),
+    }
+    whole: true,
+    numbers: |count| *count <= MAX_LIGHTS,
+    expected: format!("expected auto or a whole number up to {MAX_LIGHTS}"),
+}
+
+number_or_word! {
+    /// Which way the brushed grain of an anisotropic surface runs.
+    pub enum Tangent {
+        /// Along the curvature larger in size.
+        Curvature = "curvature",
+        /// At this angle in the picture, degrees counterclockwise from the right.
+        Degrees(f32),
+    }
+    whole: false,
+    numbers: |degrees| degrees.is_finite(),
+    expected: "expected curvature or an angle in degrees",
+}
+
+choices! {
+    /// What a surface is made of, as far as its lobes go ([RS] section 5).
+    pub enum Material {
+        /// Diffuse: the cosine with the normal.
+        Lambert = "lambert",
+        /// Diffuse, and a highlight about the mirrored view.
+        Phong = "phong",
+        /// Diffuse, and a highlight where the half vector meets the normal.
+        BlinnPhong = "blinn-phong",
+        /// Diffuse in few tones.
+        Toon = "toon",
+        /// Diffuse and flat, as the moon: a power of the cosine below 1.
+        Sublambert = "sublambert",
+        /// Diffuse under a glossy, possibly brushed coat.
+        AshikhminShirley = "ashikhmin-shirley",
+        /// A perfect mirror of the environment.
+        Mirror = "mirror",
+        /// Clear glass, its first surface alone.
+        Glass = "glass",
     }
 }
 
-impl std::str::FromStr for Samples {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "auto" => Ok(Self::Auto),
-            _ => text
-                .parse()
-                .ok()
-                .filter(|count| *count <= MAX_LIGHTS)
-                .map(Self::Fixed)
-                .ok_or(format!(
-                    "expected auto or a whole number up to {MAX_LIGHTS}"
-                )),
-        }
+params! {
+    /// Numbers that materials are tuned by; each uses its own.
+    pub struct MaterialParams in Material {
+        /// Even light on everything but mirrors, glass and lit spheres.
+        ///
+        /// It is a share of a light of 1.
+        ambient: f32 = 0.1,
+            flag: "--ambient", form: "A", group: Group::Light, valid: FACTORS, useful: even(0.0, 1.0);
+        /// The kind of material.
+        material: Material = Material::Lambert, flag: "--material", form: "KIND";
+        /// Factor of diffuse light.
+        diffuse_gain: f32 = 0.9, flag: "--diffuse-gain", form: "D", valid: FACTORS, useful: even(0.0, 2.0);
+        /// Factor of specular light: 0.25 for phong and blinn-phong, else 1.
+        specular_gain: Option<f32> = None,
+            flag: "--specular-gain", form: "S", valid: FACTORS, useful: even(0.0, 2.0);
+        /// phong, blinn-phong: exponent of the highlight, higher is smaller.
+        shininess: f32 = 32.0, flag: "--shininess", form: "N", valid: EXPONENTS, useful: by_factors(1.0, 500.0);
+        /// sublambert: exponent of the cosine, 0 flat to 1 lambert.
+        flatness: f32 = 0.5, flag: "--flatness", form: "Z", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        /// ashikhmin-shirley: exponents along and across the grain.
+        coat: [f32; 2] = [80.0, 80.0], flag: "--coat", form: "NU,NV", valid: EXPONENTS;
+        /// ashikhmin-shirley: reflectance of the coat, seen from straight above.
+        reflectance: f32 = 0.05, flag: "--reflectance", form: "R", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        /// ashikhmin-shirley: the grain follows the curvature, or an angle in the picture.
+        tangent: Tangent = Tangent::Curvature,
+            flag: "--tangent", form: "curvature|DEG", unit: Unit::Degrees, valid: ANGLES_DEG;
+        /// glass: index of refraction.
+        ior: f32 = 1.5, flag: "--ior", form: "N", valid: 0.1..=10.0, useful: even(1.0, 3.0);
+        /// glass: a thin sheet of two parallel surfaces, through which light goes straight on.
+        thin: bool = false, flag: "--thin";
     }
-}
-
-/// Which way the brushed grain of an anisotropic surface runs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Tangent {
-    /// Along the curvature larger in size.
-    Curvature,
-    /// At this angle in the picture, degrees counterclockwise from the right.
-    Degrees(f32),
-}
-
-impl std::fmt::Display for Tangent {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Curvature => write!(f, "curvature"),
-            Self::Degrees(angle) => write!(f, "{angle}"),
-        }
-    }
-}
-
-impl std::str::FromStr for Tangent {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "curvature" => Ok(Self::Curvature),
-            _ => text
-                .parse()
-                .ok()
-                .filter(|angle: &f32| angle.is_finite())
-                .map(Self::Degrees)
-                .ok_or("expected curvature or an angle in degrees".into()),
-        }
-    }
-}
-
-/// What a surface is made of, as far as its lobes go ([RS] section 5).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Material {
-    /// Diffuse: the cosine with the normal.
-    Lambert,
-    /// Diffuse, and a highlight about the mirrored view.
-    Phong,
-    /// Diffuse, and a highlight where the half vector meets the normal.
-    BlinnPhong,
-    /// Diffuse in few tones.
-    Toon,
-    /// Diffuse and flat, as the moon: a power of the cosine below 1.
-    Sublambert,
-    /// Diffuse under a glossy, possibly brushed coat.
-    AshikhminShirley,
-    /// A perfect mirror of the environment.
-    Mirror,
-    /// Clear glass, its first surface alone.
-    Glass,
-}
-
-/// Numbers that materials are tuned by; each uses its own.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MaterialParams {
-    /// The kind.
-    pub material: Material,
-    /// Light that reaches everything alike, as a share of a light of 1, 0 to 1e6. `Mirror`, `Glass` and lit spheres
-    /// do not show it.
-    pub ambient: f32,
-    /// Factor of diffuse light, 0 to 1e6.
-    pub diffuse_gain: f32,
-    /// Factor of specular light, 0 to 1e6; `None` is [`MaterialParams::specular`]'s own choice.
-    pub specular_gain: Option<f32>,
-    /// Exponent eta of the highlight of `Phong` and `BlinnPhong`, 0 to 1e6: higher is smaller.
-    pub shininess: f32,
-    /// Exponent zeta of `Sublambert`, 0 to 1: 0 is flat, 1 is `Lambert`.
-    pub flatness: f32,
-    /// Exponents n_u and n_v of `AshikhminShirley`, along and across the grain, 0 to 1e6.
-    pub coat: [f32; 2],
-    /// Reflectance R_s of its coat for light along the normal, 0..1.
-    pub reflectance: f32,
-    /// Its grain.
-    pub tangent: Tangent,
-    /// Index of refraction of `Glass`.
-    pub ior: f32,
-    /// Whether `Glass` is a thin sheet: two parallel interfaces, through which light goes straight on.
-    pub thin: bool,
 }
 
 /// Quantised luminance with soft edges ([LW] section 6.2).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantisation {
     /// Number of tones above black, 1 or more.
     pub levels: u32,
@@ -218,35 +179,40 @@ pub struct Quantisation {
     pub softness: f32,
 }
 
-impl Default for Quantisation {
-    fn default() -> Self {
-        Self {
-            levels: 4,
-            softness: 0.15,
-        }
-    }
-}
+/// Tones of [`Material::Toon`].
+const TOON_LEVELS: u32 = 4;
 
-/// All that relighting can be told beside the lights themselves.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct RelightParams {
-    /// How light is altered.
-    pub method: Method,
-    /// How it is bent.
-    pub warping: WarpingParams,
-    /// Which side of the integral is bent.
-    pub warp_by: WarpBy,
-    /// What the surface is made of.
-    pub material: MaterialParams,
-    /// Where its colour comes from.
-    pub albedo: AlbedoSource,
-    /// Few tones, where wanted; [`Material::Toon`] has them always.
-    pub quantisation: Option<Quantisation>,
-    /// How many samples stand for an environment.
-    pub samples: Samples,
-    /// Factor of the environment, from 1e-38 on; `Auto` makes a white diffuse surface show 1 where it is brightest and
-    /// still faces the viewer.
-    pub environment_gain: Adaptive,
+params! {
+    /// All parameters of relighting beside the lights themselves.
+    pub struct RelightParams in Material {
+        /// Factor of the environment, or auto: the brightest white surface that faces the viewer shows 1.
+        environment_gain: Adaptive = Adaptive::Auto,
+            flag: "--environment-gain", form: "G|auto", group: Group::Light,
+            valid: LEVELS, useful: by_factors(0.01, 10.0);
+        /// Lights that stand for the environment, and for each area light; 0 looks prefiltered light up; auto
+        /// chooses.
+        samples: Samples = Samples::Auto,
+            flag: "--samples", form: "N|auto", group: Group::Light,
+            valid: 0.0..=MAX_LIGHTS as f32, useful: even(0.0, 256.0);
+        /// How light is bent.
+        warping: WarpingParams;
+        /// What is warped: sampled lights, or each look-up into the environment.
+        warp_by: WarpBy = WarpBy::Auto, flag: "--warp-by", form: "WHAT", group: Group::Warping;
+        /// Where the surface's colour comes from: a layer; the picture over the shading that fits it best; the picture
+        /// itself.
+        albedo: AlbedoSource = AlbedoSource::Auto, flag: "--albedo-from", form: "SOURCE";
+        /// What the surface is made of.
+        material: MaterialParams;
+        /// How light is altered.
+        method: Method = Method::Both, flag: "--method", form: "METHOD", group: Group::Light;
+        /// Tones above black; toon has 4, other materials all.
+        toon_levels: Option<u32> = None,
+            flag: "--toon-levels", form: "N", valid: 1.0..=1024.0, useful: even(1.0, 12.0);
+        /// Softness of the step between tones, 0 to 1.
+        ///
+        /// It is a share of a tone: 0 is a hard edge.
+        toon_softness: f32 = 0.15, flag: "--toon-softness", form: "S", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+    }
 }
 
 /// Factor of highlights that are told by their shape alone.
@@ -263,84 +229,14 @@ impl MaterialParams {
     }
 }
 
-impl Default for RelightParams {
-    fn default() -> Self {
-        Self {
-            method: Method::Both,
-            warping: WarpingParams {
-                warp: 4.0,
-                contrast: 0.0,
-            },
-            warp_by: WarpBy::Auto,
-            material: MaterialParams {
-                material: Material::Lambert,
-                ambient: 0.1,
-                diffuse_gain: 0.9,
-                specular_gain: None,
-                shininess: 32.0,
-                flatness: 0.5,
-                coat: [80.0, 80.0],
-                reflectance: 0.05,
-                tangent: Tangent::Curvature,
-                ior: 1.5,
-                thin: false,
-            },
-            albedo: AlbedoSource::Auto,
-            quantisation: None,
-            samples: Samples::Auto,
-            environment_gain: Adaptive::Auto,
-        }
-    }
-}
-
 impl RelightParams {
     /// The tones, where there are few.
     pub fn tones(&self) -> Option<Quantisation> {
         let toon = self.material.material == Material::Toon;
-        self.quantisation
-            .or_else(|| toon.then(Quantisation::default))
-    }
-
-    /// Refuses values outside their ranges.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] naming the first one.
-    pub fn validate(&self) -> Result<()> {
-        let MaterialParams {
-            ambient,
-            diffuse_gain,
-            specular_gain,
-            shininess,
-            flatness,
-            coat,
-            reflectance,
-            tangent,
-            ior,
-            ..
-        } = self.material;
-        let ranges = [
-            ("--warp", self.warping.warp, FACTORS),
-            ("--contrast", self.warping.contrast, -1.0..=1.0),
-            ("--ambient", ambient, FACTORS),
-            ("--diffuse-gain", diffuse_gain, FACTORS),
-            ("--specular-gain", specular_gain.unwrap_or(0.0), FACTORS),
-            ("--shininess", shininess, EXPONENTS),
-            ("--coat", coat[0], EXPONENTS),
-            ("--coat", coat[1], EXPONENTS),
-            ("--flatness", flatness, 0.0..=1.0),
-            ("--reflectance", reflectance, 0.0..=1.0),
-            ("--ior", ior, 0.1..=10.0),
-        ];
-        for (name, value, range) in ranges {
-            in_range(name, value, range)?;
-        }
-        if let Tangent::Degrees(angle) = tangent {
-            in_range("--tangent", angle, ANGLES_DEG)?;
-        }
-        if let Some(Quantisation { levels, softness }) = self.quantisation {
-            in_range("--toon-levels", levels as f32, 1.0..=1024.0)?;
-            in_range("--toon-softness", softness, 0.0..=1.0)?;
-        }
-        self.environment_gain.in_range("--environment-gain", LEVELS)
+        let levels = self.toon_levels.or_else(|| toon.then_some(TOON_LEVELS))?;
+        Some(Quantisation {
+            levels,
+            softness: self.toon_softness,
+        })
     }
 }

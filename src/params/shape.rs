@@ -1,8 +1,11 @@
-//! What shape analysis can be told.
+//! The parameters of shape analysis.
 
-use crate::error::{Error, Result, short};
-use crate::params::{Adaptive, in_range};
+use crate::error::{Error, Result};
+use crate::params::table::{Kind, Many, Unit, by_factors, even};
+use crate::params::value::{Value, finite};
+use crate::params::{Adaptive, Param, Parameters, in_range};
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// A soft step: 0 up to `lo`, 1 from `hi`, linear between.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -26,21 +29,25 @@ impl SoftThreshold {
     }
 }
 
-impl std::fmt::Display for SoftThreshold {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{},{}", self.lo, self.hi)
-    }
-}
+impl Value for SoftThreshold {
+    const KIND: Kind = Kind::Pair;
 
-impl std::str::FromStr for SoftThreshold {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let parse = |s: &str| s.trim().parse::<f32>().ok().filter(|v| v.is_finite());
-        match text.split_once(',').map(|(lo, hi)| (parse(lo), parse(hi))) {
+    fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
+        let ends = text
+            .split_once(',')
+            .map(|(lo, hi)| (finite(lo), finite(hi)));
+        match ends {
             Some((Some(lo), Some(hi))) if 0.0 <= lo && lo <= hi => Ok(Self { lo, hi }),
             _ => Err("expected two numbers LO,HI with 0 <= LO <= HI".into()),
         }
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        Some(format!("{},{}", self.lo, self.hi))
+    }
+
+    fn outside(&self, row: &Param) -> Option<String> {
+        [self.lo, self.hi].outside(row)
     }
 }
 
@@ -55,133 +62,147 @@ pub enum Scale {
     Sigma(f32),
 }
 
-/// How diffusion is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Solver {
-    /// A Chebyshev expansion within [`ShapeParams::tolerance`]; explicit steps where they are fewer.
-    Chebyshev,
-    /// The paper's steps, one by one.
-    Explicit,
+const DEFAULT_ITERATIONS: u32 = 10;
+
+/// Two parameters that rule each other out.
+const _: () = {
+    params!(
+        @row Shape iterations ["Size of the features to find, as diffusion steps: more show larger ones only."]
+        u32 = DEFAULT_ITERATIONS, flag: "--iterations", form: "N", useful: even(0.0, 200.0)
+    );
+    params!(
+        @row Shape scale [
+            "The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of"
+            "several from one run of sweeps."
+        ]
+        Option<f32> = None, flag: "--scale", form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
+        valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
+    );
+
+    impl Parameters for Scale {
+        fn usual() -> Self {
+            Self::Iterations(DEFAULT_ITERATIONS)
+        }
+
+        fn rows(table: &mut Vec<&'static Param>) {
+            table.extend([&iterations, &scale]);
+        }
+
+        /// Of several sigmas the first is the scale.
+        fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
+            let first = text.split(',').next().unwrap_or_default();
+            *self = match name {
+                "iterations" => Self::Iterations(Value::parse(text, &iterations)?),
+                "scale" => Self::Sigma(Value::parse(first, &scale)?),
+                _ => return Ok(false),
+            };
+            Ok(true)
+        }
+
+        fn check(&self) -> Result<()> {
+            match self {
+                Self::Iterations(_) => Ok(()),
+                Self::Sigma(sigma) => scale.check(sigma),
+            }
+        }
+    }
+};
+
+choices! {
+    /// How diffusion is computed.
+    pub enum Solver {
+        /// A Chebyshev expansion within [`ShapeParams::tolerance`]; explicit steps where they are fewer.
+        Chebyshev = "chebyshev",
+        /// The paper's steps, one by one.
+        Explicit = "explicit",
+    }
 }
 
-/// How silhouettes, creases and curvature are found.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ShapeParams {
-    /// Jump of depth across a pixel, as a share of the distance, that makes a silhouette. Lower
-    /// values cut steep slopes apart; higher ones let curvature leak between objects.
-    pub silhouette: SoftThreshold,
-    /// The same for an occlusion or alpha map, as an absolute jump, where there is no depth.
-    pub occlusion_silhouette: SoftThreshold,
-    /// Angle by which the normal turns across a pixel, in degrees, that makes a crease. Lower values turn fine
-    /// relief into creases, which are left alone; higher ones round off real edges.
-    pub crease: SoftThreshold,
-    /// Foreshortening exponent f of the gradient `-n_xy / n_z^f`, 0 or more. 0 measures the surface
-    /// as an object seen from anywhere (k1 + k2); 1 measures the height field that the viewer sees,
-    /// with slopes that grow without end toward silhouettes.
-    pub foreshortening: f32,
-    /// Floor of n_z in that gradient, 0.001 to 1. Lower floors let one rim pixel rule the Hessian;
-    /// higher ones flatten the surface near silhouettes.
-    pub min_nz: f32,
-    /// How far the gradient is diffused.
-    pub scale: Scale,
-    /// How it is diffused.
-    pub solver: Solver,
-    /// Largest error of the slope that the Chebyshev solver may add, 1e-9 to 1000. The default changes the
-    /// curvature by less than 2e-4 per pixel: at an ordinary gain a tenth of an 8-bit grey level.
-    pub tolerance: f32,
-    /// Length of one explicit step, 0.001 to 1/4. Above 1/4 the scheme is unstable; at exactly 1/4
-    /// a checkerboard never decays.
-    pub time_step: f32,
-    /// Height in pixels of the whole picture (its display window) for which the scale, and the gain of
-    /// the curvature, are meant: 1 or more. In a picture f times as high the scale counts f times as many
-    /// pixels, and curvature is told per pixel of the reference, f times what it is per pixel, so that a
-    /// proxy and the final picture look alike. `None` counts everything in the picture's own pixels: a
-    /// look then grows finer with resolution. The thresholds of silhouettes and creases are jumps across
-    /// one pixel of the picture either way.
-    pub reference_height: Option<u32>,
-    /// How many pixels away normals are compared to find the directions of curvature: a whole number,
-    /// 1 to [`MAX_DIRECTION_STEP_PX`]. `Auto` takes more the coarser normals were stored. Short steps
-    /// see fine shapes, and noise; long ones round them off. Before an edge the step shrinks.
-    pub direction_step: Adaptive,
+params! {
+    /// How silhouettes, creases and curvature are found.
+    pub struct ShapeParams in Shape {
+        /// How far the gradient is diffused.
+        scale: Scale;
+        /// Height in pixels of the whole picture that the scale and the curvature gain are meant for: a look
+        /// survives another resolution. none counts in the picture's own pixels.
+        ///
+        /// The height is that of the display window. In a picture f times as high the scale counts f times as many
+        /// pixels, and curvature is given per pixel of the reference, f times what it is per pixel, so that a proxy and
+        /// the final picture look alike. Without one a look grows finer with resolution. The thresholds of silhouettes
+        /// and creases are jumps across one pixel of the picture either way.
+        reference_height: Option<u32> = None,
+            flag: "--reference-height", form: "PX|none", unit: Unit::Pixels,
+            kind: Kind::Number { whole: true, word: Some("none") },
+            valid: 1.0..=f32::INFINITY, useful: by_factors(256.0, 8192.0);
+        /// How diffusion is computed.
+        solver: Solver = Solver::Chebyshev, flag: "--solver", form: "SOLVER";
+        /// Largest error of a slope that the Chebyshev solver may add.
+        ///
+        /// The default changes the curvature by less than 2e-4 per pixel: at an ordinary gain a tenth of an 8-bit grey
+        /// level.
+        tolerance: f32 = 1e-4, flag: "--tolerance", form: "E", valid: 1e-9..=1000.0, useful: by_factors(1e-6, 1e-2);
+        /// Foreshortening of the gradient: 0 as an object, 1 as the viewer's height field.
+        ///
+        /// The exponent f of the gradient `-n_xy / n_z^f`. 0 measures the surface as an object seen from anywhere
+        /// (k1 + k2); 1 measures the height field that the viewer sees, with slopes that grow without end toward
+        /// silhouettes.
+        foreshortening: f32 = 0.0, flag: "--foreshortening", form: "F", valid: 0.0..=4.0, useful: even(0.0, 2.0);
+        /// Floor of n_z in that gradient.
+        ///
+        /// Lower floors let one rim pixel rule the Hessian; higher ones flatten the surface near silhouettes. The
+        /// steepest slope is the floor's -4th power: 1e12, whose square single precision holds.
+        min_nz: f32 = 0.05, valid: 1e-3..=1.0;
+        /// Length of one explicit step.
+        ///
+        /// Above 1/4 the scheme is unstable; at exactly 1/4 a checkerboard never decays.
+        time_step: f32 = 0.2, valid: 0.001..=0.25;
+        /// Jump of depth, as a share of the distance, that makes a silhouette.
+        ///
+        /// It is a jump across a pixel. Lower values cut steep slopes apart; higher ones let curvature leak between
+        /// objects.
+        silhouette: SoftThreshold = SoftThreshold { lo: 0.03, hi: 0.04 },
+            flag: "--silhouette", form: "LO,HI", valid: THRESHOLDS;
+        /// The same for an occlusion or alpha map, as an absolute jump, where there is no depth.
+        occlusion_silhouette: SoftThreshold = SoftThreshold { lo: 0.2, hi: 0.4 }, valid: THRESHOLDS;
+        /// Angle across a pixel, in degrees, that makes a crease.
+        ///
+        /// It is the angle by which the normal turns. Lower values turn fine relief into creases, which are left alone;
+        /// higher ones round off real edges.
+        crease: SoftThreshold = SoftThreshold { lo: 45.0, hi: 80.0 },
+            flag: "--crease", form: "LO,HI", unit: Unit::Degrees, valid: THRESHOLDS;
+        /// Pixels between the normals compared for directions, or auto: more for coarse normals.
+        ///
+        /// Short steps see fine shapes, and noise; long ones round them off. Before an edge the step shrinks.
+        direction_step: Adaptive = Adaptive::Auto,
+            flag: "--direction-step", form: "PX|auto", unit: Unit::Pixels,
+            kind: Kind::Number { whole: true, word: Some("auto") },
+            valid: 1.0..=MAX_DIRECTION_STEP_PX as f32, useful: even(1.0, 32.0);
+    }
+    relations ShapeParams::relations;
 }
+
+/// Thresholds that single precision holds with room for a square.
+const THRESHOLDS: RangeInclusive<f32> = 0.0..=1e30;
 
 /// Past this a step leaves the shapes it is to tell of.
 pub const MAX_DIRECTION_STEP_PX: u32 = 64;
 
-impl Default for ShapeParams {
-    fn default() -> Self {
-        Self {
-            silhouette: SoftThreshold { lo: 0.03, hi: 0.04 },
-            occlusion_silhouette: SoftThreshold { lo: 0.2, hi: 0.4 },
-            crease: SoftThreshold { lo: 45.0, hi: 80.0 },
-            foreshortening: 0.0,
-            min_nz: 0.05,
-            scale: Scale::Iterations(10),
-            solver: Solver::Chebyshev,
-            tolerance: 1e-4,
-            time_step: 0.2,
-            reference_height: None,
-            direction_step: Adaptive::Auto,
-        }
-    }
-}
-
 impl ShapeParams {
-    /// Refuses values outside their ranges.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] naming the first one.
-    pub fn validate(&self) -> Result<()> {
-        let bad = |name, found: String, remedy: &str| {
-            Err(Error::BadParameter {
-                name,
-                found,
-                remedy: remedy.into(),
-            })
-        };
-        in_range("--foreshortening", self.foreshortening, 0.0..=4.0)?;
-        // The steepest slope is its -4th power: 1e12, whose square single precision holds.
-        in_range("min_nz", self.min_nz, 1e-3..=1.0)?;
-        if !(0.001..=0.25).contains(&self.time_step) {
-            return bad(
-                "time_step",
-                format!("is {}", short(self.time_step)),
-                "give 0.001 to 0.25: explicit diffusion is stable only up to there",
-            );
-        }
-        in_range("--tolerance", self.tolerance, 1e-9..=1000.0)?;
+    fn relations(&self) -> Result<()> {
         for (name, threshold) in [
             ("--silhouette", self.silhouette),
-            ("--silhouette", self.occlusion_silhouette),
+            ("occlusion_silhouette", self.occlusion_silhouette),
             ("--crease", self.crease),
         ] {
-            in_range(name, threshold.lo, 0.0..=1e30)?;
-            in_range(name, threshold.hi, threshold.lo..=1e30)?;
+            in_range(name, threshold.hi, threshold.lo..=*THRESHOLDS.end())?;
         }
-        if self.reference_height == Some(0) {
-            return bad("--reference-height", "is 0".into(), "give 1 or more");
-        }
-        if let Adaptive::Fixed(step) = self.direction_step
-            && !(step.fract() == 0.0 && (1.0..=MAX_DIRECTION_STEP_PX as f32).contains(&step))
-        {
-            return bad(
-                "--direction-step",
-                format!("is {step} px"),
-                "give a whole number from 1 to 64, or auto",
-            );
-        }
-        match self.scale {
-            Scale::Sigma(sigma) => in_range("--scale", sigma, 0.0..=MAX_SIGMA_PX)?,
-            Scale::Iterations(_) if self.scale_px() > f64::from(MAX_SIGMA_PX) => {
-                let most = (Self::time_of(MAX_SIGMA_PX) / f64::from(self.time_step)).floor();
-                return bad(
-                    "--iterations",
-                    format!("is {}", self.steps(1.0)),
-                    &format!("give 0 to {most:.0}"),
-                );
-            }
-            Scale::Iterations(_) => {}
+        if self.scale_px() > f64::from(MAX_SIGMA_PX) {
+            let most = (Self::time_of(MAX_SIGMA_PX) / f64::from(self.time_step)).floor();
+            return Err(Error::BadParameter {
+                name: "--iterations",
+                found: format!("is {}", self.steps(1.0)),
+                remedy: format!("give 0 to {most:.0}"),
+            });
         }
         self.check_steps(1.0)
     }
@@ -358,48 +379,14 @@ mod tests {
     }
 
     #[test]
-    fn numbers_past_single_precision_are_refused() {
-        let good = ShapeParams::default();
-        let wide = |lo, hi| SoftThreshold { lo, hi };
-        for bad in [
-            ShapeParams {
-                min_nz: 1e-30,
-                ..good
-            },
-            ShapeParams {
-                tolerance: 1e-40,
-                ..good
-            },
-            ShapeParams {
-                tolerance: f32::MAX,
-                ..good
-            },
-            ShapeParams {
-                time_step: 1e-30,
-                ..good
-            },
-            ShapeParams {
-                foreshortening: f32::NAN,
-                ..good
-            },
-            ShapeParams {
-                silhouette: wide(0.0, f32::MAX),
-                ..good
-            },
-            ShapeParams {
-                crease: wide(2.0, 1.0),
-                ..good
-            },
-            ShapeParams {
-                crease: wide(f32::NAN, 1.0),
-                ..good
-            },
-            ShapeParams {
-                scale: Scale::Sigma(f32::INFINITY),
-                ..good
-            },
-        ] {
-            assert!(bad.validate().is_err(), "{bad:?}");
+    fn thresholds_rise() {
+        for [lo, hi] in [[2.0, 1.0], [f32::NAN, 1.0], [1.0, f32::NAN]] {
+            let crease = SoftThreshold { lo, hi };
+            let params = ShapeParams {
+                crease,
+                ..ShapeParams::default()
+            };
+            assert!(params.validate().is_err(), "{crease:?}");
         }
     }
 

@@ -1,6 +1,5 @@
-//! What the trace of mirrors and lenses can be told.
+//! The parameters of the trace of mirrors and lenses.
 
-use crate::error::{Error, Result};
 use serde::Serialize;
 
 /// How sight lines go on at specular surfaces.
@@ -27,40 +26,18 @@ pub struct SpecularParams {
     pub search: SearchParams,
 }
 
-/// How what a bent ray meets is searched for, from a coarse look along it to the point itself ([LA] section 5.2).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct SearchParams {
-    /// Even steps along the way, 1 to [`MAX_SEARCH_STEPS`]: fewer miss thin things, more take longer.
-    pub steps: u32,
-    /// Steps of the secant rule once the surface lies between two steps, 1 to 64: each takes many times closer.
-    pub refinements: u32,
+params! {
+    /// How what a bent ray meets is searched for, from a coarse look along it to the point itself ([LA] section 5.2).
+    #[derive(Eq)]
+    pub struct SearchParams in Specular {
+        /// Steps of the search along mirrored and refracted sight lines: fewer miss thin things.
+        ///
+        /// They are even, and more take longer.
+        steps: u32 = 128, flag: "--search-steps", form: "N", valid: 1.0..=MAX_SEARCH_STEPS as f32;
+        /// Steps of the secant rule once the surface lies between two steps: each takes many times closer.
+        refinements: u32 = 12, valid: 1.0..=64.0;
+    }
 }
 
 /// Most steps of a search.
 pub const MAX_SEARCH_STEPS: u32 = 4096;
-
-impl Default for SearchParams {
-    fn default() -> Self {
-        Self {
-            steps: 128,
-            refinements: 12,
-        }
-    }
-}
-
-impl SearchParams {
-    /// Refuses values outside their ranges.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`].
-    pub fn validate(&self) -> Result<()> {
-        if (1..=MAX_SEARCH_STEPS).contains(&self.steps) && (1..=64).contains(&self.refinements) {
-            return Ok(());
-        }
-        Err(Error::BadParameter {
-            name: "--search-steps",
-            found: format!("is {}", self.steps),
-            remedy: format!("give 1 to {MAX_SEARCH_STEPS}"),
-        })
-    }
-}

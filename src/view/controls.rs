@@ -2,8 +2,8 @@
 
 use super::ball::ball;
 use super::lights::Light;
-use crate::cli::look::{Kind, Look, Range, Setting};
-use crate::params::MAX_LIGHTS;
+use crate::cli::look::{Kind, Look, Setting};
+use crate::params::{MAX_LIGHTS, Useful};
 use eframe::egui::{
     self, Align, CollapsingHeader, ComboBox, Layout, Response, RichText, Slider, SliderClamping,
     TextEdit, Ui,
@@ -284,12 +284,12 @@ fn number(
     ui: &mut Ui,
     look: &mut Look,
     setting: &Setting,
-    (range, is_whole, word): (&Range, bool, Option<&str>),
+    (range, is_whole, word): (&Useful, bool, Option<&str>),
     current: Option<&str>,
     chosen: Option<&str>,
 ) -> Response {
     let given: Option<f64> = current.and_then(|text| text.split(',').next()?.parse().ok());
-    let middle = match range.is_logarithmic {
+    let middle = match range.logarithmic {
         true => (range.from * range.to).sqrt(),
         false => 0.5 * (range.from + range.to),
     };
@@ -332,7 +332,7 @@ fn number(
     // Beside it stand its value and the button that resets it.
     ui.spacing_mut().slider_width = (ui.available_width() - 112.0).clamp(40.0, 240.0);
     let slider = Slider::new(&mut value, range.from..=range.to)
-        .logarithmic(range.is_logarithmic)
+        .logarithmic(range.logarithmic)
         .clamping(SliderClamping::Never)
         .suffix(setting.unit)
         .max_decimals(if is_whole { 0 } else { 4 });

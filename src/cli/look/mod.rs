@@ -1,12 +1,10 @@
 //! A look: a command and its settings, as a recipe holds them and the viewer changes them. Its names, defaults and help
 //! are those of the flags.
 
-mod ranges;
 mod setting;
 mod studio;
 
 pub(crate) use super::engine::Engine;
-pub(crate) use ranges::Range;
 pub(crate) use setting::{Kind, Setting, settings_of};
 pub(crate) use studio::{Pixels, Reading, Studio, What};
 

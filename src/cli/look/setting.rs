@@ -1,10 +1,9 @@
-//! The settings of a command, from the tables of its flags.
+//! The settings of a command: its parameters from their table, its inputs and outputs from their flags.
 
 use super::super::invocation::command_named;
 use super::super::recipe::{is_repeatable, is_setting, is_switch};
-use super::ranges::{RANGES, Range};
+use crate::params::{self, Param, Useful, param};
 use clap::Arg;
-use std::any::TypeId;
 
 /// A setting as a control shows it.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +29,7 @@ pub(crate) enum Kind {
     Choice(Vec<String>),
     /// A number, or the word that may stand in its place.
     Number {
-        range: Range,
+        range: Useful,
         is_whole: bool,
         word: Option<String>,
     },
@@ -52,22 +51,34 @@ pub(crate) fn settings_of(command: &str) -> Vec<Setting> {
 
 fn setting(arg: &Arg) -> Option<Setting> {
     let name = arg.get_long()?;
+    let row = param(name);
     let defaults = arg.get_default_values().iter();
     let defaults: Vec<_> = defaults.map(|v| v.to_string_lossy()).collect();
     let has_default = !defaults.is_empty() && !is_switch(arg);
-    let forms = arg.get_value_names().unwrap_or_default();
-    let form = forms.first().map_or("", |form| form.as_str());
+    let kind = row.and_then(slider).unwrap_or_else(|| kind(arg));
     Some(Setting {
         name: name.into(),
         family: arg.get_help_heading().unwrap_or_default().into(),
         help: arg.get_help().map(ToString::to_string).unwrap_or_default(),
-        unit: unit_of(form),
+        unit: row.map_or("", |row| row.unit.suffix()),
         default: has_default.then(|| defaults.join(",")),
-        kind: kind(arg, name, form),
+        kind,
     })
 }
 
-fn kind(arg: &Arg, name: &str, form: &str) -> Kind {
+/// The slider of a parameter that has one.
+fn slider(row: &Param) -> Option<Kind> {
+    match row.kind {
+        params::Kind::Number { whole, word } => Some(Kind::Number {
+            range: row.useful?,
+            is_whole: whole,
+            word: word.map(String::from),
+        }),
+        _ => None,
+    }
+}
+
+fn kind(arg: &Arg) -> Kind {
     if is_switch(arg) {
         return Kind::Switch;
     }
@@ -76,44 +87,10 @@ fn kind(arg: &Arg, name: &str, form: &str) -> Kind {
         let words = possible.iter().map(|value| value.get_name().to_string());
         return Kind::Choice(words.collect());
     }
-    match RANGES.iter().find(|range| range.name == name) {
-        Some(&range) => Kind::Number {
-            range,
-            is_whole: is_whole(arg, form),
-            word: word_of(form),
-        },
-        None => Kind::Text {
-            form: form.into(),
-            is_repeatable: is_repeatable(arg),
-        },
-    }
-}
-
-/// Whether only whole numbers will do: what is called N, or is parsed as one.
-fn is_whole(arg: &Arg, form: &str) -> bool {
-    let parsed = arg.get_value_parser().type_id();
-    let is_integer = [TypeId::of::<u32>(), TypeId::of::<u64>()]
-        .into_iter()
-        .any(|integer| parsed == integer);
-    let counts = form == "N|auto" || matches!(form, "PX|none" | "PX|auto");
-    is_integer || counts
-}
-
-/// The word of `PX|auto` that stands in place of a number.
-fn word_of(form: &str) -> Option<String> {
-    let words = form.split('|');
-    let mut words = words.filter(|word| word.chars().all(|c| c.is_ascii_lowercase()));
-    words.next().map(String::from)
-}
-
-/// The unit that `PX|auto` names.
-fn unit_of(form: &str) -> &'static str {
-    let first = form.split(['|', ',', '[']).next();
-    match first {
-        Some("PX") => "px",
-        Some("DEG" | "AZ") => "\u{b0}",
-        Some("PPI") => "per inch",
-        _ => "",
+    let forms = arg.get_value_names().unwrap_or_default();
+    Kind::Text {
+        form: forms.first().map_or("", |form| form.as_str()).into(),
+        is_repeatable: is_repeatable(arg),
     }
 }
 
@@ -121,8 +98,6 @@ fn unit_of(form: &str) -> &'static str {
 mod tests {
     use super::super::Look;
     use super::*;
-    use crate::cli::args::Command;
-    use crate::cli::frames::validate;
 
     fn all() -> Vec<Setting> {
         let commands = Look::commands().iter();
@@ -130,46 +105,14 @@ mod tests {
     }
 
     #[test]
-    fn every_range_is_of_a_setting_and_holds_its_default() {
+    fn every_parameter_with_a_flag_is_a_setting() {
         let all = all();
-        for range in RANGES {
-            let setting = all.iter().find(|setting| setting.name == range.name);
-            let setting = setting.unwrap_or_else(|| panic!("no command has {}", range.name));
-            assert!(range.from < range.to, "{}", range.name);
-            assert!(!range.is_logarithmic || range.from > 0.0, "{}", range.name);
-            let default = setting.default.as_deref();
-            let Some(Ok(number)) = default.map(str::parse::<f64>) else {
-                continue;
-            };
-            let holds = (range.from..=range.to).contains(&number);
-            assert!(holds, "{} is {number} by default", range.name);
-        }
-    }
-
-    #[test]
-    fn both_ends_of_every_slider_are_taken() {
-        for &command in Look::commands() {
-            for setting in settings_of(command) {
-                let Kind::Number { range, word, .. } = &setting.kind else {
-                    continue;
-                };
-                let ends = [range.from, range.to].map(|end| end.to_string());
-                for value in ends.into_iter().chain(word.clone()) {
-                    let mut look = Look::default();
-                    look.set_command(command);
-                    look.set(&setting.name, Some(value.clone()));
-                    let parsed = look.parse(std::path::Path::new("render.exr")).unwrap();
-                    let valid = match &parsed.cli.command {
-                        Command::Shape(args) => validate(args),
-                        Command::Enhance(args) => validate(args),
-                        Command::Relight(args) => validate(&**args),
-                        Command::Hatch(args) => validate(&**args),
-                        _ => unreachable!("a look is none of these"),
-                    };
-                    let name = &setting.name;
-                    assert!(valid.is_ok(), "{command} --{name} {value}: {valid:?}");
-                }
-            }
+        for row in params::table().iter().filter(|row| row.has_flag()) {
+            let setting = all.iter().find(|setting| setting.name == row.name());
+            let setting = setting.unwrap_or_else(|| panic!("no command has {}", row.flag));
+            assert_eq!(setting.family, row.group.name(), "{}", row.flag);
+            let has_slider = matches!(setting.kind, Kind::Number { .. });
+            assert_eq!(has_slider, row.useful.is_some(), "{}", row.flag);
         }
     }
 

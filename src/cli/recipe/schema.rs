@@ -1,10 +1,10 @@
-//! The JSON schema of recipes, from the flags themselves.
+//! The JSON schema of recipes, from the table of parameters and the other flags.
 
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
 use crate::cli::invocation::command_named;
+use crate::params::{Kind, Many, Param, param};
 use clap::{Arg, Command};
 use serde_json::{Map, Value, json};
-use std::any::TypeId;
 
 /// The schema of all recipes: one object for each command.
 pub(in crate::cli) fn schema() -> Value {
@@ -68,13 +68,26 @@ fn of_value(arg: &Arg) -> Value {
         let names: Vec<_> = possible.iter().map(|value| value.get_name()).collect();
         return json!({ "enum": names });
     }
-    let kind = arg.get_value_parser().type_id();
-    let is = |id: TypeId| kind == id;
-    if is(TypeId::of::<f32>()) {
-        return json!({ "type": "number" });
+    let row = arg.get_long().and_then(param);
+    match row.map(|row| (row, row.kind, row.many)) {
+        Some((row, Kind::Number { whole, word: None }, Many::One)) => of_number(row, whole),
+        _ => json!({ "type": ["string", "number", "array"] }),
     }
-    if is(TypeId::of::<u32>()) || is(TypeId::of::<u64>()) {
-        return json!({ "type": "integer", "minimum": 0 });
+}
+
+/// A number within its range.
+fn of_number(row: &Param, whole: bool) -> Value {
+    let mut schema = match whole {
+        true => json!({ "type": "integer", "minimum": 0 }),
+        false => json!({ "type": "number" }),
+    };
+    let ends = [("minimum", row.valid.start()), ("maximum", row.valid.end())];
+    for (name, end) in ends.into_iter().filter(|(_, end)| end.is_finite()) {
+        schema[name] = match whole {
+            true => json!(*end as i64),
+            // As many digits as single precision has.
+            false => json!(end.to_string().parse::<f64>().unwrap_or(f64::from(*end))),
+        };
     }
-    json!({ "type": ["string", "number", "array"] })
+    schema
 }

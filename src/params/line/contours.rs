@@ -1,47 +1,100 @@
-//! What contours can be told.
+//! The parameters of contours.
 
 use crate::error::Result;
-use crate::params::in_range;
-use serde::Serialize;
+use crate::params::table::{Unit, even};
+use crate::params::value::Value;
+use crate::params::{Param, Parameters};
+use std::ops::RangeInclusive;
 
-/// How silhouettes and creases are drawn ([LA] section 6: they come last, over the hatching).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ContourParams {
-    /// Width in pixels at [stroke scale](crate::params::StrokeParams::scale) 1 of the line around the nearest
-    /// thing, above 0, at most 1000. Below 1 lines are grey; wide ones run together.
-    pub width_px: f32,
-    /// Width of creases as a share of that, 0..1. 0 draws none; 1 makes them as heavy as silhouettes.
-    pub crease_share: f32,
-    /// Share of its width, 0..1, that the line around the farthest thing loses. 0 tells nothing of depth; at
-    /// 1 the farthest lines vanish.
-    pub depth_emphasis: f32,
-    /// Share of its width, 0..1, that a line across a faint jump of depth, or along a blunt crease, loses
-    /// against one before the background, or along a sharp one. At 1 faint lines vanish.
-    pub jump_emphasis: f32,
-    /// Length in pixels, 0 or more, that lines joined to each other must have together to be drawn; creases
-    /// twice that, blunt ones more. 0 draws every speck of noise; high values lose small things.
-    pub shortest_px: f32,
-    /// Length in pixels, 0 or more, over which the open end of a line runs thin. 0 ends it round.
-    pub taper_px: f32,
-    /// How far along a line, in pixels to either side and 0 to 100, the steps between pixels are evened out.
-    /// It goes no farther than the line stays within the pixels it was found between, so corners stay. 0 leaves
-    /// the steps; high values cost time.
-    pub smoothing_px: f32,
-}
+/// Parts of a width.
+const SHARES: RangeInclusive<f32> = 0.0..=1.0;
 
-impl Default for ContourParams {
-    fn default() -> Self {
-        Self {
-            width_px: 2.0,
-            crease_share: 0.6,
-            depth_emphasis: 0.4,
-            jump_emphasis: 0.5,
-            shortest_px: 12.0,
-            taper_px: 10.0,
-            smoothing_px: 24.0,
-        }
+/// Lengths in pixels.
+const LENGTHS: RangeInclusive<f32> = 0.0..=1e6;
+
+params! {
+    /// How silhouettes and creases are drawn ([LA] section 6: they come last, over the hatching).
+    pub struct ContourParams in Contours {
+        /// Width of the line around the nearest thing, in pixels at scale 1.
+        ///
+        /// The scale is that of [strokes](crate::params::StrokeParams::scale). Below 1 lines are grey; wide ones run
+        /// together.
+        width_px: f32 = 2.0,
+            flag: "--contour-width", form: "PX", unit: Unit::Pixels, valid: 1e-3..=1e3, useful: even(0.2, 10.0);
+        /// Width of creases as a share of that; 0 draws none.
+        ///
+        /// 1 makes them as heavy as silhouettes.
+        crease_share: f32 = 0.6, flag: "--crease-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// Share of its width that the line around the farthest thing loses.
+        ///
+        /// At 0 lines say nothing of depth; at 1 the farthest vanish.
+        depth_emphasis: f32 = 0.4, flag: "--depth-emphasis", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// Share of its width that a line across the faintest jump of depth, or along the bluntest crease, loses.
+        ///
+        /// It is measured against a line before the background, or along a sharp crease. At 1 faint lines vanish.
+        jump_emphasis: f32 = 0.5, flag: "--jump-emphasis", form: "SHARE", valid: SHARES;
+        /// Lines that are shorter with all they are joined to are left out, in pixels; creases twice that.
+        ///
+        /// Blunt creases need more. 0 draws every speck of noise; high values lose small things.
+        shortest_px: f32 = 12.0, flag: "--shortest-contour", form: "PX", unit: Unit::Pixels, valid: LENGTHS;
+        /// Pixels over which the open end of a line runs thin.
+        ///
+        /// 0 ends it round.
+        taper_px: f32 = 10.0, flag: "--contour-taper", form: "PX", unit: Unit::Pixels, valid: LENGTHS;
+        /// Pixels to either side along a line over which the steps between pixels are evened out.
+        ///
+        /// It goes no farther than the line stays within the pixels it was found between, so corners stay. 0 leaves the
+        /// steps; high values cost time.
+        smoothing_px: f32 = 24.0, flag: "--contour-smoothing", form: "PX", unit: Unit::Pixels, valid: 0.0..=100.0;
     }
 }
+
+choices! {
+    /// Whether something is done.
+    enum OnOff {
+        /// It is.
+        On = "on",
+        /// It is not.
+        Off = "off",
+    }
+}
+
+/// Contours are drawn or not. Where they are not, their settings are checked and dropped.
+const _: () = {
+    params!(
+        @row Contours contours ["Lines along silhouettes and creases, over the strokes."]
+        OnOff = OnOff::On, flag: "--contours", form: "on|off"
+    );
+
+    impl Parameters for Option<ContourParams> {
+        fn usual() -> Self {
+            Some(ContourParams::default())
+        }
+
+        fn rows(table: &mut Vec<&'static Param>) {
+            table.push(&contours);
+            ContourParams::rows(table);
+        }
+
+        fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
+            if name != contours.name() {
+                let mut own = self.unwrap_or_default();
+                let is_own = own.set(name, text)?;
+                *self = self.map(|_| own);
+                return Ok(is_own);
+            }
+            *self = match OnOff::parse(text, &contours)? {
+                OnOff::On => self.or(Self::usual()),
+                OnOff::Off => None,
+            };
+            Ok(true)
+        }
+
+        fn check(&self) -> Result<()> {
+            self.as_ref().map_or(Ok(()), ContourParams::check)
+        }
+    }
+};
 
 impl ContourParams {
     /// The same for lines `factor` times as large.
@@ -57,67 +110,5 @@ impl ContourParams {
     /// Whether lines run along creases.
     pub fn has_creases(&self) -> bool {
         self.crease_share > 0.0
-    }
-
-    /// Refuses values outside their ranges.
-    ///
-    /// # Errors
-    /// [`crate::Error::BadParameter`] naming the first one.
-    pub fn validate(&self) -> Result<()> {
-        let (share, length) = (0.0..=1.0, 0.0..=1e6);
-        in_range("--contour-width", self.width_px, 1e-3..=1e3)?;
-        in_range("--crease-width", self.crease_share, share.clone())?;
-        in_range("--depth-emphasis", self.depth_emphasis, share.clone())?;
-        in_range("--jump-emphasis", self.jump_emphasis, share)?;
-        in_range("--shortest-contour", self.shortest_px, length.clone())?;
-        in_range("--contour-taper", self.taper_px, length)?;
-        in_range("--contour-smoothing", self.smoothing_px, 0.0..=100.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_pass_and_values_out_of_range_do_not() {
-        let params = ContourParams::default();
-        assert!(params.validate().is_ok());
-        for bad in [
-            ContourParams {
-                width_px: 0.0,
-                ..params
-            },
-            ContourParams {
-                width_px: f32::INFINITY,
-                ..params
-            },
-            ContourParams {
-                crease_share: 1.5,
-                ..params
-            },
-            ContourParams {
-                depth_emphasis: f32::NAN,
-                ..params
-            },
-            ContourParams {
-                jump_emphasis: -0.1,
-                ..params
-            },
-            ContourParams {
-                shortest_px: -1.0,
-                ..params
-            },
-            ContourParams {
-                taper_px: f32::NAN,
-                ..params
-            },
-            ContourParams {
-                smoothing_px: 101.0,
-                ..params
-            },
-        ] {
-            assert!(bad.validate().is_err(), "{bad:?}");
-        }
     }
 }

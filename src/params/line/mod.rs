@@ -1,4 +1,4 @@
-//! What line art can be told.
+//! The parameters of line art.
 
 mod contours;
 mod field;
@@ -8,47 +8,21 @@ mod tone;
 pub use contours::ContourParams;
 pub use field::{Fallback, FieldParams, MAX_FIELD_PASSES, StrokeDirections};
 pub use strokes::{MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style};
-pub use tone::ToneParams;
+pub use tone::{ToneParams, ToneSource};
 
-use crate::error::Result;
-use serde::Serialize;
-
-/// How a frame is drawn ([LA] section 6).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LineParams {
-    /// Which directions of curvature strokes follow.
-    pub directions: StrokeDirections,
-    /// How those directions are made calm.
-    pub field: FieldParams,
-    /// The strokes of the hatching.
-    pub strokes: StrokeParams,
-    /// What becomes light and dark.
-    pub tone: ToneParams,
-    /// Lines along silhouettes and creases; `None` draws none.
-    pub contours: Option<ContourParams>,
-}
-
-impl Default for LineParams {
-    fn default() -> Self {
-        Self {
-            directions: StrokeDirections::default(),
-            field: FieldParams::default(),
-            strokes: StrokeParams::default(),
-            tone: ToneParams::default(),
-            contours: Some(ContourParams::default()),
-        }
-    }
-}
-
-impl LineParams {
-    /// Refuses values outside their ranges.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] naming the first one.
-    pub fn validate(&self) -> Result<()> {
-        self.field.validate()?;
-        self.strokes.validate()?;
-        self.tone.validate()?;
-        self.contours.map_or(Ok(()), |contours| contours.validate())
+params! {
+    /// How a frame is drawn ([LA] section 6).
+    pub struct LineParams in Directions {
+        /// What becomes light and dark.
+        tone: ToneParams;
+        /// Directions of curvature that strokes follow: of the larger, around a cylinder; of the lesser, along
+        /// it; both, the dark crossed by a second hatching.
+        directions: StrokeDirections = StrokeDirections::Max, flag: "--directions", form: "WHICH";
+        /// How those directions are made calm.
+        field: FieldParams;
+        /// The strokes of the hatching.
+        strokes: StrokeParams;
+        /// Lines along silhouettes and creases; `None` draws none.
+        contours: Option<ContourParams>;
     }
 }

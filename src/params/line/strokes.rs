@@ -1,7 +1,9 @@
 //! Strokes: how each is drawn, and how directions are cut into partitions.
 
-use crate::error::{Error, Result};
-use crate::params::in_range;
+use crate::error::Result;
+use crate::params::table::{Choice, Kind, Unit, even};
+use crate::params::value::{Value, finite};
+use crate::params::{Param, in_range};
 use serde::Serialize;
 
 /// What strokes are drawn with.
@@ -18,6 +20,51 @@ pub enum Style {
     Lines,
 }
 
+impl Style {
+    /// Those that have a name.
+    const NAMED: [(Self, Choice); 3] = [
+        (
+            Self::Pen,
+            Choice {
+                name: "pen",
+                doc: &["Ink"],
+            },
+        ),
+        (
+            Self::Pencil,
+            Choice {
+                name: "pencil",
+                doc: &["Graphite"],
+            },
+        ),
+        (
+            Self::Lines,
+            Choice {
+                name: "lines",
+                doc: &["Strokes as long as they can be, one by one"],
+            },
+        ),
+    ];
+}
+
+impl Value for Style {
+    const KIND: Kind = Kind::ChoiceOrFolder(&{
+        let [(_, pen), (_, pencil), (_, lines)] = Self::NAMED;
+        [pen, pencil, lines]
+    });
+
+    /// What is no name is a folder of pictures.
+    fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
+        let named = Self::NAMED.iter().find(|(_, choice)| choice.name == text);
+        Ok(named.map_or(Self::Pictures, |(style, _)| *style))
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        let named = Self::NAMED.iter().find(|(style, _)| style == self);
+        named.map(|(_, choice)| choice.name.into())
+    }
+}
+
 /// How large strokes are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -28,79 +75,83 @@ pub enum StrokeScale {
     Millimetres(f32),
 }
 
-impl std::fmt::Display for StrokeScale {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Factor(factor) => write!(f, "{factor}"),
-            Self::Millimetres(width) => write!(f, "{width}mm"),
-        }
-    }
-}
+impl Value for StrokeScale {
+    const KIND: Kind = Kind::Text;
 
-impl std::str::FromStr for StrokeScale {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
+    fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
         let (number, scale): (&str, fn(f32) -> Self) = match text.strip_suffix("mm") {
             Some(number) => (number, Self::Millimetres),
             None => (text, Self::Factor),
         };
-        let number = number.trim().parse().ok().filter(|v: &f32| v.is_finite());
         let expected = "expected a factor as in 1.5, or the width of a stroke as in 0.3mm";
-        number.map(scale).ok_or(expected.into())
+        finite(number).map(scale).ok_or(expected.into())
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        Some(match self {
+            Self::Factor(factor) => factor.to_string(),
+            Self::Millimetres(width) => format!("{width}mm"),
+        })
+    }
+
+    /// A range is one of factors.
+    fn outside(&self, row: &Param) -> Option<String> {
+        match self {
+            Self::Factor(factor) => factor.outside(row),
+            Self::Millimetres(_) => None,
+        }
     }
 }
 
-/// The strokes of a hatching.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct StrokeParams {
-    /// What they are drawn with.
-    pub style: Style,
-    /// Size of everything about strokes. Small strokes melt into grey; large ones no longer follow the form.
-    pub scale: StrokeScale,
-    /// Pixels per inch of the printed drawing, 1 to 10000: what millimetres are told in.
-    pub dpi: f32,
-    /// Width of a stroke pressed hard, in pixels at scale 1, 0.05 to 100; the style's own where `None`.
-    pub width_px: Option<f32>,
-    /// Length of a stroke likewise, 1 to 10000. Long strokes are calm; short ones follow tight curves.
-    pub length_px: Option<f32>,
-    /// Distance between strokes in a light tone, likewise, 0.5 to 1000. Wide spacing makes darker strokes
-    /// stand alone; narrow spacing thins them.
-    pub spacing_px: Option<f32>,
-    /// How far strokes stray from straight, 0 to 1: 0 is ruled, 1 is a trembling hand.
-    pub wobble: Option<f32>,
-    /// How much a stroke swells with tone, 0 to 1: at 0 tone is told by the number of strokes alone.
-    pub pressure: Option<f32>,
-    /// Chooses one drawing of many.
-    pub seed: u64,
-    /// Levels that directions are quantised to over half a turn, 1 to [`MAX_LEVELS`]; [LA] takes 12 to
-    /// 24. Few make long strokes that turn in jumps; many follow the form with short ones.
-    pub levels: u32,
-    /// Sets of levels laid over one another, each offset by its share of a level, 1 to 8: more hide the
-    /// borders between levels, and take as much longer.
-    pub sets: u32,
+params! {
+    /// The strokes of a hatching.
+    pub struct StrokeParams in Strokes {
+        /// What strokes are drawn with; lines are strokes as long as they can be, one by one, as an SVG has them; a
+        /// folder holds pictures of strokes along the horizontal, one per tone.
+        style: Style = Style::Pen, flag: "--style", form: "pen|pencil|lines|DIR";
+        /// Size of strokes: a factor of the style's own pixels, or the width of a stroke on paper as in 0.3mm.
+        ///
+        /// Small strokes melt into grey; large ones no longer follow the form.
+        scale: StrokeScale = StrokeScale::Factor(1.0), flag: "--stroke-scale", form: "S|MMmm", valid: 0.05..=1000.0;
+        /// Pixels per inch of the printed drawing, for sizes in millimetres.
+        dpi: f32 = 300.0, flag: "--dpi", form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0;
+        /// Width of a stroke pressed hard, in pixels at scale 1; the style's own where not given.
+        width_px: Option<f32> = None,
+            flag: "--stroke-width", form: "PX", unit: Unit::Pixels, valid: 0.05..=100.0, useful: even(0.2, 10.0);
+        /// Length of a stroke, likewise.
+        ///
+        /// Long strokes are calm; short ones follow tight curves.
+        length_px: Option<f32> = None,
+            flag: "--stroke-length", form: "PX", unit: Unit::Pixels, valid: 1.0..=10_000.0;
+        /// Distance between strokes in light tones, likewise.
+        ///
+        /// Wide spacing makes darker strokes stand alone; narrow spacing thins them.
+        spacing_px: Option<f32> = None,
+            flag: "--stroke-spacing", form: "PX", unit: Unit::Pixels, valid: 0.5..=1000.0, useful: even(1.0, 40.0);
+        /// How far strokes stray from straight, 0 to 1; the style's own where not given.
+        ///
+        /// 0 is ruled, 1 is a trembling hand.
+        wobble: Option<f32> = None, flag: "--wobble", form: "W", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        /// How much strokes swell with tone, 0 to 1, likewise.
+        ///
+        /// At 0 the number of strokes alone makes the tone.
+        pressure: Option<f32> = None, flag: "--pressure", form: "P", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        /// Chooses one drawing of many.
+        seed: u64 = 1, flag: "--seed", form: "N";
+        /// Levels that directions are quantised to: more follow the form with shorter strokes.
+        ///
+        /// They divide half a turn; [LA] takes 12 to 24. Few make long strokes that turn in jumps.
+        levels: u32 = 16, flag: "--levels", form: "N", valid: 1.0..=MAX_LEVELS as f32, useful: even(2.0, 64.0);
+        /// Sets of levels laid over one another: more hide the borders between levels.
+        ///
+        /// Each is offset by its share of a level. They take as much longer.
+        sets: u32 = 1, flag: "--sets", form: "N", valid: 1.0..=8.0;
+    }
+    relations StrokeParams::relations;
 }
 
 /// Past this a level turns by less than strokes tremble.
 pub const MAX_LEVELS: u32 = 360;
-
-impl Default for StrokeParams {
-    fn default() -> Self {
-        Self {
-            style: Style::Pen,
-            scale: StrokeScale::Factor(1.0),
-            dpi: 300.0,
-            width_px: None,
-            length_px: None,
-            spacing_px: None,
-            wobble: None,
-            pressure: None,
-            seed: 1,
-            levels: 16,
-            sets: 1,
-        }
-    }
-}
 
 /// Sizes and habits of a stroke, in output pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -170,40 +221,12 @@ impl StrokeParams {
         }
     }
 
-    /// Refuses values outside their ranges.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] naming the first one.
-    pub fn validate(&self) -> Result<()> {
+    fn relations(&self) -> Result<()> {
         match self.scale {
-            StrokeScale::Factor(factor) => in_range("--stroke-scale", factor, 0.05..=1000.0)?,
-            StrokeScale::Millimetres(mm) => in_range("--stroke-scale", mm, 0.01..=100.0)?,
+            StrokeScale::Factor(_) => Ok(()),
+            StrokeScale::Millimetres(mm) => in_range("--stroke-scale", mm, 0.01..=100.0),
         }
-        in_range("--dpi", self.dpi, 1.0..=10_000.0)?;
-        let optional = [
-            ("--stroke-width", self.width_px, 0.05..=100.0),
-            ("--stroke-length", self.length_px, 1.0..=10_000.0),
-            ("--stroke-spacing", self.spacing_px, 0.5..=1000.0),
-            ("--wobble", self.wobble, 0.0..=1.0),
-            ("--pressure", self.pressure, 0.0..=1.0),
-        ];
-        for (name, value, range) in optional {
-            value.map_or(Ok(()), |value| in_range(name, value, range))?;
-        }
-        in_count("--levels", self.levels, MAX_LEVELS)?;
-        in_count("--sets", self.sets, 8)
     }
-}
-
-fn in_count(name: &'static str, value: u32, most: u32) -> Result<()> {
-    if (1..=most).contains(&value) {
-        return Ok(());
-    }
-    Err(Error::BadParameter {
-        name,
-        found: format!("is {value}"),
-        remedy: format!("give 1 to {most}"),
-    })
 }
 
 const MM_PER_INCH: f32 = 25.4;

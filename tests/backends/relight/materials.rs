@@ -5,7 +5,7 @@ use super::{Asked, LIT, METHODS, torus, torus_from_near};
 use relievo::engine::cpu;
 use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
-use relievo::params::{Adaptive, Material, Method, Quantisation, Scale};
+use relievo::params::{Adaptive, Material, Method, Scale};
 
 #[test]
 fn materials_and_methods() {
@@ -55,16 +55,12 @@ fn numbers_of_materials_and_methods() {
                 a.scaling.curvature_gain = Adaptive::Fixed(12.0);
             }),
             ("soft tones", BlinnPhong, Method::Both, |a| {
-                a.relight.quantisation = Some(Quantisation {
-                    levels: 3,
-                    softness: 1.0,
-                });
+                a.relight.toon_levels = Some(3);
+                a.relight.toon_softness = 1.0;
             }),
             ("soft tones of a cartoon", Toon, Method::Both, |a| {
-                a.relight.quantisation = Some(Quantisation {
-                    levels: 5,
-                    softness: 1.0,
-                });
+                a.relight.toon_levels = Some(5);
+                a.relight.toon_softness = 1.0;
                 a.relight.warping.contrast = 0.7;
             }),
             ("a reference", Lambert, Method::Both, |a| {
@@ -97,10 +93,8 @@ fn steep() -> [(&'static str, Material, Method, Change); 5] {
             a.relight.material.flatness = 0.2;
         }),
         ("nearly hard tones", BlinnPhong, Method::Scale, |a| {
-            a.relight.quantisation = Some(Quantisation {
-                levels: 6,
-                softness: 0.02,
-            });
+            a.relight.toon_levels = Some(6);
+            a.relight.toon_softness = 0.02;
         }),
         ("a mirrored check", Mirror, Method::Both, |a| {
             let check = Environment::from_fn(2048, 1024, |x, y| [((x + y) % 2) as f32; 3]);
@@ -118,10 +112,8 @@ fn hard_tones_are_the_same_but_for_a_pixel_on_the_edge() {
         let frame = torus();
         for method in METHODS {
             let asked = Asked::of(Material::Toon, method).with(|asked| {
-                asked.relight.quantisation = Some(Quantisation {
-                    levels: 5,
-                    softness: 0.0,
-                });
+                asked.relight.toon_levels = Some(5);
+                asked.relight.toon_softness = 0.0;
             });
             let plan = asked.plan(&frame).unwrap();
             let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);

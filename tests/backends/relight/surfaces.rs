@@ -10,7 +10,7 @@ use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::PointLight;
-use relievo::params::{AlbedoSource, Material, Method, Quantisation, Samples};
+use relievo::params::{AlbedoSource, Material, Method, Samples};
 use relievo::report::scenes::{ExactScene, Surface};
 
 #[test]
@@ -58,10 +58,8 @@ fn colors_that_are_no_numbers() {
         ] {
             let asked = Asked::of(material, Method::Both).with(|asked| {
                 asked.relight.albedo = albedo;
-                asked.relight.quantisation = Some(Quantisation {
-                    levels: 4,
-                    softness: 1.0,
-                });
+                asked.relight.toon_levels = Some(4);
+                asked.relight.toon_softness = 1.0;
             });
             let plan = asked.plan(&frame).unwrap();
             let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);

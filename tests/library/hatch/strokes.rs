@@ -207,7 +207,7 @@ fn strokes_of_any_size_and_number_keep_their_tone() {
             let hatching = Hatching::new(&map, &params, 0);
             let white = hatched(&hatching, paper, 0.8, |_, _| 0.6);
             let error = (mean(&white) - 0.6).abs();
-            assert!(error < 0.02, "{style:?} {scale} {levels}: {error:.4}");
+            assert!(error < 0.02, "{style:?} {scale:?} {levels}: {error:.4}");
         }
         // One stroke is wider than the paper: no tone to speak of, but drawn.
         let params = StrokeParams {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use relievo::engine::cpu::{self, Outcome};
 use relievo::frame::{ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Mask, Plane};
 use relievo::light::radiance_scaling::scaling;
-use relievo::params::{Adaptive, ScalingParams, ShapeParams, TermWhiteLevels};
+use relievo::params::{Adaptive, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan, Stage};
 use relievo::report::scenes::{ExactScene, Surface};
 use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
@@ -84,17 +84,14 @@ fn radiance(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
     light(lobe, i, x, y) * color
 }
 
-const FIXED: ScalingParams = ScalingParams {
-    scaling: 1.0,
-    scaling_ambient: None,
-    scaling_diffuse: None,
-    scaling_specular: None,
-    invariant_point: 0.25,
-    curvature_gain: Adaptive::Fixed(20.0),
-    white_level: Adaptive::Fixed(1.5),
-    term_white_levels: TermWhiteLevels::NONE,
-    anisotropy: 0.0,
-};
+/// With nothing left to be chosen from the frame.
+fn fixed() -> ScalingParams {
+    ScalingParams {
+        curvature_gain: Adaptive::Fixed(20.0),
+        white_level: Adaptive::Fixed(1.5),
+        ..ScalingParams::default()
+    }
+}
 
 fn plan(frame: &Frame, params: ScalingParams) -> Plan {
     let available = Available::in_frame(frame);
@@ -138,7 +135,7 @@ fn near(found: f32, expected: f32, of: f32, what: &str) {
 fn a_magnitude_of_0_runs_nothing_in_every_mode() {
     let none = ScalingParams {
         scaling: 0.0,
-        ..FIXED
+        ..fixed()
     };
     let lobes = scene();
     let mut whole = lobes.clone();
@@ -151,7 +148,7 @@ fn a_magnitude_of_0_runs_nothing_in_every_mode() {
         scaling_ambient: Some(0.0),
         scaling_diffuse: Some(0.0),
         scaling_specular: Some(0.0),
-        ..FIXED
+        ..fixed()
     };
     for frame in [&lobes, &whole, &groups, &occlusion] {
         assert!(plan(frame, none).stages().is_empty());
@@ -172,7 +169,7 @@ fn a_lobe_without_light_changes_no_bit() {
     frame.light.lobes[1].direct = Some(color(|_, _, _| 0.0));
     let params = ScalingParams {
         scaling_diffuse: Some(0.0),
-        ..FIXED
+        ..fixed()
     };
     assert!(plan(&frame, params).has(Stage::LightLobes));
     let (made, _) = enhanced(&frame, params);
@@ -187,7 +184,7 @@ fn each_lobe_is_scaled_by_its_own_light_and_magnitude() {
         let params = ScalingParams {
             scaling_diffuse: Some(diffuse),
             scaling_specular: Some(specular),
-            ..FIXED
+            ..fixed()
         };
         let (made, kappa) = enhanced(&frame, params);
         let mut changed = 0;
@@ -226,7 +223,7 @@ fn the_color_of_a_lobe_is_kept() {
     frame.color = Some(color(|i, x, y| radiance(&lobe, i, x, y)));
     let strong = ScalingParams {
         scaling: 3.0,
-        ..FIXED
+        ..fixed()
     };
     let (made, _) = enhanced(&frame, strong);
     for (x, y) in pixels() {
@@ -243,7 +240,7 @@ fn ambient_light_has_a_magnitude_of_its_own_where_it_is_given() {
         scaling_ambient: Some(2.0),
         scaling_diffuse: Some(0.0),
         scaling_specular: Some(0.0),
-        ..FIXED
+        ..fixed()
     };
     let (made, kappa) = enhanced(&frame, params);
     let picture = frame.color.as_ref().unwrap();
@@ -281,7 +278,7 @@ fn a_picture_of_occlusion_has_a_white_of_1() {
     };
     let auto = ScalingParams {
         white_level: Adaptive::Auto,
-        ..FIXED
+        ..fixed()
     };
     let outcome = run(&frame, auto);
     assert_eq!(outcome.white_level, Some(1.0));
@@ -309,7 +306,7 @@ fn layers_that_tell_of_too_much_light_make_nothing_negative() {
         let params = ScalingParams {
             scaling: 9.0,
             invariant_point,
-            ..FIXED
+            ..fixed()
         };
         let (made, _) = enhanced(&frame, params);
         let samples = channels(&made).into_iter().flat_map(|p| p.samples());
@@ -342,7 +339,7 @@ fn bad_light_gives_finite_pictures() {
                 let params = ScalingParams {
                     scaling: 50.0,
                     white_level,
-                    ..FIXED
+                    ..fixed()
                 };
                 let (made, _) = enhanced(&frame, params);
                 let mut samples = channels(&made).into_iter().flat_map(|p| p.samples());
@@ -374,7 +371,7 @@ fn a_shadow_keeps_its_edge_where_light_groups_are_scaled() {
         frame
     };
     let factors = |frame: &Frame| {
-        let (made, _) = enhanced(frame, FIXED);
+        let (made, _) = enhanced(frame, fixed());
         let picture = frame.color.as_ref().unwrap();
         let ratio = |(a, b): (&f32, &f32)| a / b;
         let samples = made.g.samples().iter().zip(picture.g.samples());
@@ -415,12 +412,12 @@ fn what_no_group_covers_stays() {
         sum.map(|c| channels(c)[i].at(x, y)).iter().sum()
     }));
     frame.light.groups = vec![key, fill];
-    assert!(plan(&frame, FIXED).has(Stage::LightGroups));
+    assert!(plan(&frame, fixed()).has(Stage::LightGroups));
     assert!(
-        !plan(&frame, FIXED).has(Stage::LightLobes),
+        !plan(&frame, fixed()).has(Stage::LightLobes),
         "groups go before lobes"
     );
-    let (made, kappa) = enhanced(&frame, FIXED);
+    let (made, kappa) = enhanced(&frame, fixed());
     for (x, y) in pixels().filter(|&(x, y)| frame.mask.at(x, y)) {
         let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| p.at(x, y));
         let scaled = |group: &LightGroup| {
@@ -446,12 +443,12 @@ fn anisotropy_takes_the_curvature_along_the_light() {
     frame.light.groups = vec![group("key", 0.3, &[to_light])];
     let params = ScalingParams {
         anisotropy: 0.8,
-        ..FIXED
+        ..fixed()
     };
     let planned = plan(&frame, params);
     assert!(planned.has(Stage::Hessian) && !planned.has(Stage::Curvatures));
     assert!(
-        !plan(&frame, FIXED).has(Stage::Hessian),
+        !plan(&frame, fixed()).has(Stage::Hessian),
         "the trace is enough"
     );
     let outcome = run(&frame, params);
@@ -479,8 +476,8 @@ fn anisotropy_takes_the_curvature_along_the_light() {
 #[test]
 fn a_mirrored_frame_gives_the_mirrored_picture() {
     let frame = scene();
-    let (made, _) = enhanced(&frame, FIXED);
-    let (mirrored, _) = enhanced(&crate::common::mirrored(&frame), FIXED);
+    let (made, _) = enhanced(&frame, fixed());
+    let (mirrored, _) = enhanced(&crate::common::mirrored(&frame), fixed());
     for (x, y) in pixels() {
         near(
             mirrored.g.at(WIDTH - 1 - x, y),

@@ -4,7 +4,7 @@ use super::{Asked, LIT, METHODS, covered, lights, torus, torus_in_perspective};
 use glam::{DVec3, Vec3};
 use relievo::frame::Frame;
 use relievo::light::lights::PointLight;
-use relievo::params::{Adaptive, Material, Quantisation, Tangent};
+use relievo::params::{Adaptive, Material, Tangent};
 use relievo::report::light_reference::{HORIZON, Pixel, Settings, hessian, reflected};
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
@@ -77,7 +77,7 @@ fn every_material_and_method_agrees_with_the_papers() {
                 let mut asked = Asked::of(material, method);
                 asked.light = lights(&directions());
                 // The tones of a cartoon are tested apart.
-                asked.relight.quantisation = None;
+                asked.relight.toon_levels = None;
                 if material == Material::Toon {
                     continue;
                 }
@@ -164,10 +164,8 @@ fn hundreds_of_lights_add_up_and_none_is_lost() {
 fn a_cartoon_has_as_many_tones_as_asked_for() {
     let frame = torus();
     let mut asked = Asked::of(Material::Toon, relievo::params::Method::Both);
-    asked.relight.quantisation = Some(Quantisation {
-        levels: 5,
-        softness: 0.0,
-    });
+    asked.relight.toon_levels = Some(5);
+    asked.relight.toon_softness = 0.0;
     asked.scaling.curvature_gain = Adaptive::Auto;
     // [LW] figure 10: contrast comes before the tones, and leaves them flat.
     asked.relight.warping.contrast = 0.7;

@@ -308,7 +308,6 @@ impl Studio {
                 self.describe(work, Goal::Display, step)
             }
             (Command::Enhance(args), _) => {
-                args.scaling().validate()?;
                 let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
                 let plan = args.plan(live.held().as_ref(), &StripChoice::default())?;
                 self.go(&plan, step)
@@ -338,10 +337,7 @@ impl Studio {
     }
 
     fn light(&mut self, args: &RelightArgs, step: usize) -> Result<Option<Outcome>> {
-        let scaling = args.scaling.params(args.work.shape.curvature_gain);
-        scaling.validate()?;
-        args.params().validate()?;
-        let light = self.illumination(&args.light)?;
+        let light = self.illumination(args)?;
         let kinds = LightKinds::in_light(&light);
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let scene = sitter.scene.take();
@@ -368,7 +364,7 @@ impl Studio {
     fn draw(&mut self, args: &HatchArgs, step: usize) -> Result<Option<Outcome>> {
         let looks = args.looks()?;
         self.read_art_map(args, &looks)?;
-        let light = self.illumination(&args.relight.light)?;
+        let light = self.illumination(&args.relight)?;
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let scene = sitter.scene.take();
         let live = sitter.runner(step);

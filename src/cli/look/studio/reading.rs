@@ -8,7 +8,7 @@ use crate::cli::line_args::HatchArgs;
 use crate::cli::memory::MaxMemory;
 use crate::cli::recipe::RecipeText;
 use crate::cli::relight;
-use crate::cli::relight_args::{LightFlags, RelightArgs};
+use crate::cli::relight_args::RelightArgs;
 use crate::cli::strips::refuse_too_large;
 use crate::cli::told::Told;
 use crate::engine::cpu::live::LiveRunner;
@@ -49,8 +49,8 @@ impl Studio {
     ) -> Result<()> {
         let told = Told::default();
         let work = work_of(command);
-        work.shape.validate()?;
-        work.shape.refuse_more_scales()?;
+        work.flags.validate()?;
+        work.flags.refuse_more_scales()?;
         let job = match reading.frame {
             Some(frame) => Job::to_choose(work.of_frame(frame), frame, &told, recipe),
             None => Job::new(work.clone(), &told, recipe),
@@ -94,13 +94,13 @@ impl Studio {
             Command::Shape(work) => (work.reading(Goal::Display, job), None),
             Command::Enhance(args) => (args.reading(job), None),
             Command::Relight(args) => {
-                let illumination = self.illumination(&args.light)?;
-                let foreshortening = args.work.shape.params().foreshortening;
+                let illumination = self.illumination(args)?;
+                let foreshortening = args.work.flags.params.shape.foreshortening;
                 let needs = relight::needs(&args.params(), foreshortening, &illumination);
                 ((args.inputs(job), needs), specular(args))
             }
             Command::Hatch(args) => {
-                let illumination = self.illumination(&args.relight.light)?;
+                let illumination = self.illumination(&args.relight)?;
                 let reading = args.reading(&args.looks()?, &illumination, job);
                 (reading, specular(&args.relight))
             }
@@ -114,23 +114,23 @@ impl Studio {
     }
 
     /// All the light that flags tell of; files are read once.
-    pub(super) fn illumination(&mut self, flags: &LightFlags) -> Result<Illumination> {
+    pub(super) fn illumination(&mut self, args: &RelightArgs) -> Result<Illumination> {
         let files = (
-            flags.environment.clone(),
-            flags.environment_rotate,
-            flags.lit_sphere.clone(),
+            args.light.environment.clone(),
+            args.work.flags.params.environment_rotate_deg,
+            args.light.lit_sphere.clone(),
         );
         if self.around.files != files {
             self.around = Around {
-                environment: relight::environment(flags, MaxMemory::Auto.for_light())?,
-                lit_spheres: relight::lit_spheres(flags, MaxMemory::Auto.for_light())?,
+                environment: relight::environment(args, MaxMemory::Auto.for_light())?,
+                lit_spheres: relight::lit_spheres(&args.light, MaxMemory::Auto.for_light())?,
                 files,
             };
         }
         Ok(Illumination {
             environment: self.around.environment.clone(),
             lit_spheres: self.around.lit_spheres.clone(),
-            ..relight::lights(flags)?
+            ..relight::lights(args)?
         })
     }
 

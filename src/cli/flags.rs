@@ -1,0 +1,185 @@
+//! Flags of parameters, made from their table.
+
+use crate::error::{Error, Result};
+use crate::params::{Choice, Kind, Many, Param, Parameters, Params, Style, check_scales, table};
+use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
+use clap::error::ErrorKind;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use std::path::{Path, PathBuf};
+
+/// What the parameters of a command line are, and what flags say beyond.
+#[derive(Debug, Clone)]
+pub(super) struct Flags {
+    pub(super) params: Params,
+    /// All sigmas of `--scale`.
+    scales: Vec<f32>,
+    /// The folder of `--style`.
+    pub(super) folder_of_strokes: Option<PathBuf>,
+}
+
+impl Flags {
+    /// Sigmas of the scales after the first.
+    pub(super) fn more_scales(&self) -> &[f32] {
+        self.scales.get(1..).unwrap_or(&[])
+    }
+
+    /// Refuses parameters outside their ranges.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] naming the first one.
+    pub(super) fn validate(&self) -> Result<()> {
+        check_scales(self.scales.len())?;
+        self.params.validate()
+    }
+
+    /// Refuses several scales where there is one result.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] telling what takes several.
+    pub(super) fn refuse_more_scales(&self) -> Result<()> {
+        if self.more_scales().is_empty() {
+            return Ok(());
+        }
+        Err(Error::BadParameter {
+            name: "--scale",
+            found: "names several scales".into(),
+            remedy: "give one, or write the layers of all with `shape` to an .exr".into(),
+        })
+    }
+}
+
+impl FromArgMatches for Flags {
+    /// Takes every parameter that the command has, whichever section declares it.
+    fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
+        let mut params = Params::default();
+        for row in table() {
+            if let Some(values) = values(matches, row.name()) {
+                let set = params.set(row.name(), &values.join(","));
+                set.map_err(|expected| clap::Error::raw(ErrorKind::ValueValidation, expected))?;
+            }
+        }
+        let scales = values(matches, "scale").unwrap_or_default();
+        let style =
+            values(matches, "style").filter(|_| params.line.strokes.style == Style::Pictures);
+        Ok(Self {
+            params,
+            scales: scales
+                .iter()
+                .filter_map(|scale| scale.parse().ok())
+                .collect(),
+            folder_of_strokes: style.and_then(|style| style.last().map(PathBuf::from)),
+        })
+    }
+
+    fn update_from_arg_matches(
+        &mut self,
+        matches: &ArgMatches,
+    ) -> std::result::Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for Flags {
+    fn augment_args(command: Command) -> Command {
+        command
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        command
+    }
+}
+
+/// What a command line says, or leaves at its default, for the argument called `name`, if it has one.
+fn values(matches: &ArgMatches, name: &str) -> Option<Vec<String>> {
+    let values = matches.try_get_raw(name).ok()??;
+    Some(
+        values
+            .map(|value| value.to_string_lossy().into_owned())
+            .collect(),
+    )
+}
+
+/// The place among a command's flags where those of one group of parameters stand.
+#[derive(Debug, Clone)]
+pub(super) struct Section<const GROUP: u8>;
+
+impl<const GROUP: u8> Args for Section<GROUP> {
+    fn augment_args(command: Command) -> Command {
+        let rows = table()
+            .iter()
+            .filter(|row| row.has_flag() && row.group as u8 == GROUP);
+        command.args(rows.map(|row| arg(row)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<const GROUP: u8> FromArgMatches for Section<GROUP> {
+    fn from_arg_matches(_: &ArgMatches) -> std::result::Result<Self, clap::Error> {
+        Ok(Self)
+    }
+
+    fn update_from_arg_matches(&mut self, _: &ArgMatches) -> std::result::Result<(), clap::Error> {
+        Ok(())
+    }
+}
+
+/// The flag of a parameter.
+fn arg(row: &'static Param) -> Arg {
+    let arg = Arg::new(row.name())
+        .long(row.name())
+        .help(row.help())
+        .help_heading(row.group.name())
+        .conflicts_with_all(row.rival);
+    if row.kind == Kind::Switch {
+        return arg.action(ArgAction::SetTrue);
+    }
+    let arg = arg
+        .value_name(row.form)
+        .value_parser(value_parser(row))
+        .allow_negative_numbers(matches!(row.kind, Kind::Number { .. } | Kind::Text));
+    let arg = match row.many {
+        Many::One => arg,
+        Many::Listed => arg.action(ArgAction::Append).value_delimiter(','),
+        Many::Repeated => arg.action(ArgAction::Append),
+    };
+    match (row.default)() {
+        Some(default) => arg.default_value(default),
+        None => arg,
+    }
+}
+
+/// Takes the words of `all`.
+pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
+    all: impl IntoIterator<Item = (T, &'static str)>,
+) -> impl TypedValueParser<Value = T> {
+    let all: Vec<_> = all.into_iter().collect();
+    let names = PossibleValuesParser::new(all.iter().map(|(_, name)| *name));
+    names.map(move |word| {
+        let named = all.iter().find(|(_, name)| *name == word);
+        named.expect("other words are refused").0
+    })
+}
+
+/// Takes the texts that are values of a parameter.
+fn value_parser(row: &'static Param) -> ValueParser {
+    match row.kind {
+        Kind::Choice(all) => PossibleValuesParser::new(all.iter().map(|choice| choice.name)).into(),
+        Kind::ChoiceOrFolder(all) => ValueParser::new(move |text: &str| named_or_folder(all, text)),
+        _ => ValueParser::new(move |text: &str| (row.parse)(text).map(|()| text.to_string())),
+    }
+}
+
+fn named_or_folder(all: &[Choice], text: &str) -> std::result::Result<String, String> {
+    let names: Vec<_> = all.iter().map(|choice| choice.name).collect();
+    match names.contains(&text) || Path::new(text).is_dir() {
+        true => Ok(text.into()),
+        false => Err(format!(
+            "expected {} or a folder of pictures of strokes",
+            names.join(", ")
+        )),
+    }
+}

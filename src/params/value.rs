@@ -1,0 +1,209 @@
+//! What a parameter can be: how each type is written, read and held to a range.
+
+use super::table::{Kind, Param, Unit};
+use crate::error::short;
+use std::fmt::Display;
+
+/// A type of parameters.
+pub(crate) trait Value: Sized {
+    /// How it is chosen.
+    const KIND: Kind;
+
+    /// The value that `text` is, for the parameter of `row`.
+    ///
+    /// # Errors
+    /// What is expected.
+    fn parse(text: &str, row: &Param) -> Result<Self, String>;
+
+    /// The value as it would be typed; `None` of one that cannot be.
+    fn text(&self, row: &Param) -> Option<String>;
+
+    /// The first of its numbers that lies outside a range.
+    fn outside(&self, _: &Param) -> Option<String> {
+        None
+    }
+}
+
+impl Value for f32 {
+    const KIND: Kind = Kind::Number {
+        whole: false,
+        word: None,
+    };
+
+    fn parse(text: &str, _: &Param) -> Result<Self, String> {
+        text.parse().map_err(in_words)
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        Some(self.to_string())
+    }
+
+    fn outside(&self, row: &Param) -> Option<String> {
+        let is_one = row.valid.contains(self) && (!row.is_whole() || self.fract() == 0.0);
+        (!is_one).then(|| short(*self))
+    }
+}
+
+/// A whole number without a word for none.
+const COUNT: Kind = Kind::Number {
+    whole: true,
+    word: None,
+};
+
+impl Value for u32 {
+    const KIND: Kind = COUNT;
+
+    fn parse(text: &str, _: &Param) -> Result<Self, String> {
+        let number: i64 = text.parse().map_err(in_words)?;
+        Self::try_from(number).map_err(|_| format!("{number} is not in 0..={}", Self::MAX))
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        Some(self.to_string())
+    }
+
+    fn outside(&self, row: &Param) -> Option<String> {
+        (!row.valid.contains(&(*self as f32))).then(|| self.to_string())
+    }
+}
+
+impl Value for u64 {
+    const KIND: Kind = COUNT;
+
+    fn parse(text: &str, _: &Param) -> Result<Self, String> {
+        text.parse().map_err(in_words)
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        Some(self.to_string())
+    }
+}
+
+impl Value for bool {
+    const KIND: Kind = Kind::Switch;
+
+    fn parse(text: &str, _: &Param) -> Result<Self, String> {
+        text.parse().map_err(in_words)
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        Some(self.to_string())
+    }
+}
+
+/// A number that need not be given, or has a word for none.
+impl<T: Value> Value for Option<T> {
+    const KIND: Kind = T::KIND;
+
+    fn parse(text: &str, row: &Param) -> Result<Self, String> {
+        let Some(word) = row.word() else {
+            return T::parse(text, row).map(Some);
+        };
+        if text == word {
+            return Ok(None);
+        }
+        let whole = if row.is_whole() { "whole " } else { "" };
+        let unit = if row.unit == Unit::Pixels {
+            " of pixels"
+        } else {
+            ""
+        };
+        let parsed = T::parse(text, row).map(Some);
+        parsed.map_err(|_| format!("expected {word} or a {whole}number{unit}"))
+    }
+
+    fn text(&self, row: &Param) -> Option<String> {
+        match self {
+            Some(value) => value.text(row),
+            None => row.word().map(String::from),
+        }
+    }
+
+    fn outside(&self, row: &Param) -> Option<String> {
+        self.as_ref()?.outside(row)
+    }
+}
+
+impl Value for [f32; 2] {
+    const KIND: Kind = Kind::Pair;
+
+    fn parse(text: &str, _: &Param) -> Result<Self, String> {
+        let numbers = text.split(',').map(finite).collect::<Option<Vec<_>>>();
+        let pair = numbers.and_then(|numbers| numbers.try_into().ok());
+        pair.ok_or("expected 2 numbers".into())
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        let [a, b] = self;
+        Some(format!("{a},{b}"))
+    }
+
+    fn outside(&self, row: &Param) -> Option<String> {
+        self.iter().find_map(|number| number.outside(row))
+    }
+}
+
+/// A finite number; spaces around it do not count.
+pub(super) fn finite(text: &str) -> Option<f32> {
+    let number: f32 = text.trim().parse().ok()?;
+    number.is_finite().then_some(number)
+}
+
+fn in_words(error: impl Display) -> String {
+    error.to_string()
+}
+
+/// Defines an enum of a number and the word that may stand in its place.
+macro_rules! number_or_word {
+    (
+        $(#[$meta:meta])*
+        pub enum $name:ident {
+            $(#[$word_meta:meta])* $word_variant:ident = $word:literal,
+            $(#[$number_meta:meta])* $variant:ident($number:ty),
+        }
+        whole: $whole:literal,
+        numbers: $is_one:expr,
+        expected: $expected:expr,
+    ) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+        #[serde(rename_all = "lowercase")]
+        pub enum $name {
+            $(#[$word_meta])* $word_variant,
+            $(#[$number_meta])* $variant($number),
+        }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                match self {
+                    Self::$word_variant => f.write_str($word),
+                    Self::$variant(number) => write!(f, "{number}"),
+                }
+            }
+        }
+
+        impl $crate::params::value::Value for $name {
+            const KIND: $crate::params::Kind = $crate::params::Kind::Number { whole: $whole, word: Some($word) };
+
+            fn parse(text: &str, _: &$crate::params::Param) -> std::result::Result<Self, String> {
+                let is_one: fn(&$number) -> bool = $is_one;
+                let number = || text.parse().ok().filter(is_one).map(Self::$variant);
+                match text {
+                    $word => Ok(Self::$word_variant),
+                    _ => number().ok_or($expected.into()),
+                }
+            }
+
+            fn text(&self, _: &$crate::params::Param) -> Option<String> {
+                Some(self.to_string())
+            }
+
+            fn outside(&self, row: &$crate::params::Param) -> Option<String> {
+                match self {
+                    Self::$word_variant => None,
+                    Self::$variant(number) => number.outside(row),
+                }
+            }
+        }
+    };
+}
