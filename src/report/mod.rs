@@ -8,6 +8,7 @@ pub mod advice;
 pub mod coherence;
 pub mod compare;
 pub mod drawing;
+mod engine;
 pub mod gpu;
 pub mod light;
 pub mod light_reference;

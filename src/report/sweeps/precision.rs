@@ -2,12 +2,10 @@
 
 use super::{Measuring, named};
 use crate::Result;
-use crate::backend::cpu;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use crate::params::{Scale, ShapeParams};
-use crate::plan::Goal;
 use crate::report::compare::{Errors, compare_where};
-use crate::report::timing;
+use crate::report::engine::layers;
 use half::f16;
 use serde::Serialize;
 
@@ -57,13 +55,10 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
         let trace = measuring.trace(&gradient);
         for stored in Stored::ALL {
             let rounded = rounded(frame, stored);
-            let plan = timing::plan(Goal::Layers, &rounded, ShapeParams { scale, ..shape })?;
-            let found = cpu::run(&plan, &rounded).shape;
-            let found_gradient = found.gradient.expect("layers hold the gradient");
-            let mean = found.curvatures.expect("layers hold the curvatures").mean;
-            let conductance = found.conductance.expect("layers hold the conductance");
+            let found = layers(&rounded, ShapeParams { scale, ..shape })?;
             let moved = |x: usize, y: usize| {
-                let (before, after) = (measuring.conductance.at(x, y), conductance.at(x, y));
+                let before = measuring.conductance.at(x, y);
+                let after = f64::from(found.conductance.at(x, y));
                 !rounded.mask.at(x, y) || (before - after).abs() > 0.5
             };
             // An edge that moves is counted; it is no error of a slope.
@@ -75,13 +70,13 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
                 stored,
                 scale: named(scale),
                 gradient: compare_where(
-                    [&found_gradient.x, &found_gradient.y],
+                    [&found.gradient.x, &found.gradient.y],
                     [gx, gy],
                     steepest,
                     kept,
                 )
                 .in_window(frame.data_window),
-                trace: compare_where([&mean.map(|m| 2.0 * m)], [&trace], steepest, kept)
+                trace: compare_where([&found.mean.map(|m| 2.0 * m)], [&trace], steepest, kept)
                     .in_window(frame.data_window),
                 edges_moved: (0..frame.mask.height())
                     .flat_map(|y| (0..frame.mask.width()).map(move |x| (x, y)))

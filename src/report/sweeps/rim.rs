@@ -3,11 +3,11 @@
 
 use super::Measuring;
 use crate::Result;
-use crate::backend::cpu;
 use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::Goal;
-use crate::report::compare::{Errors, Tally, compare};
+use crate::report::compare::{Errors, Tally};
+use crate::report::engine::layers;
 use crate::report::scenes::{RIM_RADIUS, Scene, ball_trace};
 use crate::report::timing;
 use serde::Serialize;
@@ -68,24 +68,15 @@ pub fn on_ball() -> Result<Vec<BallRow>> {
                 scale: Scale::Iterations(0),
                 ..ShapeParams::default()
             };
-            let outcome = cpu::run(&timing::plan(Goal::Layers, &frame, shape)?, &frame);
-            let found = outcome
-                .shape
-                .curvatures
-                .expect("layers hold the curvatures")
-                .mean;
-            let open = outcome
-                .shape
-                .conductance
-                .expect("layers hold the conductance");
+            let found = layers(&frame, shape)?;
             let mut tallies: Vec<_> = BANDS[1..].iter().map(|_| Tally::default()).collect();
             // The rim's own pixels are a silhouette, flat by decree; the picture's border repeats its rows.
             for (x, y) in (1..32).flat_map(|y| (1..1023).map(move |x| (x, y))) {
                 let nz = f64::from(frame.normal.z.at(x, y));
                 let band = BANDS.windows(2).position(|b| b[0] <= nz && nz < b[1]);
-                if let (Some(band), true) = (band, open.at(x, y) == 1.0) {
+                if let (Some(band), true) = (band, found.conductance.at(x, y) == 1.0) {
                     let exact = ball_trace(RIM_RADIUS, nz, f64::from(foreshortening));
-                    tallies[band].add([x, y], 2.0 * f64::from(found.at(x, y)) / exact - 1.0);
+                    tallies[band].add([x, y], 2.0 * f64::from(found.mean.at(x, y)) / exact - 1.0);
                 }
             }
             let bands = tallies.into_iter().map(Tally::errors).collect();
@@ -115,24 +106,14 @@ pub fn on_frame(frame: &Frame, shape: &ShapeParams) -> Result<Vec<FrameRow>> {
                 ..*shape
             };
             let measuring = Measuring::new(frame, shape)?;
-            let [gx, gy] = measuring.diffused(scale);
+            let gradient = layers(frame, shape)?.gradient;
             let plan = timing::plan(Goal::Layers, frame, shape)?;
-            let gradient = cpu::run(&plan, frame)
-                .shape
-                .gradient
-                .expect("layers hold the gradient");
-            let errors = compare(
-                [&gradient.x, &gradient.y],
-                [&gx, &gy],
-                &frame.mask,
-                measuring.steepest,
-            );
             Ok(FrameRow {
                 foreshortening,
                 min_nz,
                 steepest: measuring.steepest,
                 applications: plan.sweeps.count(),
-                gradient: errors.in_window(frame.data_window),
+                gradient: measuring.gradient_errors(&gradient, &measuring.diffused(scale)),
                 overshoot: measuring.overshoot(&gradient),
             })
         })

@@ -1,6 +1,6 @@
 //! Solver against tolerance and length of step, at several scales.
 
-use super::{Measuring, named};
+use super::{EdgeErrors, Measuring, named};
 use crate::Result;
 use crate::backend::cpu::{self, Outcome};
 use crate::frame::{Frame, Plane};
@@ -94,6 +94,8 @@ pub struct SceneSweep {
     pub covered: usize,
     /// The largest |g| before diffusion.
     pub steepest: f64,
+    /// Errors of the edge weights.
+    pub edges: EdgeErrors,
     /// The scales.
     pub scales: Vec<ScaleSweep>,
 }
@@ -146,6 +148,7 @@ pub fn sweep(
         height: mask.height(),
         covered: mask.count(),
         steepest: measuring.steepest,
+        edges: measuring.edges,
         scales: swept,
     })
 }
