@@ -6,7 +6,7 @@ use super::light::lit::Surface;
 use super::light::samples::Sweep;
 use super::mirrors::{MirrorReport, Row as MirrorRow};
 use super::sweeps::solver::{Row, ScaleSweep};
-use crate::params::Solver;
+use crate::params::{Method, Solver};
 
 /// Errors that settings are sought for, relative to the largest |g|.
 pub const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
@@ -71,15 +71,15 @@ pub fn of_light(light: &LightReport) -> String {
         return "Nothing is covered that light could fall on.".into();
     }
     let enough = |sweep: &Sweep| {
-        let altered = match sweep.method.warps() {
-            true => "warped",
-            false => "plain",
-        };
         let number = match sweep.enough {
             Some(count) => format!("{count} lights"),
             None => "more than were tried".into(),
         };
-        format!("{number} for {altered} {}", noun(sweep.surface))
+        format!(
+            "{number} for {} {}",
+            altered(sweep.method),
+            noun(sweep.surface)
+        )
     };
     let numbers: Vec<_> = subject.samples.iter().map(enough).collect();
     let plain = |surface| {
@@ -142,8 +142,13 @@ pub fn of_mirrors(mirrors: &MirrorReport) -> String {
     )
 }
 
-/// What is lit, in words.
-pub fn noun(surface: Surface) -> &'static str {
+/// How light falls, in words.
+pub(crate) fn altered(method: Method) -> &'static str {
+    if method.warps() { "warped" } else { "plain" }
+}
+
+/// The lit lobe in words.
+pub(crate) fn noun(surface: Surface) -> &'static str {
     match surface {
         Surface::Lambert => "diffuse light",
         Surface::Glossy => "highlights",

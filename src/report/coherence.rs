@@ -4,7 +4,8 @@
 //! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
 //! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
 
-use crate::backend::cpu::{DrawingInputs, Outcome, Runner, SequenceInputs, TextureCoordinates};
+use super::compare::covered;
+use super::engine::{Inputs, Outcome, SequenceInputs, Session, TextureCoordinates};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
@@ -85,7 +86,7 @@ struct Drawn {
 }
 
 struct Artist {
-    runner: Runner,
+    session: Session,
     shape: ShapeParams,
     scaling: ScalingParams,
     line: LineParams,
@@ -96,7 +97,7 @@ impl Artist {
     fn new(shape: ShapeParams) -> Self {
         let [azimuth, elevation] = LAMP_DEG;
         Self {
-            runner: Runner::default(),
+            session: Session::default(),
             shape,
             scaling: ScalingParams::default(),
             line: LineParams {
@@ -124,12 +125,12 @@ impl Artist {
         };
         let plan = self.plan(frame, tone)?;
         let draw = |sequence| {
-            let inputs = DrawingInputs {
+            let inputs = Inputs {
                 illumination: Some(&self.lamp),
                 sequence,
-                ..DrawingInputs::default()
+                ..Inputs::default()
             };
-            self.runner.draw(&plan, frame, inputs)
+            self.session.run(&plan, frame, inputs)
         };
         let still = draw(None);
         let carried = draw(Some(SequenceInputs {
@@ -217,14 +218,14 @@ impl Artist {
         };
         let available = Available::in_frame(card);
         let plan = Plan::hatch(available, self.shape, self.scaling, ToneFrom::Picture, line)?;
-        let inputs = DrawingInputs {
+        let inputs = Inputs {
             sequence: Some(SequenceInputs {
                 before: before.map(|(coordinates, _)| coordinates),
                 motion: before.map(|(_, motion)| motion),
             }),
-            ..DrawingInputs::default()
+            ..Inputs::default()
         };
-        let drawing = self.runner.draw(&plan, card, inputs).drawing;
+        let drawing = self.session.run(&plan, card, inputs).drawing;
         let drawing = drawing.expect("a drawing was planned");
         let coordinates = drawing.coordinates.expect("a sequence has coordinates");
         Ok((drawing.hatching, coordinates))
@@ -272,17 +273,12 @@ impl Path<'_> {
     fn difference(&self, before: &Plane, now: &Plane) -> f64 {
         let (then, here) = (self.before.data_window, self.frame.data_window);
         let (right, down) = (here.x0 - then.x0, here.y0 - then.y0);
-        let mut sum = 0.0;
-        for y in 0..self.seen.height() {
-            for run in self.seen.runs(y) {
-                for x in run {
-                    let u = x as f64 + f64::from(right) - f64::from(self.motion.x.at(x, y));
-                    let v = y as f64 + f64::from(down) + f64::from(self.motion.y.at(x, y));
-                    sum += (f64::from(now.at(x, y)) - between(before, u, v)).abs();
-                }
-            }
-        }
-        sum / self.seen.count().max(1) as f64
+        let differences = covered(self.seen).map(|[x, y]| {
+            let u = x as f64 + f64::from(right) - f64::from(self.motion.x.at(x, y));
+            let v = y as f64 + f64::from(down) + f64::from(self.motion.y.at(x, y));
+            (f64::from(now.at(x, y)) - between(before, u, v)).abs()
+        });
+        differences.sum::<f64>() / self.seen.count().max(1) as f64
     }
 }
 

@@ -1,7 +1,9 @@
 //! How far a result lies from what it should be: counted in every pixel, the worst ones named.
 
+use super::advice::scientific;
 use crate::frame::{Mask, Plane, Window};
 use serde::Serialize;
+use std::fmt::{self, Display};
 
 /// Errors of a field over the covered pixels, each relative to a scale that the caller names: for the
 /// gradient and its derivatives the largest |g| before diffusion.
@@ -36,6 +38,14 @@ impl Errors {
     }
 }
 
+/// Mean, 99th percentile and largest.
+impl Display for Errors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [mean, p99, max] = [self.mean, self.p99, self.max].map(scientific);
+        write!(f, "{mean} / {p99} / {max}")
+    }
+}
+
 /// Compares the components of a field with their reference; a pixel counts by the worst of them.
 ///
 /// # Panics
@@ -60,8 +70,6 @@ pub fn compare_where<const N: usize>(
     for y in 0..found[0].height() {
         for x in (0..found[0].width()).filter(|&x| counts(x, y)) {
             let error = |i: usize| (f64::from(found[i].at(x, y)) - exact[i].at(x, y)).abs();
-            // Not f64::max, which would drop a NaN.
-            let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
             tally.add([x, y], (0..N).map(error).fold(0.0, larger) / scale);
         }
     }
@@ -85,6 +93,23 @@ pub fn overshoot(plane: &Plane, range: [f64; 2], mask: &Mask, scale: f64) -> f64
             }
         })
         / scale
+}
+
+/// Every pixel of a plane.
+pub(super) fn pixels(plane: &Plane) -> impl Iterator<Item = [usize; 2]> + use<> {
+    let (width, height) = (plane.width(), plane.height());
+    (0..width * height).map(move |i| [i % width, i / width])
+}
+
+/// Every covered pixel.
+pub(super) fn covered(mask: &Mask) -> impl Iterator<Item = [usize; 2]> + '_ {
+    let rows = (0..mask.height()).flat_map(|y| mask.runs(y).map(move |run| (y, run)));
+    rows.flat_map(|(y, run)| run.map(move |x| [x, y]))
+}
+
+/// The larger of two errors. Not `f64::max`, which would drop a NaN.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
 }
 
 /// Errors gathered pixel by pixel.

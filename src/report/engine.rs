@@ -1,6 +1,6 @@
 //! The report's calls to the engine: a plan and its inputs in, planes and times out.
 
-use super::timing::{self, Effort, Timed, Timings};
+use super::timing::{self, Effort, Timed};
 use crate::Result;
 use crate::backend::cpu::Runner;
 pub(super) use crate::backend::cpu::{
@@ -9,7 +9,6 @@ pub(super) use crate::backend::cpu::{
 use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
 use crate::params::{FieldParams, LineParams, RunOptions, ShapeParams, StrokeDirections};
 use crate::plan::{Goal, Plan};
-use std::time::Instant;
 
 /// Runs plans in the memory of the runs before, as the frames of a sequence do.
 #[derive(Default)]
@@ -43,18 +42,7 @@ impl Session {
         inputs: Inputs,
         effort: Effort,
     ) -> (Outcome, Timed) {
-        self.recycle(self.run(plan, frame, inputs));
-        let mut runs: Vec<Timings> = Vec::new();
-        let start = Instant::now();
-        loop {
-            let mut outcome = self.run(plan, frame, inputs);
-            runs.push(std::mem::take(&mut outcome.timings));
-            let enough = runs.len() >= effort.runs || start.elapsed() > effort.limit;
-            if enough && runs.len() >= 2 {
-                return (outcome, Timed::of(&runs));
-            }
-            self.recycle(outcome);
-        }
+        timing::measure_runs(&self.0, effort, || self.run(plan, frame, inputs))
     }
 
     /// Gives the memory of an outcome to the next run.

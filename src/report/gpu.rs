@@ -1,10 +1,10 @@
 //! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
 //! products are from the CPU's.
 
+use super::engine::{Inputs, Outcome, Session};
 use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
-use crate::backend::cpu::{self, DrawingInputs, Outcome};
 use crate::backend::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
 use crate::backend::{Product, products};
 use crate::error::{Error, Result};
@@ -316,12 +316,12 @@ fn plans(frame: &Frame, shape: ShapeParams) -> Result<Vec<Plan>> {
 }
 
 fn run_on_cpu(plan: &Plan, frame: &Frame) -> Outcome {
-    let runner = cpu::Runner::default();
-    match plan.goal {
-        _ if plan.drawing.is_some() => runner.draw(plan, frame, DrawingInputs::default()),
-        Goal::Relight => runner.relight(plan, frame, &lamp()),
-        _ => runner.run(plan, frame),
-    }
+    let light = lamp();
+    let inputs = Inputs {
+        illumination: Some(&light),
+        ..Inputs::default()
+    };
+    Session::default().run(plan, frame, inputs)
 }
 
 /// How far the products are apart that `plan` is for, of those that both backends made; infinitely where one is missing.

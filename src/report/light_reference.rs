@@ -6,13 +6,12 @@
 //! scaling is the printed fraction. It starts from the Hessian and the gain that the backend found, so
 //! that it tells the error of light and nothing else.
 
-use crate::backend::cpu;
+use super::engine;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;
 use crate::light::lights::DirectionalLight;
 use crate::params::{Material, MaterialParams, Method, RelightParams, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, Plan};
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -81,10 +80,7 @@ impl Pixel {
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
 pub fn hessian(frame: &Frame, shape: ShapeParams) -> Result<SymmetricPlanes> {
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default())?;
-    let found = cpu::run(&plan, frame).shape.hessian;
-    Ok(found.expect("it is one of the layers"))
+    Ok(engine::layers(frame, shape)?.hessian)
 }
 
 /// Mean and half the difference of the principal curvatures, and the direction of the larger.

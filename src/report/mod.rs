@@ -4,21 +4,21 @@
 //! same input. Errors of slopes and of their derivatives are told relative to the largest |g| before
 //! diffusion; times are of the stages, without reading and writing.
 
-pub mod advice;
+pub(crate) mod advice;
 pub mod coherence;
 pub mod compare;
-pub mod drawing;
+mod drawing;
 mod engine;
-pub mod gpu;
+pub(crate) mod gpu;
 pub mod light;
 pub mod light_reference;
-pub mod machine;
-pub mod markdown;
-pub mod mirrors;
+mod machine;
+pub(crate) mod markdown;
+mod mirrors;
 pub mod pareto;
-pub mod pictures;
-pub mod plots;
-pub mod reference;
+mod pictures;
+pub(crate) mod plots;
+mod reference;
 pub mod scenes;
 pub mod stability;
 pub mod sweeps;

@@ -4,12 +4,12 @@
 //! gain that the CPU found. A drawing has none: what the device draws is compared with what the CPU does.
 
 use super::compare::{Errors, Tally, compare_where};
+use super::engine::{Inputs, Outcome, Session};
 use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
 use super::light::lit::{off, some_covered, white};
 use super::light::{bare, environment};
 use super::light_reference::lit_at;
-use super::timing::{Effort, Times, measure_runs};
-use crate::backend::cpu::{DrawingInputs, Outcome, Runner};
+use super::timing::{Effort, Times};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::light_samples::uniform_lights;
@@ -130,9 +130,11 @@ impl Bench<'_> {
             params,
             LightKinds::in_light(light),
         )?;
-        let runner = Runner::default();
-        let run = || runner.relight(&plan, frame, light);
-        let (expected, on_cpu) = measure_runs(&runner, self.effort, run);
+        let inputs = Inputs {
+            illumination: Some(light),
+            ..Inputs::default()
+        };
+        let (expected, on_cpu) = Session::default().measure(&plan, frame, inputs, self.effort);
         let exact = lit_at(
             some_covered(&frame.mask, COMPARED),
             frame,
@@ -163,9 +165,8 @@ impl Bench<'_> {
         line.strokes.style = Style::Pen;
         let (available, scaling) = (Available::in_frame(frame), ScalingParams::default());
         let plan = Plan::hatch(available, self.shape, scaling, ToneFrom::Picture, line)?;
-        let runner = Runner::default();
-        let run = || runner.draw(&plan, frame, DrawingInputs::default());
-        let (expected, on_cpu) = measure_runs(&runner, self.effort, run);
+        let inputs = Inputs::default();
+        let (expected, on_cpu) = Session::default().measure(&plan, frame, inputs, self.effort);
         let expected = ink(&expected).map(|plane| plane.map(f64::from));
         let errors = |outcome: &Outcome| {
             let exact = expected.each_ref();
@@ -222,11 +223,11 @@ mod tests {
     use crate::report::scenes::Scene;
 
     fn on_cpu(plan: &Plan, frame: &Frame, light: &Illumination) -> Outcome {
-        let runner = Runner::default();
-        match plan.drawing {
-            Some(_) => runner.draw(plan, frame, DrawingInputs::default()),
-            None => runner.relight(plan, frame, light),
-        }
+        let inputs = Inputs {
+            illumination: Some(light),
+            ..Inputs::default()
+        };
+        Session::default().run(plan, frame, inputs)
     }
 
     fn rows_of(off: f32) -> Vec<PictureRow> {

@@ -4,10 +4,10 @@ use super::{Angles, Bench};
 use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{FieldParams, LineParams, MAX_FIELD_PASSES};
-use crate::report::compare::Tally;
+use crate::report::compare::{Tally, covered};
 use crate::report::pareto;
 use crate::report::scenes::Scene;
-use crate::report::sweeps::directions::angle_deg;
+use crate::report::sweeps::directions::{angle_deg, vector_at};
 use crate::report::timing::Times;
 use glam::DVec2;
 use serde::Serialize;
@@ -85,11 +85,11 @@ fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row>
         field: params,
         ..LineParams::default()
     })?;
-    let from = |known: &dyn Fn(usize, usize) -> Option<DVec2>| {
+    let from = |known: &dyn Fn([usize; 2]) -> Option<DVec2>| {
         let mut tally = Tally::default();
-        for (x, y) in places(bench) {
-            if let Some(known) = known(x, y) {
-                tally.add([x, y], angle_deg(at(&found, x, y), known));
+        for at in covered(&bench.card.mask) {
+            if let Some(known) = known(at) {
+                tally.add(at, angle_deg(vector_at(&found, at), known));
             }
         }
         Angles::of(tally)
@@ -97,8 +97,8 @@ fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row>
     Ok(Row {
         passes: params.passes,
         cell_px: params.cell_px,
-        from_full: from(&|x, y| Some(at(&full, x, y))),
-        from_exact: exact.map(|scene| from(&|x, y| scene.exact_direction(x, y))),
+        from_full: from(&|at| Some(vector_at(&full, at))),
+        from_exact: exact.map(|scene| from(&|[x, y]| scene.exact_direction(x, y))),
         turn: turn(bench, &found),
         stage: timed
             .stage("direction-field")
@@ -111,22 +111,11 @@ fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row>
 fn turn(bench: &Bench, found: &Vector2Planes) -> f64 {
     let mask = &bench.card.mask;
     let mut tally = Tally::default();
-    for (x, y) in places(bench) {
+    for [x, y] in covered(mask) {
         if x + 1 < mask.width() && mask.at(x + 1, y) {
-            let angle = angle_deg(at(found, x, y), at(found, x + 1, y));
-            tally.add([x, y], angle);
+            let [here, right] = [[x, y], [x + 1, y]].map(|at| vector_at(found, at));
+            tally.add([x, y], angle_deg(here, right));
         }
     }
     tally.errors().mean
-}
-
-/// The covered pixels.
-fn places(bench: &Bench) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let mask = &bench.card.mask;
-    let rows = (0..mask.height()).flat_map(|y| mask.runs(y).map(move |run| (y, run)));
-    rows.flat_map(|(y, run)| run.map(move |x| (x, y)))
-}
-
-pub(super) fn at(field: &Vector2Planes, x: usize, y: usize) -> DVec2 {
-    DVec2::new(field.x.at(x, y).into(), field.y.at(x, y).into())
 }

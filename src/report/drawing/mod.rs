@@ -8,18 +8,18 @@ pub mod strokes;
 pub mod tone;
 
 use super::Extent;
+use super::advice::rounded as rounded_number;
+use super::engine::{Inputs, Outcome, Session};
 use super::light::middle;
 use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
-use super::timing::{Effort, Timed, measure_runs};
+use super::timing::{Effort, Timed};
 use crate::Result;
-use crate::backend::cpu::{DrawingInputs, Outcome, Runner};
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use crate::params::{
-    Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, ToneParams,
-};
+use crate::params::{Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, ToneParams};
 use crate::plan::{Available, Plan, ToneFrom};
 use serde::Serialize;
+use std::fmt::{self, Display};
 
 /// Everything that was measured of drawings.
 #[derive(Debug, Clone, Serialize)]
@@ -82,7 +82,7 @@ struct Bench {
     card: Frame,
     shape: ShapeParams,
     effort: Effort,
-    runner: Runner,
+    session: Session,
 }
 
 impl Bench {
@@ -92,7 +92,7 @@ impl Bench {
             card: frame.clone(),
             shape,
             effort,
-            runner: Runner::default(),
+            session: Session::default(),
         };
         bench.paint(HALF);
         bench
@@ -111,29 +111,26 @@ impl Bench {
 
     /// The ink of its drawing, without contours.
     fn ink(&self, line: LineParams) -> Result<Plane> {
-        Ok(hatching(self.draw(&self.plan(line)?)))
+        let plan = self.plan(line)?;
+        Ok(hatching(self.session.run(
+            &plan,
+            &self.card,
+            Inputs::default(),
+        )))
     }
 
     /// The same, and what the stages took.
     fn timed(&self, line: LineParams) -> Result<(Plane, Timed)> {
         let plan = self.plan(line)?;
-        let (outcome, timed) = measure_runs(&self.runner, self.effort, || self.draw(&plan));
+        let inputs = Inputs::default();
+        let (outcome, timed) = self.session.measure(&plan, &self.card, inputs, self.effort);
         Ok((hatching(outcome), timed))
-    }
-
-    fn draw(&self, plan: &Plan) -> Outcome {
-        let inputs = DrawingInputs::default();
-        self.runner.draw(plan, &self.card, inputs)
     }
 
     /// The directions that strokes follow.
     fn field(&self, field: FieldParams) -> Result<Vector2Planes> {
         let plan = self.plan(LineParams::default())?;
-        let directions = StrokeDirections::Max;
-        let fields = self
-            .runner
-            .stroke_fields(&plan, &self.card, &field, directions);
-        Ok(fields.into_iter().next().expect("one field was asked for"))
+        Ok(self.session.stroke_field(&plan, &self.card, &field))
     }
 
     fn plan(&self, line: LineParams) -> Result<Plan> {
@@ -169,6 +166,13 @@ pub struct Angles {
     pub p95: f64,
     /// Largest.
     pub max: f64,
+}
+
+impl Display for Angles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [mean, p95, max] = [self.mean, self.p95, self.max].map(rounded_number);
+        write!(f, "{mean} / {p95} / {max}")
+    }
 }
 
 impl Angles {

@@ -1,14 +1,13 @@
 //! Levels of angles and sets of them: how well strokes follow the field, how long they are, how even their
 //! tone is.
 
-use super::field::at;
 use super::{Angles, Bench, HALF};
 use crate::Result;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::{LineParams, MAX_LEVELS, StrokeParams};
-use crate::report::compare::Tally;
+use crate::report::compare::{Tally, covered};
 use crate::report::scenes::Scene;
-use crate::report::sweeps::directions::angle_deg;
+use crate::report::sweeps::directions::{angle_deg, vector_at};
 use crate::report::timing::Times;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -157,10 +156,8 @@ fn strokes_of(ink: &Plane) -> Vector2Planes {
 
 fn between(found: &Vector2Planes, wanted: &Vector2Planes, inner: &Mask) -> Angles {
     let mut tally = Tally::default();
-    for y in 0..inner.height() {
-        for x in inner.runs(y).flatten() {
-            tally.add([x, y], angle_deg(at(found, x, y), at(wanted, x, y)));
-        }
+    for at in covered(inner) {
+        tally.add(at, angle_deg(vector_at(found, at), vector_at(wanted, at)));
     }
     Angles::of(tally)
 }
@@ -170,15 +167,13 @@ fn likeness(ink: &Plane, field: &Vector2Planes, inner: &Mask) -> f64 {
     let steps = (StrokeParams::default().stroke(1.0).length_px / 6.0).round() as usize;
     let mut sums = [0.0; 5];
     let mut count = 0.0;
-    for y in 0..inner.height() {
-        for x in inner.runs(y).flatten() {
-            if let Some([u, v]) = followed(field, inner, [x, y], steps) {
-                let (a, b) = (f64::from(ink.at(x, y)), f64::from(ink.at(u, v)));
-                for (sum, value) in sums.iter_mut().zip([a, b, a * a, b * b, a * b]) {
-                    *sum += value;
-                }
-                count += 1.0;
+    for [x, y] in covered(inner) {
+        if let Some([u, v]) = followed(field, inner, [x, y], steps) {
+            let (a, b) = (f64::from(ink.at(x, y)), f64::from(ink.at(u, v)));
+            for (sum, value) in sums.iter_mut().zip([a, b, a * a, b * b, a * b]) {
+                *sum += value;
             }
+            count += 1.0;
         }
     }
     let [a, b, aa, bb, ab] = sums.map(|sum| sum / f64::max(count, 1.0));
@@ -198,7 +193,7 @@ fn followed(
     steps: usize,
 ) -> Option<[usize; 2]> {
     let mut place = DVec2::new(x as f64, y as f64);
-    let mut ahead = at(field, x, y);
+    let mut ahead = vector_at(field, [x, y]);
     for _ in 0..steps {
         // Rows run down, y up.
         place += DVec2::new(ahead.x, -ahead.y);
@@ -206,7 +201,7 @@ fn followed(
         if u >= inner.width() || v >= inner.height() || !inner.at(u, v) {
             return None;
         }
-        let here = at(field, u, v);
+        let here = vector_at(field, [u, v]);
         ahead = if here.dot(ahead) < 0.0 { -here } else { here };
     }
     Some([place.x.round() as usize, place.y.round() as usize])
@@ -214,13 +209,8 @@ fn followed(
 
 fn blotches(ink: &Plane, inner: &Mask) -> f64 {
     let tone = bell(ink, AROUND_PX);
-    let mut squares = 0.0;
-    for y in 0..inner.height() {
-        for x in inner.runs(y).flatten() {
-            squares += f64::from(tone.at(x, y) - (1.0 - HALF)).powi(2);
-        }
-    }
-    (squares / inner.count().max(1) as f64).sqrt()
+    let squares = covered(inner).map(|[x, y]| f64::from(tone.at(x, y) - (1.0 - HALF)).powi(2));
+    (squares.sum::<f64>() / inner.count().max(1) as f64).sqrt()
 }
 
 /// Means over squares of `2 radius + 1`, three times: a bell whose deviation is about the radius. Borders go on.

@@ -7,6 +7,7 @@
 use crate::backend::cpu;
 use crate::fast_math::Function;
 use crate::report::Extent;
+use crate::report::compare::larger;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -141,8 +142,6 @@ fn unordered(place: i64) -> f32 {
 /// Largest relative error, and largest in ulp.
 fn errors(arguments: &[f32], found: &[f32], exact: impl Fn(f64) -> f64) -> (f64, f64) {
     let mut worst = (0.0_f64, 0.0_f64);
-    // Not f64::max, which would drop a NaN.
-    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
     for (&x, &found) in arguments.iter().zip(found) {
         let exact = exact(x.into());
         let error = (f64::from(found) - exact).abs();

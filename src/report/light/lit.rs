@@ -2,7 +2,6 @@
 
 use super::bare;
 use crate::Result;
-use crate::backend::cpu::{Outcome, Runner};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
@@ -11,7 +10,8 @@ use crate::params::{
     Material, MaterialParams, Method, RelightParams, Samples, ScalingParams, ShapeParams, WarpBy,
 };
 use crate::plan::{Available, LightKinds, Plan};
-use crate::report::compare::{Errors, Tally, compare};
+use crate::report::compare::{Errors, Tally, compare, covered, larger};
+use crate::report::engine::{Inputs, Outcome, Session};
 use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
@@ -63,7 +63,7 @@ pub struct Bench<'a> {
     shape: ShapeParams,
     environment: Illumination,
     effort: Effort,
-    runner: Runner,
+    session: Session,
 }
 
 /// A picture, and what it took.
@@ -92,7 +92,7 @@ impl<'a> Bench<'a> {
                 ..Illumination::default()
             },
             effort,
-            runner: Runner::default(),
+            session: Session::default(),
         }
     }
 
@@ -113,8 +113,8 @@ impl<'a> Bench<'a> {
         let (mut relight, mut environment) = (Vec::new(), Vec::new());
         let start = Instant::now();
         loop {
-            self.runner.forget_environment();
-            let mut outcome = self.runner.relight(&plan, self.frame, light);
+            self.session.forget_environment();
+            let mut outcome = self.run(&plan, light);
             let stage = |name: &str| {
                 let timings = outcome.timings.iter();
                 let mut of = timings.filter(|(stage, _)| *stage == name);
@@ -125,14 +125,14 @@ impl<'a> Bench<'a> {
             let enough = relight.len() > self.effort.runs || start.elapsed() > self.effort.limit;
             if enough {
                 let color = outcome.color.take().expect("light makes a picture");
-                self.runner.take_back(outcome);
+                self.session.recycle(outcome);
                 return Ok(Picture {
                     color,
                     relight: warm(relight),
                     environment: Some(environment).filter(|e| !e.is_empty()).map(warm),
                 });
             }
-            self.runner.take_back(outcome);
+            self.session.recycle(outcome);
         }
     }
 
@@ -146,9 +146,12 @@ impl<'a> Bench<'a> {
         )
     }
 
-    fn outcome(&self, params: RelightParams, light: &Illumination) -> Result<Outcome> {
-        let plan = self.plan(params, light)?;
-        Ok(self.runner.relight(&plan, self.frame, light))
+    fn run(&self, plan: &Plan, light: &Illumination) -> Outcome {
+        let inputs = Inputs {
+            illumination: Some(light),
+            ..Inputs::default()
+        };
+        self.session.run(plan, self.frame, inputs)
     }
 }
 
@@ -228,9 +231,7 @@ impl References {
 
 /// The luminance that 98 covered pixels in 100 stay below; 1 where nothing is lit.
 fn white_of([r, g, b]: &[Plane<f64>; 3], mask: &Mask) -> f64 {
-    let rows = (0..mask.height()).flat_map(|y| mask.span(y).map(move |x| (x, y)));
-    let covered = rows.filter(|&(x, y)| mask.at(x, y));
-    white(covered.map(|(x, y)| [r, g, b].map(|plane| plane.at(x, y))))
+    white(covered(mask).map(|[x, y]| [r, g, b].map(|plane| plane.at(x, y))))
 }
 
 /// The luminance that 98 colours in 100 stay below; 1 where nothing is lit.
@@ -250,7 +251,7 @@ pub fn white(colors: impl Iterator<Item = [f64; 3]>) -> f64 {
 
 /// The largest error of sums over lights at some covered pixels.
 fn rounding(bench: &Bench, params: RelightParams, light: &Illumination) -> Result<f64> {
-    let outcome = bench.outcome(params, light)?;
+    let outcome = bench.run(&bench.plan(params, light)?, light);
     let color = outcome.color.as_ref().expect("light makes a picture");
     let gain = outcome.gain.unwrap_or(0.0);
     let pixels = some_covered(&bench.frame.mask, CHECKED);
@@ -264,17 +265,15 @@ fn rounding(bench: &Bench, params: RelightParams, light: &Illumination) -> Resul
 /// How far a picture is off at a pixel, in its worst channel.
 pub fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f64 {
     let found = [&color.r, &color.g, &color.b].map(|plane| f64::from(plane.at(x, y)));
-    let errors = (0..3).map(|c| (found[c] - exact[c]).abs());
-    // Not f64::max, which would drop a NaN.
-    errors.fold(0.0, |a, b| if a > b || a.is_nan() { a } else { b })
+    (0..3)
+        .map(|c| (found[c] - exact[c]).abs())
+        .fold(0.0, larger)
 }
 
 /// Up to `count` covered pixels, spread evenly in the order of rows.
 pub fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
-    let rows = (0..mask.height()).flat_map(|y| mask.span(y).map(move |x| [x, y]));
-    let covered = rows.filter(|&[x, y]| mask.at(x, y));
     let step = mask.count().div_ceil(count.max(1)).max(1);
-    covered.skip(step / 2).step_by(step).collect()
+    covered(mask).skip(step / 2).step_by(step).collect()
 }
 
 /// How far a picture is from its reference.
@@ -296,12 +295,10 @@ impl Reference {
         let errors = compare(found, exact, mask, self.white).in_window(frame.data_window);
         let shown = |v: f64| 255.0 * srgb((v / self.white).clamp(0.0, 1.0));
         let mut steps = Tally::default();
-        for y in 0..mask.height() {
-            for x in mask.span(y).filter(|&x| mask.at(x, y)) {
-                let off = |c: usize| shown(found[c].at(x, y).into()) - shown(exact[c].at(x, y));
-                // A NaN is told apart by the errors.
-                steps.add([x, y], (0..3).map(|c| off(c).abs()).fold(0.0, f64::max));
-            }
+        for [x, y] in covered(mask) {
+            let off = |c: usize| shown(found[c].at(x, y).into()) - shown(exact[c].at(x, y));
+            // The errors count NaN.
+            steps.add([x, y], (0..3).map(|c| off(c).abs()).fold(0.0, f64::max));
         }
         let steps = steps.errors();
         Difference {

@@ -13,6 +13,7 @@ pub mod prefiltered;
 pub mod samples;
 
 use super::Extent;
+use super::compare::covered;
 use super::scenes::Scene;
 use super::timing::Effort;
 use crate::Result;
@@ -180,10 +181,8 @@ fn subject(
 pub(super) fn middle(frame: &Frame, most: [usize; 2]) -> Frame {
     let (mask, data) = (&frame.mask, frame.data_window);
     let [mut sum_x, mut sum_y] = [0, 0];
-    for y in 0..mask.height() {
-        for x in mask.span(y).filter(|&x| mask.at(x, y)) {
-            (sum_x, sum_y) = (sum_x + x, sum_y + y);
-        }
+    for [x, y] in covered(mask) {
+        (sum_x, sum_y) = (sum_x + x, sum_y + y);
     }
     let count = mask.count().max(1);
     let start = |sum: usize, size: usize, part: usize| {

@@ -3,17 +3,17 @@
 use super::ball::{Ball, Shown};
 use super::{Row, Setting, Spread, is_column, room};
 use crate::Result;
-use crate::backend::cpu::{DrawingInputs, Runner};
 use crate::frame::{Frame, SpecularScene};
 use crate::params::{
     Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, SpecularParams,
 };
 use crate::plan::{Available, Plan, ToneFrom};
 use crate::report::compare::Tally;
-use crate::report::sweeps::directions::angle_deg;
-use crate::report::timing::{Effort, Times, measure_runs};
+use crate::report::engine::{Inputs, Session};
+use crate::report::sweeps::directions::{angle_deg, vector_at};
+use crate::report::timing::{Effort, Times};
 use crate::trace::Tracer;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub(super) struct Bench {
     /// What its pixels show, with their columns and rows.
     pub(super) shown: Vec<([usize; 2], Shown)>,
     effort: Effort,
-    runner: Runner,
+    session: Session,
     /// The room by the map that was last asked for.
     around: (usize, SpecularScene),
     /// What was measured so far.
@@ -38,7 +38,7 @@ impl Bench {
             frame: ball.frame(),
             shown: shown.collect(),
             effort,
-            runner: Runner::default(),
+            session: Session::default(),
             around: (0, SpecularScene::default()),
             known: Vec::new(),
         }
@@ -118,16 +118,15 @@ impl Bench {
         };
         let plan = self.plan(specular, line)?;
         let scene = &self.around.1;
-        let fields = self
-            .runner
-            .stroke_fields_through(&plan, &self.frame, scene, &line);
+        let field = self
+            .session
+            .stroke_field_through(&plan, &self.frame, scene, &line);
         let [mut all, mut columns] = [Tally::default(), Tally::default()];
         for (at, shown) in self.shown.iter().filter(|(_, shown)| shown.in_map) {
             let Some(exact) = shown.direction else {
                 continue;
             };
-            let [x, y] = [&fields[0].x, &fields[0].y].map(|plane| plane.at(at[0], at[1]));
-            let angle = angle_deg(DVec2::new(x.into(), y.into()), exact);
+            let angle = angle_deg(vector_at(&field, *at), exact);
             all.add(*at, angle);
             if is_column(shown) {
                 columns.add(*at, angle);
@@ -139,13 +138,14 @@ impl Bench {
     /// Time of the stage in a drawing.
     fn time(&self, specular: SpecularParams) -> Result<Times> {
         let plan = self.plan(specular, LineParams::default())?;
-        let inputs = DrawingInputs {
+        let inputs = Inputs {
             specular: Some(&self.around.1),
-            ..DrawingInputs::default()
+            ..Inputs::default()
         };
-        let draw = || self.runner.draw(&plan, &self.frame, inputs);
-        let (outcome, timed) = measure_runs(&self.runner, self.effort, draw);
-        self.runner.take_back(outcome);
+        let (outcome, timed) = self
+            .session
+            .measure(&plan, &self.frame, inputs, self.effort);
+        self.session.recycle(outcome);
         Ok(timed.stage("specular-trace").expect("a mirror is traced"))
     }
 

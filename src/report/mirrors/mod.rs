@@ -119,6 +119,36 @@ pub struct MirrorReport {
     pub map_heights: Vec<Row>,
 }
 
+/// Rows by one setting.
+pub(crate) struct Varied<'a> {
+    pub(crate) name: &'static str,
+    pub(crate) rows: &'a [Row],
+    pub(crate) value: fn(&Setting) -> usize,
+}
+
+impl MirrorReport {
+    /// The settings that were varied.
+    pub(crate) fn varied(&self) -> [Varied<'_>; 3] {
+        [
+            Varied {
+                name: "steps of the search",
+                rows: &self.steps,
+                value: |setting| setting.search.steps as usize,
+            },
+            Varied {
+                name: "refinements",
+                rows: &self.refinements,
+                value: |setting| setting.search.refinements as usize,
+            },
+            Varied {
+                name: "rows of the map",
+                rows: &self.map_heights,
+                value: |setting| setting.map_height,
+            },
+        ]
+    }
+}
+
 /// Measures the mirror ball in its room.
 ///
 /// # Errors

@@ -6,7 +6,8 @@ use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{Adaptive, Scale, ShapeParams};
 use crate::plan::Goal;
-use crate::report::compare::Tally;
+use crate::report::compare::{Tally, pixels};
+use crate::report::engine::Layers;
 use crate::report::scenes::Scene;
 use crate::report::timing::{self, Effort, Times, measure};
 use glam::DVec2;
@@ -80,8 +81,7 @@ pub fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
         };
         let plan = timing::plan(Goal::Layers, &frame, shape)?;
         let (outcome, timed) = measure(&plan, &frame, effort);
-        let found = outcome.shape.direction.expect("layers hold the direction");
-        let mut tally = angles(scene, &found);
+        let mut tally = angles(scene, &Layers::of(outcome).direction);
         let p95 = tally.quantile(0.95);
         let errors = tally.errors();
         let stage = timed.stage("normal-rays").expect("layers take normal rays");
@@ -103,14 +103,17 @@ pub fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
 /// Angles in degrees between found and exact directions, wherever these are known.
 fn angles(scene: &Scene, found: &Vector2Planes) -> Tally {
     let mut tally = Tally::default();
-    let (width, height) = (found.x.width(), found.x.height());
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+    for [x, y] in pixels(&found.x) {
         if let Some(exact) = scene.exact_direction(x, y) {
-            let found = DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into());
-            tally.add([x, y], angle_deg(found, exact));
+            tally.add([x, y], angle_deg(vector_at(found, [x, y]), exact));
         }
     }
     tally
+}
+
+/// The vector of a field at a pixel.
+pub(crate) fn vector_at(field: &Vector2Planes, [x, y]: [usize; 2]) -> DVec2 {
+    DVec2::new(field.x.at(x, y).into(), field.y.at(x, y).into())
 }
 
 /// The angle between two directions that are the same as their opposites; 90 degrees for none.

@@ -4,7 +4,7 @@ use super::{Measuring, named};
 use crate::Result;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use crate::params::{Scale, ShapeParams};
-use crate::report::compare::{Errors, compare_where};
+use crate::report::compare::{Errors, compare_where, covered};
 use crate::report::engine::layers;
 use half::f16;
 use serde::Serialize;
@@ -78,10 +78,7 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
                 .in_window(frame.data_window),
                 trace: compare_where([&found.mean.map(|m| 2.0 * m)], [&trace], steepest, kept)
                     .in_window(frame.data_window),
-                edges_moved: (0..frame.mask.height())
-                    .flat_map(|y| (0..frame.mask.width()).map(move |x| (x, y)))
-                    .filter(|&(x, y)| frame.mask.at(x, y) && moved(x, y))
-                    .count(),
+                edges_moved: covered(&frame.mask).filter(|&[x, y]| moved(x, y)).count(),
             });
         }
     }

@@ -1,10 +1,10 @@
 //! How the work is run: what changes the time and must not change a bit of the answer.
 
 use crate::Result;
-use crate::backend::cpu::Outcome;
 use crate::frame::Frame;
 use crate::params::{RunOptions, Scale, ShapeParams, TileSize};
 use crate::plan::{Goal, Plan};
+use crate::report::engine::Outcome;
 use crate::report::sweeps::{named, solver};
 use crate::report::timing::{self, Effort, Timed, Times, measure, measure_with};
 use serde::Serialize;

@@ -2,12 +2,12 @@
 
 use super::{EdgeErrors, Measuring, named};
 use crate::Result;
-use crate::backend::cpu::{self, Outcome};
 use crate::frame::{Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::{Goal, Plan, Recurrence, Sweeps};
-use crate::report::compare::{Errors, Tally, compare};
+use crate::report::compare::{Errors, Tally, compare, pixels};
+use crate::report::engine::{self, Layers};
 use crate::report::gpu::{Gpu, GpuRow};
 use crate::report::machine::Machine;
 use crate::report::pareto;
@@ -270,12 +270,12 @@ impl Truth<'_> {
     fn row_of_cpu(&self, shape: &ShapeParams, timed: Timed, machine: &Machine) -> Result<Row> {
         let frame = self.measuring.frame;
         let layers = timing::plan(Goal::Layers, frame, *shape)?;
-        let outcome = cpu::run(&layers, frame);
+        let found = engine::layers(frame, *shape)?;
         let work =
             work::of_stage("diffusion", shape, &layers.sweeps).expect("diffusion has a model");
         let diffusion = timed.stage("diffusion").unwrap_or(timed.whole);
         let utilisation = Utilisation::of(work, frame.mask.count(), diffusion, machine);
-        let mut row = self.row(shape, &layers, &outcome, diffusion, timed.whole);
+        let mut row = self.row(shape, &layers, &found, diffusion, timed.whole);
         row.utilisation = Some(utilisation);
         Ok(row)
     }
@@ -300,7 +300,8 @@ impl Truth<'_> {
             let timed = gpu.measure(&display, frame, &none, effort);
             if let Some((outcome, timed)) = outcome.zip(timed) {
                 let whole = timed.whole;
-                let mut row = self.row(&shape, &layers, &outcome, timed.diffusion(), whole);
+                let found = Layers::of(outcome);
+                let mut row = self.row(&shape, &layers, &found, timed.diffusion(), whole);
                 row.asked_for = is_first;
                 rows.push(GpuRow::new(row, timed));
             }
@@ -312,30 +313,16 @@ impl Truth<'_> {
         &self,
         shape: &ShapeParams,
         layers: &Plan,
-        outcome: &Outcome,
+        found: &Layers,
         diffusion: Times,
         whole: Times,
     ) -> Row {
         let Measuring {
             frame, steepest, ..
         } = *self.measuring;
-        let (mask, window) = (&frame.mask, frame.data_window);
-        let gradient = outcome
-            .shape
-            .gradient
-            .as_ref()
-            .expect("layers hold the gradient");
-        let hessian = outcome
-            .shape
-            .hessian
-            .as_ref()
-            .expect("layers hold the hessian");
-        let mut found = hessian.xx.clone();
-        for (xx, yy) in found.samples_mut().iter_mut().zip(hessian.yy.samples()) {
-            *xx += yy;
-        }
-        let [gx, gy] = &self.gradient;
-        let trace = compare([&found], [&self.trace], mask, steepest);
+        let mask = &frame.mask;
+        let found_trace = found.trace();
+        let trace = compare([&found_trace], [&self.trace], mask, steepest);
         let explicit = matches!(layers.sweeps.recurrence, Recurrence::Explicit(_));
         Row {
             solver: if explicit {
@@ -348,14 +335,15 @@ impl Truth<'_> {
             asked_for: false,
             applications: layers.sweeps.count(),
             allowed: (!explicit).then(|| f64::from(shape.tolerance) / shape.largest_slope()),
-            gradient: compare([&gradient.x, &gradient.y], [gx, gy], mask, steepest)
-                .in_window(window),
-            trace: trace.in_window(window),
-            overshoot: self.measuring.overshoot(gradient),
+            gradient: self
+                .measuring
+                .gradient_errors(&found.gradient, &self.gradient),
+            trace: trace.in_window(frame.data_window),
+            overshoot: self.measuring.overshoot(&found.gradient),
             // The mapped curvature, -1..1 over 255 steps, changes by the gain times the trace at most.
-            grey_levels: 127.5 * f64::from(outcome.gain.unwrap_or(0.0)) * trace.max * steepest,
+            grey_levels: 127.5 * f64::from(found.gain) * trace.max * steepest,
             against_closed_form: self.closed_form.and_then(|exact| {
-                let errors = self.against(exact, &found, shape.diffusion_time());
+                let errors = self.against(exact, &found_trace, shape.diffusion_time());
                 (errors.pixels > 0).then_some(errors)
             }),
             megapixels_per_second: whole.megapixels_per_second(mask.width() * mask.height()),
@@ -368,7 +356,7 @@ impl Truth<'_> {
 
     fn against(&self, exact: ClosedForm, found: &Plane, time: f64) -> Errors {
         let mut tally = Tally::default();
-        for (x, y) in (0..found.height()).flat_map(|y| (0..found.width()).map(move |x| (x, y))) {
+        for [x, y] in pixels(found) {
             if let Some(exact) = exact(x, y, time) {
                 let error = f64::from(found.at(x, y)) - exact;
                 tally.add([x, y], error / self.measuring.steepest);
