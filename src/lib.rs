@@ -64,6 +64,7 @@ pub mod light;
 pub mod line;
 pub mod params;
 pub mod plan;
+mod quantile;
 pub mod report;
 pub mod shape;
 pub mod trace;

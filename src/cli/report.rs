@@ -13,7 +13,7 @@ use crate::io::output::{Files, Replace, remove_leftovers, write_text};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
-use crate::report::{Extent, Report, advice, markdown, plots, run as measure};
+use crate::report::{Asked, Extent, Report, advice, markdown, plots, run as measure};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -63,8 +63,14 @@ fn report(args: &ReportArgs) -> Result<()> {
             ));
         }
     };
-    let mut report = device
-        .measured(|device| measure(&name, &loaded.frame, shape, extent, device, &progress))?;
+    let asked = Asked {
+        name: &name,
+        frame: &loaded.frame,
+        shape,
+        extent,
+        progress: &progress,
+    };
+    let mut report = device.measured(|device| measure(asked, device))?;
     if let Some(frames) = frames {
         progress("drawings of the sequence");
         report.coherence = coherence(args, frames, shape)?;

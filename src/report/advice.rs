@@ -9,11 +9,11 @@ use super::sweeps::solver::{Row, ScaleSweep};
 use crate::params::{Method, Solver};
 
 /// Errors that settings are sought for, relative to the largest |g|.
-pub const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+pub(crate) const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// The cheapest row of `sweep` that can be asked for by flags and whose largest error of the gradient
 /// is within `budget`.
-pub fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
+pub(crate) fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
     let good = sweep
         .rows
         .iter()
@@ -22,7 +22,7 @@ pub fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
 }
 
 /// What was asked for, what it costs and what a looser or tighter one would: one sentence.
-pub fn sentence(report: &Report) -> String {
+pub(crate) fn sentence(report: &Report) -> String {
     let sweep = &report.frame.scales[0];
     let Some(asked) = sweep.rows.iter().find(|row| row.asked_for) else {
         return format!("At {} nothing is diffused.", sweep.scale);
@@ -65,7 +65,7 @@ pub fn sentence(report: &Report) -> String {
 }
 
 /// How many samples of an environment are enough for the frame, and whether prefiltered maps serve.
-pub fn of_light(light: &LightReport) -> String {
+pub(crate) fn of_light(light: &LightReport) -> String {
     let subject = &light.subjects[0];
     if subject.covered == 0 {
         return "Nothing is covered that light could fall on.".into();
@@ -100,16 +100,16 @@ pub fn of_light(light: &LightReport) -> String {
 }
 
 /// Share of the pixels that a setting may lead astray beyond those that the most tried does: one in 200.
-pub const ASTRAY: f64 = 0.005;
+pub(crate) const ASTRAY: f64 = 0.005;
 
 /// The first of `rows`, cheapest first, that leads hardly more sight lines astray than the last.
-pub fn enough_of(rows: &[MirrorRow]) -> Option<&MirrorRow> {
+pub(crate) fn enough_of(rows: &[MirrorRow]) -> Option<&MirrorRow> {
     let best = rows.last()?.astray();
     rows.iter().find(|row| row.astray() <= best + ASTRAY)
 }
 
 /// How many steps, refinements and rows of a map are enough for mirrors.
-pub fn of_mirrors(mirrors: &MirrorReport) -> String {
+pub(crate) fn of_mirrors(mirrors: &MirrorReport) -> String {
     let MirrorReport {
         steps,
         refinements,
@@ -156,12 +156,12 @@ pub(crate) fn noun(surface: Surface) -> &'static str {
 }
 
 /// A time in milliseconds, to three digits.
-pub fn milliseconds(seconds: f64) -> String {
+pub(crate) fn milliseconds(seconds: f64) -> String {
     format!("{} ms", rounded(1e3 * seconds))
 }
 
 /// A number to three digits without an exponent, down to a thousandth.
-pub fn rounded(value: f64) -> String {
+pub(crate) fn rounded(value: f64) -> String {
     match value.abs() {
         v if v >= 100.0 || !v.is_finite() => format!("{value:.0}"),
         v if v >= 10.0 => format!("{value:.1}"),
@@ -172,7 +172,7 @@ pub fn rounded(value: f64) -> String {
 }
 
 /// A number as 1.2e-4; 0 as 0.
-pub fn scientific(value: f64) -> String {
+pub(crate) fn scientific(value: f64) -> String {
     if value == 0.0 {
         "0".into()
     } else {

@@ -8,7 +8,7 @@ use super::compare::covered;
 use super::engine::{Inputs, Outcome, SequenceInputs, Session, TextureCoordinates};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
-use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, ToneParams};
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
@@ -95,7 +95,6 @@ struct Artist {
 
 impl Artist {
     fn new(shape: ShapeParams) -> Self {
-        let [azimuth, elevation] = LAMP_DEG;
         Self {
             session: Session::default(),
             shape,
@@ -105,10 +104,7 @@ impl Artist {
                 ..LineParams::default()
             },
             lamp: Illumination {
-                directional: vec![DirectionalLight {
-                    to_light: direction_of(azimuth, elevation),
-                    intensity: [1.0; 3],
-                }],
+                directional: vec![DirectionalLight::white(LAMP_DEG)],
                 ..Illumination::default()
             },
         }

@@ -2,6 +2,7 @@
 
 use super::advice::scientific;
 use crate::frame::{Mask, Plane, Window};
+use crate::quantile::quantile;
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -136,15 +137,9 @@ impl Tally {
         self.errors.push(error);
     }
 
-    /// What `share`, 0..1, of the pixels stay below; 0 where there are none.
+    /// The error that a share, 0..1, of the pixels stay below; 0 where there are none.
     pub fn quantile(&mut self, share: f64) -> f64 {
-        let pixels = self.errors.len();
-        if pixels == 0 {
-            return 0.0;
-        }
-        // At most the rest lies above.
-        let index = ((share * pixels as f64).ceil() as usize).clamp(1, pixels) - 1;
-        *self.errors.select_nth_unstable_by(index, f64::total_cmp).1
+        quantile(&mut self.errors, share, f64::total_cmp).unwrap_or(0.0)
     }
 
     /// What was gathered.

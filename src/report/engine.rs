@@ -7,8 +7,17 @@ pub(super) use crate::backend::cpu::{
     DrawingInputs as Inputs, Outcome, SequenceInputs, TextureCoordinates,
 };
 use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
+use crate::light::lights::Illumination;
 use crate::params::{FieldParams, LineParams, RunOptions, ShapeParams, StrokeDirections};
 use crate::plan::{Goal, Plan};
+
+/// New light from `light`.
+pub(super) fn lit_by(light: &Illumination) -> Inputs<'_> {
+    Inputs {
+        illumination: Some(light),
+        ..Inputs::default()
+    }
+}
 
 /// Runs plans in the memory of the runs before, as the frames of a sequence do.
 #[derive(Default)]
@@ -42,17 +51,16 @@ impl Session {
         inputs: Inputs,
         effort: Effort,
     ) -> (Outcome, Timed) {
-        timing::measure_runs(&self.0, effort, || self.run(plan, frame, inputs))
+        timing::measure_runs(&self.0, effort, || {
+            // Preparing an environment is timed, too.
+            self.0.forget_environment();
+            self.run(plan, frame, inputs)
+        })
     }
 
     /// Gives the memory of an outcome to the next run.
     pub(super) fn recycle(&self, outcome: Outcome) {
         self.0.take_back(outcome);
-    }
-
-    /// Has the next run prepare its environment again.
-    pub(super) fn forget_environment(&self) {
-        self.0.forget_environment();
     }
 
     /// The directions that strokes follow along the larger curvature.
@@ -131,9 +139,6 @@ impl Layers {
 }
 
 /// The descriptor of `frame`.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
 pub(super) fn layers(frame: &Frame, shape: ShapeParams) -> Result<Layers> {
     let plan = timing::plan(Goal::Layers, frame, shape)?;
     Ok(Layers::of(Session::default().run(

@@ -1,7 +1,7 @@
 //! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
 //! products are from the CPU's.
 
-use super::engine::{Inputs, Outcome, Session};
+use super::engine::{Outcome, Session, lit_by};
 use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
@@ -9,7 +9,7 @@ use crate::backend::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
 use crate::backend::{Product, products};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
-use crate::light::lights::{DirectionalLight, Illumination, direction_of};
+use crate::light::lights::{DirectionalLight, Illumination};
 use crate::params::{LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
@@ -23,18 +23,19 @@ const MOST_UPDATES_IN_SOFTWARE: usize = 4_000_000;
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 
 /// The light that new light is compared in.
-pub fn lamp() -> Illumination {
+pub(crate) fn lamp() -> Illumination {
     Illumination {
-        directional: vec![DirectionalLight {
-            to_light: direction_of(120.0, 40.0),
-            intensity: [1.0; 3],
-        }],
+        directional: vec![DirectionalLight::white([120.0, 40.0])],
         ..Illumination::default()
     }
 }
 
 /// What a report is told of a device.
-pub enum Device<'a> {
+#[cfg_attr(
+    not(feature = "gpu"),
+    allow(dead_code, reason = "a build without devices measures none")
+)]
+pub(crate) enum Device<'a> {
     /// This build knows of none, and nothing is said.
     Unknown,
     /// None is measured, and why.
@@ -44,13 +45,11 @@ pub enum Device<'a> {
 }
 
 /// What runs a plan, under these lights where it is for new light.
-pub type Run<'a> = &'a (dyn Fn(&Plan, &Frame, &Illumination) -> Result<Outcome> + 'a);
+pub(crate) type Run<'a> = &'a (dyn Fn(&Plan, &Frame, &Illumination) -> Result<Outcome> + 'a);
 
 /// A device to be measured.
-pub struct Gpu<'a> {
-    /// Its name.
+pub(crate) struct Gpu<'a> {
     pub name: String,
-    /// Whether it computes in software.
     pub is_software: bool,
     /// Whether a report without it is none: else one that fails is left out.
     pub is_required: bool,
@@ -60,34 +59,16 @@ pub struct Gpu<'a> {
 
 /// Times of a plan that a device ran several times.
 #[derive(Debug, Clone, Serialize)]
-pub struct GpuTimed {
-    /// Copies to it.
-    pub upload: Times,
-    /// Its kernels, stage by stage, in order; all together where it has no clock for each.
-    pub stages: Vec<StageTimes>,
-    /// All kernels.
-    pub compute: Times,
-    /// Copies from it.
-    pub read_back: Times,
-    /// All of it, with the time of telling it what to run.
+pub(crate) struct GpuTimed {
+    #[serde(flatten)]
+    pub parts: GpuParts,
+    /// All of it, with the recording of its commands.
     pub whole: Times,
 }
 
-/// The time of a stage.
+/// Times of the parts of a run.
 #[derive(Debug, Clone, Serialize)]
-pub struct StageTimes {
-    /// Its name.
-    pub stage: &'static str,
-    /// Its time.
-    pub times: Times,
-}
-
-/// What a setting gave on a device.
-#[derive(Debug, Clone, Serialize)]
-pub struct GpuRow {
-    /// Errors and times, as those of the CPU.
-    #[serde(flatten)]
-    pub row: Row,
+pub(crate) struct GpuParts {
     /// Copies to the device.
     pub upload: Times,
     /// Its kernels, stage by stage, in order; all together where it has no clock for each.
@@ -98,32 +79,43 @@ pub struct GpuRow {
     pub read_back: Times,
 }
 
+/// The time of a stage.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct StageTimes {
+    pub stage: &'static str,
+    pub times: Times,
+}
+
+/// Errors and times of a setting on a device.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct GpuRow {
+    /// As those of the CPU.
+    #[serde(flatten)]
+    pub row: Row,
+    #[serde(flatten)]
+    pub parts: GpuParts,
+}
+
 /// How far the products of one kind are from the CPU's.
 #[derive(Debug, Clone, Serialize)]
-pub struct ProductRow {
-    /// The kind.
+pub(crate) struct ProductRow {
     pub product: Product,
     /// The largest difference, relative to the largest value of its plane.
     pub difference: f64,
-    /// The frame that it is in.
     pub frame: String,
-    /// What is allowed.
     pub tolerance: f64,
-    /// Whether the difference is.
     pub is_within: bool,
 }
 
 /// What is known of a device in the end.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum GpuReport {
+pub(crate) enum GpuReport {
     /// None was measured, and why.
     NotMeasured(String),
     /// It was measured.
     Measured {
-        /// Its name.
         device: String,
-        /// Whether it computes in software.
         is_software: bool,
         /// How far its products are from the CPU's.
         products: Vec<ProductRow>,
@@ -135,7 +127,11 @@ pub enum GpuReport {
 impl<'a> Gpu<'a> {
     /// A device of this name, on which `run` runs plans; an outcome's times are called as
     /// [`crate::backend::device_times`] says.
-    pub fn new(name: String, is_software: bool, is_required: bool, run: Run<'a>) -> Self {
+    #[cfg_attr(
+        not(feature = "gpu"),
+        allow(dead_code, reason = "a build without devices measures none")
+    )]
+    pub(crate) fn new(name: String, is_software: bool, is_required: bool, run: Run<'a>) -> Self {
         Self {
             name,
             is_software,
@@ -146,13 +142,13 @@ impl<'a> Gpu<'a> {
     }
 
     /// Whether `plan`, which nobody asked for, takes no longer than it may.
-    pub fn can_afford(&self, plan: &Plan, frame: &Frame) -> bool {
+    pub(crate) fn can_afford(&self, plan: &Plan, frame: &Frame) -> bool {
         let updates = plan.sweeps.count() * frame.mask.count();
         !self.is_software || updates <= MOST_UPDATES_IN_SOFTWARE
     }
 
     /// Runs `plan`; `None` once the device has failed.
-    pub fn run(&self, plan: &Plan, frame: &Frame, light: &Illumination) -> Option<Outcome> {
+    pub(crate) fn run(&self, plan: &Plan, frame: &Frame, light: &Illumination) -> Option<Outcome> {
         if self.failed.borrow().is_some() {
             return None;
         }
@@ -162,7 +158,7 @@ impl<'a> Gpu<'a> {
     }
 
     /// Runs `plan` once to warm up, then as often as `effort` says.
-    pub fn measure(
+    pub(crate) fn measure(
         &self,
         plan: &Plan,
         frame: &Frame,
@@ -183,10 +179,10 @@ impl<'a> Gpu<'a> {
     }
 
     /// How far the products of frames are from the CPU's: each kind's largest difference.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] for a parameter outside its range.
-    pub fn products(&self, frames: &[(&str, &Frame, ShapeParams)]) -> Result<Vec<ProductRow>> {
+    pub(crate) fn products(
+        &self,
+        frames: &[(&str, &Frame, ShapeParams)],
+    ) -> Result<Vec<ProductRow>> {
         let mut rows: Vec<ProductRow> = Vec::new();
         for (name, frame, shape) in frames {
             let frame = with_picture(frame);
@@ -204,10 +200,7 @@ impl<'a> Gpu<'a> {
     }
 
     /// What is known of the device in the end, with `products` as found by [`Gpu::products`], and `pictures`.
-    ///
-    /// # Errors
-    /// Why it failed, where it is required.
-    pub fn report(
+    pub(crate) fn report(
         &self,
         products: Vec<ProductRow>,
         pictures: Vec<PictureRow>,
@@ -239,41 +232,32 @@ impl GpuTimed {
         };
         let computed = runs.iter().map(|run| of_kernels(run).as_secs_f64());
         Self {
-            upload: time_of(UPLOAD),
-            read_back: time_of(READ_BACK),
-            compute: Times::of(computed.collect()),
-            stages: stages
-                .iter()
-                .filter(|(stage, _)| is_kernel(stage))
-                .map(|&(stage, times)| StageTimes { stage, times })
-                .collect(),
+            parts: GpuParts {
+                upload: time_of(UPLOAD),
+                read_back: time_of(READ_BACK),
+                compute: Times::of(computed.collect()),
+                stages: stages
+                    .iter()
+                    .filter(|(stage, _)| is_kernel(stage))
+                    .map(|&(stage, times)| StageTimes { stage, times })
+                    .collect(),
+            },
             whole,
         }
     }
+}
+
+impl GpuParts {
+    /// Whether the device has a clock for each stage.
+    pub(crate) fn has_clock(&self) -> bool {
+        !self.stages.iter().any(|stage| stage.stage == KERNELS)
+    }
 
     /// The time of the diffusion; of all kernels where there is no clock that tells.
-    pub fn diffusion(&self) -> Times {
+    pub(crate) fn diffusion(&self) -> Times {
         let mut stages = self.stages.iter();
         let diffusion = stages.find(|stage| stage.stage == "diffusion");
         diffusion.map_or(self.compute, |stage| stage.times)
-    }
-}
-
-impl GpuRow {
-    /// A row whose errors and times are known.
-    pub fn new(row: Row, timed: GpuTimed) -> Self {
-        Self {
-            row,
-            upload: timed.upload,
-            stages: timed.stages,
-            compute: timed.compute,
-            read_back: timed.read_back,
-        }
-    }
-
-    /// Whether the device has a clock for each stage.
-    pub fn has_clock(&self) -> bool {
-        !self.stages.iter().any(|stage| stage.stage == KERNELS)
     }
 }
 
@@ -316,12 +300,7 @@ fn plans(frame: &Frame, shape: ShapeParams) -> Result<Vec<Plan>> {
 }
 
 fn run_on_cpu(plan: &Plan, frame: &Frame) -> Outcome {
-    let light = lamp();
-    let inputs = Inputs {
-        illumination: Some(&light),
-        ..Inputs::default()
-    };
-    Session::default().run(plan, frame, inputs)
+    Session::default().run(plan, frame, lit_by(&lamp()))
 }
 
 /// How far the products are apart that `plan` is for, of those that both backends made; infinitely where one is missing.
@@ -401,13 +380,14 @@ mod tests {
         let timed = gpu
             .measure(&plan, &frame, &lamp(), Effort::new(3, 1000))
             .unwrap();
-        let least = [timed.upload, timed.compute, timed.read_back, timed.whole].map(|t| t.min);
+        let parts = &timed.parts;
+        let least = [parts.upload, parts.compute, parts.read_back, timed.whole].map(|t| t.min);
         for (found, expected) in least.into_iter().zip([0.001, 0.012, 0.016, 0.031]) {
             assert!((found - expected).abs() < 1e-9, "{least:?}");
         }
         assert_eq!(timed.whole.runs, 3);
-        assert_eq!(timed.diffusion().min, 0.004);
-        let names: Vec<_> = timed.stages.iter().map(|stage| stage.stage).collect();
+        assert_eq!(timed.parts.diffusion().min, 0.004);
+        let names: Vec<_> = parts.stages.iter().map(|stage| stage.stage).collect();
         assert_eq!(names, ["diffusion", "trace"]);
     }
 

@@ -4,7 +4,7 @@
 //! gain that the CPU found. A drawing has none: what the device draws is compared with what the CPU does.
 
 use super::compare::{Errors, Tally, compare_where};
-use super::engine::{Inputs, Outcome, Session};
+use super::engine::{Inputs, Outcome, Session, lit_by};
 use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
 use super::light::lit::{off, some_covered, white};
 use super::light::{bare, environment};
@@ -22,12 +22,12 @@ use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
 
 /// Pixels at which new light is compared, at the most.
-pub const COMPARED: usize = 4096;
+pub(super) const COMPARED: usize = 4096;
 
 /// What errors are told from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Reference {
+pub(crate) enum Reference {
     /// Double precision.
     DoublePrecision,
     /// What the CPU makes.
@@ -36,17 +36,15 @@ pub enum Reference {
 
 /// A picture by the CPU.
 #[derive(Debug, Clone, Serialize)]
-pub struct OnCpu {
+pub(crate) struct OnCpu {
     /// Its errors; `None` where it is the reference.
     pub errors: Option<Errors>,
-    /// Time of all stages.
     pub whole: Times,
 }
 
 /// A picture by a device.
 #[derive(Debug, Clone, Serialize)]
-pub struct OnGpu {
-    /// Its errors.
+pub(crate) struct OnGpu {
     pub errors: Errors,
     /// Times of copies, kernels and all of it.
     #[serde(flatten)]
@@ -55,23 +53,18 @@ pub struct OnGpu {
 
 /// A picture by both.
 #[derive(Debug, Clone, Serialize)]
-pub struct PictureRow {
+pub(crate) struct PictureRow {
     /// What is made, in words.
     pub picture: String,
     /// What errors are told from. Those of new light are of the worst channel, relative to the luminance that 98 pixels
     /// in 100 of the reference stay below; those of drawings are of ink, 0..1.
     pub reference: Reference,
-    /// By the CPU.
     pub on_cpu: OnCpu,
-    /// By the device.
     pub on_gpu: OnGpu,
 }
 
 /// `frame` in new light and drawn, its shape found by `shape`; what the device failed at is left out.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn rows(
+pub(super) fn rows(
     gpu: &Gpu,
     frame: &Frame,
     shape: ShapeParams,
@@ -130,11 +123,8 @@ impl Bench<'_> {
             params,
             LightKinds::in_light(light),
         )?;
-        let inputs = Inputs {
-            illumination: Some(light),
-            ..Inputs::default()
-        };
-        let (expected, on_cpu) = Session::default().measure(&plan, frame, inputs, self.effort);
+        let session = Session::default();
+        let (expected, on_cpu) = session.measure(&plan, frame, lit_by(light), self.effort);
         let exact = lit_at(
             some_covered(&frame.mask, COMPARED),
             frame,
@@ -223,11 +213,7 @@ mod tests {
     use crate::report::scenes::Scene;
 
     fn on_cpu(plan: &Plan, frame: &Frame, light: &Illumination) -> Outcome {
-        let inputs = Inputs {
-            illumination: Some(light),
-            ..Inputs::default()
-        };
-        Session::default().run(plan, frame, inputs)
+        Session::default().run(plan, frame, lit_by(light))
     }
 
     fn rows_of(off: f32) -> Vec<PictureRow> {

@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// A field of 2-vectors in double precision: x right, y up.
-pub type Field = [Plane<f64>; 2];
+pub(super) type Field = [Plane<f64>; 2];
 
 /// Tolerance of the reference's own expansion: far below what f32 can hold.
 const TOLERANCE: f64 = 1e-13;
@@ -21,12 +21,9 @@ const MOST_STEPS: u32 = 500;
 
 /// A weight, 0..1, and the range that single-precision rounding before its threshold can move it through.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Weight {
-    /// The exact value.
+pub(super) struct Weight {
     pub exact: f64,
-    /// Least value.
     pub least: f64,
-    /// Largest value.
     pub most: f64,
 }
 
@@ -59,10 +56,8 @@ impl Weight {
 }
 
 /// Edge weights ([LW] section 4.4). All are 0 outside the mask.
-pub struct Edges {
-    /// Silhouettes.
+pub(super) struct Edges {
     pub silhouette: Plane<Weight>,
-    /// Creases.
     pub crease: Plane<Weight>,
     /// Conductance: what is left of 1 beside the larger of the two.
     pub conductance: Plane<Weight>,
@@ -70,7 +65,7 @@ pub struct Edges {
 
 impl Edges {
     /// The edges of `frame`.
-    pub fn of(frame: &Frame, params: &ShapeParams) -> Self {
+    pub(super) fn of(frame: &Frame, params: &ShapeParams) -> Self {
         let mask = &frame.mask;
         let silhouette = match (&frame.depth, &frame.occlusion) {
             (Some(depth), _) => {
@@ -105,7 +100,7 @@ impl Edges {
     /// The reference diffuses by this one: the ramp of a threshold multiplies the rounding of a logarithm a hundredfold,
     /// and through a nearly closed pixel that would drown the errors of the solver. What goes beyond rounding is
     /// not taken over, and shows in all that follows.
-    pub fn conductance_near(&self, found: &Plane) -> Plane<f64> {
+    pub(super) fn conductance_near(&self, found: &Plane) -> Plane<f64> {
         Plane::from_fn(found.width(), found.height(), |x, y| {
             let Weight { least, most, .. } = self.conductance.at(x, y);
             f64::from(found.at(x, y)).max(least).min(most)
@@ -198,7 +193,7 @@ fn crease(frame: &Frame, [x, y]: [usize; 2], threshold_deg: SoftThreshold) -> We
 }
 
 /// The depth gradient of every covered pixel, 0 elsewhere ([RS] section 4.1).
-pub fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
+pub(super) fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
     let projection = frame.camera.map(|camera| camera.projection);
     let [left, top] = [frame.data_window.x0, frame.data_window.y0].map(f64::from);
     let (f, floor) = (f64::from(params.foreshortening), f64::from(params.min_nz));
@@ -218,13 +213,13 @@ pub fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
 }
 
 /// The largest length of a vector of `field`.
-pub fn largest(field: &Field) -> f64 {
+pub(super) fn largest(field: &Field) -> f64 {
     let pairs = field[0].samples().iter().zip(field[1].samples());
     pairs.fold(0.0, |largest: f64, (x, y)| largest.max(x.hypot(*y)))
 }
 
 /// Least and largest sample of `plane` inside `mask`; [0, 0] where there is none.
-pub fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
+pub(super) fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
     let covered = plane.samples().iter().zip(mask.plane().samples());
     let range = covered
         .filter(|&(_, &covered)| covered)
@@ -235,7 +230,7 @@ pub fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
 }
 
 /// The diffusion operator L of [LW] section 4.3 for given conductances.
-pub struct Operator {
+pub(super) struct Operator {
     /// `left[x]` joins column x - 1 and x; 0 in the first column.
     left: Plane<f64>,
     /// `above` joins a row and the row above it; 0 in the first row.
@@ -244,7 +239,7 @@ pub struct Operator {
 
 impl Operator {
     /// The operator with harmonic means of `conductance` at its faces, closed at the picture's border.
-    pub fn new(conductance: &Plane<f64>) -> Self {
+    pub(super) fn new(conductance: &Plane<f64>) -> Self {
         let face = |a: f64, b: f64| {
             if a > 0.0 && b > 0.0 {
                 2.0 / (a.recip() + b.recip())
@@ -304,7 +299,7 @@ impl Operator {
     }
 
     /// `(1 + dt L)^count g`, step by step.
-    pub fn steps(&self, g: &Plane<f64>, count: u32, time_step: f64) -> Plane<f64> {
+    pub(super) fn steps(&self, g: &Plane<f64>, count: u32, time_step: f64) -> Plane<f64> {
         let (mut now, mut next) = (g.clone(), g.clone());
         for _ in 0..count {
             self.sweep(&mut next, &now, |g, lg, _| g + time_step * lg);
@@ -314,7 +309,7 @@ impl Operator {
     }
 
     /// `exp(time L) g`, by an expansion within 1e-13 of the largest |g|.
-    pub fn exponential(&self, g: &Plane<f64>, time: f64) -> Plane<f64> {
+    pub(super) fn exponential(&self, g: &Plane<f64>, time: f64) -> Plane<f64> {
         self.expanded(g, Spread::Time(time))
     }
 
@@ -341,7 +336,7 @@ impl Operator {
     }
 
     /// `field` diffused as `params` ask: exactly for a scale in pixels, in steps for a number of them.
-    pub fn diffused(&self, field: &Field, params: &ShapeParams) -> Field {
+    pub(super) fn diffused(&self, field: &Field, params: &ShapeParams) -> Field {
         [0, 1].map(|axis: usize| match params.scale {
             Scale::Iterations(count) if count <= MOST_STEPS => {
                 self.steps(&field[axis], count, f64::from(params.time_step))
@@ -357,7 +352,7 @@ impl Operator {
 
 /// Trace of the Hessian of every covered pixel: the divergence of the plane fitted to the 3x3
 /// gradients, weighted by conductance, as [`crate::shape::hessian`] defines it.
-pub fn trace(field: &Field, conductance: &Plane<f64>, mask: &Mask) -> Plane<f64> {
+pub(super) fn trace(field: &Field, conductance: &Plane<f64>, mask: &Mask) -> Plane<f64> {
     covered(mask, |x, y| divergence(field, conductance, x, y))
 }
 

@@ -12,6 +12,7 @@ use crate::backend::cpu::{Outcome, Runner};
 use crate::frame::Frame;
 use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
+use crate::quantile::quantile;
 use serde::Serialize;
 use std::fmt::{self, Display};
 use std::time::{Duration, Instant};
@@ -33,10 +34,10 @@ impl Times {
     /// # Panics
     /// If there was none.
     pub fn of(mut seconds: Vec<f64>) -> Self {
-        seconds.sort_by(f64::total_cmp);
+        let mut of = |share| quantile(&mut seconds, share, f64::total_cmp).expect("there are runs");
         Self {
-            min: seconds[0],
-            median: seconds[seconds.len() / 2],
+            min: of(0.0),
+            median: of(0.5),
             runs: seconds.len(),
         }
     }

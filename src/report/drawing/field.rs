@@ -13,11 +13,11 @@ use glam::DVec2;
 use serde::Serialize;
 
 /// Sides of the field's pixels that are tried, in pixels of the picture.
-pub const CELLS_PX: [u32; 4] = [8, 4, 2, 1];
+pub(crate) const CELLS_PX: [u32; 4] = [8, 4, 2, 1];
 
 /// What one setting gives.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// How often directions are averaged.
     pub passes: u32,
     /// Side of a pixel of the field, in pixels of the picture.
@@ -28,7 +28,6 @@ pub struct Row {
     pub from_exact: Option<Angles>,
     /// Mean turn from pixel to pixel, in degrees: how calm strokes are.
     pub turn: f64,
-    /// Time of the stage.
     pub stage: Times,
     /// Whether no other resolution of as many passes is both faster and nearer to the full one.
     pub on_front: bool,
@@ -36,14 +35,10 @@ pub struct Row {
 
 /// All settings on one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// Its name.
+pub(crate) struct Sweep {
     pub name: String,
-    /// Columns of the part that is drawn.
     pub width: usize,
-    /// Rows of that part.
     pub height: usize,
-    /// Pixels of it that show a surface.
     pub covered: usize,
     /// The resolutions at the usual number of passes, then the passes at the usual resolution.
     pub rows: Vec<Row>,

@@ -3,17 +3,17 @@
 //! What is drawn is a card: the surface of a frame in one even tone, so that the drawing tells of strokes
 //! alone.
 
-pub mod field;
-pub mod strokes;
-pub mod tone;
+pub(super) mod field;
+pub(super) mod strokes;
+pub(super) mod tone;
 
-use super::Extent;
 use super::advice::rounded as rounded_number;
 use super::engine::{Inputs, Outcome, Session};
 use super::light::middle;
 use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
 use super::timing::{Effort, Timed};
+use super::{Asked, Extent};
 use crate::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::params::{Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, ToneParams};
@@ -23,26 +23,21 @@ use std::fmt::{self, Display};
 
 /// Everything that was measured of drawings.
 #[derive(Debug, Clone, Serialize)]
-pub struct DrawingReport {
-    /// Directions, on the frame and on an ellipsoid.
+pub(crate) struct DrawingReport {
     pub fields: Vec<field::Sweep>,
-    /// Levels and sets, on the frame.
     pub strokes: strokes::Sweep,
-    /// Tones of a flat card.
     pub tones: Vec<tone::Row>,
 }
 
 /// Measures drawings of `frame`, called `name`.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn run(
-    name: &str,
-    frame: &Frame,
-    shape: ShapeParams,
-    extent: Extent,
-    progress: &dyn Fn(&str),
-) -> Result<DrawingReport> {
+pub(super) fn run(asked: &Asked) -> Result<DrawingReport> {
+    let Asked {
+        name,
+        frame,
+        shape,
+        extent,
+        progress,
+    } = *asked;
     let (most, effort) = match extent {
         Extent::Full => ([960, 720], Effort::new(5, 200)),
         Extent::Quick => ([480, 360], Effort::new(3, 60)),
@@ -159,7 +154,7 @@ fn hatching(outcome: Outcome) -> Plane {
 
 /// Angles between directions, in degrees, over all pixels compared.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Angles {
+pub(crate) struct Angles {
     /// Mean.
     pub mean: f64,
     /// What 95 in 100 stay below.

@@ -14,16 +14,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Numbers of levels that are tried, the last as the limit of them all.
-pub const LEVELS: [u32; 8] = [4, 8, 12, 16, 24, 36, 72, MAX_LEVELS];
+pub(crate) const LEVELS: [u32; 8] = [4, 8, 12, 16, 24, 36, 72, MAX_LEVELS];
 /// Numbers of sets that are tried.
-pub const SETS: [u32; 3] = [1, 2, 4];
+pub(crate) const SETS: [u32; 3] = [1, 2, 4];
 
 /// What one setting gives.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// Levels over half a turn.
+pub(crate) struct Row {
     pub levels: u32,
-    /// Sets of levels.
     pub sets: u32,
     /// From strokes, as they are drawn, to the field.
     pub from_field: Angles,
@@ -32,18 +30,14 @@ pub struct Row {
     pub unbroken: f64,
     /// Root mean square of the error of tone, 0..1, over some two strokes' distances.
     pub blotches: f64,
-    /// Time of hatching.
     pub stage: Times,
 }
 
 /// All settings on one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// Its name.
+pub(crate) struct Sweep {
     pub name: String,
-    /// Columns of the part that is drawn.
     pub width: usize,
-    /// Rows of that part.
     pub height: usize,
     /// Pixels compared: those whose surroundings are all covered.
     pub pixels: usize,

@@ -8,18 +8,17 @@ use crate::report::timing::Effort;
 use serde::Serialize;
 
 /// Tones that are tried, from black to white.
-pub const TONES: [f32; 9] = [0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0];
+pub(crate) const TONES: [f32; 9] = [0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0];
 
 /// Degrees at which strokes are laid: on a level, and by different shares between levels.
-pub const ANGLES: [f32; 5] = [0.0, 33.75, 39.0, 95.6, 177.0];
+pub(crate) const ANGLES: [f32; 5] = [0.0, 33.75, 39.0, 95.6, 177.0];
 
 /// The card's size: several periods of the texture.
 const CARD: [usize; 2] = [640, 480];
 
 /// One tone in one style.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// What it is drawn with.
+pub(crate) struct Row {
     pub style: Style,
     /// The tone asked for: 1 is paper.
     pub tone: f32,
@@ -27,7 +26,6 @@ pub struct Row {
     pub drawn: f64,
     /// The largest error of the mean at one angle.
     pub worst: f64,
-    /// The angle of that.
     pub worst_angle: f32,
 }
 

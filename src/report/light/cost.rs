@@ -12,14 +12,12 @@ use crate::report::timing::{Effort, Times};
 use serde::Serialize;
 
 /// Numbers of lights tried.
-pub const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
+pub(crate) const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
 
 /// What one number of lights takes.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// Lights, in even directions.
+pub(crate) struct Row {
     pub lights: usize,
-    /// Time of lighting.
     pub relight: Times,
     /// Nanoseconds per covered pixel and light, of all threads together.
     pub nanoseconds: f64,
@@ -27,7 +25,7 @@ pub struct Row {
 
 /// A straight line through times.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Line {
+pub(crate) struct Line {
     /// Seconds without any light.
     pub start: f64,
     /// Seconds per light.
@@ -38,12 +36,10 @@ pub struct Line {
 
 /// What a part of the frame takes.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct CoveredRow {
+pub(crate) struct CoveredRow {
     /// Share of the frame that is covered.
     pub share: f64,
-    /// Pixels that are.
     pub pixels: usize,
-    /// Time of lighting.
     pub relight: Times,
     /// Nanoseconds per covered pixel and light.
     pub nanoseconds: f64,
@@ -51,27 +47,20 @@ pub struct CoveredRow {
 
 /// Cost of Blinn-Phong under a warp.
 #[derive(Debug, Clone, Serialize)]
-pub struct Cost {
-    /// Columns of the frame.
+pub(crate) struct Cost {
     pub width: usize,
-    /// Rows.
     pub height: usize,
-    /// By number of lights.
     pub rows: Vec<Row>,
     /// The least-squares line through the least times.
     pub line: Line,
     /// Lights of the rows below.
     pub lights: usize,
-    /// By the share that is covered.
     pub covered: Vec<CoveredRow>,
 }
 
 /// Lights `frame`, all of it covered, by ever more lights, and by [`AUTO_SAMPLES`] with less and less of it
 /// covered.
-///
-/// # Errors
-/// None for the parameters tried here.
-pub fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Result<Cost> {
+pub(crate) fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Result<Cost> {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let time = |frame: &Frame, lights: usize| -> Result<(Times, f64)> {
         let bench = Bench::new(frame, ShapeParams::default(), environment, effort);

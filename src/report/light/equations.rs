@@ -9,23 +9,19 @@ use crate::report::timing::Times;
 use serde::Serialize;
 
 /// Numbers tried.
-pub const COUNTS: [u32; 5] = [16, 64, 256, 1024, 4096];
+pub(crate) const COUNTS: [u32; 5] = [16, 64, 256, 1024, 4096];
 
 /// What one number of samples gives by one of the two equations.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Sample {
-    /// Number of samples.
+pub(crate) struct Sample {
     pub count: u32,
-    /// How far the picture is from the reference.
     pub difference: Difference,
-    /// Time of lighting.
     pub relight: Times,
 }
 
 /// Both equations for one surface.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// What is lit.
+pub(crate) struct Sweep {
     pub surface: Surface,
     /// Equation 1: even directions, looked up at every pixel.
     pub lookups: Vec<Sample>,
@@ -35,10 +31,7 @@ pub struct Sweep {
 
 /// Tries equation 1 against the references, up to `most` look-ups; what equation 2 gives is known from the
 /// samples.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn sweeps(
+pub(crate) fn sweeps(
     bench: &Bench,
     references: &References,
     samples: &[samples::Sweep],

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 /// Errors of one function and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// Largest error relative to the exact value, where that is a normal number.
     pub relative: f64,
     /// Largest error in distances between neighbouring f32.
@@ -25,21 +25,17 @@ pub struct Measured {
 
 /// One function, ours and the standard library's.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// Its name.
+pub(crate) struct Row {
     pub name: &'static str,
-    /// Least and largest argument.
     pub domain: [f32; 2],
     /// Arguments tried: that many f32, evenly spaced in the order of f32.
     pub arguments: usize,
-    /// Ours.
     pub fast: Measured,
-    /// The standard library's.
     pub std: Measured,
 }
 
 /// The vectors that ours run in.
-pub fn vectors() -> String {
+pub(crate) fn vectors() -> String {
     format!("{} bits", cpu::vector_bits())
 }
 
@@ -50,7 +46,7 @@ const ROW: usize = 2048;
 const EXPONENT: f32 = 2.2;
 
 /// Every function.
-pub fn measured(extent: Extent) -> Vec<Row> {
+pub(crate) fn measured(extent: Extent) -> Vec<Row> {
     let effort = match extent {
         Extent::Full => (4_000_000, Duration::from_millis(60)),
         Extent::Quick => (120_000, Duration::from_millis(4)),

@@ -5,17 +5,17 @@
 //! asked for and nothing is random. The reference is a picture under [`REFERENCE_LIGHTS`] even lights
 //! ([LW] equation 2 where it is warped), itself held against double precision ([`super::light_reference`]).
 
-pub mod cost;
-pub mod equations;
-pub mod functions;
+pub(crate) mod cost;
+pub(crate) mod equations;
+pub(crate) mod functions;
 pub mod lit;
-pub mod prefiltered;
-pub mod samples;
+pub(crate) mod prefiltered;
+pub(crate) mod samples;
 
-use super::Extent;
 use super::compare::covered;
 use super::scenes::Scene;
 use super::timing::Effort;
+use super::{Asked, Extent};
 use crate::Result;
 use crate::frame::{Frame, Window};
 use crate::light::environment::Environment;
@@ -27,16 +27,16 @@ use lit::Bench;
 use serde::Serialize;
 
 /// Even lights of the reference.
-pub const REFERENCE_LIGHTS: usize = 16_384;
+pub(crate) const REFERENCE_LIGHTS: usize = 16_384;
 
 /// Columns of the environment: some 6 pixels to each light of the reference.
 const COLUMNS: usize = 512;
 
 /// What cannot be seen: a step of 8 bits of the luminance that shows as white.
-pub const ENOUGH: f64 = 1.0 / 255.0;
+pub(crate) const ENOUGH: f64 = 1.0 / 255.0;
 
 /// What the environment shows, in words.
-pub const ENVIRONMENT: &str = "a blue sky with a warm bright side to the upper right and a sun of 6 degrees to the upper left";
+pub(crate) const ENVIRONMENT: &str = "a blue sky with a warm bright side to the upper right and a sun of 6 degrees to the upper left";
 
 /// A bright side, a small sun, some colour, a dark ground.
 pub fn environment() -> Environment {
@@ -78,47 +78,36 @@ pub fn bare(material: Material, method: Method) -> RelightParams {
 
 /// What was measured of one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct Subject {
-    /// Its name.
+pub(crate) struct Subject {
     pub name: String,
     /// Columns of the part that was lit, around the middle of what is covered.
     pub width: usize,
-    /// Rows of that part.
     pub height: usize,
-    /// Pixels of it that show a surface.
     pub covered: usize,
-    /// Number of samples, by material and method.
     pub samples: Vec<samples::Sweep>,
-    /// The two equations of light warping, by material.
     pub equations: Vec<equations::Sweep>,
-    /// Prefiltered maps.
     pub prefiltered: Vec<prefiltered::Row>,
 }
 
 /// Everything that was measured of light.
 #[derive(Debug, Clone, Serialize)]
-pub struct LightReport {
-    /// What the environment shows.
+pub(crate) struct LightReport {
     pub environment: &'static str,
     /// The frame, and in a full report a scene.
     pub subjects: Vec<Subject>,
-    /// Elementary functions.
     pub functions: Vec<functions::Row>,
-    /// Cost by number of lights, and by covered share.
     pub cost: cost::Cost,
 }
 
 /// Measures light on `frame`, called `name`.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn run(
-    name: &str,
-    frame: &Frame,
-    shape: ShapeParams,
-    extent: Extent,
-    progress: &dyn Fn(&str),
-) -> Result<LightReport> {
+pub(crate) fn run(asked: &Asked) -> Result<LightReport> {
+    let Asked {
+        name,
+        frame,
+        shape,
+        extent,
+        progress,
+    } = *asked;
     let (most, effort) = match extent {
         Extent::Full => ([128, 96], Effort::new(5, 150)),
         Extent::Quick => ([80, 60], Effort::new(3, 20)),

@@ -9,12 +9,10 @@ use serde::Serialize;
 
 /// What a prefiltered map gives in place of a sum.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// What is lit.
+pub(crate) struct Row {
     pub surface: Surface,
     /// How light is altered: where it is warped, the one look-up is.
     pub method: Method,
-    /// How far the picture is from the reference.
     pub difference: Difference,
     /// Time of filtering, once for a sequence.
     pub prefilter: Times,
@@ -27,10 +25,7 @@ pub struct Row {
 }
 
 /// Both surfaces, plain and warped.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn rows(bench: &Bench, references: &References) -> Result<Vec<Row>> {
+pub(crate) fn rows(bench: &Bench, references: &References) -> Result<Vec<Row>> {
     let rows = references.all().iter().map(|reference| {
         let params = reference
             .surface

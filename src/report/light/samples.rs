@@ -9,18 +9,16 @@ use crate::report::timing::Times;
 use serde::Serialize;
 
 /// Numbers tried: powers of four, and what the paper shows.
-pub const COUNTS: [u32; 8] = [1, 4, 16, 54, 64, 256, 1024, 4096];
+pub(crate) const COUNTS: [u32; 8] = [1, 4, 16, 54, 64, 256, 1024, 4096];
 
 /// What one number gives.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Lights, by median cut.
     pub count: u32,
-    /// How far the picture is from the reference.
     pub difference: Difference,
     /// Time of the lights' making, once for a sequence.
     pub cut: Times,
-    /// Time of lighting.
     pub relight: Times,
     /// Whether no other number is both faster and better in 99 pixels of 100.
     pub on_front: bool,
@@ -28,12 +26,9 @@ pub struct Row {
 
 /// All numbers for one surface and method.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// What is lit.
+pub(crate) struct Sweep {
     pub surface: Surface,
-    /// How light is altered.
     pub method: Method,
-    /// Time of the reference.
     pub reference: Times,
     /// Largest error of the reference's sums against double precision.
     pub reference_rounding: f64,
@@ -44,10 +39,7 @@ pub struct Sweep {
 }
 
 /// Tries every number against every reference.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn sweeps(bench: &Bench, references: &References) -> Result<Vec<Sweep>> {
+pub(crate) fn sweeps(bench: &Bench, references: &References) -> Result<Vec<Sweep>> {
     let all = references.all().iter();
     all.map(|reference| sweep(bench, reference)).collect()
 }

@@ -46,7 +46,7 @@ fn rows(report: &Report) -> impl Iterator<Item = (&str, &str, &GpuRow)> {
 }
 
 fn clock(report: &Report) -> &'static str {
-    match rows(report).all(|(.., row)| row.has_clock()) {
+    match rows(report).all(|(.., row)| row.parts.has_clock()) {
         true => " Stages are timed by the device's own clock.",
         false => {
             " The device has no clock of its own: kernels are timed all together, and stand in for the diffusion."
@@ -57,6 +57,7 @@ fn clock(report: &Report) -> &'static str {
 fn times(report: &Report) -> String {
     let stages = |row: &GpuRow| {
         let stages = row
+            .parts
             .stages
             .iter()
             .map(|stage| format!("{} {}", stage.stage, stage.times));
@@ -66,9 +67,9 @@ fn times(report: &Report) -> String {
         "frame": name,
         "scale": scale,
         "setting": format!("{:?}, {}", row.row.solver, row.row.setting),
-        "upload": row.upload,
-        "compute": row.compute,
-        "read-back": row.read_back,
+        "upload": row.parts.upload,
+        "compute": row.parts.compute,
+        "read-back": row.parts.read_back,
         "all": row.row.whole,
         "compute, by stage": stages(row),
     });
@@ -86,7 +87,7 @@ fn pictures(rows: &[PictureRow]) -> String {
             row,
             "GPU",
             Some(&row.on_gpu.errors),
-            Some(timed),
+            Some(&timed.parts),
             timed.whole,
         );
         [
@@ -111,9 +112,9 @@ fn pictures(rows: &[PictureRow]) -> String {
         "mean / 99 % / max": or_blank(errors),
         "worst at": or_blank(errors.map(place)),
         "not finite": or_blank(errors.map(|e| e.non_finite)),
-        "upload": or_blank(on_gpu.map(|timed| timed.upload)),
-        "compute": or_blank(on_gpu.map(|timed| timed.compute)),
-        "read-back": or_blank(on_gpu.map(|timed| timed.read_back)),
+        "upload": or_blank(on_gpu.map(|parts| parts.upload)),
+        "compute": or_blank(on_gpu.map(|parts| parts.compute)),
+        "read-back": or_blank(on_gpu.map(|parts| parts.read_back)),
         "all": whole,
     });
     format!(

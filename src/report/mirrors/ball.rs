@@ -12,7 +12,7 @@ const RADIUS: f64 = 1.0;
 
 /// Cosine between normal and sight line from which on pixels are compared. Nearer to the rim of the ball neighbours show
 /// what lies far apart, and directions are off by the size of pixels, however they are traced.
-pub const FACING: f64 = 0.3;
+pub(crate) const FACING: f64 = 0.3;
 
 /// Focal length over the width of the picture: the ball, of radius 1 at a distance of 4, takes 3/4 of it.
 const FOCAL: f64 = 1.5;
@@ -139,7 +139,7 @@ impl Ball {
 
 /// How far from the edges of surfaces directions are compared. Pixels on edges have none of their own, whatever was traced:
 /// they take their neighbours'. Edges are a pixel wide to each side.
-pub const EDGE_PX: f64 = 2.0;
+pub(crate) const EDGE_PX: f64 = 2.0;
 
 /// Half the difference in pixels over which slopes are taken: errors of the second order, and those of rounding over
 /// it, are both below 1e-8 of what the ball shows.

@@ -8,8 +8,8 @@ mod ball;
 mod bench;
 mod room;
 
-pub use ball::{EDGE_PX, FACING};
-pub use room::ABOUT;
+pub(super) use ball::{EDGE_PX, FACING};
+pub(super) use room::ABOUT;
 
 use super::Extent;
 use super::compare::Tally;
@@ -23,18 +23,17 @@ use serde::Serialize;
 
 /// Steps of the search that are tried. They are those of half a turn; a mirrored ray turns by a quarter of one at most, and
 /// takes 4 of 8.
-pub const STEPS: [u32; 6] = [8, 16, 32, 64, 128, 256];
+pub(super) const STEPS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 /// Refinements that are tried.
-pub const REFINEMENTS: [u32; 4] = [1, 2, 4, 12];
+pub(super) const REFINEMENTS: [u32; 4] = [1, 2, 4, 12];
 /// Rows of the map that are tried.
-pub const MAP_HEIGHTS: [usize; 6] = [16, 32, 64, 128, 256, 512];
+pub(super) const MAP_HEIGHTS: [usize; 6] = [16, 32, 64, 128, 256, 512];
 /// Rows of the map where they are not varied.
-pub const USUAL_MAP_HEIGHT: usize = 256;
+pub(super) const USUAL_MAP_HEIGHT: usize = 256;
 
 /// Half of all errors stay below the median, 95 in 100 below the other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Median.
+pub(crate) struct Spread {
     pub median: f64,
     /// What 95 in 100 stay below.
     pub p95: f64,
@@ -51,7 +50,7 @@ impl Spread {
 
 /// How a ball is traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Setting {
+pub(crate) struct Setting {
     /// How what its sight lines meet is searched for.
     pub search: SearchParams,
     /// Rows of the map; it has twice as many columns.
@@ -69,8 +68,7 @@ impl Default for Setting {
 
 /// What one setting gives. Shares are 0..1.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// The setting.
+pub(crate) struct Row {
     pub setting: Setting,
     /// Share of the pixels whose sight line is found to end on something seen.
     pub found: f64,
@@ -93,17 +91,15 @@ pub struct Row {
 
 impl Row {
     /// Share of the pixels whose sight line is not found to end on the right surface.
-    pub fn astray(&self) -> f64 {
+    pub(crate) fn astray(&self) -> f64 {
         1.0 - self.found + self.wrong_surface
     }
 }
 
 /// Everything that was measured of mirrors.
 #[derive(Debug, Clone, Serialize)]
-pub struct MirrorReport {
-    /// What the scene shows.
+pub(crate) struct MirrorReport {
     pub about: &'static str,
-    /// Columns and rows of the picture.
     pub size: usize,
     /// Pixels compared: those that face the viewer ([`FACING`]) and show what the map shows too.
     pub pixels: usize,
@@ -111,11 +107,8 @@ pub struct MirrorReport {
     pub pixels_of_columns: usize,
     /// Share of the facing pixels that are left out: what they show is not seen from the middle of the room.
     pub hidden: f64,
-    /// By steps of the search.
     pub steps: Vec<Row>,
-    /// By refinements.
     pub refinements: Vec<Row>,
-    /// By rows of the map.
     pub map_heights: Vec<Row>,
 }
 
@@ -150,10 +143,7 @@ impl MirrorReport {
 }
 
 /// Measures the mirror ball in its room.
-///
-/// # Errors
-/// None for the settings tried here.
-pub fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorReport> {
+pub(super) fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorReport> {
     let (size, effort) = match extent {
         Extent::Full => (320, Effort::new(3, 200)),
         Extent::Quick => (160, Effort::new(2, 60)),

@@ -14,51 +14,38 @@ use glam::DVec2;
 use serde::Serialize;
 
 /// Steps tried, in pixels, beside the automatic one.
-pub const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
+pub(crate) const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
 
 /// What one step gives for normals of one rounding.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// How normals were rounded.
+pub(crate) struct Row {
     pub stored: Stored,
     /// The step asked for, in pixels; `None` is the automatic one.
     pub step_px: Option<u8>,
     /// The least and the greatest step taken, in pixels.
     pub steps_px: [usize; 2],
-    /// Mean error in degrees.
     pub mean: f64,
     /// What 95 pixels in 100 stay below, in degrees.
     pub p95: f64,
-    /// Largest error in degrees.
     pub max: f64,
-    /// Time of the stage.
     pub stage: Times,
-    /// Megapixels of the frame per second.
     pub megapixels_per_second: f64,
 }
 
 /// All steps and roundings on one scene.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// Name of the scene.
+pub(crate) struct Sweep {
     pub name: String,
-    /// What it shows.
     pub about: String,
-    /// Its size.
     pub width: usize,
-    /// Its size.
     pub height: usize,
     /// Pixels compared: those whose direction is known.
     pub pixels: usize,
-    /// What was tried.
     pub rows: Vec<Row>,
 }
 
 /// Tries every step on `scene` with normals of every rounding.
-///
-/// # Errors
-/// None for the steps tried here.
-pub fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
+pub(crate) fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
     let mask = &scene.frame.mask;
     let mut sweep = Sweep {
         name: scene.name.into(),
@@ -117,7 +104,7 @@ pub(crate) fn vector_at(field: &Vector2Planes, [x, y]: [usize; 2]) -> DVec2 {
 }
 
 /// The angle between two directions that are the same as their opposites; 90 degrees for none.
-pub fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
+pub(crate) fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
     if found == DVec2::ZERO {
         return 90.0;
     }

@@ -12,7 +12,7 @@ use serde::Serialize;
 /// How samples were rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Stored {
+pub(crate) enum Stored {
     /// As they came.
     Float,
     /// 16-bit floats, normals and depth.
@@ -23,12 +23,9 @@ pub enum Stored {
 
 /// Results of rounded input against those of the input as it came.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// Name of the frame.
+pub(crate) struct Row {
     pub frame: String,
-    /// How it was rounded.
     pub stored: Stored,
-    /// The scale in words.
     pub scale: String,
     /// Change of the gradient, relative to the largest |g| before diffusion.
     pub gradient: Errors,
@@ -40,10 +37,7 @@ pub struct Row {
 
 /// Compares float, half and byte input at the undiffused and at the asked-for scale with the reference
 /// in double precision of the input as it came.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> {
+pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> {
     let measuring = Measuring::new(frame, shape)?;
     let mut scales = vec![Scale::Iterations(0)];
     if shape.diffusion_time() > 0.0 {
@@ -87,7 +81,7 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
 
 impl Stored {
     /// Every way, from the finest.
-    pub const ALL: [Self; 3] = [Self::Float, Self::Half, Self::Byte];
+    pub(crate) const ALL: [Self; 3] = [Self::Float, Self::Half, Self::Byte];
 
     /// Largest rounding error of a component of a normal: half a step between bytes, or between half floats
     /// just below 1.
@@ -101,7 +95,7 @@ impl Stored {
 }
 
 /// The frame as it would be read, had it been stored so.
-pub fn rounded(frame: &Frame, stored: Stored) -> Frame {
+pub(crate) fn rounded(frame: &Frame, stored: Stored) -> Frame {
     let (normal, length) = match stored {
         Stored::Float => return frame.clone(),
         Stored::Half => rounded_normals(frame, |v| f16::from_f32(v).to_f32()),

@@ -13,18 +13,16 @@ use crate::report::timing;
 use serde::Serialize;
 
 /// Foreshortenings tried.
-pub const FORESHORTENINGS: [f32; 4] = [0.0, 0.4, 1.0, 2.0];
+pub(crate) const FORESHORTENINGS: [f32; 4] = [0.0, 0.4, 1.0, 2.0];
 /// Floors of n_z tried.
-pub const FLOORS: [f32; 4] = [0.02, 0.05, 0.1, 0.2];
+pub(crate) const FLOORS: [f32; 4] = [0.02, 0.05, 0.1, 0.2];
 /// Bands of n_z, from the rim inward; neighbours share a bound.
-pub const BANDS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.2, 0.35, 0.6];
+pub(crate) const BANDS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.2, 0.35, 0.6];
 
 /// Error on the ball by band of n_z.
 #[derive(Debug, Clone, Serialize)]
-pub struct BallRow {
-    /// Foreshortening.
+pub(crate) struct BallRow {
     pub foreshortening: f32,
-    /// Floor of n_z.
     pub min_nz: f32,
     /// Error of the undiffused trace relative to the closed form, one per band of [`BANDS`].
     pub bands: Vec<Errors>,
@@ -32,12 +30,9 @@ pub struct BallRow {
 
 /// What a pair of the two gives on the frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct FrameRow {
-    /// Foreshortening.
+pub(crate) struct FrameRow {
     pub foreshortening: f32,
-    /// Floor of n_z.
     pub min_nz: f32,
-    /// The largest |g| before diffusion.
     pub steepest: f64,
     /// Applications of the operator within the tolerance.
     pub applications: usize,
@@ -55,10 +50,7 @@ fn pairs() -> impl Iterator<Item = (f32, f32)> {
 }
 
 /// Errors on the rim of the ball.
-///
-/// # Errors
-/// None for the pairs tried here.
-pub fn on_ball() -> Result<Vec<BallRow>> {
+pub(crate) fn on_ball() -> Result<Vec<BallRow>> {
     let frame = Scene::rim().frame;
     pairs()
         .map(|(foreshortening, min_nz)| {
@@ -91,10 +83,7 @@ pub fn on_ball() -> Result<Vec<BallRow>> {
 
 /// Errors on `frame` at the scale and tolerance of `shape`, expanded: the steeper the slopes, the more
 /// an expansion has to hold.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn on_frame(frame: &Frame, shape: &ShapeParams) -> Result<Vec<FrameRow>> {
+pub(crate) fn on_frame(frame: &Frame, shape: &ShapeParams) -> Result<Vec<FrameRow>> {
     let scale = Scale::Sigma(shape.scale_px() as f32);
     pairs()
         .map(|(foreshortening, min_nz)| {

@@ -25,7 +25,7 @@ const MOST_UPDATES: usize = 1_200_000_000;
 
 /// What one setting gave.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// The solver that was run: where explicit steps are fewer and as good, they stand in.
     pub solver: Solver,
     /// Its tolerance or length of step, in words.
@@ -49,7 +49,6 @@ pub struct Row {
     /// Largest and mean difference of the trace from the closed form, relative to the same, where
     /// there is one.
     pub against_closed_form: Option<Errors>,
-    /// Time of the diffusion.
     pub diffusion: Times,
     /// Time of all stages up to a picture of the curvature.
     pub whole: Times,
@@ -63,14 +62,10 @@ pub struct Row {
 
 /// All settings at one scale.
 #[derive(Debug, Clone, Serialize)]
-pub struct ScaleSweep {
-    /// The scale in words.
+pub(crate) struct ScaleSweep {
     pub scale: String,
-    /// The flag that asks for it.
     pub flag: String,
-    /// Sigma in pixels.
     pub sigma_px: f64,
-    /// What was tried.
     pub rows: Vec<Row>,
     /// What a device gave, where one was measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -81,37 +76,26 @@ pub struct ScaleSweep {
 
 /// All scales of one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct SceneSweep {
-    /// Name of the frame.
+pub(crate) struct SceneSweep {
     pub name: String,
-    /// What it shows.
     pub about: String,
-    /// Its size.
     pub width: usize,
-    /// Its size.
     pub height: usize,
-    /// Pixels that show a surface.
     pub covered: usize,
-    /// The largest |g| before diffusion.
     pub steepest: f64,
-    /// Errors of the edge weights.
     pub edges: EdgeErrors,
-    /// The scales.
     pub scales: Vec<ScaleSweep>,
 }
 
 /// A closed form of the trace: column, row, time to value.
-pub type ClosedForm<'a> = &'a dyn Fn(usize, usize, f64) -> Option<f64>;
+pub(crate) type ClosedForm<'a> = &'a dyn Fn(usize, usize, f64) -> Option<f64>;
 
 /// A frame to be swept.
-pub struct Subject<'a> {
-    /// Its name.
-    pub name: String,
+pub(crate) struct Subject<'a> {
+    pub name: &'a str,
     /// What it shows.
-    pub about: String,
-    /// The frame.
+    pub about: &'a str,
     pub frame: &'a Frame,
-    /// How its shape is found.
     pub shape: ShapeParams,
     /// The closed form of its trace.
     pub closed_form: Option<ClosedForm<'a>>,
@@ -120,10 +104,7 @@ pub struct Subject<'a> {
 }
 
 /// Tries every solver and setting at each of `scales`.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn sweep(
+pub(crate) fn sweep(
     subject: &Subject,
     scales: &[Scale],
     effort: Effort,
@@ -142,8 +123,8 @@ pub fn sweep(
         swept.push(sweep_scale(subject, &measuring, scale, effort, machine)?);
     }
     Ok(SceneSweep {
-        name: subject.name.clone(),
-        about: subject.about.clone(),
+        name: subject.name.into(),
+        about: subject.about.into(),
         width: mask.width(),
         height: mask.height(),
         covered: mask.count(),
@@ -221,7 +202,7 @@ fn sweep_scale(
 }
 
 /// Whether `plan` takes no longer than a setting of a sweep may.
-pub fn is_affordable(plan: &Plan, frame: &Frame) -> bool {
+pub(crate) fn is_affordable(plan: &Plan, frame: &Frame) -> bool {
     plan.sweeps.count() * frame.mask.count() <= MOST_UPDATES
 }
 
@@ -301,9 +282,10 @@ impl Truth<'_> {
             if let Some((outcome, timed)) = outcome.zip(timed) {
                 let whole = timed.whole;
                 let found = Layers::of(outcome);
-                let mut row = self.row(&shape, &layers, &found, timed.diffusion(), whole);
+                let mut row = self.row(&shape, &layers, &found, timed.parts.diffusion(), whole);
                 row.asked_for = is_first;
-                rows.push(GpuRow::new(row, timed));
+                let parts = timed.parts;
+                rows.push(GpuRow { row, parts });
             }
         }
         Ok(rows)

@@ -8,6 +8,7 @@ use crate::backend::cpu::memory::Memory;
 use crate::backend::cpu::passes::map_rows;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::texture_coordinates::{extrapolated, is_joined};
+use crate::quantile::quantile;
 use rayon::prelude::*;
 
 /// How often places are averaged with those around them in each frame. What that takes from the curvature of a
@@ -173,11 +174,7 @@ impl<'a> Step<'a> {
             }
         }
         ratios.retain(|ratio| ratio.is_finite() && *ratio > 0.0);
-        if ratios.is_empty() {
-            return 1.0;
-        }
-        let middle = ratios.len() / 2;
-        *ratios.select_nth_unstable_by(middle, f32::total_cmp).1
+        quantile(&mut ratios, 0.5, f32::total_cmp).unwrap_or(1.0)
     }
 
     /// Where every covered pixel's surface was.
