@@ -1,4 +1,4 @@
-//! What is enough: the cheapest setting within a given error, in words.
+//! The cheapest setting within a given error, in words.
 
 use super::Report;
 use super::light::LightReport;
@@ -21,7 +21,7 @@ pub(crate) fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
     good.min_by(|a, b| a.diffusion.min.total_cmp(&b.diffusion.min))
 }
 
-/// What was asked for, what it costs and what a looser or tighter one would: one sentence.
+/// Cost and error of the settings asked for, and of a cheaper one that is enough: one sentence.
 pub(crate) fn sentence(report: &Report) -> String {
     let sweep = &report.frame.scales[0];
     let Some(asked) = sweep.rows.iter().find(|row| row.asked_for) else {
@@ -67,7 +67,7 @@ pub(crate) fn sentence(report: &Report) -> String {
 /// How many samples of an environment are enough for the frame, and whether prefiltered maps serve.
 pub(crate) fn of_light(light: &LightReport) -> String {
     let subject = &light.subjects[0];
-    if subject.covered == 0 {
+    if subject.on.covered == 0 {
         return "Nothing is covered that light could fall on.".into();
     }
     let enough = |sweep: &Sweep| {

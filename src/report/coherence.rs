@@ -18,7 +18,7 @@ use serde::Serialize;
 pub struct MovingFrame {
     /// Its number.
     pub number: i32,
-    /// What is seen.
+    /// The frame.
     pub frame: Frame,
     /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up.
     pub motion: Option<Vector2Planes>,
@@ -37,7 +37,7 @@ pub struct Row {
     pub still: f64,
     /// Of strokes that move with the surface.
     pub carried: f64,
-    /// Of the card: what moving a drawing costs by itself.
+    /// Of the card: the cost of moving a drawing.
     pub floor: f64,
     /// Largest share of the drawing that one map of places has: 1 where strokes were only moved.
     pub oldest_share: f64,
@@ -56,7 +56,7 @@ pub struct Coherence {
 /// frames follow each other with motion between.
 ///
 /// # Errors
-/// What making a frame fails with, and [`crate::Error::BadParameter`] for parameters outside their range.
+/// Those of making a frame, and [`crate::Error::BadParameter`] for parameters outside their range.
 pub fn measure(
     frames: impl Iterator<Item = Result<MovingFrame>>,
     shape: ShapeParams,
@@ -152,7 +152,7 @@ impl Artist {
         Plan::hatch(available, self.shape, self.scaling, tone, self.line)
     }
 
-    /// What is chosen from the first frame holds for all.
+    /// Levels chosen from the first frame hold for all.
     fn keep(&mut self, outcome: &Outcome) {
         let white = outcome.drawing.as_ref().map(|drawing| drawing.white_point);
         for (chosen, used) in [

@@ -1,4 +1,4 @@
-//! How far a result lies from what it should be: counted in every pixel, the worst ones named.
+//! Errors of a result, counted in every pixel.
 
 use super::advice::scientific;
 use crate::frame::{Mask, Plane, Window};
@@ -15,7 +15,7 @@ use std::fmt::{self, Display};
 pub struct Errors {
     /// Mean.
     pub mean: f64,
-    /// What 99 pixels in 100 stay below.
+    /// 99 pixels in 100 stay below it.
     pub p99: f64,
     /// Largest.
     pub max: f64,
@@ -28,7 +28,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// The same errors with the worst pixel told in the coordinates of `window`, from whose first
+    /// The same errors with the worst pixel in the coordinates of `window`, from whose first
     /// column and row it was counted.
     pub fn in_window(self, window: Window) -> Self {
         let origin = [window.x0, window.y0].map(i64::from);
@@ -142,7 +142,12 @@ impl Tally {
         quantile(&mut self.errors, share, f64::total_cmp).unwrap_or(0.0)
     }
 
-    /// What was gathered.
+    /// Number of pixels.
+    pub(super) fn pixels(&self) -> usize {
+        self.errors.len()
+    }
+
+    /// Their summary.
     pub fn errors(mut self) -> Errors {
         let pixels = self.errors.len();
         let mean = self.errors.iter().sum::<f64>() / pixels.max(1) as f64;
@@ -194,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_counted_and_spoils_the_mean() {
+    fn nan_and_infinity_are_counted_and_spoil_the_mean() {
         let found = Plane::from_samples(3, 1, vec![0.0, f32::NAN, f32::INFINITY]);
         let errors = compare(
             [&found],

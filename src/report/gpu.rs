@@ -30,28 +30,28 @@ pub(crate) fn lamp() -> Illumination {
     }
 }
 
-/// What a report is told of a device.
+/// The device that a report measures beside the CPU.
 #[cfg_attr(
     not(feature = "gpu"),
     allow(dead_code, reason = "a build without devices measures none")
 )]
 pub(crate) enum Device<'a> {
-    /// This build knows of none, and nothing is said.
+    /// This build knows of none.
     Unknown,
-    /// None is measured, and why.
+    /// The reason why none is measured.
     NotMeasured(String),
     /// It is measured.
     Measured(Gpu<'a>),
 }
 
-/// What runs a plan, under these lights where it is for new light.
+/// Runs a plan, under these lights where it is for new light.
 pub(crate) type Run<'a> = &'a (dyn Fn(&Plan, &Frame, &Illumination) -> Result<Outcome> + 'a);
 
 /// A device to be measured.
 pub(crate) struct Gpu<'a> {
     pub name: String,
     pub is_software: bool,
-    /// Whether a report without it is none: else one that fails is left out.
+    /// Whether its failure fails the report; else it is left out.
     pub is_required: bool,
     run: Run<'a>,
     failed: RefCell<Option<Error>>,
@@ -107,11 +107,11 @@ pub(crate) struct ProductRow {
     pub is_within: bool,
 }
 
-/// What is known of a device in the end.
+/// Results of a device.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum GpuReport {
-    /// None was measured, and why.
+    /// The reason why none was measured.
     NotMeasured(String),
     /// It was measured.
     Measured {
@@ -171,7 +171,7 @@ impl<'a> Gpu<'a> {
         while runs.len() < 2 || runs.len() < effort.runs && start.elapsed() < effort.limit {
             runs.push(self.run(plan, frame, light)?.timings);
         }
-        // A run that came in strips for want of memory is another run.
+        // A run in strips, out of memory, is another run.
         let names = |run: &timing::Timings| run.iter().map(|(name, _)| *name).collect::<Vec<_>>();
         let usual = names(&runs[runs.len() - 1]);
         runs.retain(|run| names(run) == usual);
@@ -199,7 +199,7 @@ impl<'a> Gpu<'a> {
         Ok(rows)
     }
 
-    /// What is known of the device in the end, with `products` as found by [`Gpu::products`], and `pictures`.
+    /// The results, with `products` from [`Gpu::products`].
     pub(crate) fn report(
         &self,
         products: Vec<ProductRow>,
@@ -253,7 +253,7 @@ impl GpuParts {
         !self.stages.iter().any(|stage| stage.stage == KERNELS)
     }
 
-    /// The time of the diffusion; of all kernels where there is no clock that tells.
+    /// The time of the diffusion; of all kernels where the device has no clock for each.
     pub(crate) fn diffusion(&self) -> Times {
         let mut stages = self.stages.iter();
         let diffusion = stages.find(|stage| stage.stage == "diffusion");
@@ -354,7 +354,7 @@ mod tests {
         Duration::from_millis(time)
     }
 
-    /// What runs plans on the CPU and tells times as a device does.
+    /// Runs plans on the CPU and names their times as a device does.
     fn device(plan: &Plan, frame: &Frame, _: &Illumination) -> Result<Outcome> {
         let mut outcome = run_on_cpu(plan, frame);
         let times = [
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn kernels_are_told_from_copies() {
+    fn kernels_are_timed_apart_from_copies() {
         let gpu = Gpu::new("test".into(), true, true, &device);
         let frame = frame();
         let plan = timing::plan(Goal::Display, &frame, ShapeParams::default()).unwrap();
@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn every_product_is_compared_and_what_is_off_is_told() {
+    fn every_product_is_compared_and_differences_show() {
         let frame = frame();
         let frames = [("waves", &frame, ShapeParams::default())];
         let same = Gpu::new("test".into(), true, true, &device);
@@ -420,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_fails_is_asked_no_more() {
+    fn a_device_that_fails_runs_no_more() {
         for is_required in [false, true] {
             let asked = Cell::new(0);
             let fails = |plan: &Plan, frame: &Frame, light: &Illumination| {

@@ -1,10 +1,9 @@
-//! New light in double precision, one pixel and one light at a time: what fast single-precision sums are
-//! measured against.
+//! New light in double precision, one pixel and one light at a time: the reference of single-precision sums.
 //!
-//! The papers' equations as printed, with the corrections that the kernels' documentation tells of, and
+//! The papers' equations as printed, with the corrections that the kernels document, and
 //! sharing no code with them: directions are warped in stereographic coordinates by eigenvectors, the
 //! scaling is the printed fraction. It starts from the Hessian and the gain that the backend found, so
-//! that it tells the error of light and nothing else.
+//! that it shows the error of light alone.
 
 use super::engine;
 use crate::error::Result;
@@ -16,7 +15,7 @@ use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// What is known of a pixel.
+/// A pixel to be lit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
     /// Unit normal.
@@ -40,7 +39,7 @@ pub struct Settings<'a> {
     pub gain: f64,
     /// How it is scaled.
     pub scaling: &'a ScalingParams,
-    /// What the surface is made of.
+    /// Material of the surface.
     pub material: &'a MaterialParams,
 }
 
@@ -158,7 +157,7 @@ fn met(pixel: &Pixel, light: DVec3, s: &Settings) -> Met {
     }
 }
 
-/// What a light of 1 from `light` adds: diffusely, specularly.
+/// Diffuse and specular reflection of a light of 1 from `light`.
 ///
 /// # Panics
 /// For a mirror and for glass, which no light is summed on.
@@ -187,7 +186,7 @@ fn shone(pixel: &Pixel, met: &Met, s: &Settings) -> [f64; 2] {
     ]
 }
 
-/// Intensities of the diffuse and the specular lobe, and what is reflected of them.
+/// Intensities of the diffuse and the specular lobe, and the light reflected by them.
 fn lobes(pixel: &Pixel, met: &Met, m: &MaterialParams) -> ([f64; 2], [f64; 2]) {
     let (n, e) = (pixel.normal, pixel.to_eye);
     let (l, nl) = (met.direction, met.cosine);
@@ -226,7 +225,7 @@ fn lobes(pixel: &Pixel, met: &Met, m: &MaterialParams) -> ([f64; 2], [f64; 2]) {
     }
 }
 
-/// What a white pixel shows of `lights`; `None` where one of them is so near its horizon that single
+/// The colour of a white pixel under `lights`; `None` where one of them is so near its horizon that single
 /// precision may see it on the other side.
 pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[f64; 3]> {
     let gains = [s.material.diffuse_gain, s.material.specular()].map(f64::from);
@@ -247,8 +246,8 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
     Some(sum)
 }
 
-/// What some white pixels show of `lights`, seen as `params` say under this gain; those left out for which [`lit`] tells
-/// nothing.
+/// The colours of some white pixels under `lights`, seen as `params` say under this gain; without those for which
+/// [`lit`] gives none.
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.

@@ -53,7 +53,7 @@ impl Table {
         Self { head, rows }
     }
 
-    /// Leaves out columns that say nothing in any row.
+    /// Leaves out columns that are blank in every row.
     fn without_blank_columns(mut self) -> Self {
         let is_blank = |i: usize| self.rows.iter().all(|row| row[i].is_empty());
         for i in (0..self.head.len())
@@ -147,15 +147,15 @@ fn head(report: &Report) -> String {
          before a threshold can move a conductance, it takes the one found within that range. \
          Times are without reading and writing, in the memory of earlier runs, as for the second \
          and later frames of a sequence; `min` is the least of several runs.",
-        frame.name,
+        frame.on.name,
         report.version,
         machine.threads,
         rounded(machine.bytes_per_second / 1e9),
         rounded(machine.operations_per_second / 1e9),
         machine.multiply_add,
-        frame.width,
-        frame.height,
-        frame.covered,
+        frame.on.width,
+        frame.on.height,
+        frame.on.covered,
         rounded(frame.steepest),
     )
 }
@@ -203,12 +203,10 @@ fn solvers(sweep: &SceneSweep, title: &str, plot: &str) -> String {
         format!("\n### {}{sigma}\n\n{}", scale.scale, solver_table(scale))
     };
     format!(
-        "## {title}\n\n{}, {}x{}, {} pixels covered: {}. Largest errors of edge weights, 0 to 1: silhouettes {silhouette}, creases \
+        "## {title}\n\n{}, {} pixels covered: {}. Largest errors of edge weights, 0 to 1: silhouettes {silhouette}, creases \
          {crease}, conductance {conductance}.\n\n![Error against time]({plot})\n{}",
-        sweep.name,
-        sweep.width,
-        sweep.height,
-        sweep.covered,
+        sweep.on,
+        sweep.on.covered,
         sweep.about,
         sweep.scales.iter().map(scale).collect::<String>()
     )
@@ -252,7 +250,7 @@ fn solver_table(scale: &ScaleSweep) -> String {
 
 fn exact_scenes(report: &Report) -> String {
     let section = |scene: &SceneSweep| {
-        let title = format!("Exact scene: {}", scene.name);
+        let title = format!("Exact scene: {}", scene.on.name);
         solvers(scene, &title, &plots::of_scene(scene)) + "\n"
     };
     report.scenes.iter().map(section).collect()
@@ -317,9 +315,9 @@ fn directions(report: &Report) -> String {
             (None, [least, most]) if least == most => format!("auto: {least}"),
             (None, [least, most]) => format!("auto: {least} to {most}"),
         },
-        "mean degrees": rounded(row.mean),
-        "95 %": rounded(row.p95),
-        "max": rounded(row.max),
+        "mean degrees": rounded(row.error.mean),
+        "95 %": rounded(row.error.p95),
+        "max": rounded(row.error.max),
         "normal-rays min / median": row.stage,
         "Mpix/s": rounded(row.megapixels_per_second),
     });
@@ -329,7 +327,7 @@ fn directions(report: &Report) -> String {
          curvatures differ by more than a tenth. Twice the step is four times the error of the surface's own change, and half \
          that of rounding; `auto` takes its wider step only where the narrow one tells nothing.\n\n\
          ![Error against step]({DIRECTIONS})\n\n{table}",
-        sweep.about, sweep.width, sweep.height, sweep.pixels,
+        sweep.about, sweep.on.width, sweep.on.height, sweep.pixels,
     )
 }
 

@@ -1,4 +1,4 @@
-//! Error against run time: what each setting costs and what it gives, on a frame and on exact scenes.
+//! Error against run time of each setting, on a frame and on exact scenes.
 //!
 //! Everything is measured against a reference in double precision ([`mod@reference`]) that begins at the
 //! same input. Errors of slopes and of their derivatives are relative to the largest |g| before
@@ -26,7 +26,7 @@ pub mod timing;
 pub mod work;
 
 use crate::Result;
-use crate::frame::Frame;
+use crate::frame::{Frame, Mask};
 use crate::params::{Scale, ShapeParams};
 use crate::plan::{Decision, Goal};
 use gpu::{Device, GpuReport};
@@ -34,6 +34,7 @@ use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
 use stability::CaseResult;
+use std::fmt::{self, Display};
 use sweeps::solver::{SceneSweep, Subject};
 use sweeps::{directions, precision, rim, run, solver};
 use timing::{Effort, Times, Utilisation};
@@ -45,6 +46,34 @@ pub(crate) enum Extent {
     Full,
     /// The scale asked for and one more, scenes of 320x240, fewer runs.
     Quick,
+}
+
+/// A frame that rows are measured on, or the part of it.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct On {
+    pub name: String,
+    pub width: usize,
+    pub height: usize,
+    /// Pixels that show a surface.
+    pub covered: usize,
+}
+
+impl On {
+    fn new(name: &str, mask: &Mask) -> Self {
+        Self {
+            name: name.into(),
+            width: mask.width(),
+            height: mask.height(),
+            covered: mask.count(),
+        }
+    }
+}
+
+/// Name and size.
+impl Display for On {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}x{}", self.name, self.width, self.height)
+    }
 }
 
 /// A stage of the whole descriptor.

@@ -1,7 +1,7 @@
-//! New light and drawings by a device beside the CPU: how far off they are, and what they take.
+//! New light and drawings by a device beside the CPU: errors and times.
 //!
 //! New light has a reference in double precision ([`super::light_reference`]), which starts from the Hessian and the
-//! gain that the CPU found. A drawing has none: what the device draws is compared with what the CPU does.
+//! gain that the CPU found. A drawing has none: the drawing of the device is compared with that of the CPU.
 
 use super::compare::{Errors, Tally, compare_where};
 use super::engine::{Inputs, Outcome, Session, lit_by};
@@ -24,13 +24,13 @@ use serde::Serialize;
 /// Pixels at which new light is compared, at the most.
 pub(super) const COMPARED: usize = 4096;
 
-/// What errors are told from.
+/// The reference of errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Reference {
     /// Double precision.
     DoublePrecision,
-    /// What the CPU makes.
+    /// The result of the CPU.
     Cpu,
 }
 
@@ -54,16 +54,16 @@ pub(crate) struct OnGpu {
 /// A picture by both.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct PictureRow {
-    /// What is made, in words.
+    /// The picture in words.
     pub picture: String,
-    /// What errors are told from. Those of new light are of the worst channel, relative to the luminance that 98 pixels
+    /// The reference of errors. Those of new light are of the worst channel, relative to the luminance that 98 pixels
     /// in 100 of the reference stay below; those of drawings are of ink, 0..1.
     pub reference: Reference,
     pub on_cpu: OnCpu,
     pub on_gpu: OnGpu,
 }
 
-/// `frame` in new light and drawn, its shape found by `shape`; what the device failed at is left out.
+/// `frame` in new light and drawn, its shape found by `shape`; without those that the device failed at.
 pub(super) fn rows(
     gpu: &Gpu,
     frame: &Frame,
@@ -71,7 +71,7 @@ pub(super) fn rows(
     effort: Effort,
 ) -> Result<Vec<PictureRow>> {
     let bench = Bench { gpu, shape, effort };
-    // What the reference knows: a white surface that hides all behind it.
+    // The reference has white, opaque surfaces.
     let white = Frame {
         color: None,
         albedo: None,
@@ -240,7 +240,7 @@ mod tests {
             let errors = row.on_cpu.errors.unwrap();
             assert_eq!(row.reference, Reference::DoublePrecision);
             assert_eq!(row.on_gpu.errors, errors);
-            // Where a light grazes the surface nothing is told.
+            // Pixels that a light grazes have no reference.
             assert!((2990..=3000).contains(&errors.pixels), "{errors:?}");
             // Single precision, of a lobe that is a power of 32: 32 roundings of 2^-23.
             assert!(errors.max > 0.0 && errors.max < 4e-6, "{errors:?}");

@@ -7,7 +7,8 @@ use super::Report;
 use super::advice::{altered, noun};
 use super::drawing::{field, strokes};
 use super::gpu::GpuReport;
-use super::light::{Subject, equations};
+use super::light::Subject;
+use super::light::samples::Sample;
 use super::mirrors::{MirrorReport, Row as MirrorRow};
 use super::pictures::PictureRow;
 use super::sweeps::directions;
@@ -29,15 +30,15 @@ pub(super) const COHERENCE: &str = "coherence.svg";
 
 /// Name of the plot of an exact scene.
 pub(super) fn of_scene(scene: &SceneSweep) -> String {
-    format!("{}.svg", scene.name)
+    format!("{}.svg", scene.on.name)
 }
 
 /// Names of the plots of light: by number of lights, by equation.
 pub(super) fn of_light(subject: &Subject) -> [String; 2] {
     // A frame is called by its file.
-    let name = match subject.name.contains('.') {
+    let name = match subject.on.name.contains('.') {
         true => "",
-        false => &format!("{}-", subject.name),
+        false => &format!("{}-", subject.on.name),
     };
     ["lights", "equations"].map(|plot| format!("{name}{plot}.svg"))
 }
@@ -60,7 +61,7 @@ pub(crate) fn all(report: &Report) -> Vec<(String, String)> {
     add(STROKES, strokes_by_levels(&report.drawing.strokes));
     add(MIRRORS, error_of_mirrors(&report.mirrors));
     if let Some(GpuReport::Measured { pictures, .. }) = &report.gpu {
-        add(PICTURES, error_of_pictures(&report.frame.name, pictures));
+        add(PICTURES, error_of_pictures(&report.frame.on.name, pictures));
     }
     if let Some(coherence) = &report.coherence {
         add(COHERENCE, sequence::difference_by_frame(coherence));
@@ -114,10 +115,7 @@ fn error_against_time(sweep: &SceneSweep) -> String {
         let on_gpu = Series::new(SERIES[2], Marks::Triangles, on_gpu);
         Panel::new(&scale.scale, solvers.into_iter().chain([on_gpu]))
     };
-    let title = format!(
-        "{}, {}x{}: error of the diffused gradient against time",
-        sweep.name, sweep.width, sweep.height
-    );
+    let title = format!("{}: error of the diffused gradient against time", sweep.on);
     let axes = ["diffusion, ms", "largest error / max |g|"];
     figure(&title, &legend, axes, sweep.scales.iter().map(panel))
 }
@@ -167,10 +165,13 @@ fn error_against_step(sweep: &directions::Sweep) -> String {
         .zip(SERIES)
         .flat_map(|(stored, color)| {
             let rows = || sweep.rows.iter().filter(move |row| row.stored == stored);
-            let fixed = rows().filter_map(|row| Some(Point::new(row.step_px?.into(), row.p95, "")));
+            let fixed =
+                rows().filter_map(|row| Some(Point::new(row.step_px?.into(), row.error.p95, "")));
             let auto = rows().filter(|row| row.step_px.is_none());
-            let auto =
-                auto.flat_map(|row| row.steps_px.map(|px| Point::new(px as f64, row.p95, "")));
+            let auto = auto.flat_map(|row| {
+                row.steps_px
+                    .map(|px| Point::new(px as f64, row.error.p95, ""))
+            });
             [
                 Series::new(color, Marks::Discs(4), fixed),
                 Series::new(color, Marks::Rings, auto),
@@ -182,15 +183,17 @@ fn error_against_step(sweep: &directions::Sweep) -> String {
         x: Some((bounds, steps.into())),
         ..Panel::new("95 % stay below", series)
     };
-    let title = format!(
-        "{}, {}x{}: error of the directions of curvature by step",
-        sweep.name, sweep.width, sweep.height
-    );
+    let title = format!("{}: error of the directions of curvature by step", sweep.on);
     figure(&title, &legend, ["step, px", "degrees"], [panel])
 }
 
 /// Axes of error of light against time.
 const LIGHT: [&str; 2] = ["lighting, ms", "error of 99 % / white"];
+
+fn sample(sample: &Sample) -> Point {
+    let error = sample.difference.errors.p99;
+    Point::new(1e3 * sample.relight.min, error, sample.count)
+}
 
 /// The error that 99 pixels in 100 stay below against the time of lighting, by number of lights; a panel per
 /// surface and method.
@@ -198,15 +201,12 @@ fn error_against_lights(subject: &Subject) -> String {
     let panels = subject.samples.iter().map(|sweep| {
         let points = sweep.rows.iter().map(|row| Point {
             on_front: row.on_front,
-            ..Point::new(1e3 * row.relight.min, row.difference.errors.p99, row.count)
+            ..sample(&row.sample)
         });
         let caption = format!("{}, {}", noun(sweep.surface), altered(sweep.method));
         Panel::new(caption, [Series::new(SERIES[0], Marks::Discs(4), points)])
     });
-    let title = format!(
-        "{}, {}x{}: lights that stand for an environment",
-        subject.name, subject.width, subject.height
-    );
+    let title = format!("{}: lights that stand for an environment", subject.on);
     let legend = [("by median cut", SERIES[0]), ("Pareto front", FRONT)];
     figure(&title, &legend, LIGHT, panels)
 }
@@ -217,12 +217,8 @@ fn both_equations(subject: &Subject) -> String {
         ("equation 1: look-ups", SERIES[1]),
         ("equation 2: lights", SERIES[0]),
     ];
-    let series = |color, samples: &[equations::Sample]| {
-        let point = |s: &equations::Sample| {
-            Point::new(1e3 * s.relight.min, s.difference.errors.p99, s.count)
-        };
-        Series::new(color, Marks::Discs(4), samples.iter().map(point))
-    };
+    let series =
+        |color, samples: &[Sample]| Series::new(color, Marks::Discs(4), samples.iter().map(sample));
     let panels = subject.equations.iter().map(|sweep| {
         let lookups = series(SERIES[1], &sweep.lookups);
         Panel::new(
@@ -230,10 +226,7 @@ fn both_equations(subject: &Subject) -> String {
             [series(SERIES[0], &sweep.lights), lookups],
         )
     });
-    let title = format!(
-        "{}, {}x{}: both equations of light warping",
-        subject.name, subject.width, subject.height
-    );
+    let title = format!("{}: both equations of light warping", subject.on);
     figure(&title, &legend, LIGHT, panels)
 }
 
@@ -246,7 +239,7 @@ fn error_of_directions(sweeps: &[field::Sweep]) -> String {
             ..Point::new(1e3 * row.stage.min, row.from_full.p95, row.cell_px)
         });
         Panel::new(
-            &sweep.name,
+            &sweep.on.name,
             [Series::new(SERIES[0], Marks::Discs(4), points)],
         )
     });
@@ -274,10 +267,7 @@ fn strokes_by_levels(sweep: &strokes::Sweep) -> String {
         });
         Panel::new(caption, series)
     };
-    let title = format!(
-        "{}, {}x{}: strokes by levels",
-        sweep.name, sweep.width, sweep.height
-    );
+    let title = format!("{}: strokes by levels", sweep.on);
     let panels = [
         panel("unbroken, %", |row| 100.0 * row.unbroken),
         panel("from the field, degrees", |row| row.from_field.mean),

@@ -1,7 +1,7 @@
-//! How long a plan takes, and what share of the machine it uses.
+//! Run times of plans, and the share of the machine that they use.
 //!
 //! Runs follow one another in the memory of those before: times are those of the second and later frames of
-//! a sequence. The first of a program takes longer, by what the system needs to hand out its memory.
+//! a sequence. The first of a program takes longer, as the system has to hand out its memory.
 
 use super::advice::milliseconds;
 use super::engine::{Inputs, Session};
@@ -113,7 +113,7 @@ impl Timed {
     }
 }
 
-/// What one run took, stage by stage.
+/// Times of the stages of one run.
 pub(super) type Timings = Vec<(&'static str, Duration)>;
 
 /// The plan for `goal` over `frame`.
@@ -168,7 +168,7 @@ pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> 
     runs.iter().map(|runs| Timed::of(runs)).collect()
 }
 
-/// Makes `run` once to warm up, then as often as `effort` says; what is not returned goes back to `runner`.
+/// Makes `run` once to warm up, then as often as `effort` says; the memory of all outcomes but the last goes back to `runner`.
 pub fn measure_runs(
     runner: &Runner,
     effort: Effort,

@@ -1,5 +1,5 @@
-//! What an ideal pass would move and compute, per covered pixel: the model behind the shares of
-//! bandwidth and arithmetic.
+//! Bytes and operations of an ideal pass, per covered pixel: the model behind the shares of bandwidth and
+//! arithmetic.
 //!
 //! Every plane that a stage needs is read once and every one that it makes is written once, 4 bytes a
 //! sample; neighbours come from the cache. Additions, multiplications, comparisons and square roots count
@@ -23,7 +23,7 @@ const SAMPLE: f64 = 4.0;
 const FUNCTION: f64 = 20.0;
 /// Sobel's two derivatives: 4 additions and 2 multiplications each, a division, a difference.
 const SOBEL: f64 = 16.0;
-/// What flows into a sample: 4 differences, 4 products, 3 sums.
+/// Flow into a sample: 4 differences, 4 products, 3 sums.
 const FLUX: f64 = 11.0;
 
 /// The work of the stage that the backend times under `name`; `None` for one without a model.

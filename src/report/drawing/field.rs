@@ -4,6 +4,7 @@ use super::{Angles, Bench};
 use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{FieldParams, LineParams, MAX_FIELD_PASSES};
+use crate::report::On;
 use crate::report::compare::{Tally, covered};
 use crate::report::pareto;
 use crate::report::scenes::Scene;
@@ -15,7 +16,7 @@ use serde::Serialize;
 /// Sides of the field's pixels that are tried, in pixels of the picture.
 pub(crate) const CELLS_PX: [u32; 4] = [8, 4, 2, 1];
 
-/// What one setting gives.
+/// Results of one setting.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Row {
     /// How often directions are averaged.
@@ -36,10 +37,8 @@ pub(crate) struct Row {
 /// All settings on one frame.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Sweep {
-    pub name: String,
-    pub width: usize,
-    pub height: usize,
-    pub covered: usize,
+    #[serde(flatten)]
+    pub on: On,
     /// The resolutions at the usual number of passes, then the passes at the usual resolution.
     pub rows: Vec<Row>,
 }
@@ -53,19 +52,10 @@ pub(super) fn sweep(name: &str, bench: &Bench, exact: Option<&Scene>) -> Result<
     for params in resolutions.into_iter().chain(passes) {
         rows.push(row(bench, params, exact)?);
     }
-    let points: Vec<_> = rows[..CELLS_PX.len()]
-        .iter()
-        .map(|row| [row.stage.min, row.from_full.p95])
-        .collect();
-    for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
-        row.on_front = on_front;
-    }
-    let mask = &bench.card.mask;
+    let place = |row: &Row| [row.stage.min, row.from_full.p95];
+    pareto::mark(&mut rows[..CELLS_PX.len()], place, |row| &mut row.on_front);
     Ok(Sweep {
-        name: name.into(),
-        width: mask.width(),
-        height: mask.height(),
-        covered: mask.count(),
+        on: On::new(name, &bench.card.mask),
         rows,
     })
 }

@@ -1,7 +1,6 @@
 //! Drawings: error against time for levels, sets, passes and the field's resolution, and how true tones are.
 //!
-//! What is drawn is a card: the surface of a frame in one even tone, so that the drawing tells of strokes
-//! alone.
+//! A card is drawn: the surface of a frame in one even tone, so that the drawing shows strokes alone.
 
 pub(super) mod field;
 pub(super) mod strokes;
@@ -69,7 +68,7 @@ pub(super) fn run(asked: &Asked) -> Result<DrawingReport> {
     })
 }
 
-/// The tone in which strokes tell most of themselves.
+/// The tone in which strokes show best.
 const HALF: f32 = 0.5;
 
 /// A card, to be drawn again and again in the same memory.
@@ -157,7 +156,7 @@ fn hatching(outcome: Outcome) -> Plane {
 pub(crate) struct Angles {
     /// Mean.
     pub mean: f64,
-    /// What 95 in 100 stay below.
+    /// 95 in 100 stay below it.
     pub p95: f64,
     /// Largest.
     pub max: f64,
@@ -171,7 +170,7 @@ impl Display for Angles {
 }
 
 impl Angles {
-    fn of(mut tally: super::compare::Tally) -> Self {
+    pub(super) fn of(mut tally: super::compare::Tally) -> Self {
         let p95 = tally.quantile(0.95);
         let errors = tally.errors();
         Self {

@@ -5,6 +5,7 @@ use super::{Angles, Bench, HALF};
 use crate::Result;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::{LineParams, MAX_LEVELS, StrokeParams};
+use crate::report::On;
 use crate::report::compare::{Tally, covered};
 use crate::report::scenes::Scene;
 use crate::report::sweeps::directions::{angle_deg, vector_at};
@@ -18,7 +19,7 @@ pub(crate) const LEVELS: [u32; 8] = [4, 8, 12, 16, 24, 36, 72, MAX_LEVELS];
 /// Numbers of sets that are tried.
 pub(crate) const SETS: [u32; 3] = [1, 2, 4];
 
-/// What one setting gives.
+/// Results of one setting.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Row {
     pub levels: u32,
@@ -36,12 +37,11 @@ pub(crate) struct Row {
 /// All settings on one frame.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Sweep {
-    pub name: String,
-    pub width: usize,
-    pub height: usize,
+    #[serde(flatten)]
+    pub on: On,
     /// Pixels compared: those whose surroundings are all covered.
     pub pixels: usize,
-    /// [`Row::blotches`] of straight strokes: what chance costs by itself.
+    /// [`Row::blotches`] of straight strokes: the share of chance.
     pub straight_blotches: f64,
     /// By sets, then by levels.
     pub rows: Vec<Row>,
@@ -71,9 +71,7 @@ pub(super) fn sweep(name: &str, bench: &Bench) -> Result<Sweep> {
         }
     }
     Ok(Sweep {
-        name: name.into(),
-        width: card.mask.width(),
-        height: card.mask.height(),
+        on: On::new(name, &card.mask),
         pixels: inner.count(),
         straight_blotches,
         rows,

@@ -22,7 +22,7 @@ pub(crate) struct Row {
     pub style: Style,
     /// The tone asked for: 1 is paper.
     pub tone: f32,
-    /// The mean of what is drawn, over all angles.
+    /// The mean tone drawn, over all angles.
     pub drawn: f64,
     /// The largest error of the mean at one angle.
     pub worst: f64,

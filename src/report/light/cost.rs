@@ -1,4 +1,4 @@
-//! What lighting costs by the number of lights, and by the share of the frame that is covered.
+//! Cost of lighting by the number of lights, and by the share of the frame that is covered.
 
 use super::bare;
 use super::lit::Bench;
@@ -14,7 +14,7 @@ use serde::Serialize;
 /// Numbers of lights tried.
 pub(crate) const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
 
-/// What one number of lights takes.
+/// Cost of one number of lights.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Row {
     pub lights: usize,
@@ -30,11 +30,11 @@ pub(crate) struct Line {
     pub start: f64,
     /// Seconds per light.
     pub slope: f64,
-    /// Share of the variance that the line tells of (R squared).
+    /// Share of the variance that the line explains (R squared).
     pub told: f64,
 }
 
-/// What a part of the frame takes.
+/// Cost of a part of the frame.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct CoveredRow {
     /// Share of the frame that is covered.
@@ -164,7 +164,7 @@ mod tests {
         let found = line(&exact);
         assert!((found.start - 3.0).abs() < 1e-12 && (found.slope - 2.0).abs() < 1e-12);
         assert!((found.told - 1.0).abs() < 1e-12);
-        // 0, 1, 0 at -1, 0, 1: no slope, and nothing told.
+        // 0, 1, 0 at -1, 0, 1: no slope, and nothing explained.
         let none = line(&[[-1.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
         assert!(none.slope.abs() < 1e-12 && none.told.abs() < 1e-12);
     }

@@ -31,7 +31,7 @@ impl Surface {
     /// Both.
     pub(crate) const ALL: [Self; 2] = [Self::Lambert, Self::Glossy];
 
-    /// All that relighting is told.
+    /// The parameters of relighting it.
     pub(crate) fn params(self, method: Method, warp_by: WarpBy, samples: u32) -> RelightParams {
         let params = match self {
             Self::Lambert => bare(Material::Lambert, method),
@@ -237,7 +237,7 @@ pub fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
 pub(crate) struct Difference {
     /// Errors of the worst channel, relative to the reference's 98th percentile of luminance.
     pub errors: Errors,
-    /// What 99 pixels in 100 stay below in steps of 8 bits, where that luminance shows as white.
+    /// 99 pixels in 100 stay below it, in steps of 8 bits, where that luminance shows as white.
     pub grey_p99: f64,
     pub grey_max: f64,
 }

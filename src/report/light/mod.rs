@@ -1,21 +1,19 @@
 //! Light: error against time for the number of samples of an environment, for both equations of light
 //! warping and for prefiltered maps; the errors and times of the elementary functions; cost by lights.
 //!
-//! Everything is seen under one environment that is a formula ([`environment`]), so that nothing more is
-//! asked for and nothing is random. The reference is a picture under [`REFERENCE_LIGHTS`] even lights
+//! Everything is seen under one environment that is a formula ([`environment`]), so that there is nothing to load
+//! and nothing random. The reference is a picture under [`REFERENCE_LIGHTS`] even lights
 //! ([LW] equation 2 where it is warped), itself held against double precision ([`super::light_reference`]).
 
 pub(crate) mod cost;
-pub(crate) mod equations;
 pub(crate) mod functions;
 pub mod lit;
-pub(crate) mod prefiltered;
 pub(crate) mod samples;
 
 use super::compare::covered;
 use super::scenes::Scene;
 use super::timing::Effort;
-use super::{Asked, Extent};
+use super::{Asked, Extent, On};
 use crate::Result;
 use crate::frame::{Frame, Window};
 use crate::light::environment::Environment;
@@ -32,10 +30,10 @@ pub(crate) const REFERENCE_LIGHTS: usize = 16_384;
 /// Columns of the environment: some 6 pixels to each light of the reference.
 const COLUMNS: usize = 512;
 
-/// What cannot be seen: a step of 8 bits of the luminance that shows as white.
+/// Below sight: a step of 8 bits of the luminance that shows as white.
 pub(crate) const ENOUGH: f64 = 1.0 / 255.0;
 
-/// What the environment shows, in words.
+/// The environment in words.
 pub(crate) const ENVIRONMENT: &str = "a blue sky with a warm bright side to the upper right and a sun of 6 degrees to the upper left";
 
 /// A bright side, a small sun, some colour, a dark ground.
@@ -57,8 +55,8 @@ pub fn environment() -> Environment {
     })
 }
 
-/// White of one material with gains of 1, no even light, and an environment as bright as it comes: what can
-/// be told by a formula.
+/// White of one material with gains of 1, no even light, and an environment as bright as it comes: a formula
+/// gives its picture.
 pub fn bare(material: Material, method: Method) -> RelightParams {
     let base = RelightParams::default();
     RelightParams {
@@ -76,17 +74,15 @@ pub fn bare(material: Material, method: Method) -> RelightParams {
     }
 }
 
-/// What was measured of one frame.
+/// Results of one frame.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Subject {
-    pub name: String,
-    /// Columns of the part that was lit, around the middle of what is covered.
-    pub width: usize,
-    pub height: usize,
-    pub covered: usize,
+    /// The part that was lit, around the middle of the covered pixels.
+    #[serde(flatten)]
+    pub on: On,
     pub samples: Vec<samples::Sweep>,
-    pub equations: Vec<equations::Sweep>,
-    pub prefiltered: Vec<prefiltered::Row>,
+    pub equations: Vec<samples::Equations>,
+    pub prefiltered: Vec<samples::Prefiltered>,
 }
 
 /// Everything that was measured of light.
@@ -150,22 +146,18 @@ fn subject(
     let references = lit::References::new(bench)?;
     let samples = samples::sweeps(bench, &references)?;
     progress(&format!("{name}: both equations of light warping"));
-    let equations = equations::sweeps(bench, &references, &samples, most_lookups)?;
+    let equations = samples::equations(bench, &references, &samples, most_lookups)?;
     progress(&format!("{name}: prefiltered light"));
-    let prefiltered = prefiltered::rows(bench, &references)?;
-    let frame = bench.frame;
+    let prefiltered = samples::prefiltered(bench, &references)?;
     Ok(Subject {
-        name: name.into(),
-        width: frame.mask.width(),
-        height: frame.mask.height(),
-        covered: frame.mask.count(),
+        on: On::new(name, &bench.frame.mask),
         samples,
         equations,
         prefiltered,
     })
 }
 
-/// At most `most` columns and rows of `frame` around the middle of what is covered, without pictures:
+/// At most `most` columns and rows of `frame` around the middle of the covered pixels, without pictures:
 /// surfaces are white.
 pub(super) fn middle(frame: &Frame, most: [usize; 2]) -> Frame {
     let (mask, data) = (&frame.mask, frame.data_window);

@@ -33,8 +33,8 @@ fn field(sweep: &field::Sweep) -> String {
         "direction-field min / median": row.stage,
     });
     format!(
-        "On {}, {}x{}, {} pixels covered:\n\n{table}",
-        sweep.name, sweep.width, sweep.height, sweep.covered,
+        "On {}, {} pixels covered:\n\n{table}",
+        sweep.on, sweep.on.covered,
     )
 }
 
@@ -49,14 +49,12 @@ fn levels(sweep: &strokes::Sweep) -> String {
     });
     let usual = StrokeParams::default();
     format!(
-        "### Levels and sets of strokes\n\nOn {}, {}x{}, in {} pixels whose surroundings are covered. Angles in degrees, mean / 95 % / \
+        "### Levels and sets of strokes\n\nOn {}, in {} pixels whose surroundings are covered. Angles in degrees, mean / 95 % / \
          max, are of strokes as drawn (the direction along which ink changes least) from the field that they follow, which {MAX_LEVELS} \
          levels are within half a degree of. Strokes are unbroken as far as ink is like that a sixth of a stroke farther along \
          the field: 100 % is a straight hatching. Blotches are the error of tone over some two strokes' distances, root mean square; \
          a straight hatching has {}. `hatch` takes {} levels and {} set.\n\n![Strokes by levels]({STROKES})\n\n{table}",
-        sweep.name,
-        sweep.width,
-        sweep.height,
+        sweep.on,
         sweep.pixels,
         permille(sweep.straight_blotches),
         usual.levels,

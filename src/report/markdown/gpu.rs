@@ -38,7 +38,7 @@ pub(super) fn section(report: &Report) -> String {
 /// Rows of the device, with the names of their frame and their scale.
 fn rows(report: &Report) -> impl Iterator<Item = (&str, &str, &GpuRow)> {
     let sweeps = std::iter::once(&report.frame).chain(&report.scenes);
-    let scales = sweeps.flat_map(|sweep| sweep.scales.iter().map(|s| (sweep.name.as_str(), s)));
+    let scales = sweeps.flat_map(|sweep| sweep.scales.iter().map(|s| (sweep.on.name.as_str(), s)));
     scales.flat_map(|(name, scale)| {
         let rows = scale.on_gpu.iter();
         rows.map(move |row| (name, scale.scale.as_str(), row))

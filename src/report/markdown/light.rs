@@ -3,8 +3,8 @@
 use super::{bold_if, percent, place, table, yes_or};
 use crate::report::advice::{altered, milliseconds, noun, of_light, rounded, scientific};
 use crate::report::light::cost::Cost;
-use crate::report::light::equations::Sample;
 use crate::report::light::functions::{self, Measured};
+use crate::report::light::samples::Sample;
 use crate::report::light::{LightReport, REFERENCE_LIGHTS, Subject};
 use crate::report::plots::of_light as plot_names;
 
@@ -45,12 +45,12 @@ fn of_subject(subject: &Subject) -> String {
         .samples
         .iter()
         .flat_map(|sweep| sweep.rows.iter().map(move |row| (sweep, row)));
-    let samples = differences!(samples, (sweep, row) => row.difference, {
+    let samples = differences!(samples, (sweep, row) => row.sample.difference, {
         "what": noun(sweep.surface),
         "light": altered(sweep.method),
-        "lights": bold_if(row.on_front, row.count)
+        "lights": bold_if(row.on_front, row.sample.count)
     } {
-        "lighting min / median": row.relight,
+        "lighting min / median": row.sample.relight,
         "median cut": milliseconds(row.cut.min)
     });
     let equations = subject.equations.iter().flat_map(|sweep| {
@@ -81,10 +81,10 @@ fn of_subject(subject: &Subject) -> String {
          both against the same reference, that of equation 2:\n\n![Error against time by equation]({equations_plot})\n\n{equations}\n\
          Prefiltered maps, looked up once per pixel (where light is warped, in the warped direction), against the sum over the \
          reference's lights:\n\n{prefiltered}",
-        subject.name,
-        subject.width,
-        subject.height,
-        subject.covered,
+        subject.on.name,
+        subject.on.width,
+        subject.on.height,
+        subject.on.covered,
         rounding(subject),
     )
 }

@@ -1,4 +1,4 @@
-//! A mirror ball in the middle of the room: what its pixels show, exactly.
+//! A mirror ball in the middle of the room, and the points that its pixels show, exactly.
 
 use super::room::{CENTER, Met, Surface, met};
 use crate::frame::{
@@ -11,13 +11,13 @@ use std::f64::consts::FRAC_PI_4;
 const RADIUS: f64 = 1.0;
 
 /// Cosine between normal and sight line from which on pixels are compared. Nearer to the rim of the ball neighbours show
-/// what lies far apart, and directions are off by the size of pixels, however they are traced.
+/// distant points, and directions are off by the size of pixels, however they are traced.
 pub(crate) const FACING: f64 = 0.3;
 
 /// Focal length over the width of the picture: the ball, of radius 1 at a distance of 4, takes 3/4 of it.
 const FOCAL: f64 = 1.5;
 
-/// What a pixel of the ball shows. Pixels are compared whose normal and sight line have a cosine of at least [`FACING`].
+/// The point of the room that a pixel shows. Pixels are compared whose normal and sight line have a cosine of at least [`FACING`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shown {
     pub(super) met: Met,
@@ -58,14 +58,14 @@ impl Ball {
         (square > 0.0).then(|| (direction, start + (-along - square.sqrt()) * direction))
     }
 
-    /// What the ball shows at a place of the picture: the sight line mirrored at the normal, followed to its end.
+    /// The end of the sight line through a place of the picture, mirrored at the normal.
     fn met(self, at: DVec2) -> Option<Met> {
         let (sight, point) = self.on_ball(at)?;
         let normal = (point - CENTER) / RADIUS;
         Some(met(point, sight.reflect(normal)))
     }
 
-    /// What a pixel shows, if it is compared.
+    /// The point that a pixel shows, if it is compared.
     pub(super) fn shown(self, x: usize, y: usize) -> Option<Shown> {
         let at = middle(x, y);
         let (sight, point) = self.on_ball(at)?;
@@ -88,7 +88,7 @@ impl Ball {
         ends.all(|met| met.is_some_and(|met| met.surface == surface))
     }
 
-    /// The direction in the picture of the tangent at what is met. With J = (dP/dx, dP/dy) that is where J w is along
+    /// The direction in the picture of the tangent at the point met. With J = (dP/dx, dP/dy) that is where J w is along
     /// the tangent: w = (J^T J)^-1 J^T V up to length, by differences over [`STEP_PX`] to both sides.
     fn direction(self, at: DVec2, here: &Met) -> Option<DVec2> {
         if !self.is_inside(at, here.surface) {
@@ -142,7 +142,7 @@ impl Ball {
 pub(crate) const EDGE_PX: f64 = 2.0;
 
 /// Half the difference in pixels over which slopes are taken: errors of the second order, and those of rounding over
-/// it, are both below 1e-8 of what the ball shows.
+/// it, are both below 1e-8 of the distances that the ball shows.
 const STEP_PX: f64 = 1e-4;
 
 /// Two points no farther apart than this are one.

@@ -20,13 +20,13 @@ use std::sync::Arc;
 /// The ball, to be traced again and again in the same memory.
 pub(super) struct Bench {
     frame: Frame,
-    /// What its pixels show, with their columns and rows.
+    /// Contents of its pixels, by column and row.
     pub(super) shown: Vec<([usize; 2], Shown)>,
     effort: Effort,
     session: Session,
     /// The room by the map that was last asked for.
     around: (usize, SpecularScene),
-    /// What was measured so far.
+    /// Rows measured so far.
     known: Vec<Row>,
 }
 
@@ -44,7 +44,7 @@ impl Bench {
         }
     }
 
-    /// A row for each setting; what is known already is not measured again.
+    /// A row for each setting; known ones are not measured again.
     pub(super) fn rows(&mut self, settings: &[Setting]) -> Result<Vec<Row>> {
         let mut rows = Vec::new();
         for setting in settings {
@@ -169,7 +169,7 @@ impl Bench {
     }
 }
 
-/// What was found where sight lines end: counts of pixels, then shares.
+/// Ends of sight lines: counts of pixels, then shares.
 #[derive(Default)]
 struct Ends {
     pixels: f64,

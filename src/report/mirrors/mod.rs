@@ -1,8 +1,8 @@
 //! Mirrors and lenses: error against time for the steps of the search, its refinements and the resolution of the map
 //! of the surroundings.
 //!
-//! What a mirror ball shows of a room is known exactly (`ball`, `room`): where sight lines end, and which way strokes go
-//! there.
+//! The mirror image of a room in a ball is known exactly (`ball`, `room`): where sight lines end, and which way strokes
+//! go there.
 
 mod ball;
 mod bench;
@@ -35,7 +35,7 @@ pub(super) const USUAL_MAP_HEIGHT: usize = 256;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Spread {
     pub median: f64,
-    /// What 95 in 100 stay below.
+    /// 95 in 100 stay below it.
     pub p95: f64,
 }
 
@@ -51,7 +51,7 @@ impl Spread {
 /// How a ball is traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub(crate) struct Setting {
-    /// How what its sight lines meet is searched for.
+    /// Search for the ends of sight lines.
     pub search: SearchParams,
     /// Rows of the map; it has twice as many columns.
     pub map_height: usize,
@@ -66,7 +66,7 @@ impl Default for Setting {
     }
 }
 
-/// What one setting gives. Shares are 0..1.
+/// Results of one setting. Shares are 0..1.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Row {
     pub setting: Setting,
@@ -105,7 +105,7 @@ pub(crate) struct MirrorReport {
     pub pixels: usize,
     /// Pixels of them that show a column.
     pub pixels_of_columns: usize,
-    /// Share of the facing pixels that are left out: what they show is not seen from the middle of the room.
+    /// Share of the facing pixels that are left out: they show points that are hidden from the middle of the room.
     pub hidden: f64,
     pub steps: Vec<Row>,
     pub refinements: Vec<Row>,

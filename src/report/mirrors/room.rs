@@ -39,7 +39,7 @@ const COLUMNS: [Column; 4] = [
     },
 ];
 
-/// What the scene shows, in words.
+/// The scene in words.
 pub(crate) const ABOUT: &str = "a mirror ball of radius 1 in a room of 10 x 4 x 12 with four columns, of radius 0.5, 0.3, 0.12 and 0.06, \
      seen from its middle 23, 11, 4.6 and 2.3 degrees wide";
 

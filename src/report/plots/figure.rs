@@ -30,7 +30,7 @@ const HEADER: u32 = 70;
 /// A setting on a plot.
 #[derive(Clone, Default)]
 pub(super) struct Point {
-    /// What it takes, and its error.
+    /// Cost and error.
     pub(super) place: (f64, f64),
     /// Text beside it, left out where it would fall on that of another point.
     pub(super) label: String,

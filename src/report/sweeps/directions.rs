@@ -6,7 +6,9 @@ use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{Adaptive, Scale, ShapeParams};
 use crate::plan::Goal;
+use crate::report::On;
 use crate::report::compare::{Tally, pixels};
+use crate::report::drawing::Angles;
 use crate::report::engine::Layers;
 use crate::report::scenes::Scene;
 use crate::report::timing::{self, Effort, Times, measure};
@@ -16,7 +18,7 @@ use serde::Serialize;
 /// Steps tried, in pixels, beside the automatic one.
 pub(crate) const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
 
-/// What one step gives for normals of one rounding.
+/// Results of one step for normals of one rounding.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     pub stored: Stored,
@@ -24,10 +26,9 @@ pub(crate) struct Row {
     pub step_px: Option<u8>,
     /// The least and the greatest step taken, in pixels.
     pub steps_px: [usize; 2],
-    pub mean: f64,
-    /// What 95 pixels in 100 stay below, in degrees.
-    pub p95: f64,
-    pub max: f64,
+    /// Errors.
+    #[serde(flatten)]
+    pub error: Angles,
     pub stage: Times,
     pub megapixels_per_second: f64,
 }
@@ -35,10 +36,9 @@ pub(crate) struct Row {
 /// All steps and roundings on one scene.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Sweep {
-    pub name: String,
+    #[serde(flatten)]
+    pub on: On,
     pub about: String,
-    pub width: usize,
-    pub height: usize,
     /// Pixels compared: those whose direction is known.
     pub pixels: usize,
     pub rows: Vec<Row>,
@@ -48,10 +48,8 @@ pub(crate) struct Sweep {
 pub(crate) fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
     let mask = &scene.frame.mask;
     let mut sweep = Sweep {
-        name: scene.name.into(),
+        on: On::new(scene.name, mask),
         about: scene.about.into(),
-        width: mask.width(),
-        height: mask.height(),
         pixels: 0,
         rows: Vec::new(),
     };
@@ -68,18 +66,14 @@ pub(crate) fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
         };
         let plan = timing::plan(Goal::Layers, &frame, shape)?;
         let (outcome, timed) = measure(&plan, &frame, effort);
-        let mut tally = angles(scene, &Layers::of(outcome).direction);
-        let p95 = tally.quantile(0.95);
-        let errors = tally.errors();
+        let tally = angles(scene, &Layers::of(outcome).direction);
+        sweep.pixels = tally.pixels();
         let stage = timed.stage("normal-rays").expect("layers take normal rays");
-        sweep.pixels = errors.pixels;
         sweep.rows.push(Row {
             stored,
             step_px,
             steps_px: plan.direction_steps_px,
-            mean: errors.mean,
-            p95,
-            max: errors.max,
+            error: Angles::of(tally),
             stage,
             megapixels_per_second: stage.megapixels_per_second(mask.width() * mask.height()),
         });

@@ -1,4 +1,4 @@
-//! Input precision: what half floats and bytes in place of floats do to the result.
+//! Input precision: half floats and bytes in place of floats.
 
 use super::{Measuring, named};
 use crate::Result;
@@ -105,7 +105,7 @@ pub(crate) fn rounded(frame: &Frame, stored: Stored) -> Frame {
         Stored::Half => depth.map(|v| f16::from_f32(v).to_f32()),
         Stored::Float | Stored::Byte => depth.clone(),
     });
-    // What a half float cannot hold is no distance any more: a hole in the mask.
+    // A distance beyond half floats is a hole in the mask.
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let covered = |x, y| {
         let known = depth

@@ -28,7 +28,7 @@ pub(crate) struct BallRow {
     pub bands: Vec<Errors>,
 }
 
-/// What a pair of the two gives on the frame.
+/// Results of a pair of the two on the frame.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct FrameRow {
     pub foreshortening: f32,

@@ -1,4 +1,4 @@
-//! How the work is run: what changes the time and must not change a bit of the answer.
+//! Ways of running: they change the time and must not change a bit of the result.
 
 use crate::Result;
 use crate::frame::Frame;
@@ -41,7 +41,7 @@ const SWEEPS_PER_PASS: [usize; 3] = [8, 16, 64];
 
 /// Runs `frame` with tiles of several sizes, then with several numbers of sweeps per pass, at the largest
 /// of `scales` whose sweeps are not too many for a sweep of settings: few sweeps are done in one pass.
-/// What is run by default comes first.
+/// The default comes first.
 pub(crate) fn tiles_and_passes(
     frame: &Frame,
     shape: ShapeParams,
@@ -110,7 +110,7 @@ fn pass_options() -> Vec<(String, RunOptions)> {
         .collect()
 }
 
-/// What a way of running gave.
+/// Results of a way of running.
 type Measured = (Outcome, Timed);
 
 /// Powers of two below `available`, and `available` itself.

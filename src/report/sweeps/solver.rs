@@ -6,6 +6,7 @@ use crate::frame::{Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::{Goal, Plan, Recurrence, Sweeps};
+use crate::report::On;
 use crate::report::compare::{Errors, Tally, compare, pixels};
 use crate::report::engine::{self, Layers};
 use crate::report::gpu::{Gpu, GpuRow};
@@ -17,13 +18,13 @@ use serde::Serialize;
 
 /// Tolerances tried.
 const TOLERANCES: [f32; 6] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-/// Lengths of an explicit step tried where the scale is told in pixels, so that all end alike.
+/// Lengths of an explicit step tried where the scale is given in pixels, so that all end alike.
 const TIME_STEPS: [f32; 3] = [0.25, 0.2, 0.1];
 
 /// Pixels times sweeps past which a setting is left out unless it was asked for: 580 sweeps at 1080p.
 const MOST_UPDATES: usize = 1_200_000_000;
 
-/// What one setting gave.
+/// Results of one setting.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     /// The solver that was run: where explicit steps are fewer and as good, they stand in.
@@ -32,7 +33,7 @@ pub(crate) struct Row {
     pub setting: String,
     /// The flags that choose it; `None` where none do.
     pub flags: Option<String>,
-    /// Whether it is what was asked for.
+    /// Whether it was asked for.
     pub asked_for: bool,
     /// How often the operator is applied.
     pub applications: usize,
@@ -54,7 +55,7 @@ pub(crate) struct Row {
     pub whole: Times,
     /// Megapixels of the frame per second, all stages.
     pub megapixels_per_second: f64,
-    /// What share of the machine the diffusion uses; `None` where another one did it.
+    /// Share of the machine that the diffusion uses; `None` on a device.
     pub utilisation: Option<Utilisation>,
     /// Whether no other row of the scale is both faster and better.
     pub on_front: bool,
@@ -67,21 +68,19 @@ pub(crate) struct ScaleSweep {
     pub flag: String,
     pub sigma_px: f64,
     pub rows: Vec<Row>,
-    /// What a device gave, where one was measured.
+    /// Those of a device, where one was measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub on_gpu: Vec<GpuRow>,
-    /// What was not, because it would have taken long and been beaten.
+    /// Settings left out for their time.
     pub left_out: Vec<String>,
 }
 
 /// All scales of one frame.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct SceneSweep {
-    pub name: String,
+    #[serde(flatten)]
+    pub on: On,
     pub about: String,
-    pub width: usize,
-    pub height: usize,
-    pub covered: usize,
     pub steepest: f64,
     pub edges: EdgeErrors,
     pub scales: Vec<ScaleSweep>,
@@ -93,7 +92,7 @@ pub(crate) type ClosedForm<'a> = &'a dyn Fn(usize, usize, f64) -> Option<f64>;
 /// A frame to be swept.
 pub(crate) struct Subject<'a> {
     pub name: &'a str,
-    /// What it shows.
+    /// Its contents in words.
     pub about: &'a str,
     pub frame: &'a Frame,
     pub shape: ShapeParams,
@@ -112,7 +111,6 @@ pub(crate) fn sweep(
     progress: &dyn Fn(&str),
 ) -> Result<SceneSweep> {
     let measuring = Measuring::new(subject.frame, subject.shape)?;
-    let mask = &subject.frame.mask;
     let mut swept = Vec::new();
     for &scale in scales {
         progress(&format!(
@@ -123,11 +121,8 @@ pub(crate) fn sweep(
         swept.push(sweep_scale(subject, &measuring, scale, effort, machine)?);
     }
     Ok(SceneSweep {
-        name: subject.name.into(),
+        on: On::new(subject.name, &subject.frame.mask),
         about: subject.about.into(),
-        width: mask.width(),
-        height: mask.height(),
-        covered: mask.count(),
         steepest: measuring.steepest,
         edges: measuring.edges,
         scales: swept,
@@ -177,13 +172,8 @@ fn sweep_scale(
     for (row, plan) in rows.iter_mut().zip(&plans) {
         row.asked_for = plan.sweeps == asked_for;
     }
-    let points: Vec<_> = rows
-        .iter()
-        .map(|row| [row.diffusion.min, row.gradient.max])
-        .collect();
-    for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
-        row.on_front = on_front;
-    }
+    let place = |row: &Row| [row.diffusion.min, row.gradient.max];
+    pareto::mark(&mut rows, place, |row| &mut row.on_front);
     let on_gpu = match subject.gpu {
         Some(gpu) => truth.on_gpu(gpu, &shape, effort)?,
         None => Vec::new(),
@@ -206,7 +196,7 @@ pub(crate) fn is_affordable(plan: &Plan, frame: &Frame) -> bool {
     plan.sweeps.count() * frame.mask.count() <= MOST_UPDATES
 }
 
-/// What is tried at the scale of `shape`; what was asked for is among it.
+/// The settings tried at the scale of `shape`, with the one asked for.
 fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
     let asked_for = [shape.time_step];
     let time_steps: &[f32] = match shape.scale {
@@ -239,7 +229,7 @@ fn by_turns(solver: Solver) -> [Solver; 2] {
     }
 }
 
-/// What every setting of one scale is compared with.
+/// The reference of every setting of one scale.
 struct Truth<'a> {
     measuring: &'a Measuring<'a>,
     gradient: super::Field,
@@ -261,7 +251,7 @@ impl Truth<'_> {
         Ok(row)
     }
 
-    /// What a device gives by the solver asked for, and by the other one.
+    /// The device by the solver asked for, and by the other one.
     fn on_gpu(&self, gpu: &Gpu, shape: &ShapeParams, effort: Effort) -> Result<Vec<GpuRow>> {
         let frame = self.measuring.frame;
         let mut rows: Vec<GpuRow> = Vec::new();
