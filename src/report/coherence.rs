@@ -5,11 +5,11 @@
 //! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
 
 use super::compare::covered;
-use super::engine::{Inputs, Outcome, SequenceInputs, Session, TextureCoordinates};
+use super::engine::{Inputs, Outcome, SequenceInputs, Session, TextureCoordinates, painted};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
-use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, ToneParams};
+use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
 
@@ -207,11 +207,7 @@ impl Artist {
     ) -> Result<(Plane, TextureCoordinates)> {
         let mut line = self.line;
         // Its picture is the tone itself.
-        line.tone = ToneParams {
-            white_point: Adaptive::Fixed(1.0),
-            black_point: 0.0,
-            gamma: 1.0,
-        };
+        line.tone = painted();
         let available = Available::in_frame(card);
         let plan = Plan::hatch(available, self.shape, self.scaling, ToneFrom::Picture, line)?;
         let inputs = Inputs {
@@ -238,11 +234,7 @@ fn card(frame: &Frame, tone: f32) -> Frame {
             z: flat(1.0),
         },
         normal_length: None,
-        color: Some(ColorPlanes {
-            r: flat(tone),
-            g: flat(tone),
-            b: flat(tone),
-        }),
+        color: Some(ColorPlanes::grey(flat(tone))),
         alpha: None,
         ..frame.clone()
     }

@@ -2,7 +2,7 @@
 
 use super::advice::scientific;
 use crate::frame::{Mask, Plane, Window};
-use crate::quantile::quantile;
+use crate::quantile;
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -139,7 +139,7 @@ impl Tally {
 
     /// The error that a share, 0..1, of the pixels stay below; 0 where there are none.
     pub fn quantile(&mut self, share: f64) -> f64 {
-        quantile(&mut self.errors, share, f64::total_cmp).unwrap_or(0.0)
+        quantile::bound(&mut self.errors, share).unwrap_or(0.0)
     }
 
     /// Number of pixels.

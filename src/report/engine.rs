@@ -8,8 +8,41 @@ pub(super) use crate::backend::cpu::{
 };
 use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
-use crate::params::{FieldParams, LineParams, RunOptions, ShapeParams, StrokeDirections};
-use crate::plan::{Goal, Plan};
+use crate::params::{
+    Adaptive, FieldParams, LineParams, RelightParams, RunOptions, ScalingParams, ShapeParams,
+    StrokeDirections, ToneParams,
+};
+use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+
+/// New light on `frame` from `light`.
+pub(super) fn relight_plan(
+    frame: &Frame,
+    shape: ShapeParams,
+    params: RelightParams,
+    light: &Illumination,
+) -> Result<Plan> {
+    let (available, kinds) = (Available::in_frame(frame), LightKinds::in_light(light));
+    Plan::relight(available, shape, ScalingParams::default(), params, kinds)
+}
+
+/// A drawing in the tones of the picture.
+pub(super) fn hatch_plan(
+    available: Available,
+    shape: ShapeParams,
+    line: LineParams,
+) -> Result<Plan> {
+    let scaling = ScalingParams::default();
+    Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)
+}
+
+/// Tones as they are painted: 1 is paper.
+pub(super) fn painted() -> ToneParams {
+    ToneParams {
+        white_point: Adaptive::Fixed(1.0),
+        black_point: 0.0,
+        gamma: 1.0,
+    }
+}
 
 /// New light from `light`.
 pub(super) fn lit_by(light: &Illumination) -> Inputs<'_> {

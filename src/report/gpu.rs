@@ -1,7 +1,7 @@
 //! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
 //! products are from the CPU's.
 
-use super::engine::{Outcome, Session, lit_by};
+use super::engine::{Outcome, Session, hatch_plan, lit_by, relight_plan};
 use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
@@ -10,8 +10,8 @@ use crate::backend::{Product, products};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::lights::{DirectionalLight, Illumination};
-use crate::params::{LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use crate::params::{LineParams, Material, Method, RelightParams, ShapeParams};
+use crate::plan::{Available, Goal, Plan};
 use serde::Serialize;
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -276,25 +276,18 @@ pub(super) fn with_picture(frame: &Frame) -> Frame {
 
 /// The plans whose products are compared.
 fn plans(frame: &Frame, shape: ShapeParams) -> Result<Vec<Plan>> {
-    let (available, scaling) = (Available::in_frame(frame), ScalingParams::default());
     let mut relight = RelightParams {
         method: Method::Both,
         ..RelightParams::default()
     };
     relight.material.material = Material::BlinnPhong;
-    let kinds = LightKinds::in_light(&lamp());
-    let line = LineParams::default();
-    let mut plans = GOALS
-        .map(|goal| timing::plan(goal, frame, shape))
-        .into_iter()
-        .collect::<Result<Vec<_>>>()?;
-    plans.push(Plan::relight(available, shape, scaling, relight, kinds)?);
-    plans.push(Plan::hatch(
-        available,
+    let shapes = GOALS.map(|goal| timing::plan(goal, frame, shape));
+    let mut plans = shapes.into_iter().collect::<Result<Vec<_>>>()?;
+    plans.push(relight_plan(frame, shape, relight, &lamp())?);
+    plans.push(hatch_plan(
+        Available::in_frame(frame),
         shape,
-        scaling,
-        ToneFrom::Picture,
-        line,
+        LineParams::default(),
     )?);
     Ok(plans)
 }

@@ -4,7 +4,7 @@
 //! gain that the CPU found. A drawing has none: the drawing of the device is compared with that of the CPU.
 
 use super::compare::{Errors, Tally, compare_where};
-use super::engine::{Inputs, Outcome, Session, lit_by};
+use super::engine::{Inputs, Outcome, Session, hatch_plan, lit_by, relight_plan};
 use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
 use super::light::lit::{off, some_covered, white};
 use super::light::{bare, environment};
@@ -15,10 +15,9 @@ use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
 use crate::params::{
-    AUTO_SAMPLES, LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams, Style,
-    WarpBy,
+    AUTO_SAMPLES, LineParams, Material, Method, RelightParams, ShapeParams, Style, WarpBy,
 };
-use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use crate::plan::{Available, Plan};
 use serde::Serialize;
 
 /// Pixels at which new light is compared, at the most.
@@ -116,13 +115,7 @@ impl Bench<'_> {
             warp_by: WarpBy::Lights,
             ..bare(Material::BlinnPhong, method)
         };
-        let plan = Plan::relight(
-            Available::in_frame(frame),
-            self.shape,
-            ScalingParams::default(),
-            params,
-            LightKinds::in_light(light),
-        )?;
+        let plan = relight_plan(frame, self.shape, params, light)?;
         let session = Session::default();
         let (expected, on_cpu) = session.measure(&plan, frame, lit_by(light), self.effort);
         let exact = lit_at(
@@ -153,8 +146,7 @@ impl Bench<'_> {
     fn hatched(&self, frame: &Frame) -> Result<Option<PictureRow>> {
         let mut line = LineParams::default();
         line.strokes.style = Style::Pen;
-        let (available, scaling) = (Available::in_frame(frame), ScalingParams::default());
-        let plan = Plan::hatch(available, self.shape, scaling, ToneFrom::Picture, line)?;
+        let plan = hatch_plan(Available::in_frame(frame), self.shape, line)?;
         let inputs = Inputs::default();
         let (expected, on_cpu) = Session::default().measure(&plan, frame, inputs, self.effort);
         let expected = ink(&expected).map(|plane| plane.map(f64::from));

@@ -16,7 +16,7 @@ use super::sweeps::precision::Stored;
 use super::sweeps::rim::{BANDS, BallRow, FLOORS, FORESHORTENINGS};
 use super::sweeps::solver::{Row, ScaleSweep, SceneSweep};
 use crate::params::Solver;
-use figure::{FAINT, FRONT, Marks, Panel, Point, SERIES, Series, figure, ticks};
+use figure::{FAINT, FRONT, Marks, Panel, Point, SERIES, Series, figure, figure_up_to, ticks};
 use plotters::style::text_anchor::HPos;
 
 pub(super) const FRAME: &str = "frame.svg";
@@ -184,7 +184,8 @@ fn error_against_step(sweep: &directions::Sweep) -> String {
         ..Panel::new("95 % stay below", series)
     };
     let title = format!("{}: error of the directions of curvature by step", sweep.on);
-    figure(&title, &legend, ["step, px", "degrees"], [panel])
+    // No two directions are more than 90 degrees apart.
+    figure_up_to(100.0, &title, &legend, ["step, px", "degrees"], [panel])
 }
 
 /// Axes of error of light against time.

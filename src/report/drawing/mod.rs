@@ -7,7 +7,7 @@ pub(super) mod strokes;
 pub(super) mod tone;
 
 use super::advice::rounded as rounded_number;
-use super::engine::{Inputs, Outcome, Session};
+use super::engine::{Inputs, Outcome, Session, hatch_plan, painted};
 use super::light::middle;
 use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
@@ -15,8 +15,8 @@ use super::timing::{Effort, Timed};
 use super::{Asked, Extent};
 use crate::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use crate::params::{Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, ToneParams};
-use crate::plan::{Available, Plan, ToneFrom};
+use crate::params::{FieldParams, LineParams, ShapeParams};
+use crate::plan::{Available, Plan};
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -96,11 +96,7 @@ impl Bench {
     fn paint(&mut self, tone: f32) {
         let mask = &self.card.mask;
         let even = Plane::filled(mask.width(), mask.height(), tone);
-        self.card.color = Some(ColorPlanes {
-            r: even.clone(),
-            g: even.clone(),
-            b: even,
-        });
+        self.card.color = Some(ColorPlanes::grey(even));
     }
 
     /// The ink of its drawing, without contours.
@@ -129,21 +125,11 @@ impl Bench {
 
     fn plan(&self, line: LineParams) -> Result<Plan> {
         let line = LineParams {
-            tone: ToneParams {
-                white_point: Adaptive::Fixed(1.0),
-                black_point: 0.0,
-                gamma: 1.0,
-            },
+            tone: painted(),
             contours: None,
             ..line
         };
-        Plan::hatch(
-            Available::in_frame(&self.card),
-            self.shape,
-            ScalingParams::default(),
-            ToneFrom::Picture,
-            line,
-        )
+        hatch_plan(Available::in_frame(&self.card), self.shape, line)
     }
 }
 

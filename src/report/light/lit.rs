@@ -7,11 +7,11 @@ use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
 use crate::params::{
-    Material, MaterialParams, Method, RelightParams, Samples, ScalingParams, ShapeParams, WarpBy,
+    Material, MaterialParams, Method, RelightParams, Samples, ShapeParams, WarpBy,
 };
-use crate::plan::{Available, LightKinds, Plan};
+use crate::plan::Plan;
 use crate::report::compare::{Errors, Tally, compare, covered, larger};
-use crate::report::engine::{Outcome, Session, lit_by};
+use crate::report::engine::{Outcome, Session, lit_by, relight_plan};
 use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
@@ -111,13 +111,7 @@ impl<'a> Bench<'a> {
     }
 
     fn plan(&self, params: RelightParams, light: &Illumination) -> Result<Plan> {
-        Plan::relight(
-            Available::in_frame(self.frame),
-            self.shape,
-            ScalingParams::default(),
-            params,
-            LightKinds::in_light(light),
-        )
+        relight_plan(self.frame, self.shape, params, light)
     }
 
     fn run(&self, plan: &Plan, light: &Illumination) -> Outcome {

@@ -126,11 +126,7 @@ impl Ball {
         };
         Frame {
             depth: Some(plane(&|point| -point.z)),
-            color: Some(ColorPlanes {
-                r: tone.clone(),
-                g: tone.clone(),
-                b: tone,
-            }),
+            color: Some(ColorPlanes::grey(tone)),
             camera: Some(self.camera()),
             ..Frame::of_normals(normals, Mask::new(Plane::from_fn(size, size, covered)))
         }

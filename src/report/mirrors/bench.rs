@@ -4,12 +4,10 @@ use super::ball::{Ball, Shown};
 use super::{Row, Setting, Spread, is_column, room};
 use crate::Result;
 use crate::frame::{Frame, SpecularScene};
-use crate::params::{
-    Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, SpecularParams,
-};
-use crate::plan::{Available, Plan, ToneFrom};
+use crate::params::{Bend, Fallback, FieldParams, LineParams, ShapeParams, SpecularParams};
+use crate::plan::{Available, Plan};
 use crate::report::compare::Tally;
-use crate::report::engine::{Inputs, Session};
+use crate::report::engine::{Inputs, Session, hatch_plan};
 use crate::report::sweeps::directions::{angle_deg, vector_at};
 use crate::report::timing::{Effort, Times};
 use crate::trace::Tracer;
@@ -158,14 +156,7 @@ impl Bench {
             contours: None,
             ..line
         };
-        let scaling = ScalingParams::default();
-        Plan::hatch(
-            available,
-            ShapeParams::default(),
-            scaling,
-            ToneFrom::Picture,
-            line,
-        )
+        hatch_plan(available, ShapeParams::default(), line)
     }
 }
 

@@ -102,6 +102,17 @@ pub(super) fn figure(
     axes: [&str; 2],
     panels: impl IntoIterator<Item = Panel>,
 ) -> String {
+    figure_up_to(f64::INFINITY, title, legend, axes, panels)
+}
+
+/// [`figure`] of errors that never exceed `most`.
+pub(super) fn figure_up_to(
+    most: f64,
+    title: &str,
+    legend: &Legend,
+    axes: [&str; 2],
+    panels: impl IntoIterator<Item = Panel>,
+) -> String {
     let any = |panel: &Panel| panel.points().next().is_some();
     let panels: Vec<Panel> = panels.into_iter().filter(any).collect();
     let errors = decades(
@@ -110,6 +121,7 @@ pub(super) fn figure(
             .flat_map(Panel::points)
             .map(|point| point.place.1),
     );
+    let errors = errors.start..errors.end.min(most);
     svg(title, legend, panels.len(), |i, area| {
         panels[i].draw(area, errors.clone(), axes)
     })
