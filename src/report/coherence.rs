@@ -61,14 +61,14 @@ pub fn measure(
     frames: impl Iterator<Item = Result<MovingFrame>>,
     shape: ShapeParams,
 ) -> Result<Option<Coherence>> {
-    let mut artist = Artist::new(shape);
+    let mut drawer = SequenceDrawer::new(shape);
     let mut before: Option<Drawn> = None;
     let mut rows = Vec::new();
     for moving in frames {
         let moving = moving?;
-        let drawn = artist.draw(&moving, before.as_ref())?;
+        let drawn = drawer.draw(&moving, before.as_ref())?;
         if let (Some(before), Some(motion)) = (&before, &moving.motion) {
-            rows.push(artist.row(&moving, motion, before, &drawn)?);
+            rows.push(drawer.row(&moving, motion, before, &drawn)?);
         }
         before = Some(drawn);
     }
@@ -85,7 +85,7 @@ struct Drawn {
     coordinates: TextureCoordinates,
 }
 
-struct Artist {
+struct SequenceDrawer {
     session: Session,
     shape: ShapeParams,
     scaling: ScalingParams,
@@ -93,7 +93,7 @@ struct Artist {
     lamp: Illumination,
 }
 
-impl Artist {
+impl SequenceDrawer {
     fn new(shape: ShapeParams) -> Self {
         Self {
             session: Session::default(),

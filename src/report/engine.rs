@@ -2,10 +2,12 @@
 
 use super::timing::{self, Effort, Timed};
 use crate::Result;
-use crate::backend::cpu::Runner;
 pub(super) use crate::backend::cpu::{
-    DrawingInputs as Inputs, Outcome, SequenceInputs, TextureCoordinates,
+    DrawingInputs as Inputs, Outcome, Runner, SequenceInputs, TextureCoordinates, map_row,
+    vector_bits,
 };
+pub(super) use crate::backend::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
+pub(super) use crate::backend::{Product, products};
 use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::params::{

@@ -1,12 +1,13 @@
 //! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
 //! products are from the CPU's.
 
-use super::engine::{Outcome, Session, hatch_plan, lit_by, relight_plan};
+use super::engine::{
+    KERNELS, Outcome, Product, READ_BACK, RECORD, Session, UPLOAD, hatch_plan, lit_by, products,
+    relight_plan,
+};
 use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
-use crate::backend::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
-use crate::backend::{Product, products};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::lights::{DirectionalLight, Illumination};

@@ -130,7 +130,7 @@ fn kappa(h: [f64; 3], l: DVec3, gain: f64, anisotropy: f64) -> f64 {
 }
 
 /// A light as one pixel meets it.
-struct Met {
+struct IncidentLight {
     /// The unwarped direction.
     direction: DVec3,
     /// Solid angle after warping over that before.
@@ -139,10 +139,10 @@ struct Met {
     cosine: f64,
 }
 
-fn met(pixel: &Pixel, light: DVec3, s: &Settings) -> Met {
+fn incident(pixel: &Pixel, light: DVec3, s: &Settings) -> IncidentLight {
     let n = pixel.normal;
     if !s.method.warps() {
-        return Met {
+        return IncidentLight {
             direction: light,
             weight: 1.0,
             cosine: n.dot(light),
@@ -150,7 +150,7 @@ fn met(pixel: &Pixel, light: DVec3, s: &Settings) -> Met {
     }
     let lambda = lambda(pixel.hessian, s.alpha);
     let direction = warp(light, lambda.inverse());
-    Met {
+    IncidentLight {
         direction,
         weight: jacobian(light, lambda),
         cosine: n.dot(direction).min(4.0 * n.dot(light)),
@@ -162,34 +162,34 @@ fn met(pixel: &Pixel, light: DVec3, s: &Settings) -> Met {
 /// # Panics
 /// For a mirror and for glass, which no light is summed on.
 pub fn reflected(pixel: &Pixel, light: DVec3, s: &Settings) -> [f64; 2] {
-    shone(pixel, &met(pixel, light, s), s)
+    shone(pixel, &incident(pixel, light, s), s)
 }
 
-fn shone(pixel: &Pixel, met: &Met, s: &Settings) -> [f64; 2] {
-    if met.cosine <= 0.0 {
+fn shone(pixel: &Pixel, incident: &IncidentLight, s: &Settings) -> [f64; 2] {
+    if incident.cosine <= 0.0 {
         return [0.0; 2];
     }
-    let (intensities, lobes) = lobes(pixel, met, s.material);
+    let (intensities, lobes) = lobes(pixel, incident, s.material);
     let magnitudes = s.scaling.magnitudes();
     let scaled = |term: usize, gamma: f32| match s.method.scales() {
         true => {
             let anisotropy = s.scaling.anisotropy.into();
-            let kappa = kappa(pixel.hessian, met.direction, s.gain, anisotropy);
+            let kappa = kappa(pixel.hessian, incident.direction, s.gain, anisotropy);
             let x = f64::from(gamma) * kappa;
             sigma(intensities[term], x, s.scaling.invariant_point.into())
         }
         false => 1.0,
     };
     [
-        met.weight * lobes[0] * scaled(0, magnitudes.diffuse),
-        met.weight * lobes[1] * scaled(1, magnitudes.specular),
+        incident.weight * lobes[0] * scaled(0, magnitudes.diffuse),
+        incident.weight * lobes[1] * scaled(1, magnitudes.specular),
     ]
 }
 
 /// Intensities of the diffuse and the specular lobe, and the light reflected by them.
-fn lobes(pixel: &Pixel, met: &Met, m: &MaterialParams) -> ([f64; 2], [f64; 2]) {
+fn lobes(pixel: &Pixel, incident: &IncidentLight, m: &MaterialParams) -> ([f64; 2], [f64; 2]) {
     let (n, e) = (pixel.normal, pixel.to_eye);
-    let (l, nl) = (met.direction, met.cosine);
+    let (l, nl) = (incident.direction, incident.cosine);
     let h = (l + e).normalize();
     let eta = f64::from(m.shininess);
     match m.material {
@@ -233,11 +233,11 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
     for light in lights {
         // Directions are unit vectors to f32 rounding only.
         let direction = light.to_light.as_dvec3().normalize();
-        let met = met(pixel, direction, s);
-        if met.cosine.abs() < HORIZON {
+        let incident = incident(pixel, direction, s);
+        if incident.cosine.abs() < HORIZON {
             return None;
         }
-        let [diffuse, specular] = shone(pixel, &met, s);
+        let [diffuse, specular] = shone(pixel, &incident, s);
         let shown = gains[0] * diffuse + gains[1] * specular;
         for (sum, intensity) in sum.iter_mut().zip(light.intensity) {
             *sum += f64::from(intensity) * shown;

@@ -126,8 +126,7 @@ fn percent(part: f64) -> String {
     format!("{:.0} %", 100.0 * part)
 }
 
-/// Per cent, to a tenth.
-fn permille(part: f64) -> String {
+fn percent_to_a_tenth(part: f64) -> String {
     format!("{:.1} %", 100.0 * part)
 }
 

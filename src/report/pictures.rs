@@ -69,7 +69,7 @@ pub(super) fn rows(
     shape: ShapeParams,
     effort: Effort,
 ) -> Result<Vec<PictureRow>> {
-    let bench = Bench { gpu, shape, effort };
+    let bench = BothBackends { gpu, shape, effort };
     // The reference has white, opaque surfaces.
     let white = Frame {
         color: None,
@@ -96,13 +96,13 @@ pub(super) fn rows(
     Ok(rows.into_iter().flatten().collect())
 }
 
-struct Bench<'a> {
+struct BothBackends<'a> {
     gpu: &'a Gpu<'a>,
     shape: ShapeParams,
     effort: Effort,
 }
 
-impl Bench<'_> {
+impl BothBackends<'_> {
     /// A glossy surface under lights from one direction each.
     fn relit(
         &self,

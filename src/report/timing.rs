@@ -4,11 +4,10 @@
 //! a sequence. The first of a program takes longer, as the system has to hand out its memory.
 
 use super::advice::milliseconds;
-use super::engine::{Inputs, Session};
+use super::engine::{Inputs, Outcome, Runner, Session};
 use super::machine::Machine;
 use super::work::Work;
 use crate::Result;
-use crate::backend::cpu::{Outcome, Runner};
 use crate::frame::Frame;
 use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};

@@ -84,6 +84,7 @@ mod tests {
     use super::*;
     use crate::params::{Scale, Solver};
     use crate::plan::Goal;
+    use crate::report::engine::{Inputs, Session};
     use crate::report::{scenes::Scene, timing};
 
     #[test]
@@ -109,7 +110,8 @@ mod tests {
         let frame = Scene::waves(8, 8).frame;
         for goal in [Goal::Layers, Goal::Display] {
             let plan = timing::plan(goal, &frame, ShapeParams::default()).unwrap();
-            for (name, _) in crate::backend::cpu::run(&plan, &frame).timings {
+            let outcome = Session::default().run(&plan, &frame, Inputs::default());
+            for (name, _) in outcome.timings {
                 assert!(
                     of_stage(name, &plan.shape, &plan.sweeps).is_some(),
                     "{name}"

@@ -1,6 +1,6 @@
 //! The field of directions: passes, and pixels of the picture to one of the field.
 
-use super::{Angles, Bench};
+use super::{Angles, Card};
 use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{FieldParams, LineParams, MAX_FIELD_PASSES};
@@ -43,7 +43,7 @@ pub(crate) struct Sweep {
     pub rows: Vec<Row>,
 }
 
-pub(super) fn sweep(name: &str, bench: &Bench, exact: Option<&Scene>) -> Result<Sweep> {
+pub(super) fn sweep(name: &str, bench: &Card, exact: Option<&Scene>) -> Result<Sweep> {
     let usual = FieldParams::default();
     let resolutions = CELLS_PX.map(|cell_px| FieldParams { cell_px, ..usual });
     let passes = (0..=MAX_FIELD_PASSES).filter(|&passes| passes != usual.passes);
@@ -60,7 +60,7 @@ pub(super) fn sweep(name: &str, bench: &Bench, exact: Option<&Scene>) -> Result<
     })
 }
 
-fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row> {
+fn row(bench: &Card, params: FieldParams, exact: Option<&Scene>) -> Result<Row> {
     let found = bench.field(params)?;
     let full = bench.field(FieldParams {
         cell_px: 1,
@@ -93,7 +93,7 @@ fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row>
 }
 
 /// Mean angle between the directions of pixels side by side.
-fn turn(bench: &Bench, found: &Vector2Planes) -> f64 {
+fn turn(bench: &Card, found: &Vector2Planes) -> f64 {
     let mask = &bench.card.mask;
     let mut tally = Tally::default();
     for [x, y] in covered(mask) {

@@ -42,14 +42,14 @@ pub(super) fn run(asked: &Asked) -> Result<DrawingReport> {
         Extent::Quick => ([480, 360], Effort::new(3, 60)),
     };
     let part = middle(frame, most);
-    let bench = Bench::new(&part, shape, effort);
+    let bench = Card::new(&part, shape, effort);
     progress(&format!("{name}: directions of strokes"));
     let mut fields = vec![field::sweep(name, &bench, None)?];
     let (width, height) = super::scene_size(extent);
     let ellipsoid = Scene::ellipsoid(width, height);
     for stored in [Stored::Float, Stored::Byte] {
         let frame = rounded(&ellipsoid.frame, stored);
-        let bench = Bench::new(&frame, ShapeParams::default(), effort);
+        let bench = Card::new(&frame, ShapeParams::default(), effort);
         let name = match stored {
             Stored::Byte => "ellipsoid, normals of 8 bits",
             Stored::Float | Stored::Half => "ellipsoid",
@@ -72,14 +72,14 @@ pub(super) fn run(asked: &Asked) -> Result<DrawingReport> {
 const HALF: f32 = 0.5;
 
 /// A card, to be drawn again and again in the same memory.
-struct Bench {
+struct Card {
     card: Frame,
     shape: ShapeParams,
     effort: Effort,
     session: Session,
 }
 
-impl Bench {
+impl Card {
     /// The surface of `frame`, half dark.
     fn new(frame: &Frame, shape: ShapeParams, effort: Effort) -> Self {
         let mut bench = Self {

@@ -1,7 +1,7 @@
 //! Levels of angles and sets of them: how well strokes follow the field, how long they are, how even their
 //! tone is.
 
-use super::{Angles, Bench, HALF};
+use super::{Angles, Card, HALF};
 use crate::Result;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::{LineParams, MAX_LEVELS, StrokeParams};
@@ -51,7 +51,7 @@ pub(crate) struct Sweep {
 /// this deviation.
 const AROUND_PX: usize = 8;
 
-pub(super) fn sweep(name: &str, bench: &Bench) -> Result<Sweep> {
+pub(super) fn sweep(name: &str, bench: &Card) -> Result<Sweep> {
     let card = &bench.card;
     let field = bench.field(LineParams::default().field)?;
     let inner = inner(&card.mask);
@@ -90,9 +90,9 @@ fn of(levels: u32, sets: u32) -> LineParams {
 }
 
 /// [`likeness`] and [`blotches`] of straight strokes.
-fn straight(bench: &Bench) -> Result<[f64; 2]> {
+fn straight(bench: &Card) -> Result<[f64; 2]> {
     let frame = Scene::plane(512, 512).frame;
-    let bench = Bench::new(&frame, bench.shape, bench.effort);
+    let bench = Card::new(&frame, bench.shape, bench.effort);
     let ink = bench.ink(LineParams::default())?;
     let field = bench.field(LineParams::default().field)?;
     let inner = inner(&frame.mask);

@@ -1,6 +1,6 @@
 //! How true tones are: a flat card drawn in one tone.
 
-use super::Bench;
+use super::Card;
 use crate::Result;
 use crate::params::{Fallback, FieldParams, LineParams, ShapeParams, StrokeParams, Style};
 use crate::report::scenes::Scene;
@@ -32,7 +32,7 @@ pub(crate) struct Row {
 pub(super) fn rows() -> Result<Vec<Row>> {
     let [width, height] = CARD;
     let once = Effort::new(1, 0);
-    let mut bench = Bench::new(
+    let mut bench = Card::new(
         &Scene::plane(width, height).frame,
         ShapeParams::default(),
         once,
@@ -47,7 +47,7 @@ pub(super) fn rows() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-fn row(bench: &Bench, style: Style, tone: f32) -> Result<Row> {
+fn row(bench: &Card, style: Style, tone: f32) -> Result<Row> {
     let mut row = Row {
         style,
         tone,

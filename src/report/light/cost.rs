@@ -1,7 +1,7 @@
 //! Cost of lighting by the number of lights, and by the share of the frame that is covered.
 
 use super::bare;
-use super::lit::Bench;
+use super::lit::LitFrame;
 use crate::Result;
 use crate::frame::{Frame, Mask, Plane};
 use crate::light::environment::Environment;
@@ -31,7 +31,8 @@ pub(crate) struct Line {
     /// Seconds per light.
     pub slope: f64,
     /// Share of the variance that the line explains (R squared).
-    pub told: f64,
+    #[serde(rename = "told")]
+    pub r_squared: f64,
 }
 
 /// Cost of a part of the frame.
@@ -63,7 +64,7 @@ pub(crate) struct Cost {
 pub(crate) fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Result<Cost> {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let time = |frame: &Frame, lights: usize| -> Result<(Times, f64)> {
-        let bench = Bench::new(frame, ShapeParams::default(), environment, effort);
+        let bench = LitFrame::new(frame, ShapeParams::default(), environment, effort);
         let relight = bench.timed(params(), &even(lights))?.relight;
         let each = 1e9 * relight.min / (frame.mask.count().max(1) * lights) as f64;
         Ok((relight, each))
@@ -150,7 +151,7 @@ fn line(points: &[[f64; 2]]) -> Line {
     Line {
         start: middle[1] - slope * middle[0],
         slope,
-        told: product(0, 1).powi(2) / (product(0, 0) * product(1, 1)),
+        r_squared: product(0, 1).powi(2) / (product(0, 0) * product(1, 1)),
     }
 }
 
@@ -163,9 +164,9 @@ mod tests {
         let exact = [[1.0, 5.0], [4.0, 11.0], [16.0, 35.0]];
         let found = line(&exact);
         assert!((found.start - 3.0).abs() < 1e-12 && (found.slope - 2.0).abs() < 1e-12);
-        assert!((found.told - 1.0).abs() < 1e-12);
+        assert!((found.r_squared - 1.0).abs() < 1e-12);
         // 0, 1, 0 at -1, 0, 1: no slope, and nothing explained.
         let none = line(&[[-1.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
-        assert!(none.slope.abs() < 1e-12 && none.told.abs() < 1e-12);
+        assert!(none.slope.abs() < 1e-12 && none.r_squared.abs() < 1e-12);
     }
 }

@@ -4,10 +4,9 @@
 //! Ours run in the widest vectors that the machine has, as the stages do; those of the standard library
 //! are calls, one number at a time, whatever the vectors.
 
-use crate::backend::cpu;
 use crate::fast_math::Function;
-use crate::report::Extent;
 use crate::report::compare::larger;
+use crate::report::{Extent, engine};
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -36,7 +35,7 @@ pub(crate) struct Row {
 
 /// The vectors that ours run in.
 pub(crate) fn vectors() -> String {
-    format!("{} bits", cpu::vector_bits())
+    format!("{} bits", engine::vector_bits())
 }
 
 /// Length of the row that is timed: in the first-level cache.
@@ -82,7 +81,7 @@ fn measure(
     std: fn(f32) -> f32,
     exact: fn(f64) -> f64,
 ) -> Row {
-    let ours = |out: &mut [f32], x: &[f32]| cpu::map_row(function, out, x);
+    let ours = |out: &mut [f32], x: &[f32]| engine::map_row(function, out, x);
     let theirs = |out: &mut [f32], x: &[f32]| {
         for (out, &x) in out.iter_mut().zip(x) {
             *out = std(x);

@@ -56,7 +56,7 @@ impl Surface {
 }
 
 /// A frame under an environment, to be lit again and again in the same memory.
-pub(crate) struct Bench<'a> {
+pub(crate) struct LitFrame<'a> {
     pub frame: &'a Frame,
     shape: ShapeParams,
     environment: Illumination,
@@ -73,7 +73,7 @@ pub(crate) struct Picture {
     pub environment: Option<Times>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> LitFrame<'a> {
     /// The bench of `frame`, whose shape is found by `shape`.
     pub(crate) fn new(
         frame: &'a Frame,
@@ -139,7 +139,7 @@ const CHECKED: usize = 16;
 
 impl References {
     /// Lights the bench's frame by many lights.
-    pub(crate) fn new(bench: &Bench) -> Result<Self> {
+    pub(crate) fn new(bench: &LitFrame) -> Result<Self> {
         let environment = bench.environment.environment.as_ref();
         let environment = environment.expect("a bench has an environment");
         let light = Illumination {
@@ -200,7 +200,7 @@ pub(crate) fn white(colors: impl Iterator<Item = [f64; 3]>) -> f64 {
 }
 
 /// The largest error of sums over lights at some covered pixels.
-fn rounding(bench: &Bench, params: RelightParams, light: &Illumination) -> Result<f64> {
+fn rounding(bench: &LitFrame, params: RelightParams, light: &Illumination) -> Result<f64> {
     let outcome = bench.run(&bench.plan(params, light)?, light);
     let color = outcome.color.as_ref().expect("light makes a picture");
     let gain = outcome.gain.unwrap_or(0.0);

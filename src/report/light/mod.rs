@@ -21,7 +21,7 @@ use crate::params::{
     Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, ShapeParams,
 };
 use glam::Vec3;
-use lit::Bench;
+use lit::LitFrame;
 use serde::Serialize;
 
 /// Even lights of the reference.
@@ -114,14 +114,14 @@ pub(crate) fn run(asked: &Asked) -> Result<LightReport> {
         Extent::Quick => 256,
     };
     let part = middle(frame, most);
-    let bench = Bench::new(&part, shape, &environment, effort);
+    let bench = LitFrame::new(&part, shape, &environment, effort);
     let mut subjects = vec![subject(name, &bench, most_lookups, progress)?];
     let (width, height) = super::scene_size(extent);
     let waves = Scene::waves(width, height).frame;
     if extent == Extent::Full {
         let waves = middle(&waves, most);
         let shape = ShapeParams::default();
-        let bench = Bench::new(&waves, shape, &environment, effort);
+        let bench = LitFrame::new(&waves, shape, &environment, effort);
         subjects.push(subject("waves", &bench, 1024, progress)?);
     }
     progress("light: elementary functions");
@@ -138,7 +138,7 @@ pub(crate) fn run(asked: &Asked) -> Result<LightReport> {
 
 fn subject(
     name: &str,
-    bench: &Bench,
+    bench: &LitFrame,
     most_lookups: u32,
     progress: &dyn Fn(&str),
 ) -> Result<Subject> {

@@ -1,7 +1,7 @@
 //! Light from an environment by samples, by either equation of light warping, and by prefiltered maps.
 
 use super::ENOUGH;
-use super::lit::{Bench, Difference, Reference, References, Surface};
+use super::lit::{Difference, LitFrame, Reference, References, Surface};
 use crate::Result;
 use crate::params::{Method, WarpBy};
 use crate::report::pareto;
@@ -48,7 +48,7 @@ pub(crate) struct Sweep {
 
 /// A sample, and the time of preparing its environment.
 fn sample(
-    bench: &Bench,
+    bench: &LitFrame,
     reference: &Reference,
     warp_by: WarpBy,
     count: u32,
@@ -64,7 +64,7 @@ fn sample(
 }
 
 /// Tries every number against every reference.
-pub(super) fn sweeps(bench: &Bench, references: &References) -> Result<Vec<Sweep>> {
+pub(super) fn sweeps(bench: &LitFrame, references: &References) -> Result<Vec<Sweep>> {
     let sweep = |reference: &Reference| {
         let rows = COUNTS.into_iter().map(|count| {
             let (sample, cut) = sample(bench, reference, WarpBy::Lights, count)?;
@@ -103,7 +103,7 @@ pub(crate) struct Equations {
 
 /// Tries equation 1 against the references, up to `most` look-ups; `samples` hold the results of equation 2.
 pub(super) fn equations(
-    bench: &Bench,
+    bench: &LitFrame,
     references: &References,
     samples: &[Sweep],
     most: u32,
@@ -145,7 +145,7 @@ pub(crate) struct Prefiltered {
 }
 
 /// Prefiltered maps for both surfaces, plain and warped.
-pub(super) fn prefiltered(bench: &Bench, references: &References) -> Result<Vec<Prefiltered>> {
+pub(super) fn prefiltered(bench: &LitFrame, references: &References) -> Result<Vec<Prefiltered>> {
     let rows = references.all().iter().map(|reference| {
         let (sample, prefilter) = sample(bench, reference, WarpBy::Lookups, 0)?;
         Ok(Prefiltered {

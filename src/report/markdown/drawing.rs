@@ -1,6 +1,6 @@
 //! Drawings on the page.
 
-use super::{bold_if, percent, permille, table};
+use super::{bold_if, percent, percent_to_a_tenth, table};
 use crate::params::{FieldParams, MAX_LEVELS, StrokeParams};
 use crate::report::advice::rounded;
 use crate::report::drawing::{DrawingReport, field, strokes, tone};
@@ -44,7 +44,7 @@ fn levels(sweep: &strokes::Sweep) -> String {
         "levels": row.levels,
         "from the field": row.from_field,
         "unbroken": percent(row.unbroken),
-        "blotches": permille(row.blotches),
+        "blotches": percent_to_a_tenth(row.blotches),
         "hatching min / median": row.stage,
     });
     let usual = StrokeParams::default();
@@ -56,7 +56,7 @@ fn levels(sweep: &strokes::Sweep) -> String {
          a straight hatching has {}. `hatch` takes {} levels and {} set.\n\n![Strokes by levels]({STROKES})\n\n{table}",
         sweep.on,
         sweep.pixels,
-        permille(sweep.straight_blotches),
+        percent_to_a_tenth(sweep.straight_blotches),
         usual.levels,
         usual.sets,
     )

@@ -1,9 +1,9 @@
 //! The device beside the CPU on the page.
 
 use super::{or_blank, place, table, yes_or};
-use crate::backend::Product;
 use crate::report::Report;
 use crate::report::advice::scientific;
+use crate::report::engine::Product;
 use crate::report::gpu::{GpuReport, GpuRow, ProductRow};
 use crate::report::pictures::{COMPARED, PictureRow, Reference};
 use crate::report::plots::PICTURES;

@@ -140,7 +140,7 @@ fn cost(cost: &Cost) -> String {
         cost.height,
         milliseconds(cost.line.start),
         milliseconds(cost.line.slope),
-        cost.line.told,
+        cost.line.r_squared,
         cost.lights,
     )
 }

@@ -1,8 +1,8 @@
 //! Mirrors on the page.
 
-use super::{permille, table};
+use super::{percent_to_a_tenth, table};
 use crate::report::advice::{of_mirrors, rounded, scientific};
-use crate::report::mirrors::{EDGE_PX, FACING, MirrorReport, Setting, Spread};
+use crate::report::mirrors::{EDGE_PX, FACING, MirrorReport, Setting, Spread, Varied};
 use crate::report::plots::MIRRORS;
 
 pub(super) fn section(mirrors: &MirrorReport) -> String {
@@ -23,7 +23,7 @@ pub(super) fn section(mirrors: &MirrorReport) -> String {
         mirrors.size,
         mirrors.pixels,
         mirrors.pixels_of_columns,
-        permille(mirrors.hidden),
+        percent_to_a_tenth(mirrors.hidden),
         search.steps,
         search.refinements,
         map_height,
@@ -36,12 +36,12 @@ fn tables(mirrors: &MirrorReport) -> String {
     let spread = |spread: &Spread, word: fn(f64) -> String| {
         [spread.median, spread.p95].map(word).join(" / ")
     };
-    let table = |varied: &super::super::mirrors::Varied| {
+    let table = |varied: &Varied| {
         let mut table = table!(&varied.rows, row => {
             "varied": (varied.value)(&row.setting),
-            "found": permille(row.found),
-            "on a wrong surface": permille(row.wrong_surface),
-            "columns missed": permille(row.columns_missed),
+            "found": percent_to_a_tenth(row.found),
+            "on a wrong surface": percent_to_a_tenth(row.wrong_surface),
+            "columns missed": percent_to_a_tenth(row.columns_missed),
             "points": spread(&row.position, scientific),
             "points on columns": spread(&row.position_on_columns, scientific),
             "directions": spread(&row.direction, rounded),

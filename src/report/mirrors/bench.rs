@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The ball, to be traced again and again in the same memory.
-pub(super) struct Bench {
+pub(super) struct MirrorBench {
     frame: Frame,
     /// Contents of its pixels, by column and row.
     pub(super) shown: Vec<([usize; 2], Shown)>,
@@ -28,7 +28,7 @@ pub(super) struct Bench {
     known: Vec<Row>,
 }
 
-impl Bench {
+impl MirrorBench {
     pub(super) fn new(ball: Ball, effort: Effort) -> Self {
         let places = (0..ball.size).flat_map(|y| (0..ball.size).map(move |x| [x, y]));
         let shown = places.filter_map(|at| Some((at, ball.shown(at[0], at[1])?)));
@@ -174,7 +174,7 @@ struct Ends {
 
 impl Ends {
     fn add(&mut self, at: [usize; 2], shown: &Shown, found: Option<DVec3>) {
-        let (exact, is_column) = (&shown.met, is_column(shown));
+        let (exact, is_column) = (&shown.hit, is_column(shown));
         let is_right = found.is_some_and(|point| room::nearest_surface(point) == exact.surface);
         let one_if = |holds: bool| f64::from(u8::from(holds));
         self.pixels += 1.0;

@@ -17,7 +17,7 @@ use super::timing::{Effort, Times};
 use crate::Result;
 use crate::params::SearchParams;
 use ball::{Ball, Shown};
-use bench::Bench;
+use bench::MirrorBench;
 use room::Surface;
 use serde::Serialize;
 
@@ -148,7 +148,7 @@ pub(super) fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorRepor
         Extent::Full => (320, Effort::new(3, 200)),
         Extent::Quick => (160, Effort::new(2, 60)),
     };
-    let mut bench = Bench::new(Ball { size }, effort);
+    let mut bench = MirrorBench::new(Ball { size }, effort);
     let usual = Setting::default();
     let searching = |search| Setting { search, ..usual };
     progress("mirror ball: steps of the search");
@@ -188,5 +188,5 @@ pub(super) fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorRepor
 }
 
 fn is_column(shown: &Shown) -> bool {
-    matches!(shown.met.surface, Surface::Column(_))
+    matches!(shown.hit.surface, Surface::Column(_))
 }
