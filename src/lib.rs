@@ -66,6 +66,7 @@ pub mod line;
 pub mod params;
 pub mod plan;
 pub mod product;
+mod quantile;
 pub mod report;
 pub mod shape;
 pub mod trace;

@@ -19,7 +19,7 @@ use crate::io::inputs::Inputs;
 use crate::io::picture::Picture;
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs, load_specular};
-use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::line::paper::on_paper;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
@@ -259,7 +259,9 @@ impl HatchArgs {
         let material = looks.light.material.material;
         let is_mirror = matches!(material, Material::Mirror | Material::Glass);
         if relit && !is_lit && !(is_mirror && is_specular) {
-            illumination.directional.push(lamp());
+            illumination
+                .directional
+                .push(DirectionalLight::white(LAMP_DEG));
         }
         let kinds = LightKinds::in_light(&illumination);
         let tone = match self.tone() {
@@ -301,14 +303,6 @@ fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<Tonal
         &io::read_art_map(path, most_bytes)?,
         factor.recip(),
     ))
-}
-
-fn lamp() -> DirectionalLight {
-    let [azimuth, elevation] = LAMP_DEG;
-    DirectionalLight {
-        to_light: direction_of(azimuth, elevation),
-        intensity: [1.0; 3],
-    }
 }
 
 /// Whether a drawing is written as lines.

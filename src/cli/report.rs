@@ -13,8 +13,7 @@ use crate::io::output::{Files, Replace, remove_leftovers, write_text};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
-use crate::report::gpu::GpuReport;
-use crate::report::{Extent, Report, advice, markdown, plots, run as measure};
+use crate::report::{Asked, Extent, Report, advice, markdown, plots, run as measure};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -64,8 +63,14 @@ fn report(args: &ReportArgs) -> Result<()> {
             ));
         }
     };
-    let mut report = device
-        .measured(|device| measure(&name, &loaded.frame, shape, extent, device, &progress))?;
+    let asked = Asked {
+        name: &name,
+        frame: &loaded.frame,
+        shape,
+        extent,
+        progress: &progress,
+    };
+    let mut report = device.measured(|device| measure(asked, device))?;
     if let Some(frames) = frames {
         progress("drawings of the sequence");
         report.coherence = coherence(args, frames, shape)?;
@@ -149,47 +154,7 @@ const NUMBERS: &str = "report.json";
 
 /// Every file of the report; the page last, so that its pictures are there when it is.
 fn files(report: &Report) -> Vec<(String, String)> {
-    let scenes = report.scenes.iter().enumerate();
-    let mut files: Vec<_> = scenes
-        .map(|(i, scene)| {
-            (
-                markdown::plot_name(Some(i), report),
-                plots::error_against_time(scene),
-            )
-        })
-        .collect();
-    files.push((
-        markdown::plot_name(None, report),
-        plots::error_against_time(&report.frame),
-    ));
-    files.push((
-        markdown::DIRECTION_PLOT.into(),
-        plots::error_against_step(&report.directions),
-    ));
-    files.push((
-        markdown::RIM_PLOT.into(),
-        plots::error_near_the_rim(&report.rim_of_ball),
-    ));
-    for subject in &report.light.subjects {
-        let [samples, equations] = markdown::light_plot_names(subject);
-        files.push((samples, plots::error_against_lights(subject)));
-        files.push((equations, plots::both_equations(subject)));
-    }
-    let drawing = &report.drawing;
-    let directions = plots::error_of_directions(&drawing.fields);
-    files.push((markdown::FIELD_PLOT.into(), directions));
-    let strokes = plots::strokes_by_levels(&drawing.strokes);
-    files.push((markdown::STROKES_PLOT.into(), strokes));
-    let mirrors = plots::error_of_mirrors(&report.mirrors);
-    files.push((markdown::MIRRORS_PLOT.into(), mirrors));
-    if let Some(GpuReport::Measured { pictures, .. }) = &report.gpu {
-        let plot = plots::error_of_pictures(&report.frame.name, pictures);
-        files.push((markdown::PICTURES_PLOT.into(), plot));
-    }
-    files.extend(report.coherence.as_ref().map(|coherence| {
-        let plot = plots::difference_by_frame(coherence);
-        (markdown::COHERENCE_PLOT.into(), plot)
-    }));
+    let mut files = plots::all(report);
     files.push((NUMBERS.into(), json(report)));
     files.push((PAGE.into(), markdown::page(report)));
     files

@@ -222,3 +222,14 @@ pub struct ColorPlanes {
     /// Blue.
     pub b: Plane,
 }
+
+impl ColorPlanes {
+    /// One plane as all three channels.
+    pub(crate) fn grey(plane: Plane) -> Self {
+        Self {
+            r: plane.clone(),
+            g: plane.clone(),
+            b: plane,
+        }
+    }
+}

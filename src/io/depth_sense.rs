@@ -13,6 +13,7 @@ use super::names::Hint;
 use super::normal_space::judge_normal_space;
 use super::view::Surface;
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
+use crate::quantile::quantile;
 
 /// Mean angle, in degrees, between the slope of depth and the lean of normals up to which they agree.
 const AGREES_DEG: f64 = 35.0;
@@ -150,10 +151,7 @@ fn range(raw: &Plane, covered: &Mask) -> Option<Range> {
             outside.push(d);
         }
     }
-    if !outside.is_empty() {
-        let middle = outside.len() / 2;
-        range.background = Some(*outside.select_nth_unstable_by(middle, f32::total_cmp).1);
-    }
+    range.background = quantile(&mut outside, 0.5, f32::total_cmp);
     (range.least <= range.most).then_some(range)
 }
 

@@ -1,6 +1,7 @@
 //! Whether light layers add up to the picture they are said to be of.
 
 use crate::frame::{ColorPlanes, LobeLayers, Mask};
+use crate::quantile::quantile;
 
 /// A median needs no more pixels than this.
 const ENOUGH_PIXELS: usize = 1 << 16;
@@ -31,8 +32,7 @@ pub(super) fn difference(
             (size > MIN_LIGHT).then(|| apart / size)
         })
         .collect();
-    let middle = differences.len() / 2;
-    (!differences.is_empty()).then(|| *differences.select_nth_unstable_by(middle, f32::total_cmp).1)
+    quantile(&mut differences, 0.5, f32::total_cmp)
 }
 
 fn rgb(planes: &ColorPlanes, (x, y): (usize, usize)) -> [f32; 3] {

@@ -18,6 +18,16 @@ pub struct DirectionalLight {
     pub intensity: [f32; 3],
 }
 
+impl DirectionalLight {
+    /// White light of 1 from this azimuth and elevation, in degrees.
+    pub(crate) fn white([azimuth, elevation]: [f32; 2]) -> Self {
+        Self {
+            to_light: direction_of(azimuth, elevation),
+            intensity: [1.0; 3],
+        }
+    }
+}
+
 /// Light from a point near the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointLight {

@@ -1,4 +1,4 @@
-//! What is enough: the cheapest setting within a given error, in words.
+//! The cheapest setting within a given error, in words.
 
 use super::Report;
 use super::light::LightReport;
@@ -6,14 +6,14 @@ use super::light::lit::Surface;
 use super::light::samples::Sweep;
 use super::mirrors::{MirrorReport, Row as MirrorRow};
 use super::sweeps::solver::{Row, ScaleSweep};
-use crate::params::Solver;
+use crate::params::{Method, Solver};
 
 /// Errors that settings are sought for, relative to the largest |g|.
-pub const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+pub(crate) const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// The cheapest row of `sweep` that can be asked for by flags and whose largest error of the gradient
 /// is within `budget`.
-pub fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
+pub(crate) fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
     let good = sweep
         .rows
         .iter()
@@ -21,8 +21,8 @@ pub fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
     good.min_by(|a, b| a.diffusion.min.total_cmp(&b.diffusion.min))
 }
 
-/// What was asked for, what it costs and what a looser or tighter one would: one sentence.
-pub fn sentence(report: &Report) -> String {
+/// Cost and error of the settings asked for, and of a cheaper one that is enough: one sentence.
+pub(crate) fn sentence(report: &Report) -> String {
     let sweep = &report.frame.scales[0];
     let Some(asked) = sweep.rows.iter().find(|row| row.asked_for) else {
         return format!("At {} nothing is diffused.", sweep.scale);
@@ -65,21 +65,21 @@ pub fn sentence(report: &Report) -> String {
 }
 
 /// How many samples of an environment are enough for the frame, and whether prefiltered maps serve.
-pub fn of_light(light: &LightReport) -> String {
+pub(crate) fn of_light(light: &LightReport) -> String {
     let subject = &light.subjects[0];
-    if subject.covered == 0 {
+    if subject.on.covered == 0 {
         return "Nothing is covered that light could fall on.".into();
     }
     let enough = |sweep: &Sweep| {
-        let altered = match sweep.method.warps() {
-            true => "warped",
-            false => "plain",
-        };
         let number = match sweep.enough {
             Some(count) => format!("{count} lights"),
             None => "more than were tried".into(),
         };
-        format!("{number} for {altered} {}", noun(sweep.surface))
+        format!(
+            "{number} for {} {}",
+            altered(sweep.method),
+            noun(sweep.surface)
+        )
     };
     let numbers: Vec<_> = subject.samples.iter().map(enough).collect();
     let plain = |surface| {
@@ -100,16 +100,16 @@ pub fn of_light(light: &LightReport) -> String {
 }
 
 /// Share of the pixels that a setting may lead astray beyond those that the most tried does: one in 200.
-pub const ASTRAY: f64 = 0.005;
+pub(crate) const ASTRAY: f64 = 0.005;
 
 /// The first of `rows`, cheapest first, that leads hardly more sight lines astray than the last.
-pub fn enough_of(rows: &[MirrorRow]) -> Option<&MirrorRow> {
+pub(crate) fn enough_of(rows: &[MirrorRow]) -> Option<&MirrorRow> {
     let best = rows.last()?.astray();
     rows.iter().find(|row| row.astray() <= best + ASTRAY)
 }
 
 /// How many steps, refinements and rows of a map are enough for mirrors.
-pub fn of_mirrors(mirrors: &MirrorReport) -> String {
+pub(crate) fn of_mirrors(mirrors: &MirrorReport) -> String {
     let MirrorReport {
         steps,
         refinements,
@@ -142,8 +142,13 @@ pub fn of_mirrors(mirrors: &MirrorReport) -> String {
     )
 }
 
-/// What is lit, in words.
-pub fn noun(surface: Surface) -> &'static str {
+/// How light falls, in words.
+pub(crate) fn altered(method: Method) -> &'static str {
+    if method.warps() { "warped" } else { "plain" }
+}
+
+/// The lit lobe in words.
+pub(crate) fn noun(surface: Surface) -> &'static str {
     match surface {
         Surface::Lambert => "diffuse light",
         Surface::Glossy => "highlights",
@@ -151,12 +156,12 @@ pub fn noun(surface: Surface) -> &'static str {
 }
 
 /// A time in milliseconds, to three digits.
-pub fn milliseconds(seconds: f64) -> String {
+pub(crate) fn milliseconds(seconds: f64) -> String {
     format!("{} ms", rounded(1e3 * seconds))
 }
 
 /// A number to three digits without an exponent, down to a thousandth.
-pub fn rounded(value: f64) -> String {
+pub(crate) fn rounded(value: f64) -> String {
     match value.abs() {
         v if v >= 100.0 || !v.is_finite() => format!("{value:.0}"),
         v if v >= 10.0 => format!("{value:.1}"),
@@ -167,7 +172,7 @@ pub fn rounded(value: f64) -> String {
 }
 
 /// A number as 1.2e-4; 0 as 0.
-pub fn scientific(value: f64) -> String {
+pub(crate) fn scientific(value: f64) -> String {
     if value == 0.0 {
         "0".into()
     } else {

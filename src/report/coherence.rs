@@ -4,15 +4,13 @@
 //! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
 //! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
 
-use crate::engine::cpu::runner::{DrawingInputs, Runner, SequenceInputs};
-use crate::engine::outcome::Outcome;
+use super::compare::covered;
+use super::engine::{Inputs, Outcome, SequenceInputs, Session, TextureCoordinates, painted};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
-use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, direction_of};
-use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, ToneParams};
-use crate::plan::LightKinds;
-use crate::plan::{Available, Plan, ToneFrom};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
+use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams};
+use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
 
 /// A frame of a sequence.
@@ -20,7 +18,7 @@ use serde::Serialize;
 pub struct MovingFrame {
     /// Its number.
     pub number: i32,
-    /// What is seen.
+    /// The frame.
     pub frame: Frame,
     /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up.
     pub motion: Option<Vector2Planes>,
@@ -39,7 +37,7 @@ pub struct Row {
     pub still: f64,
     /// Of strokes that move with the surface.
     pub carried: f64,
-    /// Of the card: what moving a drawing costs by itself.
+    /// Of the card: the cost of moving a drawing.
     pub floor: f64,
     /// Largest share of the drawing that one map of places has: 1 where strokes were only moved.
     pub oldest_share: f64,
@@ -58,19 +56,19 @@ pub struct Coherence {
 /// frames follow each other with motion between.
 ///
 /// # Errors
-/// What making a frame fails with, and [`crate::Error::BadParameter`] for parameters outside their range.
+/// Those of making a frame, and [`crate::Error::BadParameter`] for parameters outside their range.
 pub fn measure(
     frames: impl Iterator<Item = Result<MovingFrame>>,
     shape: ShapeParams,
 ) -> Result<Option<Coherence>> {
-    let mut artist = Artist::new(shape);
+    let mut drawer = SequenceDrawer::new(shape);
     let mut before: Option<Drawn> = None;
     let mut rows = Vec::new();
     for moving in frames {
         let moving = moving?;
-        let drawn = artist.draw(&moving, before.as_ref())?;
+        let drawn = drawer.draw(&moving, before.as_ref())?;
         if let (Some(before), Some(motion)) = (&before, &moving.motion) {
-            rows.push(artist.row(&moving, motion, before, &drawn)?);
+            rows.push(drawer.row(&moving, motion, before, &drawn)?);
         }
         before = Some(drawn);
     }
@@ -87,19 +85,18 @@ struct Drawn {
     coordinates: TextureCoordinates,
 }
 
-struct Artist {
-    runner: Runner,
+struct SequenceDrawer {
+    session: Session,
     shape: ShapeParams,
     scaling: ScalingParams,
     line: LineParams,
     lamp: Illumination,
 }
 
-impl Artist {
+impl SequenceDrawer {
     fn new(shape: ShapeParams) -> Self {
-        let [azimuth, elevation] = LAMP_DEG;
         Self {
-            runner: Runner::default(),
+            session: Session::default(),
             shape,
             scaling: ScalingParams::default(),
             line: LineParams {
@@ -107,10 +104,7 @@ impl Artist {
                 ..LineParams::default()
             },
             lamp: Illumination {
-                directional: vec![DirectionalLight {
-                    to_light: direction_of(azimuth, elevation),
-                    intensity: [1.0; 3],
-                }],
+                directional: vec![DirectionalLight::white(LAMP_DEG)],
                 ..Illumination::default()
             },
         }
@@ -127,12 +121,12 @@ impl Artist {
         };
         let plan = self.plan(frame, tone)?;
         let draw = |sequence| {
-            let inputs = DrawingInputs {
+            let inputs = Inputs {
                 illumination: Some(&self.lamp),
                 sequence,
-                ..DrawingInputs::default()
+                ..Inputs::default()
             };
-            self.runner.draw(&plan, frame, inputs)
+            self.session.run(&plan, frame, inputs)
         };
         let still = draw(None);
         let carried = draw(Some(SequenceInputs {
@@ -158,7 +152,7 @@ impl Artist {
         Plan::hatch(available, self.shape, self.scaling, tone, self.line)
     }
 
-    /// What is chosen from the first frame holds for all.
+    /// Levels chosen from the first frame hold for all.
     fn keep(&mut self, outcome: &Outcome) {
         let white = outcome.drawing.as_ref().map(|drawing| drawing.white_point);
         for (chosen, used) in [
@@ -213,21 +207,17 @@ impl Artist {
     ) -> Result<(Plane, TextureCoordinates)> {
         let mut line = self.line;
         // Its picture is the tone itself.
-        line.tone = ToneParams {
-            white_point: Adaptive::Fixed(1.0),
-            black_point: 0.0,
-            gamma: 1.0,
-        };
+        line.tone = painted();
         let available = Available::in_frame(card);
         let plan = Plan::hatch(available, self.shape, self.scaling, ToneFrom::Picture, line)?;
-        let inputs = DrawingInputs {
+        let inputs = Inputs {
             sequence: Some(SequenceInputs {
                 before: before.map(|(coordinates, _)| coordinates),
                 motion: before.map(|(_, motion)| motion),
             }),
-            ..DrawingInputs::default()
+            ..Inputs::default()
         };
-        let drawing = self.runner.draw(&plan, card, inputs).drawing;
+        let drawing = self.session.run(&plan, card, inputs).drawing;
         let drawing = drawing.expect("a drawing was planned");
         let coordinates = drawing.coordinates.expect("a sequence has coordinates");
         Ok((drawing.hatching, coordinates))
@@ -244,11 +234,7 @@ fn card(frame: &Frame, tone: f32) -> Frame {
             z: flat(1.0),
         },
         normal_length: None,
-        color: Some(ColorPlanes {
-            r: flat(tone),
-            g: flat(tone),
-            b: flat(tone),
-        }),
+        color: Some(ColorPlanes::grey(flat(tone))),
         alpha: None,
         ..frame.clone()
     }
@@ -275,17 +261,12 @@ impl Path<'_> {
     fn difference(&self, before: &Plane, now: &Plane) -> f64 {
         let (then, here) = (self.before.data_window, self.frame.data_window);
         let (right, down) = (here.x0 - then.x0, here.y0 - then.y0);
-        let mut sum = 0.0;
-        for y in 0..self.seen.height() {
-            for run in self.seen.runs(y) {
-                for x in run {
-                    let u = x as f64 + f64::from(right) - f64::from(self.motion.x.at(x, y));
-                    let v = y as f64 + f64::from(down) + f64::from(self.motion.y.at(x, y));
-                    sum += (f64::from(now.at(x, y)) - between(before, u, v)).abs();
-                }
-            }
-        }
-        sum / self.seen.count().max(1) as f64
+        let differences = covered(self.seen).map(|[x, y]| {
+            let u = x as f64 + f64::from(right) - f64::from(self.motion.x.at(x, y));
+            let v = y as f64 + f64::from(down) + f64::from(self.motion.y.at(x, y));
+            (f64::from(now.at(x, y)) - between(before, u, v)).abs()
+        });
+        differences.sum::<f64>() / self.seen.count().max(1) as f64
     }
 }
 

@@ -1,7 +1,10 @@
-//! How far a result lies from what it should be: counted in every pixel, the worst ones named.
+//! Errors of a result, counted in every pixel.
 
+use super::advice::scientific;
 use crate::frame::{Mask, Plane, Window};
+use crate::quantile;
 use serde::Serialize;
+use std::fmt::{self, Display};
 
 /// Errors of a field over the covered pixels, each relative to a scale that the caller names: for the
 /// gradient and its derivatives the largest |g| before diffusion.
@@ -12,7 +15,7 @@ use serde::Serialize;
 pub struct Errors {
     /// Mean.
     pub mean: f64,
-    /// What 99 pixels in 100 stay below.
+    /// 99 pixels in 100 stay below it.
     pub p99: f64,
     /// Largest.
     pub max: f64,
@@ -25,7 +28,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// The same errors with the worst pixel told in the coordinates of `window`, from whose first
+    /// The same errors with the worst pixel in the coordinates of `window`, from whose first
     /// column and row it was counted.
     pub fn in_window(self, window: Window) -> Self {
         let origin = [window.x0, window.y0].map(i64::from);
@@ -33,6 +36,14 @@ impl Errors {
             worst: self.worst.map(|[x, y]| [x + origin[0], y + origin[1]]),
             ..self
         }
+    }
+}
+
+/// Mean, 99th percentile and largest.
+impl Display for Errors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [mean, p99, max] = [self.mean, self.p99, self.max].map(scientific);
+        write!(f, "{mean} / {p99} / {max}")
     }
 }
 
@@ -60,8 +71,6 @@ pub fn compare_where<const N: usize>(
     for y in 0..found[0].height() {
         for x in (0..found[0].width()).filter(|&x| counts(x, y)) {
             let error = |i: usize| (f64::from(found[i].at(x, y)) - exact[i].at(x, y)).abs();
-            // Not f64::max, which would drop a NaN.
-            let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
             tally.add([x, y], (0..N).map(error).fold(0.0, larger) / scale);
         }
     }
@@ -85,6 +94,23 @@ pub fn overshoot(plane: &Plane, range: [f64; 2], mask: &Mask, scale: f64) -> f64
             }
         })
         / scale
+}
+
+/// Every pixel of a plane.
+pub(super) fn pixels(plane: &Plane) -> impl Iterator<Item = [usize; 2]> + use<> {
+    let (width, height) = (plane.width(), plane.height());
+    (0..width * height).map(move |i| [i % width, i / width])
+}
+
+/// Every covered pixel.
+pub(super) fn covered(mask: &Mask) -> impl Iterator<Item = [usize; 2]> + '_ {
+    let rows = (0..mask.height()).flat_map(|y| mask.runs(y).map(move |run| (y, run)));
+    rows.flat_map(|(y, run)| run.map(move |x| [x, y]))
+}
+
+/// The larger of two errors. Not `f64::max`, which would drop a NaN.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
 }
 
 /// Errors gathered pixel by pixel.
@@ -111,18 +137,17 @@ impl Tally {
         self.errors.push(error);
     }
 
-    /// What `share`, 0..1, of the pixels stay below; 0 where there are none.
+    /// The error that a share, 0..1, of the pixels stay below; 0 where there are none.
     pub fn quantile(&mut self, share: f64) -> f64 {
-        let pixels = self.errors.len();
-        if pixels == 0 {
-            return 0.0;
-        }
-        // At most the rest lies above.
-        let index = ((share * pixels as f64).ceil() as usize).clamp(1, pixels) - 1;
-        *self.errors.select_nth_unstable_by(index, f64::total_cmp).1
+        quantile::bound(&mut self.errors, share).unwrap_or(0.0)
     }
 
-    /// What was gathered.
+    /// Number of pixels.
+    pub(super) fn pixels(&self) -> usize {
+        self.errors.len()
+    }
+
+    /// Their summary.
     pub fn errors(mut self) -> Errors {
         let pixels = self.errors.len();
         let mean = self.errors.iter().sum::<f64>() / pixels.max(1) as f64;
@@ -174,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_counted_and_spoils_the_mean() {
+    fn nan_and_infinity_are_counted_and_spoil_the_mean() {
         let found = Plane::from_samples(3, 1, vec![0.0, f32::NAN, f32::INFINITY]);
         let errors = compare(
             [&found],

@@ -1,20 +1,17 @@
 //! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
 //! products are from the CPU's.
 
+use super::engine::{
+    KERNELS, Outcome, Product, READ_BACK, RECORD, Session, UPLOAD, hatch_plan, lit_by, relight_plan,
+};
 use super::pictures::PictureRow;
 use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
-use crate::engine::cpu;
-use crate::engine::cpu::runner::DrawingInputs;
-use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
-use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
-use crate::light::lights::{DirectionalLight, Illumination, direction_of};
-use crate::params::{LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams};
-use crate::plan::LightKinds;
-use crate::plan::{Available, Goal, Plan, ToneFrom};
-use crate::product::Product;
+use crate::light::lights::{DirectionalLight, Illumination};
+use crate::params::{LineParams, Material, Method, RelightParams, ShapeParams};
+use crate::plan::{Available, Goal, Plan};
 use serde::Serialize;
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -26,36 +23,35 @@ const MOST_UPDATES_IN_SOFTWARE: usize = 4_000_000;
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 
 /// The light that new light is compared in.
-pub fn lamp() -> Illumination {
+pub(crate) fn lamp() -> Illumination {
     Illumination {
-        directional: vec![DirectionalLight {
-            to_light: direction_of(120.0, 40.0),
-            intensity: [1.0; 3],
-        }],
+        directional: vec![DirectionalLight::white([120.0, 40.0])],
         ..Illumination::default()
     }
 }
 
-/// What a report is told of a device.
-pub enum Device<'a> {
-    /// This build knows of none, and nothing is said.
+/// The device that a report measures beside the CPU.
+#[allow(
+    dead_code,
+    reason = "a build without devices measures none, and one with them knows of them"
+)]
+pub(crate) enum Device<'a> {
+    /// This build knows of none.
     Unknown,
-    /// None is measured, and why.
+    /// The reason why none is measured.
     NotMeasured(String),
     /// It is measured.
     Measured(Gpu<'a>),
 }
 
-/// What runs a plan, under these lights where it is for new light.
-pub type Run<'a> = &'a (dyn Fn(&Plan, &Frame, &Illumination) -> Result<Outcome> + 'a);
+/// Runs a plan, under these lights where it is for new light.
+pub(crate) type Run<'a> = &'a (dyn Fn(&Plan, &Frame, &Illumination) -> Result<Outcome> + 'a);
 
 /// A device to be measured.
-pub struct Gpu<'a> {
-    /// Its name.
+pub(crate) struct Gpu<'a> {
     pub name: String,
-    /// Whether it computes in software.
     pub is_software: bool,
-    /// Whether a report without it is none: else one that fails is left out.
+    /// Whether its failure fails the report; else it is left out.
     pub is_required: bool,
     run: Run<'a>,
     failed: RefCell<Option<Error>>,
@@ -63,34 +59,16 @@ pub struct Gpu<'a> {
 
 /// Times of a plan that a device ran several times.
 #[derive(Debug, Clone, Serialize)]
-pub struct GpuTimed {
-    /// Copies to it.
-    pub upload: Times,
-    /// Its kernels, stage by stage, in order; all together where it has no clock for each.
-    pub stages: Vec<StageTimes>,
-    /// All kernels.
-    pub compute: Times,
-    /// Copies from it.
-    pub read_back: Times,
-    /// All of it, with the time of telling it what to run.
+pub(crate) struct GpuTimed {
+    #[serde(flatten)]
+    pub parts: GpuParts,
+    /// All of it, with the recording of its commands.
     pub whole: Times,
 }
 
-/// The time of a stage.
+/// Times of the parts of a run.
 #[derive(Debug, Clone, Serialize)]
-pub struct StageTimes {
-    /// Its name.
-    pub stage: &'static str,
-    /// Its time.
-    pub times: Times,
-}
-
-/// What a setting gave on a device.
-#[derive(Debug, Clone, Serialize)]
-pub struct GpuRow {
-    /// Errors and times, as those of the CPU.
-    #[serde(flatten)]
-    pub row: Row,
+pub(crate) struct GpuParts {
     /// Copies to the device.
     pub upload: Times,
     /// Its kernels, stage by stage, in order; all together where it has no clock for each.
@@ -101,32 +79,43 @@ pub struct GpuRow {
     pub read_back: Times,
 }
 
+/// The time of a stage.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct StageTimes {
+    pub stage: &'static str,
+    pub times: Times,
+}
+
+/// Errors and times of a setting on a device.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct GpuRow {
+    /// As those of the CPU.
+    #[serde(flatten)]
+    pub row: Row,
+    #[serde(flatten)]
+    pub parts: GpuParts,
+}
+
 /// How far the products of one kind are from the CPU's.
 #[derive(Debug, Clone, Serialize)]
-pub struct ProductRow {
-    /// The kind.
+pub(crate) struct ProductRow {
     pub product: Product,
     /// The largest difference, relative to the largest value of its plane.
     pub difference: f64,
-    /// The frame that it is in.
     pub frame: String,
-    /// What is allowed.
     pub tolerance: f64,
-    /// Whether the difference is.
     pub is_within: bool,
 }
 
-/// What is known of a device in the end.
+/// Results of a device.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum GpuReport {
-    /// None was measured, and why.
+pub(crate) enum GpuReport {
+    /// The reason why none was measured.
     NotMeasured(String),
     /// It was measured.
     Measured {
-        /// Its name.
         device: String,
-        /// Whether it computes in software.
         is_software: bool,
         /// How far its products are from the CPU's.
         products: Vec<ProductRow>,
@@ -138,7 +127,11 @@ pub enum GpuReport {
 impl<'a> Gpu<'a> {
     /// A device of this name, on which `run` runs plans; an outcome's times are called as
     /// [`crate::engine::device_times`] says.
-    pub fn new(name: String, is_software: bool, is_required: bool, run: Run<'a>) -> Self {
+    #[cfg_attr(
+        not(feature = "gpu"),
+        allow(dead_code, reason = "a build without devices measures none")
+    )]
+    pub(crate) fn new(name: String, is_software: bool, is_required: bool, run: Run<'a>) -> Self {
         Self {
             name,
             is_software,
@@ -149,13 +142,13 @@ impl<'a> Gpu<'a> {
     }
 
     /// Whether `plan`, which nobody asked for, takes no longer than it may.
-    pub fn can_afford(&self, plan: &Plan, frame: &Frame) -> bool {
+    pub(crate) fn can_afford(&self, plan: &Plan, frame: &Frame) -> bool {
         let updates = plan.sweeps.count() * frame.mask.count();
         !self.is_software || updates <= MOST_UPDATES_IN_SOFTWARE
     }
 
     /// Runs `plan`; `None` once the device has failed.
-    pub fn run(&self, plan: &Plan, frame: &Frame, light: &Illumination) -> Option<Outcome> {
+    pub(crate) fn run(&self, plan: &Plan, frame: &Frame, light: &Illumination) -> Option<Outcome> {
         if self.failed.borrow().is_some() {
             return None;
         }
@@ -165,7 +158,7 @@ impl<'a> Gpu<'a> {
     }
 
     /// Runs `plan` once to warm up, then as often as `effort` says.
-    pub fn measure(
+    pub(crate) fn measure(
         &self,
         plan: &Plan,
         frame: &Frame,
@@ -178,7 +171,7 @@ impl<'a> Gpu<'a> {
         while runs.len() < 2 || runs.len() < effort.runs && start.elapsed() < effort.limit {
             runs.push(self.run(plan, frame, light)?.timings);
         }
-        // A run that came in strips for want of memory is another run.
+        // A run in strips, out of memory, is another run.
         let names = |run: &timing::Timings| run.iter().map(|(name, _)| *name).collect::<Vec<_>>();
         let usual = names(&runs[runs.len() - 1]);
         runs.retain(|run| names(run) == usual);
@@ -186,10 +179,10 @@ impl<'a> Gpu<'a> {
     }
 
     /// How far the products of frames are from the CPU's: each kind's largest difference.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] for a parameter outside its range.
-    pub fn products(&self, frames: &[(&str, &Frame, ShapeParams)]) -> Result<Vec<ProductRow>> {
+    pub(crate) fn products(
+        &self,
+        frames: &[(&str, &Frame, ShapeParams)],
+    ) -> Result<Vec<ProductRow>> {
         let mut rows: Vec<ProductRow> = Vec::new();
         for (name, frame, shape) in frames {
             let frame = with_picture(frame);
@@ -206,11 +199,8 @@ impl<'a> Gpu<'a> {
         Ok(rows)
     }
 
-    /// What is known of the device in the end, with `products` as found by [`Gpu::products`], and `pictures`.
-    ///
-    /// # Errors
-    /// Why it failed, where it is required.
-    pub fn report(
+    /// The results, with `products` from [`Gpu::products`].
+    pub(crate) fn report(
         &self,
         products: Vec<ProductRow>,
         pictures: Vec<PictureRow>,
@@ -242,41 +232,32 @@ impl GpuTimed {
         };
         let computed = runs.iter().map(|run| of_kernels(run).as_secs_f64());
         Self {
-            upload: time_of(UPLOAD),
-            read_back: time_of(READ_BACK),
-            compute: Times::of(computed.collect()),
-            stages: stages
-                .iter()
-                .filter(|(stage, _)| is_kernel(stage))
-                .map(|&(stage, times)| StageTimes { stage, times })
-                .collect(),
+            parts: GpuParts {
+                upload: time_of(UPLOAD),
+                read_back: time_of(READ_BACK),
+                compute: Times::of(computed.collect()),
+                stages: stages
+                    .iter()
+                    .filter(|(stage, _)| is_kernel(stage))
+                    .map(|&(stage, times)| StageTimes { stage, times })
+                    .collect(),
+            },
             whole,
         }
     }
+}
 
-    /// The time of the diffusion; of all kernels where there is no clock that tells.
-    pub fn diffusion(&self) -> Times {
+impl GpuParts {
+    /// Whether the device has a clock for each stage.
+    pub(crate) fn has_clock(&self) -> bool {
+        !self.stages.iter().any(|stage| stage.stage == KERNELS)
+    }
+
+    /// The time of the diffusion; of all kernels where the device has no clock for each.
+    pub(crate) fn diffusion(&self) -> Times {
         let mut stages = self.stages.iter();
         let diffusion = stages.find(|stage| stage.stage == "diffusion");
         diffusion.map_or(self.compute, |stage| stage.times)
-    }
-}
-
-impl GpuRow {
-    /// A row whose errors and times are known.
-    pub fn new(row: Row, timed: GpuTimed) -> Self {
-        Self {
-            row,
-            upload: timed.upload,
-            stages: timed.stages,
-            compute: timed.compute,
-            read_back: timed.read_back,
-        }
-    }
-
-    /// Whether the device has a clock for each stage.
-    pub fn has_clock(&self) -> bool {
-        !self.stages.iter().any(|stage| stage.stage == KERNELS)
     }
 }
 
@@ -295,36 +276,24 @@ pub(super) fn with_picture(frame: &Frame) -> Frame {
 
 /// The plans whose products are compared.
 fn plans(frame: &Frame, shape: ShapeParams) -> Result<Vec<Plan>> {
-    let (available, scaling) = (Available::in_frame(frame), ScalingParams::default());
     let mut relight = RelightParams {
         method: Method::Both,
         ..RelightParams::default()
     };
     relight.material.material = Material::BlinnPhong;
-    let kinds = LightKinds::in_light(&lamp());
-    let line = LineParams::default();
-    let mut plans = GOALS
-        .map(|goal| timing::plan(goal, frame, shape))
-        .into_iter()
-        .collect::<Result<Vec<_>>>()?;
-    plans.push(Plan::relight(available, shape, scaling, relight, kinds)?);
-    plans.push(Plan::hatch(
-        available,
+    let shapes = GOALS.map(|goal| timing::plan(goal, frame, shape));
+    let mut plans = shapes.into_iter().collect::<Result<Vec<_>>>()?;
+    plans.push(relight_plan(frame, shape, relight, &lamp())?);
+    plans.push(hatch_plan(
+        Available::in_frame(frame),
         shape,
-        scaling,
-        ToneFrom::Picture,
-        line,
+        LineParams::default(),
     )?);
     Ok(plans)
 }
 
 fn run_on_cpu(plan: &Plan, frame: &Frame) -> Outcome {
-    let runner = cpu::Runner::default();
-    match plan.goal {
-        _ if plan.drawing.is_some() => runner.draw(plan, frame, DrawingInputs::default()),
-        Goal::Relight => runner.relight(plan, frame, &lamp()),
-        _ => runner.run(plan, frame),
-    }
+    Session::default().run(plan, frame, lit_by(&lamp()))
 }
 
 /// How far the products are apart that `plan` is for, of those that both backends made; infinitely where one is missing.
@@ -380,7 +349,7 @@ mod tests {
         Duration::from_millis(time)
     }
 
-    /// What runs plans on the CPU and tells times as a device does.
+    /// Runs plans on the CPU and names their times as a device does.
     fn device(plan: &Plan, frame: &Frame, _: &Illumination) -> Result<Outcome> {
         let mut outcome = run_on_cpu(plan, frame);
         let times = [
@@ -399,25 +368,26 @@ mod tests {
     }
 
     #[test]
-    fn kernels_are_told_from_copies() {
+    fn kernels_are_timed_apart_from_copies() {
         let gpu = Gpu::new("test".into(), true, true, &device);
         let frame = frame();
         let plan = timing::plan(Goal::Display, &frame, ShapeParams::default()).unwrap();
         let timed = gpu
             .measure(&plan, &frame, &lamp(), Effort::new(3, 1000))
             .unwrap();
-        let least = [timed.upload, timed.compute, timed.read_back, timed.whole].map(|t| t.min);
+        let parts = &timed.parts;
+        let least = [parts.upload, parts.compute, parts.read_back, timed.whole].map(|t| t.min);
         for (found, expected) in least.into_iter().zip([0.001, 0.012, 0.016, 0.031]) {
             assert!((found - expected).abs() < 1e-9, "{least:?}");
         }
         assert_eq!(timed.whole.runs, 3);
-        assert_eq!(timed.diffusion().min, 0.004);
-        let names: Vec<_> = timed.stages.iter().map(|stage| stage.stage).collect();
+        assert_eq!(timed.parts.diffusion().min, 0.004);
+        let names: Vec<_> = parts.stages.iter().map(|stage| stage.stage).collect();
         assert_eq!(names, ["diffusion", "trace"]);
     }
 
     #[test]
-    fn every_product_is_compared_and_what_is_off_is_told() {
+    fn every_product_is_compared_and_differences_show() {
         let frame = frame();
         let frames = [("waves", &frame, ShapeParams::default())];
         let same = Gpu::new("test".into(), true, true, &device);
@@ -445,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_fails_is_asked_no_more() {
+    fn a_device_that_fails_runs_no_more() {
         for is_required in [false, true] {
             let asked = Cell::new(0);
             let fails = |plan: &Plan, frame: &Frame, light: &Illumination| {

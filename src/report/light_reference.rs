@@ -1,23 +1,21 @@
-//! New light in double precision, one pixel and one light at a time: what fast single-precision sums are
-//! measured against.
+//! New light in double precision, one pixel and one light at a time: the reference of single-precision sums.
 //!
-//! The papers' equations as printed, with the corrections that the kernels' documentation tells of, and
+//! The papers' equations as printed, with the corrections that the kernels document, and
 //! sharing no code with them: directions are warped in stereographic coordinates by eigenvectors, the
 //! scaling is the printed fraction. It starts from the Hessian and the gain that the backend found, so
-//! that it tells the error of light and nothing else.
+//! that it shows the error of light alone.
 
-use crate::engine::cpu;
+use super::engine;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;
 use crate::light::lights::DirectionalLight;
 use crate::params::{Material, MaterialParams, Method, RelightParams, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, Plan};
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// What is known of a pixel.
+/// A pixel to be lit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
     /// Unit normal.
@@ -41,7 +39,7 @@ pub struct Settings<'a> {
     pub gain: f64,
     /// How it is scaled.
     pub scaling: &'a ScalingParams,
-    /// What the surface is made of.
+    /// Material of the surface.
     pub material: &'a MaterialParams,
 }
 
@@ -81,10 +79,7 @@ impl Pixel {
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
 pub fn hessian(frame: &Frame, shape: ShapeParams) -> Result<SymmetricPlanes> {
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default())?;
-    let found = cpu::run(&plan, frame).shape.hessian;
-    Ok(found.expect("it is one of the layers"))
+    Ok(engine::layers(frame, shape)?.hessian)
 }
 
 /// Mean and half the difference of the principal curvatures, and the direction of the larger.
@@ -135,7 +130,7 @@ fn kappa(h: [f64; 3], l: DVec3, gain: f64, anisotropy: f64) -> f64 {
 }
 
 /// A light as one pixel meets it.
-struct Met {
+struct IncidentLight {
     /// The unwarped direction.
     direction: DVec3,
     /// Solid angle after warping over that before.
@@ -144,10 +139,10 @@ struct Met {
     cosine: f64,
 }
 
-fn met(pixel: &Pixel, light: DVec3, s: &Settings) -> Met {
+fn incident(pixel: &Pixel, light: DVec3, s: &Settings) -> IncidentLight {
     let n = pixel.normal;
     if !s.method.warps() {
-        return Met {
+        return IncidentLight {
             direction: light,
             weight: 1.0,
             cosine: n.dot(light),
@@ -155,46 +150,46 @@ fn met(pixel: &Pixel, light: DVec3, s: &Settings) -> Met {
     }
     let lambda = lambda(pixel.hessian, s.alpha);
     let direction = warp(light, lambda.inverse());
-    Met {
+    IncidentLight {
         direction,
         weight: jacobian(light, lambda),
         cosine: n.dot(direction).min(4.0 * n.dot(light)),
     }
 }
 
-/// What a light of 1 from `light` adds: diffusely, specularly.
+/// Diffuse and specular reflection of a light of 1 from `light`.
 ///
 /// # Panics
 /// For a mirror and for glass, which no light is summed on.
 pub fn reflected(pixel: &Pixel, light: DVec3, s: &Settings) -> [f64; 2] {
-    shone(pixel, &met(pixel, light, s), s)
+    shone(pixel, &incident(pixel, light, s), s)
 }
 
-fn shone(pixel: &Pixel, met: &Met, s: &Settings) -> [f64; 2] {
-    if met.cosine <= 0.0 {
+fn shone(pixel: &Pixel, incident: &IncidentLight, s: &Settings) -> [f64; 2] {
+    if incident.cosine <= 0.0 {
         return [0.0; 2];
     }
-    let (intensities, lobes) = lobes(pixel, met, s.material);
+    let (intensities, lobes) = lobes(pixel, incident, s.material);
     let magnitudes = s.scaling.magnitudes();
     let scaled = |term: usize, gamma: f32| match s.method.scales() {
         true => {
             let anisotropy = s.scaling.anisotropy.into();
-            let kappa = kappa(pixel.hessian, met.direction, s.gain, anisotropy);
+            let kappa = kappa(pixel.hessian, incident.direction, s.gain, anisotropy);
             let x = f64::from(gamma) * kappa;
             sigma(intensities[term], x, s.scaling.invariant_point.into())
         }
         false => 1.0,
     };
     [
-        met.weight * lobes[0] * scaled(0, magnitudes.diffuse),
-        met.weight * lobes[1] * scaled(1, magnitudes.specular),
+        incident.weight * lobes[0] * scaled(0, magnitudes.diffuse),
+        incident.weight * lobes[1] * scaled(1, magnitudes.specular),
     ]
 }
 
-/// Intensities of the diffuse and the specular lobe, and what is reflected of them.
-fn lobes(pixel: &Pixel, met: &Met, m: &MaterialParams) -> ([f64; 2], [f64; 2]) {
+/// Intensities of the diffuse and the specular lobe, and the light reflected by them.
+fn lobes(pixel: &Pixel, incident: &IncidentLight, m: &MaterialParams) -> ([f64; 2], [f64; 2]) {
     let (n, e) = (pixel.normal, pixel.to_eye);
-    let (l, nl) = (met.direction, met.cosine);
+    let (l, nl) = (incident.direction, incident.cosine);
     let h = (l + e).normalize();
     let eta = f64::from(m.shininess);
     match m.material {
@@ -230,7 +225,7 @@ fn lobes(pixel: &Pixel, met: &Met, m: &MaterialParams) -> ([f64; 2], [f64; 2]) {
     }
 }
 
-/// What a white pixel shows of `lights`; `None` where one of them is so near its horizon that single
+/// The colour of a white pixel under `lights`; `None` where one of them is so near its horizon that single
 /// precision may see it on the other side.
 pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[f64; 3]> {
     let gains = [s.material.diffuse_gain, s.material.specular()].map(f64::from);
@@ -238,11 +233,11 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
     for light in lights {
         // Directions are unit vectors to f32 rounding only.
         let direction = light.to_light.as_dvec3().normalize();
-        let met = met(pixel, direction, s);
-        if met.cosine.abs() < HORIZON {
+        let incident = incident(pixel, direction, s);
+        if incident.cosine.abs() < HORIZON {
             return None;
         }
-        let [diffuse, specular] = shone(pixel, &met, s);
+        let [diffuse, specular] = shone(pixel, &incident, s);
         let shown = gains[0] * diffuse + gains[1] * specular;
         for (sum, intensity) in sum.iter_mut().zip(light.intensity) {
             *sum += f64::from(intensity) * shown;
@@ -251,8 +246,8 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
     Some(sum)
 }
 
-/// What some white pixels show of `lights`, seen as `params` say under this gain; those left out for which [`lit`] tells
-/// nothing.
+/// The colours of some white pixels under `lights`, seen as `params` say under this gain; without those for which
+/// [`lit`] gives none.
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.

@@ -1,7 +1,7 @@
-//! What this machine can do: its memory bandwidth and its rate of multiplications and additions.
+//! The machine's memory bandwidth and its rate of multiplications and additions.
 //!
 //! Both are measured in the rayon pool of the caller, in well under half a second, so that the time of
-//! a stage can be told as a share of what its data and its arithmetic would take at best.
+//! a stage can be given as a share of the time that its data and its arithmetic take at best.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub struct Machine {
     /// Single-precision operations per second, a multiplication and an addition counting as two, from
     /// registers, as this build of the program is vectorised.
     pub operations_per_second: f64,
-    /// What one link of the arithmetic was: fused, or a multiplication and an addition.
+    /// One link of the arithmetic: fused, or a multiplication and an addition.
     pub multiply_add: &'static str,
 }
 

@@ -1,23 +1,24 @@
-//! Error against run time: what each setting costs and what it gives, on a frame and on exact scenes.
+//! Error against run time of each setting, on a frame and on exact scenes.
 //!
-//! Everything is measured against a reference in double precision ([`mod@reference`]) that starts from the
-//! same input. Errors of slopes and of their derivatives are told relative to the largest |g| before
+//! Everything is measured against a reference in double precision ([`mod@reference`]) that begins at the
+//! same input. Errors of slopes and of their derivatives are relative to the largest |g| before
 //! diffusion; times are of the stages, without reading and writing.
 
-pub mod advice;
+pub(crate) mod advice;
 pub mod coherence;
 pub mod compare;
-pub mod drawing;
-pub mod gpu;
+mod drawing;
+mod engine;
+pub(crate) mod gpu;
 pub mod light;
 pub mod light_reference;
-pub mod machine;
-pub mod markdown;
-pub mod mirrors;
+mod machine;
+pub(crate) mod markdown;
+mod mirrors;
 pub mod pareto;
-pub mod pictures;
-pub mod plots;
-pub mod reference;
+mod pictures;
+pub(crate) mod plots;
+mod reference;
 pub mod scenes;
 pub mod stability;
 pub mod sweeps;
@@ -25,48 +26,71 @@ pub mod timing;
 pub mod work;
 
 use crate::Result;
-use crate::frame::Frame;
+use crate::frame::{Frame, Mask};
 use crate::params::{Scale, ShapeParams};
-use crate::plan::Decision;
-use crate::plan::Goal;
-use gpu::{Device, Gpu, GpuReport};
+use crate::plan::{Decision, Goal};
+use gpu::{Device, GpuReport};
 use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
 use stability::CaseResult;
+use std::fmt::{self, Display};
+use sweeps::solver::{SceneSweep, Subject};
 use sweeps::{directions, precision, rim, run, solver};
 use timing::{Effort, Times, Utilisation};
 
 /// How much is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Extent {
+pub(crate) enum Extent {
     /// All scales, scenes of 480x360.
     Full,
     /// The scale asked for and one more, scenes of 320x240, fewer runs.
     Quick,
 }
 
+/// A frame that rows are measured on, or the part of it.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct On {
+    pub name: String,
+    pub width: usize,
+    pub height: usize,
+    /// Pixels that show a surface.
+    pub covered: usize,
+}
+
+impl On {
+    fn new(name: &str, mask: &Mask) -> Self {
+        Self {
+            name: name.into(),
+            width: mask.width(),
+            height: mask.height(),
+            covered: mask.count(),
+        }
+    }
+}
+
+/// Name and size.
+impl Display for On {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}x{}", self.name, self.width, self.height)
+    }
+}
+
 /// A stage of the whole descriptor.
 #[derive(Debug, Clone, Serialize)]
-pub struct StageRow {
-    /// Its name.
+pub(crate) struct StageRow {
     pub stage: &'static str,
-    /// Its time.
     pub times: Times,
-    /// Megapixels of the frame per second.
     pub megapixels_per_second: f64,
-    /// Its share of the machine, for a stage with a model of its work.
     pub utilisation: Option<Utilisation>,
 }
 
 /// Everything that was measured.
 #[derive(Debug, Clone, Serialize)]
-pub struct Report {
-    /// Version of the program.
+pub(crate) struct Report {
     pub version: &'static str,
     /// Whether the program was built with optimisation; times of one that was not mean little.
     pub optimised: bool,
-    /// The machine.
     pub machine: Machine,
     /// How shape was asked to be found.
     pub shape: ShapeParams,
@@ -75,12 +99,9 @@ pub struct Report {
     /// Stages of the whole descriptor on the frame.
     pub stages: Vec<StageRow>,
     /// Solvers and tolerances on the frame.
-    pub frame: solver::SceneSweep,
-    /// The same on exact scenes.
-    pub scenes: Vec<solver::SceneSweep>,
-    /// Ways of running.
+    pub frame: SceneSweep,
+    pub scenes: Vec<SceneSweep>,
     pub runs: Vec<run::Row>,
-    /// Precision of the input.
     pub precision: Vec<precision::Row>,
     /// Step and rounding of the surface's own directions on an ellipsoid.
     pub directions: directions::Sweep,
@@ -88,98 +109,81 @@ pub struct Report {
     pub rim_of_ball: Vec<rim::BallRow>,
     /// The same on the frame.
     pub rim_of_frame: Vec<rim::FrameRow>,
-    /// Light.
     pub light: light::LightReport,
-    /// Drawings.
     pub drawing: drawing::DrawingReport,
-    /// Mirrors.
     pub mirrors: mirrors::MirrorReport,
     /// A device beside the CPU; `None` in a build that knows of none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gpu: Option<GpuReport>,
     /// Drawings of a sequence, where the report is of one; [`run`] leaves it open.
     pub coherence: Option<coherence::Coherence>,
-    /// Stiff and extreme cases.
     pub stability: Vec<CaseResult>,
 }
 
-/// Measures everything on `frame`, called `name`, and on exact scenes, a device beside the CPU where there is one.
-/// `progress` is told what is done next.
+/// The frame of a report, and how it is measured.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) frame: &'a Frame,
+    pub(crate) shape: ShapeParams,
+    pub(crate) extent: Extent,
+    /// Hears what is measured next.
+    pub(crate) progress: &'a dyn Fn(&str),
+}
+
+impl Asked<'_> {
+    fn progress(&self, next: &str) {
+        (self.progress)(&format!("{}: {next}", self.name));
+    }
+
+    /// Runs of each measurement.
+    fn effort(&self) -> Effort {
+        match self.extent {
+            Extent::Full => Effort::new(7, 250),
+            Extent::Quick => Effort::new(5, 150),
+        }
+    }
+}
+
+/// Measures everything on the frame and on exact scenes, a device beside the CPU where there is one.
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range, and those of a device that is required.
-pub fn run(
-    name: &str,
-    frame: &Frame,
-    shape: ShapeParams,
-    extent: Extent,
-    device: Device,
-    progress: &dyn Fn(&str),
-) -> Result<Report> {
+pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
+    let Asked {
+        frame,
+        shape,
+        extent,
+        progress,
+        ..
+    } = asked;
     shape.validate()?;
     progress("the machine's bandwidth and arithmetic");
     let machine = Machine::measured();
-    let effort = effort(extent);
-    let gpu = match &device {
-        Device::Measured(gpu) => Some(gpu),
-        Device::Unknown | Device::NotMeasured(_) => None,
-    };
     // Without foreshortening no stage asks for the camera; a command would not even look for it.
     let lean = Frame {
         camera: frame.camera.filter(|_| shape.foreshortening != 0.0),
         ..frame.clone()
     };
-    progress(&format!("{name}: stages"));
-    let display = timing::plan(Goal::Display, &lean, shape)?;
-    let stages = stages(&lean, shape, effort, &machine)?;
-    let subject = solver::Subject {
-        name: name.into(),
-        about: "the frame".into(),
+    let lean = Asked {
         frame: &lean,
-        shape,
-        closed_form: None,
-        gpu,
+        ..asked
     };
-    let scales = frame_scales(shape.scale, extent);
-    let swept = solver::sweep(&subject, &scales, effort, &machine, progress)?;
-    let scene_frames = scenes_of(extent);
-    let scenes = exact_scenes(
-        &scene_frames,
-        shape,
-        extent,
-        effort,
-        &machine,
-        gpu,
-        progress,
-    )?;
-    if gpu.is_some() {
-        progress("the device's products and pictures beside the CPU's");
-    }
-    let gpu = measured(&device, &subject, &scene_frames, effort)?;
-    drop(scene_frames);
-    progress(&format!("{name}: threads"));
-    let mut runs = run::threads(&lean, shape, effort)?;
-    progress(&format!("{name}: tiles and sweeps per pass"));
-    runs.extend(run::tiles_and_passes(&lean, shape, &scales, effort)?);
-    progress(&format!("{name}: half and byte input"));
-    let mut rounded = precision::sweep(name, &lean, shape)?;
-    let (width, height) = scene_size(extent);
-    let ball = Scene::ball(width, height);
-    rounded.extend(precision::sweep(
-        "ball",
-        &ball.frame,
-        ShapeParams {
-            foreshortening: 0.0,
-            ..shape
-        },
-    )?);
-    drop(lean);
+    lean.progress("stages");
+    let decisions = timing::plan(Goal::Display, lean.frame, shape)?
+        .decisions()
+        .to_vec();
+    let stages = stages(&lean, &machine)?;
+    let (swept, scenes, gpu) = sweeps(&lean, &device, &machine)?;
+    let runs = runs(&lean)?;
+    let precision = precision(&lean)?;
     progress("ellipsoid: directions");
-    let directions = directions::sweep(&Scene::ellipsoid(width, height), effort)?;
-    progress(&format!("{name}: foreshortening and min_nz"));
+    let (width, height) = scene_size(extent);
+    let directions = directions::sweep(&Scene::ellipsoid(width, height), asked.effort())?;
+    asked.progress("foreshortening and min_nz");
     let (rim_of_ball, rim_of_frame) = (rim::on_ball()?, rim::on_frame(frame, &shape)?);
-    let light = light::run(name, frame, shape, extent, progress)?;
-    let drawing = drawing::run(name, frame, shape, extent, progress)?;
+    let light = light::run(&asked)?;
+    let drawing = drawing::run(&asked)?;
     let mirrors = mirrors::run(extent, progress)?;
     progress("stiff and extreme cases");
     Ok(Report {
@@ -187,12 +191,12 @@ pub fn run(
         optimised: !cfg!(debug_assertions),
         machine,
         shape,
-        decisions: display.decisions().to_vec(),
+        decisions,
         stages,
         frame: swept,
         scenes,
         runs,
-        precision: rounded,
+        precision,
         directions,
         rim_of_ball,
         rim_of_frame,
@@ -205,11 +209,87 @@ pub fn run(
     })
 }
 
-fn effort(extent: Extent) -> Effort {
-    match extent {
-        Extent::Full => Effort::new(7, 250),
-        Extent::Quick => Effort::new(5, 150),
+/// Solvers and tolerances on the frame and on exact scenes, by the CPU and by the device.
+fn sweeps(
+    asked: &Asked,
+    device: &Device,
+    machine: &Machine,
+) -> Result<(SceneSweep, Vec<SceneSweep>, Option<GpuReport>)> {
+    let gpu = match device {
+        Device::Measured(gpu) => Some(gpu),
+        Device::Unknown | Device::NotMeasured(_) => None,
+    };
+    let effort = asked.effort();
+    let sweep = |subject: &Subject, scales: &[Scale]| {
+        solver::sweep(subject, scales, effort, machine, asked.progress)
+    };
+    let subject = Subject {
+        name: asked.name,
+        about: "the frame",
+        frame: asked.frame,
+        shape: asked.shape,
+        closed_form: None,
+        gpu,
+    };
+    let frame = sweep(&subject, &frame_scales(asked.shape.scale, asked.extent))?;
+    let (width, height) = scene_size(asked.extent);
+    let all = Scene::all(width, height);
+    let mut scenes = Vec::new();
+    for scene in &all {
+        let closed_form = |x: usize, y: usize, time: f64| scene.exact_trace(x, y, time);
+        let subject = Subject {
+            name: scene.name,
+            about: scene.about,
+            frame: &scene.frame,
+            shape: shape_of(scene, asked.shape.tolerance),
+            closed_form: Some(&closed_form),
+            gpu,
+        };
+        scenes.push(sweep(&subject, scene_scales(asked.extent))?);
     }
+    Ok((frame, scenes, beside(device, asked, &all)?))
+}
+
+/// The device in the end, and how far it is from the CPU.
+fn beside(device: &Device, asked: &Asked, scenes: &[Scene]) -> Result<Option<GpuReport>> {
+    let gpu = match device {
+        Device::Unknown => return Ok(None),
+        Device::NotMeasured(why) => return Ok(Some(GpuReport::NotMeasured(why.clone()))),
+        Device::Measured(gpu) => gpu,
+    };
+    (asked.progress)("the device's products and pictures beside the CPU's");
+    let scenes = scenes.iter().map(|scene| {
+        let shape = shape_of(scene, asked.shape.tolerance);
+        (scene.name, &scene.frame, shape)
+    });
+    let own = (asked.name, asked.frame, asked.shape);
+    let frames: Vec<_> = std::iter::once(own).chain(scenes).collect();
+    let products = gpu.products(&frames)?;
+    let pictures = pictures::rows(gpu, asked.frame, asked.shape, asked.effort())?;
+    gpu.report(products, pictures).map(Some)
+}
+
+fn runs(asked: &Asked) -> Result<Vec<run::Row>> {
+    let (frame, shape, effort) = (asked.frame, asked.shape, asked.effort());
+    asked.progress("threads");
+    let mut rows = run::threads(frame, shape, effort)?;
+    asked.progress("tiles and sweeps per pass");
+    let scales = frame_scales(shape.scale, asked.extent);
+    rows.extend(run::tiles_and_passes(frame, shape, &scales, effort)?);
+    Ok(rows)
+}
+
+fn precision(asked: &Asked) -> Result<Vec<precision::Row>> {
+    asked.progress("half and byte input");
+    let mut rows = precision::sweep(asked.name, asked.frame, asked.shape)?;
+    let (width, height) = scene_size(asked.extent);
+    let shape = ShapeParams {
+        foreshortening: 0.0,
+        ..asked.shape
+    };
+    let ball = Scene::ball(width, height);
+    rows.extend(precision::sweep(ball.name, &ball.frame, shape)?);
+    Ok(rows)
 }
 
 fn scene_size(extent: Extent) -> (usize, usize) {
@@ -234,9 +314,11 @@ fn frame_scales(asked_for: Scale, extent: Extent) -> Vec<Scale> {
     std::iter::once(asked_for).chain(more).collect()
 }
 
-fn scenes_of(extent: Extent) -> Vec<Scene> {
-    let (width, height) = scene_size(extent);
-    Scene::all(width, height)
+fn scene_scales(extent: Extent) -> &'static [Scale] {
+    match extent {
+        Extent::Full => &[Scale::Iterations(50), Scale::Sigma(6.0), Scale::Sigma(20.0)],
+        Extent::Quick => &[Scale::Sigma(6.0)],
+    }
 }
 
 /// How the shape of an exact scene is found, but for its scale.
@@ -248,65 +330,10 @@ fn shape_of(scene: &Scene, tolerance: f32) -> ShapeParams {
     }
 }
 
-/// What is known of a device after all frames were measured on it, and how far it is from the CPU.
-fn measured(
-    device: &Device,
-    subject: &solver::Subject,
-    scenes: &[Scene],
-    effort: Effort,
-) -> Result<Option<GpuReport>> {
-    let gpu = match device {
-        Device::Unknown => return Ok(None),
-        Device::NotMeasured(why) => return Ok(Some(GpuReport::NotMeasured(why.clone()))),
-        Device::Measured(gpu) => gpu,
-    };
-    let scenes = scenes.iter().map(|scene| {
-        let shape = shape_of(scene, subject.shape.tolerance);
-        (scene.name, &scene.frame, shape)
-    });
-    let own = (subject.name.as_str(), subject.frame, subject.shape);
-    let frames: Vec<_> = std::iter::once(own).chain(scenes).collect();
-    let products = gpu.products(&frames)?;
-    let pictures = pictures::rows(gpu, subject.frame, subject.shape, effort)?;
-    gpu.report(products, pictures).map(Some)
-}
-
-fn exact_scenes(
-    scenes: &[Scene],
-    shape: ShapeParams,
-    extent: Extent,
-    effort: Effort,
-    machine: &Machine,
-    gpu: Option<&Gpu>,
-    progress: &dyn Fn(&str),
-) -> Result<Vec<solver::SceneSweep>> {
-    let scales: &[Scale] = match extent {
-        Extent::Full => &[Scale::Iterations(50), Scale::Sigma(6.0), Scale::Sigma(20.0)],
-        Extent::Quick => &[Scale::Sigma(6.0)],
-    };
-    let sweep = |scene: &Scene| {
-        let closed_form = |x: usize, y: usize, time: f64| scene.exact_trace(x, y, time);
-        let subject = solver::Subject {
-            name: scene.name.into(),
-            about: scene.about.into(),
-            frame: &scene.frame,
-            shape: shape_of(scene, shape.tolerance),
-            closed_form: Some(&closed_form),
-            gpu,
-        };
-        solver::sweep(&subject, scales, effort, machine, progress)
-    };
-    scenes.iter().map(sweep).collect()
-}
-
-fn stages(
-    frame: &Frame,
-    shape: ShapeParams,
-    effort: Effort,
-    machine: &Machine,
-) -> Result<Vec<StageRow>> {
+fn stages(asked: &Asked, machine: &Machine) -> Result<Vec<StageRow>> {
+    let (frame, shape) = (asked.frame, asked.shape);
     let plan = timing::plan(Goal::Layers, frame, shape)?;
-    let (_, measured) = timing::measure(&plan, frame, effort);
+    let (_, measured) = timing::measure(&plan, frame, asked.effort());
     let (pixels, covered) = (frame.mask.width() * frame.mask.height(), frame.mask.count());
     let row = |(stage, times): (&'static str, Times)| StageRow {
         stage,

@@ -18,12 +18,24 @@ pub fn front(points: &[[f64; 2]]) -> Vec<bool> {
         .collect()
 }
 
+/// Marks the rows that are on the front by their `place`.
+pub(super) fn mark<R>(
+    rows: &mut [R],
+    place: impl Fn(&R) -> [f64; 2],
+    on_front: impl Fn(&mut R) -> &mut bool,
+) {
+    let places: Vec<_> = rows.iter().map(place).collect();
+    for (row, is_on_front) in rows.iter_mut().zip(front(&places)) {
+        *on_front(row) = is_on_front;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn only_what_is_beaten_in_neither_way_is_on_the_front() {
+    fn only_points_that_none_beats_are_on_the_front() {
         let points = [
             [1.0, 1.0],
             [2.0, 0.5],

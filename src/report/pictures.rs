@@ -1,54 +1,49 @@
-//! New light and drawings by a device beside the CPU: how far off they are, and what they take.
+//! New light and drawings by a device beside the CPU: errors and times.
 //!
 //! New light has a reference in double precision ([`super::light_reference`]), which starts from the Hessian and the
-//! gain that the CPU found. A drawing has none: what the device draws is compared with what the CPU does.
+//! gain that the CPU found. A drawing has none: the drawing of the device is compared with that of the CPU.
 
 use super::compare::{Errors, Tally, compare_where};
+use super::engine::{Inputs, Outcome, Session, hatch_plan, lit_by, relight_plan};
 use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
 use super::light::lit::{off, some_covered, white};
 use super::light::{bare, environment};
 use super::light_reference::lit_at;
-use super::timing::{Effort, Times, measure_runs};
-use crate::engine::cpu::runner::{DrawingInputs, Runner};
-use crate::engine::outcome::Outcome;
+use super::timing::{Effort, Times};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
 use crate::params::{
-    AUTO_SAMPLES, LineParams, Material, Method, RelightParams, ScalingParams, ShapeParams, Style,
-    WarpBy,
+    AUTO_SAMPLES, LineParams, Material, Method, RelightParams, ShapeParams, Style, WarpBy,
 };
-use crate::plan::LightKinds;
-use crate::plan::{Available, Plan, ToneFrom};
+use crate::plan::{Available, Plan};
 use serde::Serialize;
 
 /// Pixels at which new light is compared, at the most.
-pub const COMPARED: usize = 4096;
+pub(super) const COMPARED: usize = 4096;
 
-/// What errors are told from.
+/// The reference of errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Reference {
+pub(crate) enum Reference {
     /// Double precision.
     DoublePrecision,
-    /// What the CPU makes.
+    /// The result of the CPU.
     Cpu,
 }
 
 /// A picture by the CPU.
 #[derive(Debug, Clone, Serialize)]
-pub struct OnCpu {
+pub(crate) struct OnCpu {
     /// Its errors; `None` where it is the reference.
     pub errors: Option<Errors>,
-    /// Time of all stages.
     pub whole: Times,
 }
 
 /// A picture by a device.
 #[derive(Debug, Clone, Serialize)]
-pub struct OnGpu {
-    /// Its errors.
+pub(crate) struct OnGpu {
     pub errors: Errors,
     /// Times of copies, kernels and all of it.
     #[serde(flatten)]
@@ -57,30 +52,25 @@ pub struct OnGpu {
 
 /// A picture by both.
 #[derive(Debug, Clone, Serialize)]
-pub struct PictureRow {
-    /// What is made, in words.
+pub(crate) struct PictureRow {
+    /// The picture in words.
     pub picture: String,
-    /// What errors are told from. Those of new light are of the worst channel, relative to the luminance that 98 pixels
+    /// The reference of errors. Those of new light are of the worst channel, relative to the luminance that 98 pixels
     /// in 100 of the reference stay below; those of drawings are of ink, 0..1.
     pub reference: Reference,
-    /// By the CPU.
     pub on_cpu: OnCpu,
-    /// By the device.
     pub on_gpu: OnGpu,
 }
 
-/// `frame` in new light and drawn, its shape found by `shape`; what the device failed at is left out.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn rows(
+/// `frame` in new light and drawn, its shape found by `shape`; without those that the device failed at.
+pub(super) fn rows(
     gpu: &Gpu,
     frame: &Frame,
     shape: ShapeParams,
     effort: Effort,
 ) -> Result<Vec<PictureRow>> {
-    let bench = Bench { gpu, shape, effort };
-    // What the reference knows: a white surface that hides all behind it.
+    let bench = BothBackends { gpu, shape, effort };
+    // The reference has white, opaque surfaces.
     let white = Frame {
         color: None,
         albedo: None,
@@ -106,13 +96,13 @@ pub fn rows(
     Ok(rows.into_iter().flatten().collect())
 }
 
-struct Bench<'a> {
+struct BothBackends<'a> {
     gpu: &'a Gpu<'a>,
     shape: ShapeParams,
     effort: Effort,
 }
 
-impl Bench<'_> {
+impl BothBackends<'_> {
     /// A glossy surface under lights from one direction each.
     fn relit(
         &self,
@@ -125,16 +115,9 @@ impl Bench<'_> {
             warp_by: WarpBy::Lights,
             ..bare(Material::BlinnPhong, method)
         };
-        let plan = Plan::relight(
-            Available::in_frame(frame),
-            self.shape,
-            ScalingParams::default(),
-            params,
-            LightKinds::in_light(light),
-        )?;
-        let runner = Runner::default();
-        let run = || runner.relight(&plan, frame, light);
-        let (expected, on_cpu) = measure_runs(&runner, self.effort, run);
+        let plan = relight_plan(frame, self.shape, params, light)?;
+        let session = Session::default();
+        let (expected, on_cpu) = session.measure(&plan, frame, lit_by(light), self.effort);
         let exact = lit_at(
             some_covered(&frame.mask, COMPARED),
             frame,
@@ -163,11 +146,9 @@ impl Bench<'_> {
     fn hatched(&self, frame: &Frame) -> Result<Option<PictureRow>> {
         let mut line = LineParams::default();
         line.strokes.style = Style::Pen;
-        let (available, scaling) = (Available::in_frame(frame), ScalingParams::default());
-        let plan = Plan::hatch(available, self.shape, scaling, ToneFrom::Picture, line)?;
-        let runner = Runner::default();
-        let run = || runner.draw(&plan, frame, DrawingInputs::default());
-        let (expected, on_cpu) = measure_runs(&runner, self.effort, run);
+        let plan = hatch_plan(Available::in_frame(frame), self.shape, line)?;
+        let inputs = Inputs::default();
+        let (expected, on_cpu) = Session::default().measure(&plan, frame, inputs, self.effort);
         let expected = ink(&expected).map(|plane| plane.map(f64::from));
         let errors = |outcome: &Outcome| {
             let exact = expected.each_ref();
@@ -224,11 +205,7 @@ mod tests {
     use crate::report::scenes::Scene;
 
     fn on_cpu(plan: &Plan, frame: &Frame, light: &Illumination) -> Outcome {
-        let runner = Runner::default();
-        match plan.drawing {
-            Some(_) => runner.draw(plan, frame, DrawingInputs::default()),
-            None => runner.relight(plan, frame, light),
-        }
+        Session::default().run(plan, frame, lit_by(light))
     }
 
     fn rows_of(off: f32) -> Vec<PictureRow> {
@@ -255,7 +232,7 @@ mod tests {
             let errors = row.on_cpu.errors.unwrap();
             assert_eq!(row.reference, Reference::DoublePrecision);
             assert_eq!(row.on_gpu.errors, errors);
-            // Where a light grazes the surface nothing is told.
+            // Pixels that a light grazes have no reference.
             assert!((2990..=3000).contains(&errors.pixels), "{errors:?}");
             // Single precision, of a lobe that is a power of 32: 32 roundings of 2^-23.
             assert!(errors.max > 0.0 && errors.max < 4e-6, "{errors:?}");

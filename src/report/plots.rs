@@ -1,41 +1,76 @@
-//! The report's pictures, as SVG: error against time with the Pareto front, and error near the rim.
+//! The report's pictures, as SVG: each declared as panels of series of points.
 
-use super::advice::scientific;
+mod figure;
+mod sequence;
+
+use super::Report;
+use super::advice::{altered, noun};
+use super::drawing::{field, strokes};
+use super::gpu::GpuReport;
+use super::light::Subject;
+use super::light::samples::Sample;
+use super::mirrors::{MirrorReport, Row as MirrorRow};
+use super::pictures::PictureRow;
 use super::sweeps::directions;
 use super::sweeps::precision::Stored;
 use super::sweeps::rim::{BANDS, BallRow, FLOORS, FORESHORTENINGS};
 use super::sweeps::solver::{Row, ScaleSweep, SceneSweep};
 use crate::params::Solver;
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::ops::Range;
+use figure::{FAINT, FRONT, Marks, Panel, Point, SERIES, Series, figure, figure_up_to, ticks};
+use plotters::style::text_anchor::HPos;
 
-type Drawn<T = ()> = std::result::Result<T, DrawingAreaErrorKind<std::io::Error>>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) const FRAME: &str = "frame.svg";
+pub(super) const DIRECTIONS: &str = "directions.svg";
+pub(super) const RIM: &str = "rim.svg";
+pub(super) const FIELDS: &str = "stroke-directions.svg";
+pub(super) const STROKES: &str = "strokes.svg";
+pub(super) const MIRRORS: &str = "mirrors.svg";
+pub(super) const PICTURES: &str = "pictures.svg";
+pub(super) const COHERENCE: &str = "coherence.svg";
 
-const INK: RGBColor = RGBColor(40, 44, 52);
-const FAINT: RGBColor = RGBColor(120, 126, 136);
-const GRID: RGBColor = RGBColor(232, 234, 238);
-const FRONT: RGBColor = RGBColor(240, 196, 60);
-/// Colours that the colour-blind tell apart (Okabe and Ito), in the order of the series.
-const SERIES: [RGBColor; 4] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(170, 80, 140),
-];
-/// Size of a panel in pixels.
-const PANEL: (u32, u32) = (460, 350);
-const HEADER: u32 = 70;
-const FONT: &str = "sans-serif";
+/// Name of the plot of an exact scene.
+pub(super) fn of_scene(scene: &SceneSweep) -> String {
+    format!("{}.svg", scene.on.name)
+}
+
+/// Names of the plots of light: by number of lights, by equation.
+pub(super) fn of_light(subject: &Subject) -> [String; 2] {
+    // A frame is called by its file.
+    let name = match subject.on.name.contains('.') {
+        true => "",
+        false => &format!("{}-", subject.on.name),
+    };
+    ["lights", "equations"].map(|plot| format!("{name}{plot}.svg"))
+}
+
+/// Every plot with the name of its file.
+pub(crate) fn all(report: &Report) -> Vec<(String, String)> {
+    let scenes = report.scenes.iter();
+    let mut plots: Vec<_> = scenes
+        .map(|scene| (of_scene(scene), error_against_time(scene)))
+        .collect();
+    for subject in &report.light.subjects {
+        let plots_of_light = [error_against_lights(subject), both_equations(subject)];
+        plots.extend(of_light(subject).into_iter().zip(plots_of_light));
+    }
+    let mut add = |name: &str, plot| plots.push((name.into(), plot));
+    add(FRAME, error_against_time(&report.frame));
+    add(DIRECTIONS, error_against_step(&report.directions));
+    add(RIM, error_near_the_rim(&report.rim_of_ball));
+    add(FIELDS, error_of_directions(&report.drawing.fields));
+    add(STROKES, strokes_by_levels(&report.drawing.strokes));
+    add(MIRRORS, error_of_mirrors(&report.mirrors));
+    if let Some(GpuReport::Measured { pictures, .. }) = &report.gpu {
+        add(PICTURES, error_of_pictures(&report.frame.on.name, pictures));
+    }
+    if let Some(coherence) = &report.coherence {
+        add(COHERENCE, sequence::difference_by_frame(coherence));
+    }
+    plots
+}
 
 /// Largest error of the gradient against the time of diffusion, a panel per scale.
-pub fn error_against_time(sweep: &SceneSweep) -> String {
-    let title = format!(
-        "{}, {}x{}: error of the diffused gradient against time",
-        sweep.name, sweep.width, sweep.height
-    );
+fn error_against_time(sweep: &SceneSweep) -> String {
     let mut legend = vec![
         ("Chebyshev, by tolerance (* asked for)", SERIES[0]),
         ("explicit, by step", SERIES[1]),
@@ -44,380 +79,250 @@ pub fn error_against_time(sweep: &SceneSweep) -> String {
     if sweep.scales.iter().any(|scale| !scale.on_gpu.is_empty()) {
         legend.push(("on the GPU", SERIES[2]));
     }
-    let panels: Vec<_> = sweep
-        .scales
-        .iter()
-        .filter(|scale| scale.rows.iter().any(drawable))
-        .collect();
-    let errors = panels
-        .iter()
-        .flat_map(|scale| scale.rows.iter().chain(rows_on_gpu(scale)))
-        .filter(|row| drawable(row));
-    let range = decades(errors.map(|row| row.gradient.max));
-    figure(&title, &legend, panels.len(), |i, area| {
-        solver_panel(area, panels[i], range.clone())
-    })
+    let point = |row: &Row| {
+        let value = row.setting.rsplit(' ').next().unwrap_or_default();
+        let mark = if row.asked_for { "* " } else { "" };
+        let label = format!("{mark}{value}");
+        Point {
+            is_marked: row.asked_for,
+            on_front: row.on_front,
+            ..Point::new(1e3 * row.diffusion.min, row.gradient.max, label)
+        }
+    };
+    let panel = |scale: &ScaleSweep| {
+        // The expansion's points lie to the left of the steps', and so do their labels.
+        let solvers = [
+            (Solver::Chebyshev, SERIES[0], HPos::Right),
+            (Solver::Explicit, SERIES[1], HPos::Left),
+        ];
+        let solvers = solvers.map(|(solver, color, labels)| {
+            let mut rows: Vec<_> = scale
+                .rows
+                .iter()
+                .filter(|row| row.solver == solver)
+                .collect();
+            rows.sort_by_key(|row| row.applications);
+            let points = rows.into_iter().map(point);
+            Series {
+                labels,
+                ..Series::new(color, Marks::Discs(4), points)
+            }
+        });
+        let on_gpu = scale.on_gpu.iter().map(|on_gpu| Point {
+            label: String::new(),
+            ..point(&on_gpu.row)
+        });
+        let on_gpu = Series::new(SERIES[2], Marks::Triangles, on_gpu);
+        Panel::new(&scale.scale, solvers.into_iter().chain([on_gpu]))
+    };
+    let title = format!("{}: error of the diffused gradient against time", sweep.on);
+    let axes = ["diffusion, ms", "largest error / max |g|"];
+    figure(&title, &legend, axes, sweep.scales.iter().map(panel))
 }
 
 /// Mean error of the trace on a ball by n_z, a panel per foreshortening and a line per floor.
-pub fn error_near_the_rim(rows: &[BallRow]) -> String {
+fn error_near_the_rim(rows: &[BallRow]) -> String {
     let names = FLOORS.map(|floor| format!("min_nz {floor}"));
     let legend: Vec<_> = names.iter().map(String::as_str).zip(SERIES).collect();
-    let means = rows.iter().flat_map(|row| &row.bands).map(|band| band.mean);
-    let range = decades(means);
+    let bounds = BANDS[0]..BANDS[BANDS.len() - 1];
+    let ticks = ticks(&bounds, &[1.0, 2.0, 5.0]);
+    let panels = FORESHORTENINGS.map(|foreshortening| {
+        let rows = rows
+            .iter()
+            .filter(|row| row.foreshortening == foreshortening);
+        let styles = SERIES.into_iter().zip([7, 6, 4, 3]);
+        let series = rows.zip(styles).flat_map(|(row, (color, radius))| {
+            let bands = BANDS.windows(2).zip(&row.bands);
+            let points = bands.map(|(b, errors)| Point::new((b[0] * b[1]).sqrt(), errors.mean, ""));
+            // Where the floor lies; without foreshortening it takes no part.
+            let floor = f64::from(row.min_nz);
+            let takes_part = foreshortening > 0.0 && BANDS[0] < floor && floor < bounds.end;
+            let floor = takes_part.then(|| Point::new(floor, 1.0, ""));
+            [
+                Series::new(color, Marks::Discs(radius), points),
+                Series::new(color, Marks::Uprights, floor.into_iter()),
+            ]
+        });
+        Panel {
+            x: Some((bounds.clone(), ticks.clone())),
+            ..Panel::new(format!("foreshortening {foreshortening}"), series)
+        }
+    });
     let title = "ball: relative error of the curvature by n_z, with no diffusion";
-    figure(title, &legend, FORESHORTENINGS.len(), |i, area| {
-        rim_panel(area, rows, FORESHORTENINGS[i], range.clone())
-    })
+    figure(title, &legend, ["n_z", "mean relative error"], panels)
 }
 
-/// What 95 in 100 directions on an ellipsoid stay below, by step, a line per rounding of the normals.
-pub fn error_against_step(sweep: &directions::Sweep) -> String {
+/// The error that 95 in 100 directions on an ellipsoid stay below, by step, a line per rounding of the normals.
+fn error_against_step(sweep: &directions::Sweep) -> String {
     let legend = [
         ("float normals", SERIES[0]),
         ("half floats", SERIES[1]),
         ("8 bits", SERIES[2]),
         ("dashed: auto, from its least step to its greatest", FAINT),
     ];
-    let range = decades(sweep.rows.iter().map(|row| row.p95));
-    // No two directions are more than 90 degrees apart.
-    let range = range.start..range.end.min(100.0);
-    let title = format!(
-        "{}, {}x{}: error of the directions of curvature by step",
-        sweep.name, sweep.width, sweep.height
-    );
-    figure(&title, &legend, 1, |_, area| {
-        direction_panel(area, sweep, range.clone())
-    })
-}
-
-/// What a device gave.
-fn rows_on_gpu(scale: &ScaleSweep) -> impl Iterator<Item = &Row> {
-    scale.on_gpu.iter().map(|on_gpu| &on_gpu.row)
-}
-
-/// Whether a row has a place on logarithmic axes.
-fn drawable(row: &Row) -> bool {
-    row.gradient.max > 0.0 && row.gradient.max.is_finite() && row.diffusion.min > 0.0
-}
-
-/// The whole powers of ten around `values`.
-fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let finite = values.filter(|v| v.is_finite() && *v > 0.0);
-    let (lo, hi) = finite.fold((f64::INFINITY, 0.0_f64), |(lo, hi), v| {
-        (lo.min(v), hi.max(v))
-    });
-    if lo > hi {
-        return 1e-3..1.0;
-    }
-    10_f64.powf(lo.log10().floor())..10_f64.powf((hi.log10() + 0.15).ceil())
-}
-
-/// A title, a legend, and panels in two columns.
-fn figure(
-    title: &str,
-    legend: &[(&str, RGBColor)],
-    panels: usize,
-    panel: impl Fn(usize, &Area) -> Drawn,
-) -> String {
-    let columns = panels.clamp(1, 2);
-    let rows = panels.div_ceil(columns).max(1);
-    let size = (
-        PANEL.0 * columns.max(2) as u32,
-        HEADER + PANEL.1 * rows as u32,
-    );
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        let draw = || -> Drawn {
-            root.fill(&WHITE)?;
-            let (header, body) = root.split_vertically(HEADER);
-            draw_header(&header, title, legend)?;
-            let areas = body.split_evenly((rows, columns));
-            for (i, area) in areas.iter().enumerate().take(panels) {
-                panel(i, area)?;
-            }
-            root.present()
-        };
-        draw().expect("a string takes any picture");
-    }
-    svg
-}
-
-fn text(size: i32, color: RGBColor) -> TextStyle<'static> {
-    (FONT, size).into_font().color(&color)
-}
-
-fn draw_header(area: &Area, title: &str, legend: &[(&str, RGBColor)]) -> Drawn {
-    area.draw(&Text::new(title.to_string(), (18, 12), text(18, INK)))?;
-    let mut x = 20;
-    for (name, color) in legend {
-        area.draw(&Rectangle::new([(x, 46), (x + 22, 52)], color.filled()))?;
-        area.draw(&Text::new((*name).to_string(), (x + 28, 42), text(14, INK)))?;
-        // Letters of 14 pixels are 7 to 8 wide.
-        x += 28 + 8 * name.len() as i32 + 18;
-    }
-    Ok(())
-}
-
-/// The axes of a panel, both logarithmic, with ticks at 1, 2 and 5 below if no others are given.
-macro_rules! axes {
-    ($area:expr, $caption:expr, $x:expr, $y:expr, $x_name:expr, $y_name:expr) => {{
-        let ticks = ticks(&$x, &[1.0, 2.0, 5.0]);
-        axes!($area, $caption, $x, ticks, $y, $x_name, $y_name)
-    }};
-    ($area:expr, $caption:expr, $x:expr, $x_ticks:expr, $y:expr, $x_name:expr, $y_name:expr) => {{
-        let (x, y): (Range<f64>, Range<f64>) = ($x, $y);
-        let (x_ticks, y_ticks) = ($x_ticks, ticks(&y, &[1.0]));
-        let mut chart = ChartBuilder::on($area)
-            .caption($caption, text(16, INK))
-            .margin(14)
-            .x_label_area_size(46)
-            .y_label_area_size(72)
-            .build_cartesian_2d(
-                x.log_scale().with_key_points(x_ticks),
-                y.log_scale().with_key_points(y_ticks),
-            )?;
-        chart
-            .configure_mesh()
-            .axis_style(FAINT)
-            .bold_line_style(GRID)
-            .light_line_style(TRANSPARENT)
-            .label_style(text(13, INK))
-            .axis_desc_style(text(14, INK))
-            .x_labels(20)
-            .y_labels(20)
-            .x_label_formatter(&|v| plain(*v))
-            .y_label_formatter(&|v| power_of_ten(*v))
-            .x_desc($x_name)
-            .y_desc($y_name)
-            .draw()?;
-        chart
-    }};
-}
-
-/// The multiples `of` of powers of ten that lie in `range`.
-fn ticks(range: &Range<f64>, of: &[f64]) -> Vec<f64> {
-    let decades = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
-    let all = decades.flat_map(|e| of.iter().map(move |m| m * 10_f64.powi(e)));
-    // The bounds are powers of ten themselves, met up to rounding.
-    all.filter(|v| range.start * (1.0 - 1e-9) <= *v && *v <= range.end * (1.0 + 1e-9))
-        .collect()
-}
-
-mod coherence;
-mod drawing;
-mod light;
-mod mirrors;
-mod pictures;
-mod points;
-
-pub use coherence::difference_by_frame;
-pub use drawing::{error_of_directions, strokes_by_levels};
-pub use light::{both_equations, error_against_lights};
-pub use mirrors::error_of_mirrors;
-pub use pictures::error_of_pictures;
-
-fn solver_panel(area: &Area, sweep: &ScaleSweep, errors: Range<f64>) -> Drawn {
-    let rows: Vec<_> = sweep.rows.iter().filter(|row| drawable(row)).collect();
-    let on_gpu: Vec<_> = rows_on_gpu(sweep).filter(|row| drawable(row)).collect();
-    let times = rows
-        .iter()
-        .chain(&on_gpu)
-        .map(|row| 1e3 * row.diffusion.min);
-    let (first, last) = times.fold((f64::INFINITY, 0.0_f64), |(a, b), t| (a.min(t), b.max(t)));
-    // Room for labels at both sides.
-    let times = first / 2.2..last * 2.2;
-    let caption = sweep.scale.as_str();
-    let mut chart = axes!(
-        area,
-        caption,
-        times,
-        errors,
-        "diffusion, ms",
-        "largest error / max |g|"
-    );
-
-    let mut front: Vec<_> = rows
-        .iter()
-        .filter(|row| row.on_front)
-        .map(|row| position(row))
-        .collect();
-    front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    chart.draw_series(LineSeries::new(front, FRONT.mix(0.6).stroke_width(9)))?;
-    for (solver, color) in [
-        (Solver::Chebyshev, SERIES[0]),
-        (Solver::Explicit, SERIES[1]),
-    ] {
-        let mut line: Vec<_> = rows.iter().filter(|row| row.solver == solver).collect();
-        line.sort_by_key(|row| row.applications);
-        let points = line.iter().map(|row| position(row));
-        chart.draw_series(LineSeries::new(points, color.mix(0.55).stroke_width(2)))?;
-        for row in &line {
-            chart.draw_series([Circle::new(position(row), 4, color.filled())])?;
-            if row.on_front {
-                chart.draw_series([Circle::new(position(row), 7, color.stroke_width(2))])?;
-            }
-        }
-        // The expansion's points lie to the left of the steps', and so do their labels.
-        let (side, offset) = match solver {
-            Solver::Chebyshev => (HPos::Right, (-11, 5)),
-            Solver::Explicit => (HPos::Left, (10, -3)),
-        };
-        for (label, place) in labels(&line) {
-            let style = text(12, color).pos(Pos::new(side, VPos::Bottom));
-            chart.draw_series([EmptyElement::at(place) + Text::new(label, offset, style)])?;
-        }
-    }
-    let on_gpu = on_gpu.iter().map(|row| position(row));
-    chart.draw_series(on_gpu.map(|at| TriangleMarker::new(at, 6, SERIES[2].filled())))?;
-    Ok(())
-}
-
-/// Time in milliseconds and error.
-fn position(row: &Row) -> (f64, f64) {
-    (1e3 * row.diffusion.min, row.gradient.max)
-}
-
-/// Labels of points: those that would fall on the one before are left out, what was asked for never.
-fn labels(line: &[&&Row]) -> Vec<(String, (f64, f64))> {
-    let mut kept: Vec<(String, (f64, f64))> = Vec::new();
-    for row in line {
-        let (time, error) = position(row);
-        let apart =
-            |(t, e): (f64, f64)| (time / t).ln().abs() > 0.3 || (error / e).ln().abs() > 1.2;
-        if row.asked_for || kept.iter().all(|(_, place)| apart(*place)) {
-            let value = row.setting.rsplit(' ').next().unwrap_or_default();
-            let mark = if row.asked_for { "* " } else { "" };
-            kept.push((format!("{mark}{value}"), (time, error)));
-        }
-    }
-    kept
-}
-
-fn direction_panel(area: &Area, sweep: &directions::Sweep, errors: Range<f64>) -> Drawn {
+    let series = Stored::ALL
+        .into_iter()
+        .zip(SERIES)
+        .flat_map(|(stored, color)| {
+            let rows = || sweep.rows.iter().filter(move |row| row.stored == stored);
+            let fixed =
+                rows().filter_map(|row| Some(Point::new(row.step_px?.into(), row.error.p95, "")));
+            let auto = rows().filter(|row| row.step_px.is_none());
+            let auto = auto.flat_map(|row| {
+                row.steps_px
+                    .map(|px| Point::new(px as f64, row.error.p95, ""))
+            });
+            [
+                Series::new(color, Marks::Discs(4), fixed),
+                Series::new(color, Marks::Rings, auto),
+            ]
+        });
     let steps = directions::STEPS_PX.map(f64::from);
     let bounds = 0.85 * steps[0]..steps[steps.len() - 1] / 0.85;
-    let mut chart = axes!(
-        area,
-        "95 % stay below",
-        bounds,
-        steps.to_vec(),
-        errors,
-        "step, px",
-        "degrees"
-    );
-    for (stored, color) in Stored::ALL.into_iter().zip(SERIES) {
-        let rows = sweep.rows.iter().filter(|row| row.stored == stored);
-        let (fixed, auto): (Vec<_>, Vec<_>) = rows.partition(|row| row.step_px.is_some());
-        let points: Vec<_> = fixed
-            .iter()
-            .filter_map(|row| Some((f64::from(row.step_px?), row.p95)))
-            .collect();
-        chart.draw_series(LineSeries::new(points.clone(), color.stroke_width(2)))?;
-        chart.draw_series(points.iter().map(|&p| Circle::new(p, 4, color.filled())))?;
-        for row in auto {
-            let [least, most] = row.steps_px.map(|step| (step as f64, row.p95));
-            let style = color.stroke_width(2);
-            chart.draw_series(DashedLineSeries::new([least, most], 6, 5, style))?;
-            chart.draw_series([least, most].map(|p| Circle::new(p, 7, style)))?;
-        }
-    }
-    Ok(())
+    let panel = Panel {
+        x: Some((bounds, steps.into())),
+        ..Panel::new("95 % stay below", series)
+    };
+    let title = format!("{}: error of the directions of curvature by step", sweep.on);
+    // No two directions are more than 90 degrees apart.
+    figure_up_to(100.0, &title, &legend, ["step, px", "degrees"], [panel])
 }
 
-fn rim_panel(area: &Area, rows: &[BallRow], foreshortening: f32, errors: Range<f64>) -> Drawn {
-    let caption = format!("foreshortening {foreshortening}");
-    let bounds = BANDS[0]..BANDS[BANDS.len() - 1];
-    let floor_of_plot = errors.start;
-    let mut chart = axes!(
-        area,
-        caption.as_str(),
-        bounds,
-        errors.clone(),
-        "n_z",
-        "mean relative error"
-    );
-    let lines = rows
-        .iter()
-        .filter(|row| row.foreshortening == foreshortening);
-    for ((row, color), size) in lines.zip(SERIES).zip([7, 6, 4, 3]) {
-        let middles = BANDS.windows(2).map(|band| (band[0] * band[1]).sqrt());
-        let points: Vec<_> = middles
-            .zip(&row.bands)
-            .map(|(nz, band)| (nz, band.mean.max(floor_of_plot)))
-            .collect();
-        chart.draw_series(LineSeries::new(
-            points.iter().copied(),
-            color.stroke_width(2),
-        ))?;
-        chart.draw_series(
-            points
-                .iter()
-                .map(|&point| Circle::new(point, size, color.filled())),
-        )?;
-        // Where the floor lies; without foreshortening it takes no part.
-        let floor = f64::from(row.min_nz);
-        if foreshortening > 0.0 && bounds_hold(floor) {
-            let line = [(floor, errors.start), (floor, errors.end)];
-            chart.draw_series(DashedLineSeries::new(
-                line,
-                3,
-                4,
-                color.mix(0.7).stroke_width(1),
-            ))?;
-        }
-    }
-    Ok(())
+/// Axes of error of light against time.
+const LIGHT: [&str; 2] = ["lighting, ms", "error of 99 % / white"];
+
+fn sample(sample: &Sample) -> Point {
+    let error = sample.difference.errors.p99;
+    Point::new(1e3 * sample.relight.min, error, sample.count)
 }
 
-fn bounds_hold(nz: f64) -> bool {
-    BANDS[0] < nz && nz < BANDS[BANDS.len() - 1]
-}
-
-/// A tick without an exponent.
-fn plain(value: f64) -> String {
-    if value >= 1.0 {
-        format!("{value:.0}")
-    } else {
-        format!("{}", (value * 1e4).round() / 1e4)
-    }
-}
-
-/// A tick as a power of ten, 10⁻³; between powers nothing.
-fn power_of_ten(value: f64) -> String {
-    let exponent = value.log10();
-    if (exponent - exponent.round()).abs() > 1e-6 {
-        return scientific(value);
-    }
-    let digits = format!("{}", exponent.round() as i32);
-    let raised = digits.chars().map(|c| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        digit => char::from_u32('⁰' as u32 + digit as u32 - '0' as u32).unwrap_or(digit),
+/// The error that 99 pixels in 100 stay below against the time of lighting, by number of lights; a panel per
+/// surface and method.
+fn error_against_lights(subject: &Subject) -> String {
+    let panels = subject.samples.iter().map(|sweep| {
+        let points = sweep.rows.iter().map(|row| Point {
+            on_front: row.on_front,
+            ..sample(&row.sample)
+        });
+        let caption = format!("{}, {}", noun(sweep.surface), altered(sweep.method));
+        Panel::new(caption, [Series::new(SERIES[0], Marks::Discs(4), points)])
     });
-    format!("10{}", raised.collect::<String>())
+    let title = format!("{}: lights that stand for an environment", subject.on);
+    let legend = [("by median cut", SERIES[0]), ("Pareto front", FRONT)];
+    figure(&title, &legend, LIGHT, panels)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The same for warped light by either equation, a panel per surface.
+fn both_equations(subject: &Subject) -> String {
+    let legend = [
+        ("equation 1: look-ups", SERIES[1]),
+        ("equation 2: lights", SERIES[0]),
+    ];
+    let series =
+        |color, samples: &[Sample]| Series::new(color, Marks::Discs(4), samples.iter().map(sample));
+    let panels = subject.equations.iter().map(|sweep| {
+        let lookups = series(SERIES[1], &sweep.lookups);
+        Panel::new(
+            noun(sweep.surface),
+            [series(SERIES[0], &sweep.lights), lookups],
+        )
+    });
+    let title = format!("{}: both equations of light warping", subject.on);
+    figure(&title, &legend, LIGHT, panels)
+}
 
-    #[test]
-    fn ticks_are_powers_of_ten() {
-        assert_eq!(power_of_ten(1e-4), "10⁻⁴");
-        assert_eq!(power_of_ten(1e12), "10¹²");
-        assert_eq!((plain(20.0), plain(0.05)), ("20".into(), "0.05".into()));
-    }
+/// Angle from full resolution against time, by pixels of the picture to one of the field; a panel per frame.
+fn error_of_directions(sweeps: &[field::Sweep]) -> String {
+    let panels = sweeps.iter().map(|sweep| {
+        let resolutions = &sweep.rows[..field::CELLS_PX.len()];
+        let points = resolutions.iter().map(|row| Point {
+            on_front: row.on_front,
+            ..Point::new(1e3 * row.stage.min, row.from_full.p95, row.cell_px)
+        });
+        Panel::new(
+            &sweep.on.name,
+            [Series::new(SERIES[0], Marks::Discs(4), points)],
+        )
+    });
+    let legend = [
+        ("by px of the picture to one of the field", SERIES[0]),
+        ("Pareto front", FRONT),
+    ];
+    let axes = ["direction-field, ms", "95 % within, degrees"];
+    let title = "directions of strokes: angle from the field of full resolution";
+    figure(title, &legend, axes, panels)
+}
 
-    #[test]
-    fn ranges_are_whole_decades_around_the_values() {
-        assert_eq!(
-            decades([2e-4, 0.3, f64::INFINITY, 0.0].into_iter()),
-            1e-4..1.0
-        );
-        assert_eq!(decades(std::iter::empty()), 1e-3..1.0);
-    }
+/// How well strokes follow the field and how far they run, by levels, a line per number of sets.
+fn strokes_by_levels(sweep: &strokes::Sweep) -> String {
+    let names = strokes::SETS.map(|sets| match sets {
+        1 => "1 set".to_string(),
+        _ => format!("{sets} sets"),
+    });
+    let legend: Vec<_> = names.iter().map(String::as_str).zip(SERIES).collect();
+    let panel = |caption: &str, of: fn(&strokes::Row) -> f64| {
+        let series = strokes::SETS.into_iter().zip(SERIES).map(|(sets, color)| {
+            let rows = sweep.rows.iter().filter(|row| row.sets == sets);
+            let points = rows.map(|row| Point::new(row.levels.into(), of(row), ""));
+            Series::new(color, Marks::Discs(4), points)
+        });
+        Panel::new(caption, series)
+    };
+    let title = format!("{}: strokes by levels", sweep.on);
+    let panels = [
+        panel("unbroken, %", |row| 100.0 * row.unbroken),
+        panel("from the field, degrees", |row| row.from_field.mean),
+    ];
+    figure(&title, &legend, ["levels", ""], panels)
+}
+
+/// Errors of a mirror's sight lines.
+const SIGHT_LINES: [(&str, fn(&MirrorRow) -> f64); 3] = [
+    ("astray, share of pixels", MirrorRow::astray),
+    ("points, 95 %", |row| row.position.p95),
+    ("points, median", |row| row.position.median),
+];
+
+/// Sight lines gone astray and errors of the points found against time, a panel for each setting that is varied.
+fn error_of_mirrors(mirrors: &MirrorReport) -> String {
+    let legend = [0, 1, 2].map(|i| (SIGHT_LINES[i].0, SERIES[i]));
+    let panels = mirrors.varied().map(|varied| {
+        let series = SIGHT_LINES.iter().zip(SERIES).map(|((_, error), color)| {
+            let point = |row: &MirrorRow| {
+                Point::new(
+                    1e3 * row.stage.min,
+                    error(row),
+                    (varied.value)(&row.setting),
+                )
+            };
+            Series::new(color, Marks::Discs(4), varied.rows.iter().map(point))
+        });
+        Panel::new(format!("by {}", varied.name), series)
+    });
+    let title = format!(
+        "mirror ball in a room with columns, {0}x{0}: what is found of it",
+        mirrors.size
+    );
+    figure(&title, &legend, ["specular-trace, ms", "error"], panels)
+}
+
+/// The largest error of each picture against the time of all its stages by both backends, a panel per picture. A
+/// picture that is the reference itself has no error to show.
+fn error_of_pictures(name: &str, rows: &[PictureRow]) -> String {
+    let panels = rows.iter().map(|row| {
+        let (cpu, gpu) = (&row.on_cpu, &row.on_gpu);
+        let on_cpu = cpu
+            .errors
+            .map(|errors| Point::new(1e3 * cpu.whole.min, errors.max, ""));
+        let on_gpu = Point::new(1e3 * gpu.timed.whole.min, gpu.errors.max, "");
+        // The device has the third colour, as beside the solvers.
+        let series = [
+            Series::new(SERIES[0], Marks::Discs(4), on_cpu.into_iter()),
+            Series::new(SERIES[2], Marks::Discs(4), std::iter::once(on_gpu)),
+        ];
+        Panel::new(&row.picture, series)
+    });
+    let title = format!("{name}: new light and drawings");
+    let legend = [("on the CPU", SERIES[0]), ("on the GPU", SERIES[2])];
+    figure(&title, &legend, ["all stages, ms", "largest error"], panels)
 }

@@ -1,16 +1,17 @@
-//! The descriptor in double precision: what fast single-precision results are measured against.
+//! The descriptor in double precision: what single-precision results are measured against.
 //!
-//! It starts from the same f32 inputs and from the conductance that the backend found, so that it
-//! tells the error of the solver and of rounding, and nothing else. The kernels are written again, not
-//! shared: a mistake in one of them shows as a difference.
+//! It starts from the frame alone (normals, depth or occlusion, mask), so an error of silhouettes, creases,
+//! conductance, gradient, diffusion or curvature shows as a difference. The formulas are written again, not
+//! shared with the kernels, for the same reason.
 
 use crate::frame::{Frame, Mask, Plane};
-use crate::params::{Scale, ShapeParams};
+use crate::params::{Scale, ShapeParams, SoftThreshold};
 use crate::shape::chebyshev::{Spread, coefficients};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// A field of 2-vectors in double precision: x right, y up.
-pub type Field = [Plane<f64>; 2];
+pub(super) type Field = [Plane<f64>; 2];
 
 /// Tolerance of the reference's own expansion: far below what f32 can hold.
 const TOLERANCE: f64 = 1e-13;
@@ -18,8 +19,181 @@ const TOLERANCE: f64 = 1e-13;
 /// Steps past which the reference of steps is expanded too, so that any number of them ends soon.
 const MOST_STEPS: u32 = 500;
 
+/// A weight, 0..1, and the range that single-precision rounding before its threshold can move it through.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Weight {
+    pub exact: f64,
+    pub least: f64,
+    pub most: f64,
+}
+
+impl Weight {
+    const FULL: Self = Self {
+        exact: 1.0,
+        least: 1.0,
+        most: 1.0,
+    };
+
+    /// A linear ramp from 0 at `lo` to 1 at `hi`, a step where they are equal, of a value known to within `rounding`.
+    fn ramp(value: f64, rounding: f64, SoftThreshold { lo, hi }: SoftThreshold) -> Self {
+        let (lo, hi) = (f64::from(lo), f64::from(hi));
+        let at = |value: f64| match lo < hi {
+            true => ((value - lo) / (hi - lo)).clamp(0.0, 1.0),
+            false => f64::from(u8::from(value >= hi)),
+        };
+        let [exact, least, most] = [value, value - rounding, value + rounding].map(at);
+        Self { exact, least, most }
+    }
+
+    /// What conducts beside the larger of two edge weights.
+    fn conductance(a: Self, b: Self) -> Self {
+        Self {
+            exact: 1.0 - a.exact.max(b.exact),
+            least: 1.0 - a.most.max(b.most),
+            most: 1.0 - a.least.max(b.least),
+        }
+    }
+}
+
+/// Edge weights ([LW] section 4.4). All are 0 outside the mask.
+pub(super) struct Edges {
+    pub silhouette: Plane<Weight>,
+    pub crease: Plane<Weight>,
+    /// Conductance: what is left of 1 beside the larger of the two.
+    pub conductance: Plane<Weight>,
+}
+
+impl Edges {
+    /// The edges of `frame`.
+    pub(super) fn of(frame: &Frame, params: &ShapeParams) -> Self {
+        let mask = &frame.mask;
+        let silhouette = match (&frame.depth, &frame.occlusion) {
+            (Some(depth), _) => {
+                let log = covered(mask, |x, y| f64::from(depth.at(x, y)).ln());
+                covered(mask, |x, y| {
+                    silhouette(&log, mask, [x, y], params.silhouette)
+                })
+            }
+            (None, Some(map)) => {
+                let map = map.map(f64::from);
+                let threshold = params.occlusion_silhouette;
+                covered(mask, |x, y| silhouette(&map, mask, [x, y], threshold))
+            }
+            (None, None) => covered(mask, |x, y| match is_border(mask, x, y) {
+                true => Weight::FULL,
+                false => Weight::default(),
+            }),
+        };
+        let crease = covered(mask, |x, y| crease(frame, [x, y], params.crease));
+        let conductance = covered(mask, |x, y| {
+            Weight::conductance(silhouette.at(x, y), crease.at(x, y))
+        });
+        Self {
+            silhouette,
+            crease,
+            conductance,
+        }
+    }
+
+    /// The conductance nearest to `found` that rounding allows.
+    ///
+    /// The reference diffuses by this one: the ramp of a threshold multiplies the rounding of a logarithm a hundredfold,
+    /// and through a nearly closed pixel that would drown the errors of the solver. What goes beyond rounding is
+    /// not taken over, and shows in all that follows.
+    pub(super) fn conductance_near(&self, found: &Plane) -> Plane<f64> {
+        Plane::from_fn(found.width(), found.height(), |x, y| {
+            let Weight { least, most, .. } = self.conductance.at(x, y);
+            f64::from(found.at(x, y)).max(least).min(most)
+        })
+    }
+}
+
+/// `value` of every covered pixel, the default elsewhere.
+fn covered<T: Copy + Default + Send>(
+    mask: &Mask,
+    value: impl Fn(usize, usize) -> T + Sync,
+) -> Plane<T> {
+    let (w, h) = (mask.width(), mask.height());
+    let pixels = (0..w * h).into_par_iter().with_min_len(w.max(1));
+    let samples = pixels.map(|i| match (i % w, i / w) {
+        (x, y) if mask.at(x, y) => value(x, y),
+        _ => T::default(),
+    });
+    Plane::from_samples(w, h, samples.collect())
+}
+
+/// Whether a neighbour inside the picture is uncovered.
+fn is_border(mask: &Mask, x: usize, y: usize) -> bool {
+    let (w, h) = (mask.width() as i64, mask.height() as i64);
+    around(x, y, w, h).any(|(_, _, i, j, _)| !mask.at(i, j))
+}
+
+/// Spacing of single-precision numbers at 1.
+const EPSILON: f64 = f32::EPSILON as f64;
+
+/// 1 at the border of what is covered, else by the jump of `map` across the pixel: its Sobel slope times the two
+/// pixels between left and right.
+///
+/// Rounding: a value v of the map is off by one ulp at most, v EPSILON, and the sums of three on each side by
+/// 0.75 times as much; that twice, in both directions, is 2 sqrt(2) 1.75 < 5. The ramp adds that of its bounds.
+fn silhouette(
+    map: &Plane<f64>,
+    mask: &Mask,
+    [x, y]: [usize; 2],
+    threshold: SoftThreshold,
+) -> Weight {
+    if is_border(mask, x, y) {
+        return Weight::FULL;
+    }
+    let (w, h) = (map.width() as i64, map.height() as i64);
+    let (mut right, mut up, mut largest) = (0.0, 0.0, 0.0_f64);
+    for (dx, dy, i, j, weight) in around(x, y, w, h) {
+        let value = map.at(i, j);
+        right += dx * weight * value;
+        up += dy * weight * value;
+        largest = largest.max(value.abs());
+    }
+    let rounding = EPSILON * (5.0 * largest + 4.0 * f64::from(threshold.hi));
+    Weight::ramp(2.0 * f64::hypot(right, up) / 8.0, rounding, threshold)
+}
+
+/// By the largest angle between the pixel's normal and those of its four neighbours, and across the pixel, or by that
+/// between two normals whose mean is as short as the pixel's was before it was made unit length.
+fn crease(frame: &Frame, [x, y]: [usize; 2], threshold_deg: SoftThreshold) -> Weight {
+    let normal = |dx: i64, dy: i64| {
+        let (i, j) = (x as i64 + dx, y as i64 + dy);
+        let (w, h) = (frame.mask.width() as i64, frame.mask.height() as i64);
+        let inside = (0..w).contains(&i) && (0..h).contains(&j);
+        let (i, j) = (i as usize, j as usize);
+        (inside && frame.mask.at(i, j)).then(|| {
+            let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z];
+            DVec3::from_array(n.map(|plane| plane.at(i, j).into())).normalize_or_zero()
+        })
+    };
+    let [left, right, up, down] = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(dx, dy)| normal(dx, dy));
+    let pairs = [left, right, up, down].map(|beside| (normal(0, 0), beside));
+    let across = [(left, right), (up, down)];
+    let angles = pairs.into_iter().chain(across).filter_map(|(a, b)| {
+        let (a, b) = (a?, b?);
+        Some(2.0 * (a - b).length().atan2((a + b).length()))
+    });
+    let between = angles.fold(0.0, f64::max);
+    let length = frame
+        .normal_length
+        .as_ref()
+        .map_or(1.0, |l| l.at(x, y).into());
+    let within = 2.0 * f64::clamp(length, 0.0, 1.0).acos();
+    // Components of unit vectors are off by EPSILON at most; the smaller an angle, the less exact it is from its cosine.
+    let rounding = match within > between {
+        true => 4.0 * EPSILON / (0.5 * within).sin(),
+        false => 8.0 * EPSILON,
+    };
+    let [angle, rounding] = [within.max(between), rounding].map(f64::to_degrees);
+    Weight::ramp(angle, rounding, threshold_deg)
+}
+
 /// The depth gradient of every covered pixel, 0 elsewhere ([RS] section 4.1).
-pub fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
+pub(super) fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
     let projection = frame.camera.map(|camera| camera.projection);
     let [left, top] = [frame.data_window.x0, frame.data_window.y0].map(f64::from);
     let (f, floor) = (f64::from(params.foreshortening), f64::from(params.min_nz));
@@ -39,13 +213,13 @@ pub fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
 }
 
 /// The largest length of a vector of `field`.
-pub fn largest(field: &Field) -> f64 {
+pub(super) fn largest(field: &Field) -> f64 {
     let pairs = field[0].samples().iter().zip(field[1].samples());
     pairs.fold(0.0, |largest: f64, (x, y)| largest.max(x.hypot(*y)))
 }
 
 /// Least and largest sample of `plane` inside `mask`; [0, 0] where there is none.
-pub fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
+pub(super) fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
     let covered = plane.samples().iter().zip(mask.plane().samples());
     let range = covered
         .filter(|&(_, &covered)| covered)
@@ -56,7 +230,7 @@ pub fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
 }
 
 /// The diffusion operator L of [LW] section 4.3 for given conductances.
-pub struct Operator {
+pub(super) struct Operator {
     /// `left[x]` joins column x - 1 and x; 0 in the first column.
     left: Plane<f64>,
     /// `above` joins a row and the row above it; 0 in the first row.
@@ -65,9 +239,8 @@ pub struct Operator {
 
 impl Operator {
     /// The operator with harmonic means of `conductance` at its faces, closed at the picture's border.
-    pub fn new(conductance: &Plane) -> Self {
-        let face = |a: f32, b: f32| {
-            let (a, b) = (f64::from(a), f64::from(b));
+    pub(super) fn new(conductance: &Plane<f64>) -> Self {
+        let face = |a: f64, b: f64| {
             if a > 0.0 && b > 0.0 {
                 2.0 / (a.recip() + b.recip())
             } else {
@@ -126,7 +299,7 @@ impl Operator {
     }
 
     /// `(1 + dt L)^count g`, step by step.
-    pub fn steps(&self, g: &Plane<f64>, count: u32, time_step: f64) -> Plane<f64> {
+    pub(super) fn steps(&self, g: &Plane<f64>, count: u32, time_step: f64) -> Plane<f64> {
         let (mut now, mut next) = (g.clone(), g.clone());
         for _ in 0..count {
             self.sweep(&mut next, &now, |g, lg, _| g + time_step * lg);
@@ -136,7 +309,7 @@ impl Operator {
     }
 
     /// `exp(time L) g`, by an expansion within 1e-13 of the largest |g|.
-    pub fn exponential(&self, g: &Plane<f64>, time: f64) -> Plane<f64> {
+    pub(super) fn exponential(&self, g: &Plane<f64>, time: f64) -> Plane<f64> {
         self.expanded(g, Spread::Time(time))
     }
 
@@ -163,7 +336,7 @@ impl Operator {
     }
 
     /// `field` diffused as `params` ask: exactly for a scale in pixels, in steps for a number of them.
-    pub fn diffused(&self, field: &Field, params: &ShapeParams) -> Field {
+    pub(super) fn diffused(&self, field: &Field, params: &ShapeParams) -> Field {
         [0, 1].map(|axis: usize| match params.scale {
             Scale::Iterations(count) if count <= MOST_STEPS => {
                 self.steps(&field[axis], count, f64::from(params.time_step))
@@ -179,24 +352,15 @@ impl Operator {
 
 /// Trace of the Hessian of every covered pixel: the divergence of the plane fitted to the 3x3
 /// gradients, weighted by conductance, as [`crate::shape::hessian`] defines it.
-pub fn trace(field: &Field, conductance: &Plane, mask: &Mask) -> Plane<f64> {
-    let (w, h) = (conductance.width(), conductance.height());
-    let rows: Vec<f64> = (0..w * h)
-        .into_par_iter()
-        .with_min_len(w.max(1))
-        .map(|i| match (i % w, i / w) {
-            (x, y) if mask.at(x, y) => divergence(field, conductance, x, y),
-            _ => 0.0,
-        })
-        .collect();
-    Plane::from_samples(w, h, rows)
+pub(super) fn trace(field: &Field, conductance: &Plane<f64>, mask: &Mask) -> Plane<f64> {
+    covered(mask, |x, y| divergence(field, conductance, x, y))
 }
 
 /// Keeps a fit to neighbours on one line solvable, as the kernel does.
 const RIDGE: f64 = 1e-4;
 
-fn divergence(field: &Field, conductance: &Plane, x: usize, y: usize) -> f64 {
-    let c = |x: usize, y: usize| f64::from(conductance.at(x, y));
+fn divergence(field: &Field, conductance: &Plane<f64>, x: usize, y: usize) -> f64 {
+    let c = |x: usize, y: usize| conductance.at(x, y);
     let (w, h) = (conductance.width() as i64, conductance.height() as i64);
     let open_everywhere = around(x, y, w, h).all(|(_, _, i, j, _)| c(i, j) == 1.0);
     // In the open the moments are exactly 8; what the ridge would add is not there.
@@ -243,13 +407,16 @@ fn around(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Vector3Planes;
+    use crate::report::engine;
+    use crate::report::scenes::Scene;
     use nalgebra::{DMatrix, DVector};
 
     const W: usize = 6;
     const H: usize = 5;
 
     /// Conductances from open to closed, with a barrier that is not complete.
-    fn conductance() -> Plane {
+    fn conductance() -> Plane<f64> {
         Plane::from_fn(W, H, |x, y| match (x, y) {
             (3, 0..=2) => 0.0,
             (1, 3) => 0.0,
@@ -267,7 +434,7 @@ mod tests {
         let mut l = DMatrix::zeros(W * H, W * H);
         for (i, j) in (0..W * H).flat_map(|i| (0..W * H).map(move |j| (i, j))) {
             let apart = (i % W).abs_diff(j % W) + (i / W).abs_diff(j / W);
-            let (a, b) = (f64::from(c.samples()[i]), f64::from(c.samples()[j]));
+            let (a, b) = (c.samples()[i], c.samples()[j]);
             if apart == 1 && a + b > 0.0 {
                 l[(i, j)] += 2.0 * a * b / (a + b);
                 l[(i, i)] -= 2.0 * a * b / (a + b);
@@ -362,5 +529,87 @@ mod tests {
             range(&plane, &Mask::new(Plane::filled(3, 1, false))),
             [0.0, 0.0]
         );
+    }
+
+    #[test]
+    fn weights_of_known_edges() {
+        // A step of 5 % of the distance is a full silhouette on both sides, one of 3.5 % half of one: the threshold is
+        // 3 to 4 %, and the Sobel slope of a step is half of it per pixel.
+        let step = |share: f64| {
+            let normal = Scene::plane(9, 9).frame.normal;
+            let depth = Plane::from_fn(
+                9,
+                9,
+                |x, _| if x < 5 { 3.0 } else { 3.0 * share.exp() as f32 },
+            );
+            let frame = Frame {
+                depth: Some(depth),
+                ..Frame::of_normals(normal, Mask::full(9, 9))
+            };
+            Edges::of(&frame, &ShapeParams::default())
+        };
+        for (share, weight) in [(0.05, 1.0), (0.035, 0.5), (0.03, 0.0)] {
+            let edges = step(share);
+            let [x3, x4, x5] = [3, 4, 5].map(|x| edges.silhouette.at(x, 4).exact);
+            assert!(x3 == 0.0 && (x4 - weight).abs() < 1e-4 && (x5 - x4).abs() < 1e-9);
+            assert!((edges.conductance.at(4, 4).exact - (1.0 - weight)).abs() < 1e-4);
+        }
+        // Between normals at an angle the ramp is that of the angle, whichever neighbour it is to.
+        let bend = |degrees: f64| {
+            let angle = |x: usize| if x < 5 { 0.0 } else { degrees.to_radians() };
+            let plane = |of: &dyn Fn(f64) -> f64| Plane::from_fn(9, 9, |x, _| of(angle(x)) as f32);
+            let normal = Vector3Planes {
+                x: plane(&f64::sin),
+                y: plane(&|_| 0.0),
+                z: plane(&f64::cos),
+            };
+            let frame = Frame::of_normals(normal, Mask::full(9, 9));
+            Edges::of(&frame, &ShapeParams::default()).crease.at(5, 4)
+        };
+        let SoftThreshold { lo, hi } = ShapeParams::default().crease;
+        let half = bend(0.5 * f64::from(lo + hi));
+        assert!((half.exact - 0.5).abs() < 1e-6 && half.most - half.least < 1e-4);
+        assert_eq!(
+            (
+                bend(f64::from(lo) - 1.0).exact,
+                bend(f64::from(hi) + 1.0).exact
+            ),
+            (0.0, 1.0)
+        );
+    }
+
+    #[test]
+    fn single_precision_stays_within_its_rounding() {
+        // By depth, by an occlusion map and by the border of the mask alone.
+        let frames = Scene::all(96, 72)
+            .into_iter()
+            .flat_map(|Scene { frame, .. }| {
+                let occlusion = frame
+                    .depth
+                    .as_ref()
+                    .map(|depth| depth.map(|d| (d / 2e3).min(1.0)));
+                let [mapped, bare] = [occlusion, None].map(|occlusion| Frame {
+                    depth: None,
+                    occlusion,
+                    ..frame.clone()
+                });
+                [frame, mapped, bare]
+            });
+        for frame in frames {
+            let shape = ShapeParams::default();
+            let edges = Edges::of(&frame, &shape);
+            let found = engine::layers(&frame, shape).unwrap();
+            for (found, exact) in [
+                (&found.silhouette, &edges.silhouette),
+                (&found.crease, &edges.crease),
+                (&found.conductance, &edges.conductance),
+            ] {
+                for (found, exact) in found.samples().iter().zip(exact.samples()) {
+                    let (found, Weight { least, most, .. }) = (f64::from(*found), *exact);
+                    let within = least - 1e-7..=most + 1e-7;
+                    assert!(within.contains(&found), "{found} {exact:?}");
+                }
+            }
+        }
     }
 }

@@ -1,17 +1,19 @@
-//! How long a plan takes, and what share of the machine it uses.
+//! Run times of plans, and the share of the machine that they use.
 //!
 //! Runs follow one another in the memory of those before: times are those of the second and later frames of
-//! a sequence. The first of a program takes longer, by what the system needs to hand out its memory.
+//! a sequence. The first of a program takes longer, as the system has to hand out its memory.
 
+use super::advice::milliseconds;
+use super::engine::{Inputs, Outcome, Runner, Session};
 use super::machine::Machine;
 use super::work::Work;
 use crate::Result;
-use crate::engine::cpu::runner::Runner;
-use crate::engine::outcome::Outcome;
 use crate::frame::Frame;
 use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
+use crate::quantile::quantile;
 use serde::Serialize;
+use std::fmt::{self, Display};
 use std::time::{Duration, Instant};
 
 /// Least and median of several runs, in seconds.
@@ -31,10 +33,10 @@ impl Times {
     /// # Panics
     /// If there was none.
     pub fn of(mut seconds: Vec<f64>) -> Self {
-        seconds.sort_by(f64::total_cmp);
+        let mut of = |share| quantile(&mut seconds, share, f64::total_cmp).expect("there are runs");
         Self {
-            min: seconds[0],
-            median: seconds[seconds.len() / 2],
+            min: of(0.0),
+            median: of(0.5),
             runs: seconds.len(),
         }
     }
@@ -42,6 +44,13 @@ impl Times {
     /// Megapixels per second of the median.
     pub fn megapixels_per_second(&self, pixels: usize) -> f64 {
         pixels as f64 / 1e6 / self.median
+    }
+}
+
+impl Display for Times {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [min, median] = [self.min, self.median].map(milliseconds);
+        write!(f, "{min} / {median}")
     }
 }
 
@@ -103,7 +112,7 @@ impl Timed {
     }
 }
 
-/// What one run took, stage by stage.
+/// Times of the stages of one run.
 pub(super) type Timings = Vec<(&'static str, Duration)>;
 
 /// The plan for `goal` over `frame`.
@@ -124,46 +133,41 @@ pub fn measure(plan: &Plan, frame: &Frame, effort: Effort) -> (Outcome, Timed) {
     measure_with(RunOptions::default(), plan, frame, effort)
 }
 
-/// [`measure`] by a runner with these options.
-pub fn measure_with(
+/// [`measure`] with these options.
+pub(super) fn measure_with(
     options: RunOptions,
     plan: &Plan,
     frame: &Frame,
     effort: Effort,
 ) -> (Outcome, Timed) {
-    let runner = Runner::new(options);
-    runner.take_back(runner.run(plan, frame));
-    let timed = in_turn(&runner, std::slice::from_ref(plan), frame, effort).remove(0);
-    (runner.run(plan, frame), timed)
+    Session::new(options).measure(plan, frame, Inputs::default(), effort)
 }
 
-/// Runs `plans` in turn, round after round: what else the machine is busy with meanwhile hits all alike.
-pub fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
-    let runner = Runner::default();
-    if let Some(first) = plans.first() {
-        runner.take_back(runner.run(first, frame));
-    }
-    in_turn(&runner, plans, frame, effort)
-}
-
-fn in_turn(runner: &Runner, plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
+/// Runs `plans` in turn, round after round: a busy machine slows all of them alike.
+pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
+    let session = Session::default();
+    let run = |plan| session.run(plan, frame, Inputs::default());
+    plans
+        .first()
+        .into_iter()
+        .for_each(|plan| session.recycle(run(plan)));
     let mut runs: Vec<Vec<Timings>> = vec![Vec::new(); plans.len()];
     let mut spent = vec![Duration::ZERO; plans.len()];
     for round in 0..effort.runs.max(2) {
         for (i, plan) in plans.iter().enumerate() {
             if round < 2 || spent[i] < effort.limit {
                 let start = Instant::now();
-                let mut outcome = runner.run(plan, frame);
+                let mut outcome = run(plan);
                 spent[i] += start.elapsed();
                 runs[i].push(std::mem::take(&mut outcome.timings));
-                runner.take_back(outcome);
+                session.recycle(outcome);
             }
         }
     }
     runs.iter().map(|runs| Timed::of(runs)).collect()
 }
 
-/// Makes `run` once to warm up, then as often as `effort` says; what is not returned goes back to `runner`.
+/// Makes `run` once to warm up, then as often as `effort` says; the memory of all outcomes but the last goes back to `runner`.
 pub fn measure_runs(
     runner: &Runner,
     effort: Effort,

@@ -1,12 +1,12 @@
-//! What an ideal pass would move and compute, per covered pixel: the model behind the shares of
-//! bandwidth and arithmetic.
+//! Bytes and operations of an ideal pass, per covered pixel: the model behind the shares of bandwidth and
+//! arithmetic.
 //!
 //! Every plane that a stage needs is read once and every one that it makes is written once, 4 bytes a
 //! sample; neighbours come from the cache. Additions, multiplications, comparisons and square roots count
 //! as one operation, divisions as one, and a logarithm, power, sine or arc tangent as twenty.
 
 use crate::params::ShapeParams;
-use crate::shape::diffusion::sweeps::{Recurrence, Sweeps};
+use crate::plan::{Recurrence, Sweeps};
 
 /// Bytes and operations per covered pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +23,7 @@ const SAMPLE: f64 = 4.0;
 const FUNCTION: f64 = 20.0;
 /// Sobel's two derivatives: 4 additions and 2 multiplications each, a division, a difference.
 const SOBEL: f64 = 16.0;
-/// What flows into a sample: 4 differences, 4 products, 3 sums.
+/// Flow into a sample: 4 differences, 4 products, 3 sums.
 const FLUX: f64 = 11.0;
 
 /// The work of the stage that the backend times under `name`; `None` for one without a model.
@@ -84,6 +84,7 @@ mod tests {
     use super::*;
     use crate::params::{Scale, Solver};
     use crate::plan::Goal;
+    use crate::report::engine::{Inputs, Session};
     use crate::report::{scenes::Scene, timing};
 
     #[test]
@@ -109,7 +110,8 @@ mod tests {
         let frame = Scene::waves(8, 8).frame;
         for goal in [Goal::Layers, Goal::Display] {
             let plan = timing::plan(goal, &frame, ShapeParams::default()).unwrap();
-            for (name, _) in crate::engine::cpu::run(&plan, &frame).timings {
+            let outcome = Session::default().run(&plan, &frame, Inputs::default());
+            for (name, _) in outcome.timings {
                 assert!(
                     of_stage(name, &plan.shape, &plan.sweeps).is_some(),
                     "{name}"

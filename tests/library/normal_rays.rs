@@ -8,8 +8,8 @@ use relievo::engine::cpu;
 use relievo::frame::{DepthKind, Frame, Plane, Projection, Vector2Planes, Vector3Planes};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::angle_deg;
 use relievo::report::scenes::{Exact, ExactScene, Surface};
-use relievo::report::sweeps::directions::angle_deg;
 
 /// The direction layer of `frame`, and conductance.
 fn directions(frame: &Frame, step: Adaptive) -> (Vector2Planes, Plane) {

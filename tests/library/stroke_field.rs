@@ -6,8 +6,8 @@ use relievo::engine::cpu::Runner;
 use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Window};
 use relievo::params::{Fallback, FieldParams, ScalingParams, ShapeParams, StrokeDirections};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::report::scenes::angle_deg;
 use relievo::report::scenes::{Exact, ExactScene, Surface};
-use relievo::report::sweeps::directions::angle_deg;
 
 fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> Vec<Vector2Planes> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());

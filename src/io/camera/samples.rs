@@ -212,9 +212,5 @@ fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
 
 /// The value that a share `q` of `values` lies below; 0 for none. Reorders `values`.
 pub(in crate::io) fn quantile(values: &mut [f64], q: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let rank = ((values.len() - 1) as f64 * q).round() as usize;
-    *values.select_nth_unstable_by(rank, f64::total_cmp).1
+    crate::quantile::quantile(values, q, f64::total_cmp).unwrap_or(0.0)
 }

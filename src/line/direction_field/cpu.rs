@@ -15,6 +15,7 @@ use crate::line::direction_field::{Form, Weighted, calm, doubled};
 use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
+use crate::quantile::quantile;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -91,11 +92,10 @@ impl<'a> Field<'a> {
             .map(|p| p.depth)
             .filter(|&d| is_known(d))
             .collect();
-        if !self.setting.is_by_depth || depths.is_empty() {
+        let median = quantile(&mut depths, 0.5, f32::total_cmp);
+        let Some(median) = median.filter(|_| self.setting.is_by_depth) else {
             return vec![radius; all.len()];
-        }
-        let middle = depths.len() / 2;
-        let (_, &mut median, _) = depths.select_nth_unstable_by(middle, f32::total_cmp);
+        };
         let reach = |depth: f32| match is_known(depth) {
             true => radius * (median / depth).clamp(FAR, NEAR),
             false => radius,

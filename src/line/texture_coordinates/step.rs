@@ -10,6 +10,7 @@ use crate::line::texture_coordinates::places::{
     Surface, calmed_at, is_one_depth, is_one_motion, jacobian_at, place_at,
 };
 use crate::line::texture_coordinates::{extrapolated, is_joined};
+use crate::quantile::quantile;
 use rayon::prelude::*;
 
 /// How often places are averaged with those around them in each frame. What that takes from the curvature of a
@@ -175,11 +176,7 @@ impl<'a> Step<'a> {
             }
         }
         ratios.retain(|ratio| ratio.is_finite() && *ratio > 0.0);
-        if ratios.is_empty() {
-            return 1.0;
-        }
-        let middle = ratios.len() / 2;
-        *ratios.select_nth_unstable_by(middle, f32::total_cmp).1
+        quantile(&mut ratios, 0.5, f32::total_cmp).unwrap_or(1.0)
     }
 
     /// Where every covered pixel's surface was.

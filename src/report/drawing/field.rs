@@ -1,23 +1,25 @@
 //! The field of directions: passes, and pixels of the picture to one of the field.
 
-use super::{Angles, Bench};
+use super::{Angles, Card};
 use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{FieldParams, LineParams, MAX_FIELD_PASSES};
-use crate::report::compare::Tally;
+use crate::report::On;
+use crate::report::compare::{Tally, covered};
 use crate::report::pareto;
 use crate::report::scenes::Scene;
-use crate::report::sweeps::directions::angle_deg;
+use crate::report::scenes::angle_deg;
+use crate::report::sweeps::directions::vector_at;
 use crate::report::timing::Times;
 use glam::DVec2;
 use serde::Serialize;
 
 /// Sides of the field's pixels that are tried, in pixels of the picture.
-pub const CELLS_PX: [u32; 4] = [8, 4, 2, 1];
+pub(crate) const CELLS_PX: [u32; 4] = [8, 4, 2, 1];
 
-/// What one setting gives.
+/// Results of one setting.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// How often directions are averaged.
     pub passes: u32,
     /// Side of a pixel of the field, in pixels of the picture.
@@ -28,7 +30,6 @@ pub struct Row {
     pub from_exact: Option<Angles>,
     /// Mean turn from pixel to pixel, in degrees: how calm strokes are.
     pub turn: f64,
-    /// Time of the stage.
     pub stage: Times,
     /// Whether no other resolution of as many passes is both faster and nearer to the full one.
     pub on_front: bool,
@@ -36,20 +37,14 @@ pub struct Row {
 
 /// All settings on one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// Its name.
-    pub name: String,
-    /// Columns of the part that is drawn.
-    pub width: usize,
-    /// Rows of that part.
-    pub height: usize,
-    /// Pixels of it that show a surface.
-    pub covered: usize,
+pub(crate) struct Sweep {
+    #[serde(flatten)]
+    pub on: On,
     /// The resolutions at the usual number of passes, then the passes at the usual resolution.
     pub rows: Vec<Row>,
 }
 
-pub(super) fn sweep(name: &str, bench: &Bench, exact: Option<&Scene>) -> Result<Sweep> {
+pub(super) fn sweep(name: &str, bench: &Card, exact: Option<&Scene>) -> Result<Sweep> {
     let usual = FieldParams::default();
     let resolutions = CELLS_PX.map(|cell_px| FieldParams { cell_px, ..usual });
     let passes = (0..=MAX_FIELD_PASSES).filter(|&passes| passes != usual.passes);
@@ -58,24 +53,15 @@ pub(super) fn sweep(name: &str, bench: &Bench, exact: Option<&Scene>) -> Result<
     for params in resolutions.into_iter().chain(passes) {
         rows.push(row(bench, params, exact)?);
     }
-    let points: Vec<_> = rows[..CELLS_PX.len()]
-        .iter()
-        .map(|row| [row.stage.min, row.from_full.p95])
-        .collect();
-    for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
-        row.on_front = on_front;
-    }
-    let mask = &bench.card.mask;
+    let place = |row: &Row| [row.stage.min, row.from_full.p95];
+    pareto::mark(&mut rows[..CELLS_PX.len()], place, |row| &mut row.on_front);
     Ok(Sweep {
-        name: name.into(),
-        width: mask.width(),
-        height: mask.height(),
-        covered: mask.count(),
+        on: On::new(name, &bench.card.mask),
         rows,
     })
 }
 
-fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row> {
+fn row(bench: &Card, params: FieldParams, exact: Option<&Scene>) -> Result<Row> {
     let found = bench.field(params)?;
     let full = bench.field(FieldParams {
         cell_px: 1,
@@ -85,11 +71,11 @@ fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row>
         field: params,
         ..LineParams::default()
     })?;
-    let from = |known: &dyn Fn(usize, usize) -> Option<DVec2>| {
+    let from = |known: &dyn Fn([usize; 2]) -> Option<DVec2>| {
         let mut tally = Tally::default();
-        for (x, y) in places(bench) {
-            if let Some(known) = known(x, y) {
-                tally.add([x, y], angle_deg(at(&found, x, y), known));
+        for at in covered(&bench.card.mask) {
+            if let Some(known) = known(at) {
+                tally.add(at, angle_deg(vector_at(&found, at), known));
             }
         }
         Angles::of(tally)
@@ -97,8 +83,8 @@ fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row>
     Ok(Row {
         passes: params.passes,
         cell_px: params.cell_px,
-        from_full: from(&|x, y| Some(at(&full, x, y))),
-        from_exact: exact.map(|scene| from(&|x, y| scene.exact_direction(x, y))),
+        from_full: from(&|at| Some(vector_at(&full, at))),
+        from_exact: exact.map(|scene| from(&|[x, y]| scene.exact_direction(x, y))),
         turn: turn(bench, &found),
         stage: timed
             .stage("direction-field")
@@ -108,25 +94,14 @@ fn row(bench: &Bench, params: FieldParams, exact: Option<&Scene>) -> Result<Row>
 }
 
 /// Mean angle between the directions of pixels side by side.
-fn turn(bench: &Bench, found: &Vector2Planes) -> f64 {
+fn turn(bench: &Card, found: &Vector2Planes) -> f64 {
     let mask = &bench.card.mask;
     let mut tally = Tally::default();
-    for (x, y) in places(bench) {
+    for [x, y] in covered(mask) {
         if x + 1 < mask.width() && mask.at(x + 1, y) {
-            let angle = angle_deg(at(found, x, y), at(found, x + 1, y));
-            tally.add([x, y], angle);
+            let [here, right] = [[x, y], [x + 1, y]].map(|at| vector_at(found, at));
+            tally.add([x, y], angle_deg(here, right));
         }
     }
     tally.errors().mean
-}
-
-/// The covered pixels.
-fn places(bench: &Bench) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let mask = &bench.card.mask;
-    let rows = (0..mask.height()).flat_map(|y| mask.runs(y).map(move |run| (y, run)));
-    rows.flat_map(|(y, run)| run.map(move |x| (x, y)))
-}
-
-pub(super) fn at(field: &Vector2Planes, x: usize, y: usize) -> DVec2 {
-    DVec2::new(field.x.at(x, y).into(), field.y.at(x, y).into())
 }

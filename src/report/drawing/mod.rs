@@ -1,62 +1,55 @@
 //! Drawings: error against time for levels, sets, passes and the field's resolution, and how true tones are.
 //!
-//! What is drawn is a card: the surface of a frame in one even tone, so that the drawing tells of strokes
-//! alone.
+//! A card is drawn: the surface of a frame in one even tone, so that the drawing shows strokes alone.
 
-pub mod field;
-pub mod strokes;
-pub mod tone;
+pub(super) mod field;
+pub(super) mod strokes;
+pub(super) mod tone;
 
-use super::Extent;
+use super::advice::rounded as rounded_number;
+use super::engine::{Inputs, Outcome, Session, hatch_plan, painted};
 use super::light::middle;
 use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
-use super::timing::{Effort, Timed, measure_runs};
+use super::timing::{Effort, Timed};
+use super::{Asked, Extent};
 use crate::Result;
-use crate::engine::cpu::runner::{DrawingInputs, Runner};
-use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use crate::params::{
-    Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, ToneParams,
-};
-use crate::plan::{Available, Plan, ToneFrom};
+use crate::params::{FieldParams, LineParams, ShapeParams};
+use crate::plan::{Available, Plan};
 use serde::Serialize;
+use std::fmt::{self, Display};
 
 /// Everything that was measured of drawings.
 #[derive(Debug, Clone, Serialize)]
-pub struct DrawingReport {
-    /// Directions, on the frame and on an ellipsoid.
+pub(crate) struct DrawingReport {
     pub fields: Vec<field::Sweep>,
-    /// Levels and sets, on the frame.
     pub strokes: strokes::Sweep,
-    /// Tones of a flat card.
     pub tones: Vec<tone::Row>,
 }
 
 /// Measures drawings of `frame`, called `name`.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn run(
-    name: &str,
-    frame: &Frame,
-    shape: ShapeParams,
-    extent: Extent,
-    progress: &dyn Fn(&str),
-) -> Result<DrawingReport> {
+pub(super) fn run(asked: &Asked) -> Result<DrawingReport> {
+    let Asked {
+        name,
+        frame,
+        shape,
+        extent,
+        progress,
+    } = *asked;
     let (most, effort) = match extent {
         Extent::Full => ([960, 720], Effort::new(5, 200)),
         Extent::Quick => ([480, 360], Effort::new(3, 60)),
     };
     let part = middle(frame, most);
-    let bench = Bench::new(&part, shape, effort);
+    let bench = Card::new(&part, shape, effort);
     progress(&format!("{name}: directions of strokes"));
     let mut fields = vec![field::sweep(name, &bench, None)?];
     let (width, height) = super::scene_size(extent);
     let ellipsoid = Scene::ellipsoid(width, height);
     for stored in [Stored::Float, Stored::Byte] {
         let frame = rounded(&ellipsoid.frame, stored);
-        let bench = Bench::new(&frame, ShapeParams::default(), effort);
+        let bench = Card::new(&frame, ShapeParams::default(), effort);
         let name = match stored {
             Stored::Byte => "ellipsoid, normals of 8 bits",
             Stored::Float | Stored::Half => "ellipsoid",
@@ -75,25 +68,25 @@ pub fn run(
     })
 }
 
-/// The tone in which strokes tell most of themselves.
+/// The tone in which strokes show best.
 const HALF: f32 = 0.5;
 
 /// A card, to be drawn again and again in the same memory.
-struct Bench {
+struct Card {
     card: Frame,
     shape: ShapeParams,
     effort: Effort,
-    runner: Runner,
+    session: Session,
 }
 
-impl Bench {
+impl Card {
     /// The surface of `frame`, half dark.
     fn new(frame: &Frame, shape: ShapeParams, effort: Effort) -> Self {
         let mut bench = Self {
             card: frame.clone(),
             shape,
             effort,
-            runner: Runner::default(),
+            session: Session::default(),
         };
         bench.paint(HALF);
         bench
@@ -103,57 +96,40 @@ impl Bench {
     fn paint(&mut self, tone: f32) {
         let mask = &self.card.mask;
         let even = Plane::filled(mask.width(), mask.height(), tone);
-        self.card.color = Some(ColorPlanes {
-            r: even.clone(),
-            g: even.clone(),
-            b: even,
-        });
+        self.card.color = Some(ColorPlanes::grey(even));
     }
 
     /// The ink of its drawing, without contours.
     fn ink(&self, line: LineParams) -> Result<Plane> {
-        Ok(hatching(self.draw(&self.plan(line)?)))
+        let plan = self.plan(line)?;
+        Ok(hatching(self.session.run(
+            &plan,
+            &self.card,
+            Inputs::default(),
+        )))
     }
 
     /// The same, and what the stages took.
     fn timed(&self, line: LineParams) -> Result<(Plane, Timed)> {
         let plan = self.plan(line)?;
-        let (outcome, timed) = measure_runs(&self.runner, self.effort, || self.draw(&plan));
+        let inputs = Inputs::default();
+        let (outcome, timed) = self.session.measure(&plan, &self.card, inputs, self.effort);
         Ok((hatching(outcome), timed))
-    }
-
-    fn draw(&self, plan: &Plan) -> Outcome {
-        let inputs = DrawingInputs::default();
-        self.runner.draw(plan, &self.card, inputs)
     }
 
     /// The directions that strokes follow.
     fn field(&self, field: FieldParams) -> Result<Vector2Planes> {
         let plan = self.plan(LineParams::default())?;
-        let directions = StrokeDirections::Max;
-        let fields = self
-            .runner
-            .stroke_fields(&plan, &self.card, &field, directions);
-        Ok(fields.into_iter().next().expect("one field was asked for"))
+        Ok(self.session.stroke_field(&plan, &self.card, &field))
     }
 
     fn plan(&self, line: LineParams) -> Result<Plan> {
         let line = LineParams {
-            tone: ToneParams {
-                white_point: Adaptive::Fixed(1.0),
-                black_point: 0.0,
-                gamma: 1.0,
-            },
+            tone: painted(),
             contours: None,
             ..line
         };
-        Plan::hatch(
-            Available::in_frame(&self.card),
-            self.shape,
-            ScalingParams::default(),
-            ToneFrom::Picture,
-            line,
-        )
+        hatch_plan(Available::in_frame(&self.card), self.shape, line)
     }
 }
 
@@ -163,17 +139,24 @@ fn hatching(outcome: Outcome) -> Plane {
 
 /// Angles between directions, in degrees, over all pixels compared.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Angles {
+pub(crate) struct Angles {
     /// Mean.
     pub mean: f64,
-    /// What 95 in 100 stay below.
+    /// 95 in 100 stay below it.
     pub p95: f64,
     /// Largest.
     pub max: f64,
 }
 
+impl Display for Angles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [mean, p95, max] = [self.mean, self.p95, self.max].map(rounded_number);
+        write!(f, "{mean} / {p95} / {max}")
+    }
+}
+
 impl Angles {
-    fn of(mut tally: super::compare::Tally) -> Self {
+    pub(super) fn of(mut tally: super::compare::Tally) -> Self {
         let p95 = tally.quantile(0.95);
         let errors = tally.errors();
         Self {

@@ -1,30 +1,29 @@
 //! Levels of angles and sets of them: how well strokes follow the field, how long they are, how even their
 //! tone is.
 
-use super::field::at;
-use super::{Angles, Bench, HALF};
+use super::{Angles, Card, HALF};
 use crate::Result;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::{LineParams, MAX_LEVELS, StrokeParams};
-use crate::report::compare::Tally;
+use crate::report::On;
+use crate::report::compare::{Tally, covered};
 use crate::report::scenes::Scene;
-use crate::report::sweeps::directions::angle_deg;
+use crate::report::scenes::angle_deg;
+use crate::report::sweeps::directions::vector_at;
 use crate::report::timing::Times;
 use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
 
 /// Numbers of levels that are tried, the last as the limit of them all.
-pub const LEVELS: [u32; 8] = [4, 8, 12, 16, 24, 36, 72, MAX_LEVELS];
+pub(crate) const LEVELS: [u32; 8] = [4, 8, 12, 16, 24, 36, 72, MAX_LEVELS];
 /// Numbers of sets that are tried.
-pub const SETS: [u32; 3] = [1, 2, 4];
+pub(crate) const SETS: [u32; 3] = [1, 2, 4];
 
-/// What one setting gives.
+/// Results of one setting.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// Levels over half a turn.
+pub(crate) struct Row {
     pub levels: u32,
-    /// Sets of levels.
     pub sets: u32,
     /// From strokes, as they are drawn, to the field.
     pub from_field: Angles,
@@ -33,22 +32,17 @@ pub struct Row {
     pub unbroken: f64,
     /// Root mean square of the error of tone, 0..1, over some two strokes' distances.
     pub blotches: f64,
-    /// Time of hatching.
     pub stage: Times,
 }
 
 /// All settings on one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// Its name.
-    pub name: String,
-    /// Columns of the part that is drawn.
-    pub width: usize,
-    /// Rows of that part.
-    pub height: usize,
+pub(crate) struct Sweep {
+    #[serde(flatten)]
+    pub on: On,
     /// Pixels compared: those whose surroundings are all covered.
     pub pixels: usize,
-    /// [`Row::blotches`] of straight strokes: what chance costs by itself.
+    /// [`Row::blotches`] of straight strokes: the share of chance.
     pub straight_blotches: f64,
     /// By sets, then by levels.
     pub rows: Vec<Row>,
@@ -58,7 +52,7 @@ pub struct Sweep {
 /// this deviation.
 const AROUND_PX: usize = 8;
 
-pub(super) fn sweep(name: &str, bench: &Bench) -> Result<Sweep> {
+pub(super) fn sweep(name: &str, bench: &Card) -> Result<Sweep> {
     let card = &bench.card;
     let field = bench.field(LineParams::default().field)?;
     let inner = inner(&card.mask);
@@ -78,9 +72,7 @@ pub(super) fn sweep(name: &str, bench: &Bench) -> Result<Sweep> {
         }
     }
     Ok(Sweep {
-        name: name.into(),
-        width: card.mask.width(),
-        height: card.mask.height(),
+        on: On::new(name, &card.mask),
         pixels: inner.count(),
         straight_blotches,
         rows,
@@ -99,9 +91,9 @@ fn of(levels: u32, sets: u32) -> LineParams {
 }
 
 /// [`likeness`] and [`blotches`] of straight strokes.
-fn straight(bench: &Bench) -> Result<[f64; 2]> {
+fn straight(bench: &Card) -> Result<[f64; 2]> {
     let frame = Scene::plane(512, 512).frame;
-    let bench = Bench::new(&frame, bench.shape, bench.effort);
+    let bench = Card::new(&frame, bench.shape, bench.effort);
     let ink = bench.ink(LineParams::default())?;
     let field = bench.field(LineParams::default().field)?;
     let inner = inner(&frame.mask);
@@ -157,10 +149,8 @@ fn strokes_of(ink: &Plane) -> Vector2Planes {
 
 fn between(found: &Vector2Planes, wanted: &Vector2Planes, inner: &Mask) -> Angles {
     let mut tally = Tally::default();
-    for y in 0..inner.height() {
-        for x in inner.runs(y).flatten() {
-            tally.add([x, y], angle_deg(at(found, x, y), at(wanted, x, y)));
-        }
+    for at in covered(inner) {
+        tally.add(at, angle_deg(vector_at(found, at), vector_at(wanted, at)));
     }
     Angles::of(tally)
 }
@@ -170,15 +160,13 @@ fn likeness(ink: &Plane, field: &Vector2Planes, inner: &Mask) -> f64 {
     let steps = (StrokeParams::default().stroke(1.0).length_px / 6.0).round() as usize;
     let mut sums = [0.0; 5];
     let mut count = 0.0;
-    for y in 0..inner.height() {
-        for x in inner.runs(y).flatten() {
-            if let Some([u, v]) = followed(field, inner, [x, y], steps) {
-                let (a, b) = (f64::from(ink.at(x, y)), f64::from(ink.at(u, v)));
-                for (sum, value) in sums.iter_mut().zip([a, b, a * a, b * b, a * b]) {
-                    *sum += value;
-                }
-                count += 1.0;
+    for [x, y] in covered(inner) {
+        if let Some([u, v]) = followed(field, inner, [x, y], steps) {
+            let (a, b) = (f64::from(ink.at(x, y)), f64::from(ink.at(u, v)));
+            for (sum, value) in sums.iter_mut().zip([a, b, a * a, b * b, a * b]) {
+                *sum += value;
             }
+            count += 1.0;
         }
     }
     let [a, b, aa, bb, ab] = sums.map(|sum| sum / f64::max(count, 1.0));
@@ -198,7 +186,7 @@ fn followed(
     steps: usize,
 ) -> Option<[usize; 2]> {
     let mut place = DVec2::new(x as f64, y as f64);
-    let mut ahead = at(field, x, y);
+    let mut ahead = vector_at(field, [x, y]);
     for _ in 0..steps {
         // Rows run down, y up.
         place += DVec2::new(ahead.x, -ahead.y);
@@ -206,7 +194,7 @@ fn followed(
         if u >= inner.width() || v >= inner.height() || !inner.at(u, v) {
             return None;
         }
-        let here = at(field, u, v);
+        let here = vector_at(field, [u, v]);
         ahead = if here.dot(ahead) < 0.0 { -here } else { here };
     }
     Some([place.x.round() as usize, place.y.round() as usize])
@@ -214,13 +202,8 @@ fn followed(
 
 fn blotches(ink: &Plane, inner: &Mask) -> f64 {
     let tone = bell(ink, AROUND_PX);
-    let mut squares = 0.0;
-    for y in 0..inner.height() {
-        for x in inner.runs(y).flatten() {
-            squares += f64::from(tone.at(x, y) - (1.0 - HALF)).powi(2);
-        }
-    }
-    (squares / inner.count().max(1) as f64).sqrt()
+    let squares = covered(inner).map(|[x, y]| f64::from(tone.at(x, y) - (1.0 - HALF)).powi(2));
+    (squares.sum::<f64>() / inner.count().max(1) as f64).sqrt()
 }
 
 /// Means over squares of `2 radius + 1`, three times: a bell whose deviation is about the radius. Borders go on.

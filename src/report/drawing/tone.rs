@@ -1,6 +1,6 @@
 //! How true tones are: a flat card drawn in one tone.
 
-use super::Bench;
+use super::Card;
 use crate::Result;
 use crate::params::{Fallback, FieldParams, LineParams, ShapeParams, StrokeParams, Style};
 use crate::report::scenes::Scene;
@@ -8,33 +8,31 @@ use crate::report::timing::Effort;
 use serde::Serialize;
 
 /// Tones that are tried, from black to white.
-pub const TONES: [f32; 9] = [0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0];
+pub(crate) const TONES: [f32; 9] = [0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0];
 
 /// Degrees at which strokes are laid: on a level, and by different shares between levels.
-pub const ANGLES: [f32; 5] = [0.0, 33.75, 39.0, 95.6, 177.0];
+pub(crate) const ANGLES: [f32; 5] = [0.0, 33.75, 39.0, 95.6, 177.0];
 
 /// The card's size: several periods of the texture.
 const CARD: [usize; 2] = [640, 480];
 
 /// One tone in one style.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// What it is drawn with.
+pub(crate) struct Row {
     pub style: Style,
     /// The tone asked for: 1 is paper.
     pub tone: f32,
-    /// The mean of what is drawn, over all angles.
+    /// The mean tone drawn, over all angles.
     pub drawn: f64,
     /// The largest error of the mean at one angle.
     pub worst: f64,
-    /// The angle of that.
     pub worst_angle: f32,
 }
 
 pub(super) fn rows() -> Result<Vec<Row>> {
     let [width, height] = CARD;
     let once = Effort::new(1, 0);
-    let mut bench = Bench::new(
+    let mut bench = Card::new(
         &Scene::plane(width, height).frame,
         ShapeParams::default(),
         once,
@@ -49,7 +47,7 @@ pub(super) fn rows() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-fn row(bench: &Bench, style: Style, tone: f32) -> Result<Row> {
+fn row(bench: &Card, style: Style, tone: f32) -> Result<Row> {
     let mut row = Row {
         style,
         tone,

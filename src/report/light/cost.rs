@@ -1,7 +1,7 @@
-//! What lighting costs by the number of lights, and by the share of the frame that is covered.
+//! Cost of lighting by the number of lights, and by the share of the frame that is covered.
 
 use super::bare;
-use super::lit::Bench;
+use super::lit::LitFrame;
 use crate::Result;
 use crate::frame::{Frame, Mask, Plane};
 use crate::light::environment::Environment;
@@ -12,14 +12,12 @@ use crate::report::timing::{Effort, Times};
 use serde::Serialize;
 
 /// Numbers of lights tried.
-pub const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
+pub(crate) const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
 
-/// What one number of lights takes.
+/// Cost of one number of lights.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// Lights, in even directions.
+pub(crate) struct Row {
     pub lights: usize,
-    /// Time of lighting.
     pub relight: Times,
     /// Nanoseconds per covered pixel and light, of all threads together.
     pub nanoseconds: f64,
@@ -27,23 +25,22 @@ pub struct Row {
 
 /// A straight line through times.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Line {
+pub(crate) struct Line {
     /// Seconds without any light.
     pub start: f64,
     /// Seconds per light.
     pub slope: f64,
-    /// Share of the variance that the line tells of (R squared).
-    pub told: f64,
+    /// Share of the variance that the line explains (R squared).
+    #[serde(rename = "told")]
+    pub r_squared: f64,
 }
 
-/// What a part of the frame takes.
+/// Cost of a part of the frame.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct CoveredRow {
+pub(crate) struct CoveredRow {
     /// Share of the frame that is covered.
     pub share: f64,
-    /// Pixels that are.
     pub pixels: usize,
-    /// Time of lighting.
     pub relight: Times,
     /// Nanoseconds per covered pixel and light.
     pub nanoseconds: f64,
@@ -51,30 +48,23 @@ pub struct CoveredRow {
 
 /// Cost of Blinn-Phong under a warp.
 #[derive(Debug, Clone, Serialize)]
-pub struct Cost {
-    /// Columns of the frame.
+pub(crate) struct Cost {
     pub width: usize,
-    /// Rows.
     pub height: usize,
-    /// By number of lights.
     pub rows: Vec<Row>,
     /// The least-squares line through the least times.
     pub line: Line,
     /// Lights of the rows below.
     pub lights: usize,
-    /// By the share that is covered.
     pub covered: Vec<CoveredRow>,
 }
 
 /// Lights `frame`, all of it covered, by ever more lights, and by [`AUTO_SAMPLES`] with less and less of it
 /// covered.
-///
-/// # Errors
-/// None for the parameters tried here.
-pub fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Result<Cost> {
+pub(crate) fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Result<Cost> {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let time = |frame: &Frame, lights: usize| -> Result<(Times, f64)> {
-        let bench = Bench::new(frame, ShapeParams::default(), environment, effort);
+        let bench = LitFrame::new(frame, ShapeParams::default(), environment, effort);
         let relight = bench.timed(params(), &even(lights))?.relight;
         let each = 1e9 * relight.min / (frame.mask.count().max(1) * lights) as f64;
         Ok((relight, each))
@@ -161,7 +151,7 @@ fn line(points: &[[f64; 2]]) -> Line {
     Line {
         start: middle[1] - slope * middle[0],
         slope,
-        told: product(0, 1).powi(2) / (product(0, 0) * product(1, 1)),
+        r_squared: product(0, 1).powi(2) / (product(0, 0) * product(1, 1)),
     }
 }
 
@@ -174,9 +164,9 @@ mod tests {
         let exact = [[1.0, 5.0], [4.0, 11.0], [16.0, 35.0]];
         let found = line(&exact);
         assert!((found.start - 3.0).abs() < 1e-12 && (found.slope - 2.0).abs() < 1e-12);
-        assert!((found.told - 1.0).abs() < 1e-12);
-        // 0, 1, 0 at -1, 0, 1: no slope, and nothing told.
+        assert!((found.r_squared - 1.0).abs() < 1e-12);
+        // 0, 1, 0 at -1, 0, 1: no slope, and nothing explained.
         let none = line(&[[-1.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
-        assert!(none.slope.abs() < 1e-12 && none.told.abs() < 1e-12);
+        assert!(none.slope.abs() < 1e-12 && none.r_squared.abs() < 1e-12);
     }
 }

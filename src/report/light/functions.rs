@@ -4,16 +4,16 @@
 //! Ours run in the widest vectors that the machine has, as the stages do; those of the standard library
 //! are calls, one number at a time, whatever the vectors.
 
-use crate::engine::cpu;
 use crate::fast_math::Function;
-use crate::report::Extent;
+use crate::report::compare::larger;
+use crate::report::{Extent, engine};
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// Errors of one function and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// Largest error relative to the exact value, where that is a normal number.
     pub relative: f64,
     /// Largest error in distances between neighbouring f32.
@@ -24,22 +24,18 @@ pub struct Measured {
 
 /// One function, ours and the standard library's.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// Its name.
+pub(crate) struct Row {
     pub name: &'static str,
-    /// Least and largest argument.
     pub domain: [f32; 2],
     /// Arguments tried: that many f32, evenly spaced in the order of f32.
     pub arguments: usize,
-    /// Ours.
     pub fast: Measured,
-    /// The standard library's.
     pub std: Measured,
 }
 
 /// The vectors that ours run in.
-pub fn vectors() -> String {
-    format!("{} bits", cpu::vector_bits())
+pub(crate) fn vectors() -> String {
+    format!("{} bits", engine::vector_bits())
 }
 
 /// Length of the row that is timed: in the first-level cache.
@@ -49,7 +45,7 @@ const ROW: usize = 2048;
 const EXPONENT: f32 = 2.2;
 
 /// Every function.
-pub fn measured(extent: Extent) -> Vec<Row> {
+pub(crate) fn measured(extent: Extent) -> Vec<Row> {
     let effort = match extent {
         Extent::Full => (4_000_000, Duration::from_millis(60)),
         Extent::Quick => (120_000, Duration::from_millis(4)),
@@ -85,7 +81,7 @@ fn measure(
     std: fn(f32) -> f32,
     exact: fn(f64) -> f64,
 ) -> Row {
-    let ours = |out: &mut [f32], x: &[f32]| cpu::map_row(function, out, x);
+    let ours = |out: &mut [f32], x: &[f32]| engine::map_row(function, out, x);
     let theirs = |out: &mut [f32], x: &[f32]| {
         for (out, &x) in out.iter_mut().zip(x) {
             *out = std(x);
@@ -141,8 +137,6 @@ fn unordered(place: i64) -> f32 {
 /// Largest relative error, and largest in ulp.
 fn errors(arguments: &[f32], found: &[f32], exact: impl Fn(f64) -> f64) -> (f64, f64) {
     let mut worst = (0.0_f64, 0.0_f64);
-    // Not f64::max, which would drop a NaN.
-    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
     for (&x, &found) in arguments.iter().zip(found) {
         let exact = exact(x.into());
         let error = (f64::from(found) - exact).abs();

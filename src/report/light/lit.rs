@@ -2,27 +2,24 @@
 
 use super::bare;
 use crate::Result;
-use crate::engine::cpu::runner::Runner;
-use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
 use crate::params::{
-    Material, MaterialParams, Method, RelightParams, Samples, ScalingParams, ShapeParams, WarpBy,
+    Material, MaterialParams, Method, RelightParams, Samples, ShapeParams, WarpBy,
 };
-use crate::plan::LightKinds;
-use crate::plan::{Available, Plan};
-use crate::report::compare::{Errors, Tally, compare};
+use crate::plan::Plan;
+use crate::report::compare::{Errors, Tally, compare, covered, larger};
+use crate::report::engine::{Outcome, Session, lit_by, relight_plan};
 use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
-use std::time::Instant;
 
 /// The materials that are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Surface {
+pub(crate) enum Surface {
     /// White and diffuse.
     Lambert,
     /// Phong's lobe alone, of exponent eta = 32, (eta + 1) / 2 times as bright as it comes: a constant
@@ -32,10 +29,10 @@ pub enum Surface {
 
 impl Surface {
     /// Both.
-    pub const ALL: [Self; 2] = [Self::Lambert, Self::Glossy];
+    pub(crate) const ALL: [Self; 2] = [Self::Lambert, Self::Glossy];
 
-    /// All that relighting is told.
-    pub fn params(self, method: Method, warp_by: WarpBy, samples: u32) -> RelightParams {
+    /// The parameters of relighting it.
+    pub(crate) fn params(self, method: Method, warp_by: WarpBy, samples: u32) -> RelightParams {
         let params = match self {
             Self::Lambert => bare(Material::Lambert, method),
             Self::Glossy => {
@@ -59,18 +56,16 @@ impl Surface {
 }
 
 /// A frame under an environment, to be lit again and again in the same memory.
-pub struct Bench<'a> {
-    /// The frame.
+pub(crate) struct LitFrame<'a> {
     pub frame: &'a Frame,
     shape: ShapeParams,
     environment: Illumination,
     effort: Effort,
-    runner: Runner,
+    session: Session,
 }
 
 /// A picture, and what it took.
-pub struct Picture {
-    /// The picture.
+pub(crate) struct Picture {
     pub color: ColorPlanes,
     /// Time of lighting, its environment being ready.
     pub relight: Times,
@@ -78,9 +73,9 @@ pub struct Picture {
     pub environment: Option<Times>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> LitFrame<'a> {
     /// The bench of `frame`, whose shape is found by `shape`.
-    pub fn new(
+    pub(crate) fn new(
         frame: &'a Frame,
         shape: ShapeParams,
         environment: &Environment,
@@ -94,101 +89,57 @@ impl<'a> Bench<'a> {
                 ..Illumination::default()
             },
             effort,
-            runner: Runner::default(),
+            session: Session::default(),
         }
     }
 
     /// The frame under the environment.
-    ///
-    /// # Errors
-    /// [`crate::Error::BadParameter`] for a parameter outside its range.
-    pub fn in_environment(&self, params: RelightParams) -> Result<Picture> {
+    pub(crate) fn in_environment(&self, params: RelightParams) -> Result<Picture> {
         self.timed(params, &self.environment)
     }
 
     /// The frame under `light`.
-    ///
-    /// # Errors
-    /// As [`Bench::in_environment`].
-    pub fn timed(&self, params: RelightParams, light: &Illumination) -> Result<Picture> {
+    pub(crate) fn timed(&self, params: RelightParams, light: &Illumination) -> Result<Picture> {
         let plan = self.plan(params, light)?;
-        let (mut relight, mut environment) = (Vec::new(), Vec::new());
-        let start = Instant::now();
-        loop {
-            self.runner.forget_environment();
-            let mut outcome = self.runner.relight(&plan, self.frame, light);
-            let stage = |name: &str| {
-                let timings = outcome.timings.iter();
-                let mut of = timings.filter(|(stage, _)| *stage == name);
-                of.next().map(|(_, time)| time.as_secs_f64())
-            };
-            relight.push(stage("relight").expect("light is a stage"));
-            environment.extend(stage("environment"));
-            let enough = relight.len() > self.effort.runs || start.elapsed() > self.effort.limit;
-            if enough {
-                let color = outcome.color.take().expect("light makes a picture");
-                self.runner.take_back(outcome);
-                return Ok(Picture {
-                    color,
-                    relight: warm(relight),
-                    environment: Some(environment).filter(|e| !e.is_empty()).map(warm),
-                });
-            }
-            self.runner.take_back(outcome);
-        }
+        let inputs = lit_by(light);
+        let (outcome, timed) = self.session.measure(&plan, self.frame, inputs, self.effort);
+        Ok(Picture {
+            color: outcome.color.expect("light makes a picture"),
+            relight: timed.stage("relight").expect("light is a stage"),
+            environment: timed.stage("environment"),
+        })
     }
 
     fn plan(&self, params: RelightParams, light: &Illumination) -> Result<Plan> {
-        Plan::relight(
-            Available::in_frame(self.frame),
-            self.shape,
-            ScalingParams::default(),
-            params,
-            LightKinds::in_light(light),
-        )
+        relight_plan(self.frame, self.shape, params, light)
     }
 
-    fn outcome(&self, params: RelightParams, light: &Illumination) -> Result<Outcome> {
-        let plan = self.plan(params, light)?;
-        Ok(self.runner.relight(&plan, self.frame, light))
+    fn run(&self, plan: &Plan, light: &Illumination) -> Outcome {
+        self.session.run(plan, self.frame, lit_by(light))
     }
-}
-
-/// Times without the warming run, where there is another.
-fn warm(mut seconds: Vec<f64>) -> Times {
-    if seconds.len() > 1 {
-        seconds.remove(0);
-    }
-    Times::of(seconds)
 }
 
 /// A picture under many lights that others are compared with.
-pub struct Reference {
-    /// What it shows.
+pub(crate) struct Reference {
     pub surface: Surface,
-    /// How light is altered.
     pub method: Method,
     planes: [Plane<f64>; 3],
     /// The luminance that 98 pixels in 100 stay below: errors are relative to it.
     pub white: f64,
-    /// Time of lighting.
     pub relight: Times,
     /// Largest error of its own sums against double precision, at some pixels, relative to the same.
     pub rounding: f64,
 }
 
 /// The references of both surfaces, plain and warped.
-pub struct References(Vec<Reference>);
+pub(crate) struct References(Vec<Reference>);
 
 /// Pixels at which a reference is held against double precision.
 const CHECKED: usize = 16;
 
 impl References {
     /// Lights the bench's frame by many lights.
-    ///
-    /// # Errors
-    /// As [`Bench::in_environment`].
-    pub fn new(bench: &Bench) -> Result<Self> {
+    pub(crate) fn new(bench: &LitFrame) -> Result<Self> {
         let environment = bench.environment.environment.as_ref();
         let environment = environment.expect("a bench has an environment");
         let light = Illumination {
@@ -216,12 +167,12 @@ impl References {
     }
 
     /// All four.
-    pub fn all(&self) -> &[Reference] {
+    pub(crate) fn all(&self) -> &[Reference] {
         &self.0
     }
 
     /// That of one surface and method.
-    pub fn of(&self, surface: Surface, method: Method) -> &Reference {
+    pub(crate) fn of(&self, surface: Surface, method: Method) -> &Reference {
         let mut all = self.0.iter();
         let found = all.find(|r| (r.surface, r.method) == (surface, method));
         found.expect("every case has its reference")
@@ -230,13 +181,11 @@ impl References {
 
 /// The luminance that 98 covered pixels in 100 stay below; 1 where nothing is lit.
 fn white_of([r, g, b]: &[Plane<f64>; 3], mask: &Mask) -> f64 {
-    let rows = (0..mask.height()).flat_map(|y| mask.span(y).map(move |x| (x, y)));
-    let covered = rows.filter(|&(x, y)| mask.at(x, y));
-    white(covered.map(|(x, y)| [r, g, b].map(|plane| plane.at(x, y))))
+    white(covered(mask).map(|[x, y]| [r, g, b].map(|plane| plane.at(x, y))))
 }
 
 /// The luminance that 98 colours in 100 stay below; 1 where nothing is lit.
-pub fn white(colors: impl Iterator<Item = [f64; 3]>) -> f64 {
+pub(crate) fn white(colors: impl Iterator<Item = [f64; 3]>) -> f64 {
     let [wr, wg, wb] = REC709_LUMINANCE.map(f64::from);
     let mut tally = Tally::default();
     for [r, g, b] in colors {
@@ -251,8 +200,8 @@ pub fn white(colors: impl Iterator<Item = [f64; 3]>) -> f64 {
 }
 
 /// The largest error of sums over lights at some covered pixels.
-fn rounding(bench: &Bench, params: RelightParams, light: &Illumination) -> Result<f64> {
-    let outcome = bench.outcome(params, light)?;
+fn rounding(bench: &LitFrame, params: RelightParams, light: &Illumination) -> Result<f64> {
+    let outcome = bench.run(&bench.plan(params, light)?, light);
     let color = outcome.color.as_ref().expect("light makes a picture");
     let gain = outcome.gain.unwrap_or(0.0);
     let pixels = some_covered(&bench.frame.mask, CHECKED);
@@ -264,46 +213,41 @@ fn rounding(bench: &Bench, params: RelightParams, light: &Illumination) -> Resul
 }
 
 /// How far a picture is off at a pixel, in its worst channel.
-pub fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f64 {
+pub(crate) fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f64 {
     let found = [&color.r, &color.g, &color.b].map(|plane| f64::from(plane.at(x, y)));
-    let errors = (0..3).map(|c| (found[c] - exact[c]).abs());
-    // Not f64::max, which would drop a NaN.
-    errors.fold(0.0, |a, b| if a > b || a.is_nan() { a } else { b })
+    (0..3)
+        .map(|c| (found[c] - exact[c]).abs())
+        .fold(0.0, larger)
 }
 
 /// Up to `count` covered pixels, spread evenly in the order of rows.
 pub fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
-    let rows = (0..mask.height()).flat_map(|y| mask.span(y).map(move |x| [x, y]));
-    let covered = rows.filter(|&[x, y]| mask.at(x, y));
     let step = mask.count().div_ceil(count.max(1)).max(1);
-    covered.skip(step / 2).step_by(step).collect()
+    covered(mask).skip(step / 2).step_by(step).collect()
 }
 
 /// How far a picture is from its reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Difference {
+pub(crate) struct Difference {
     /// Errors of the worst channel, relative to the reference's 98th percentile of luminance.
     pub errors: Errors,
-    /// What 99 pixels in 100 stay below in steps of 8 bits, where that luminance shows as white.
+    /// 99 pixels in 100 stay below it, in steps of 8 bits, where that luminance shows as white.
     pub grey_p99: f64,
-    /// The largest of them.
     pub grey_max: f64,
 }
 
 impl Reference {
     /// How far `color` is from it.
-    pub fn difference(&self, color: &ColorPlanes, frame: &Frame) -> Difference {
+    pub(crate) fn difference(&self, color: &ColorPlanes, frame: &Frame) -> Difference {
         let (mask, found) = (&frame.mask, [&color.r, &color.g, &color.b]);
         let exact = self.planes.each_ref();
         let errors = compare(found, exact, mask, self.white).in_window(frame.data_window);
         let shown = |v: f64| 255.0 * srgb((v / self.white).clamp(0.0, 1.0));
         let mut steps = Tally::default();
-        for y in 0..mask.height() {
-            for x in mask.span(y).filter(|&x| mask.at(x, y)) {
-                let off = |c: usize| shown(found[c].at(x, y).into()) - shown(exact[c].at(x, y));
-                // A NaN is told apart by the errors.
-                steps.add([x, y], (0..3).map(|c| off(c).abs()).fold(0.0, f64::max));
-            }
+        for [x, y] in covered(mask) {
+            let off = |c: usize| shown(found[c].at(x, y).into()) - shown(exact[c].at(x, y));
+            // The errors count NaN.
+            steps.add([x, y], (0..3).map(|c| off(c).abs()).fold(0.0, f64::max));
         }
         let steps = steps.errors();
         Difference {

@@ -1,20 +1,19 @@
 //! Light: error against time for the number of samples of an environment, for both equations of light
 //! warping and for prefiltered maps; the errors and times of the elementary functions; cost by lights.
 //!
-//! Everything is seen under one environment that is a formula ([`environment`]), so that nothing more is
-//! asked for and nothing is random. The reference is a picture under [`REFERENCE_LIGHTS`] even lights
+//! Everything is seen under one environment that is a formula ([`environment`]), so that there is nothing to load
+//! and nothing random. The reference is a picture under [`REFERENCE_LIGHTS`] even lights
 //! ([LW] equation 2 where it is warped), itself held against double precision ([`super::light_reference`]).
 
-pub mod cost;
-pub mod equations;
-pub mod functions;
+pub(crate) mod cost;
+pub(crate) mod functions;
 pub mod lit;
-pub mod prefiltered;
-pub mod samples;
+pub(crate) mod samples;
 
-use super::Extent;
+use super::compare::covered;
 use super::scenes::Scene;
 use super::timing::Effort;
+use super::{Asked, Extent, On};
 use crate::Result;
 use crate::frame::{Frame, Window};
 use crate::light::environment::Environment;
@@ -22,20 +21,20 @@ use crate::params::{
     Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, ShapeParams,
 };
 use glam::Vec3;
-use lit::Bench;
+use lit::LitFrame;
 use serde::Serialize;
 
 /// Even lights of the reference.
-pub const REFERENCE_LIGHTS: usize = 16_384;
+pub(crate) const REFERENCE_LIGHTS: usize = 16_384;
 
 /// Columns of the environment: some 6 pixels to each light of the reference.
 const COLUMNS: usize = 512;
 
-/// What cannot be seen: a step of 8 bits of the luminance that shows as white.
-pub const ENOUGH: f64 = 1.0 / 255.0;
+/// Below sight: a step of 8 bits of the luminance that shows as white.
+pub(crate) const ENOUGH: f64 = 1.0 / 255.0;
 
-/// What the environment shows, in words.
-pub const ENVIRONMENT: &str = "a blue sky with a warm bright side to the upper right and a sun of 6 degrees to the upper left";
+/// The environment in words.
+pub(crate) const ENVIRONMENT: &str = "a blue sky with a warm bright side to the upper right and a sun of 6 degrees to the upper left";
 
 /// A bright side, a small sun, some colour, a dark ground.
 pub fn environment() -> Environment {
@@ -56,8 +55,8 @@ pub fn environment() -> Environment {
     })
 }
 
-/// White of one material with gains of 1, no even light, and an environment as bright as it comes: what can
-/// be told by a formula.
+/// White of one material with gains of 1, no even light, and an environment as bright as it comes: a formula
+/// gives its picture.
 pub fn bare(material: Material, method: Method) -> RelightParams {
     let base = RelightParams::default();
     RelightParams {
@@ -75,49 +74,36 @@ pub fn bare(material: Material, method: Method) -> RelightParams {
     }
 }
 
-/// What was measured of one frame.
+/// Results of one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct Subject {
-    /// Its name.
-    pub name: String,
-    /// Columns of the part that was lit, around the middle of what is covered.
-    pub width: usize,
-    /// Rows of that part.
-    pub height: usize,
-    /// Pixels of it that show a surface.
-    pub covered: usize,
-    /// Number of samples, by material and method.
+pub(crate) struct Subject {
+    /// The part that was lit, around the middle of the covered pixels.
+    #[serde(flatten)]
+    pub on: On,
     pub samples: Vec<samples::Sweep>,
-    /// The two equations of light warping, by material.
-    pub equations: Vec<equations::Sweep>,
-    /// Prefiltered maps.
-    pub prefiltered: Vec<prefiltered::Row>,
+    pub equations: Vec<samples::Equations>,
+    pub prefiltered: Vec<samples::Prefiltered>,
 }
 
 /// Everything that was measured of light.
 #[derive(Debug, Clone, Serialize)]
-pub struct LightReport {
-    /// What the environment shows.
+pub(crate) struct LightReport {
     pub environment: &'static str,
     /// The frame, and in a full report a scene.
     pub subjects: Vec<Subject>,
-    /// Elementary functions.
     pub functions: Vec<functions::Row>,
-    /// Cost by number of lights, and by covered share.
     pub cost: cost::Cost,
 }
 
 /// Measures light on `frame`, called `name`.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn run(
-    name: &str,
-    frame: &Frame,
-    shape: ShapeParams,
-    extent: Extent,
-    progress: &dyn Fn(&str),
-) -> Result<LightReport> {
+pub(crate) fn run(asked: &Asked) -> Result<LightReport> {
+    let Asked {
+        name,
+        frame,
+        shape,
+        extent,
+        progress,
+    } = *asked;
     let (most, effort) = match extent {
         Extent::Full => ([128, 96], Effort::new(5, 150)),
         Extent::Quick => ([80, 60], Effort::new(3, 20)),
@@ -128,14 +114,14 @@ pub fn run(
         Extent::Quick => 256,
     };
     let part = middle(frame, most);
-    let bench = Bench::new(&part, shape, &environment, effort);
+    let bench = LitFrame::new(&part, shape, &environment, effort);
     let mut subjects = vec![subject(name, &bench, most_lookups, progress)?];
     let (width, height) = super::scene_size(extent);
     let waves = Scene::waves(width, height).frame;
     if extent == Extent::Full {
         let waves = middle(&waves, most);
         let shape = ShapeParams::default();
-        let bench = Bench::new(&waves, shape, &environment, effort);
+        let bench = LitFrame::new(&waves, shape, &environment, effort);
         subjects.push(subject("waves", &bench, 1024, progress)?);
     }
     progress("light: elementary functions");
@@ -152,7 +138,7 @@ pub fn run(
 
 fn subject(
     name: &str,
-    bench: &Bench,
+    bench: &LitFrame,
     most_lookups: u32,
     progress: &dyn Fn(&str),
 ) -> Result<Subject> {
@@ -160,30 +146,24 @@ fn subject(
     let references = lit::References::new(bench)?;
     let samples = samples::sweeps(bench, &references)?;
     progress(&format!("{name}: both equations of light warping"));
-    let equations = equations::sweeps(bench, &references, &samples, most_lookups)?;
+    let equations = samples::equations(bench, &references, &samples, most_lookups)?;
     progress(&format!("{name}: prefiltered light"));
-    let prefiltered = prefiltered::rows(bench, &references)?;
-    let frame = bench.frame;
+    let prefiltered = samples::prefiltered(bench, &references)?;
     Ok(Subject {
-        name: name.into(),
-        width: frame.mask.width(),
-        height: frame.mask.height(),
-        covered: frame.mask.count(),
+        on: On::new(name, &bench.frame.mask),
         samples,
         equations,
         prefiltered,
     })
 }
 
-/// At most `most` columns and rows of `frame` around the middle of what is covered, without pictures:
+/// At most `most` columns and rows of `frame` around the middle of the covered pixels, without pictures:
 /// surfaces are white.
 pub(super) fn middle(frame: &Frame, most: [usize; 2]) -> Frame {
     let (mask, data) = (&frame.mask, frame.data_window);
     let [mut sum_x, mut sum_y] = [0, 0];
-    for y in 0..mask.height() {
-        for x in mask.span(y).filter(|&x| mask.at(x, y)) {
-            (sum_x, sum_y) = (sum_x + x, sum_y + y);
-        }
+    for [x, y] in covered(mask) {
+        (sum_x, sum_y) = (sum_x + x, sum_y + y);
     }
     let count = mask.count().max(1);
     let start = |sum: usize, size: usize, part: usize| {

@@ -1,87 +1,162 @@
-//! How many samples of an environment are enough.
+//! Light from an environment by samples, by either equation of light warping, and by prefiltered maps.
 
 use super::ENOUGH;
-use super::lit::{Bench, Difference, Reference, References, Surface};
+use super::lit::{Difference, LitFrame, Reference, References, Surface};
 use crate::Result;
 use crate::params::{Method, WarpBy};
 use crate::report::pareto;
 use crate::report::timing::Times;
 use serde::Serialize;
 
-/// Numbers tried: powers of four, and what the paper shows.
-pub const COUNTS: [u32; 8] = [1, 4, 16, 54, 64, 256, 1024, 4096];
+/// Numbers tried: powers of four, and the number of the paper's pictures.
+const COUNTS: [u32; 8] = [1, 4, 16, 54, 64, 256, 1024, 4096];
+/// Numbers tried by both equations.
+const COUNTS_OF_EQUATIONS: [u32; 5] = [16, 64, 256, 1024, 4096];
 
-/// What one number gives.
+/// One number of samples.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// Lights, by median cut.
+pub(crate) struct Sample {
     pub count: u32,
-    /// How far the picture is from the reference.
     pub difference: Difference,
-    /// Time of the lights' making, once for a sequence.
-    pub cut: Times,
-    /// Time of lighting.
     pub relight: Times,
+}
+
+/// One number of lights.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Row {
+    #[serde(flatten)]
+    pub sample: Sample,
+    /// Time of the median cut, once for a sequence.
+    pub cut: Times,
     /// Whether no other number is both faster and better in 99 pixels of 100.
     pub on_front: bool,
 }
 
 /// All numbers for one surface and method.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// What is lit.
+pub(crate) struct Sweep {
     pub surface: Surface,
-    /// How light is altered.
     pub method: Method,
-    /// Time of the reference.
     pub reference: Times,
     /// Largest error of the reference's sums against double precision.
     pub reference_rounding: f64,
-    /// What was tried, by growing number.
+    /// By growing number.
     pub rows: Vec<Row>,
     /// The fewest lights that are [`ENOUGH`] in 99 pixels of 100.
     pub enough: Option<u32>,
 }
 
-/// Tries every number against every reference.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn sweeps(bench: &Bench, references: &References) -> Result<Vec<Sweep>> {
-    let all = references.all().iter();
-    all.map(|reference| sweep(bench, reference)).collect()
+/// A sample, and the time of preparing its environment.
+fn sample(
+    bench: &LitFrame,
+    reference: &Reference,
+    warp_by: WarpBy,
+    count: u32,
+) -> Result<(Sample, Times)> {
+    let params = reference.surface.params(reference.method, warp_by, count);
+    let picture = bench.in_environment(params)?;
+    let sample = Sample {
+        count,
+        difference: reference.difference(&picture.color, bench.frame),
+        relight: picture.relight,
+    };
+    Ok((sample, picture.environment.unwrap_or(picture.relight)))
 }
 
-fn sweep(bench: &Bench, reference: &Reference) -> Result<Sweep> {
-    let Reference {
-        surface, method, ..
-    } = *reference;
-    let row = |count: u32| {
-        let params = surface.params(method, WarpBy::Lights, count);
-        let picture = bench.in_environment(params)?;
-        Ok(Row {
-            count,
-            difference: reference.difference(&picture.color, bench.frame),
-            cut: picture.environment.expect("lights are cut first"),
-            relight: picture.relight,
-            on_front: false,
+/// Tries every number against every reference.
+pub(super) fn sweeps(bench: &LitFrame, references: &References) -> Result<Vec<Sweep>> {
+    let sweep = |reference: &Reference| {
+        let rows = COUNTS.into_iter().map(|count| {
+            let (sample, cut) = sample(bench, reference, WarpBy::Lights, count)?;
+            Ok(Row {
+                sample,
+                cut,
+                on_front: false,
+            })
+        });
+        let mut rows = rows.collect::<Result<Vec<Row>>>()?;
+        let error = |row: &Row| row.sample.difference.errors.p99;
+        let place = |row: &Row| [row.sample.relight.min, error(row)];
+        pareto::mark(&mut rows, place, |row| &mut row.on_front);
+        let enough = rows.iter().find(|row| error(row) < ENOUGH);
+        Ok(Sweep {
+            surface: reference.surface,
+            method: reference.method,
+            reference: reference.relight,
+            reference_rounding: reference.rounding,
+            enough: enough.map(|row| row.sample.count),
+            rows,
         })
     };
-    let mut rows = COUNTS.into_iter().map(row).collect::<Result<Vec<Row>>>()?;
-    let points: Vec<_> = rows
-        .iter()
-        .map(|row| [row.relight.min, row.difference.errors.p99])
-        .collect();
-    for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
-        row.on_front = on_front;
-    }
-    let enough = rows.iter().find(|row| row.difference.errors.p99 < ENOUGH);
-    Ok(Sweep {
-        surface,
-        method,
-        reference: reference.relight,
-        reference_rounding: reference.rounding,
-        enough: enough.map(|row| row.count),
-        rows,
-    })
+    references.all().iter().map(sweep).collect()
+}
+
+/// Both equations of light warping for one surface.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Equations {
+    pub surface: Surface,
+    /// Every look-up of even directions warped ([LW] equation 1).
+    pub lookups: Vec<Sample>,
+    /// Lights by median cut, unwarped and weighed by the Jacobian (equation 2).
+    pub lights: Vec<Sample>,
+}
+
+/// Tries equation 1 against the references, up to `most` look-ups; `samples` hold the results of equation 2.
+pub(super) fn equations(
+    bench: &LitFrame,
+    references: &References,
+    samples: &[Sweep],
+    most: u32,
+) -> Result<Vec<Equations>> {
+    let warped = samples.iter().filter(|sweep| sweep.method == Method::Warp);
+    let equations = warped.map(|sweep| {
+        let reference = references.of(sweep.surface, Method::Warp);
+        let counts = COUNTS_OF_EQUATIONS
+            .into_iter()
+            .filter(|&count| count <= most);
+        let lookups = counts.map(|count| Ok(sample(bench, reference, WarpBy::Lookups, count)?.0));
+        let lights = sweep.rows.iter().map(|row| row.sample);
+        Ok(Equations {
+            surface: sweep.surface,
+            lookups: lookups.collect::<Result<_>>()?,
+            lights: lights
+                .filter(|light| COUNTS_OF_EQUATIONS.contains(&light.count))
+                .collect(),
+        })
+    });
+    equations.collect()
+}
+
+/// A prefiltered map in place of a sum.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Prefiltered {
+    pub surface: Surface,
+    /// How light is altered: where it is warped, the one look-up is.
+    pub method: Method,
+    pub difference: Difference,
+    /// Time of filtering, once for a sequence.
+    pub prefilter: Times,
+    /// Time of lighting: a look-up per pixel.
+    pub relight: Times,
+    /// Time of the reference's sum.
+    pub reference: Times,
+    /// Whether the difference is [`ENOUGH`] in 99 pixels of 100.
+    pub serves: bool,
+}
+
+/// Prefiltered maps for both surfaces, plain and warped.
+pub(super) fn prefiltered(bench: &LitFrame, references: &References) -> Result<Vec<Prefiltered>> {
+    let rows = references.all().iter().map(|reference| {
+        let (sample, prefilter) = sample(bench, reference, WarpBy::Lookups, 0)?;
+        Ok(Prefiltered {
+            surface: reference.surface,
+            method: reference.method,
+            difference: sample.difference,
+            prefilter,
+            relight: sample.relight,
+            reference: reference.relight,
+            serves: sample.difference.errors.p99 < ENOUGH,
+        })
+    });
+    rows.collect()
 }

@@ -1,38 +1,29 @@
 //! Stiff and extreme cases on the page.
 
-use super::super::stability::{Bounds, CaseResult, Verdict};
-use super::table;
+use super::{bold_if, table};
+use crate::report::stability::{Bounds, CaseResult, Verdict};
 
 pub(super) fn section(cases: &[CaseResult]) -> String {
-    let wrong = cases.iter().filter(|case| !case.as_expected).count();
+    let (all, wrong) = (
+        cases.len(),
+        cases.iter().filter(|case| !case.as_expected).count(),
+    );
     let verdict = match wrong {
-        0 => format!(
-            "All {} cases end as declared; none in a NaN or a panic.",
-            cases.len()
-        ),
-        n => format!("**{n} of {} cases do not end as declared.**", cases.len()),
+        0 => format!("All {all} cases end as declared; none in a NaN or a panic."),
+        n => format!("**{n} of {all} cases do not end as declared.**"),
     };
-    let rows = cases.iter().map(|case| {
-        let (outcome, what) = outcome(&case.verdict);
-        let outcome = if case.as_expected {
-            outcome.to_string()
-        } else {
-            format!("**{outcome}**, not {:?}", case.expected)
-        };
-        vec![case.name.into(), case.done.into(), outcome, what]
+    let but = |case: &CaseResult| match case.as_expected {
+        true => String::new(),
+        false => format!(", not {:?}", case.expected),
+    };
+    let cases = cases.iter().map(|case| (case, outcome(&case.verdict)));
+    let table = table!(cases, (case, (outcome, details)) => {
+        "case": case.name,
+        "what is done": case.done,
+        "outcome": bold_if(!case.as_expected, outcome) + &but(case),
+        "values and bounds, or what is said": details,
     });
-    format!(
-        "## Stability\n\n{verdict}\n\n{}",
-        table(
-            &[
-                "case",
-                "what is done",
-                "outcome",
-                "values and bounds, or what is said"
-            ],
-            rows
-        )
-    )
+    format!("## Stability\n\n{verdict}\n\n{table}")
 }
 
 fn outcome(verdict: &Verdict) -> (&'static str, String) {

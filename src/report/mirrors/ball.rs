@@ -1,6 +1,6 @@
-//! A mirror ball in the middle of the room: what its pixels show, exactly.
+//! A mirror ball in the middle of the room, and the points that its pixels show, exactly.
 
-use super::room::{CENTER, Met, Surface, met};
+use super::room::{CENTER, Hit, Surface, hit};
 use crate::frame::{
     Camera, ColorPlanes, Frame, Mask, Plane, Projection, SightLines, Vector3Planes,
 };
@@ -11,19 +11,19 @@ use std::f64::consts::FRAC_PI_4;
 const RADIUS: f64 = 1.0;
 
 /// Cosine between normal and sight line from which on pixels are compared. Nearer to the rim of the ball neighbours show
-/// what lies far apart, and directions are off by the size of pixels, however they are traced.
-pub const FACING: f64 = 0.3;
+/// distant points, and directions are off by the size of pixels, however they are traced.
+pub(crate) const FACING: f64 = 0.3;
 
 /// Focal length over the width of the picture: the ball, of radius 1 at a distance of 4, takes 3/4 of it.
 const FOCAL: f64 = 1.5;
 
-/// What a pixel of the ball shows. Pixels are compared whose normal and sight line have a cosine of at least [`FACING`].
+/// The point of the room that a pixel shows. Pixels are compared whose normal and sight line have a cosine of at least [`FACING`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shown {
-    pub(super) met: Met,
+    pub(super) hit: Hit,
     /// Whether the map of the room shows it too.
     pub(super) in_map: bool,
-    /// The direction in the picture, unit, x right, y up, that strokes take there: [`Met::tangent`] as the ball shows it.
+    /// The direction in the picture, unit, x right, y up, that strokes take there: [`Hit::tangent`] as the ball shows it.
     /// `None` within [`EDGE_PX`] of the edge of a surface.
     pub(super) direction: Option<DVec2>,
 }
@@ -58,24 +58,24 @@ impl Ball {
         (square > 0.0).then(|| (direction, start + (-along - square.sqrt()) * direction))
     }
 
-    /// What the ball shows at a place of the picture: the sight line mirrored at the normal, followed to its end.
-    fn met(self, at: DVec2) -> Option<Met> {
+    /// The end of the sight line through a place of the picture, mirrored at the normal.
+    fn hit(self, at: DVec2) -> Option<Hit> {
         let (sight, point) = self.on_ball(at)?;
         let normal = (point - CENTER) / RADIUS;
-        Some(met(point, sight.reflect(normal)))
+        Some(hit(point, sight.reflect(normal)))
     }
 
-    /// What a pixel shows, if it is compared.
+    /// The point that a pixel shows, if it is compared.
     pub(super) fn shown(self, x: usize, y: usize) -> Option<Shown> {
         let at = middle(x, y);
         let (sight, point) = self.on_ball(at)?;
         if -sight.dot(point - CENTER) < FACING * RADIUS {
             return None;
         }
-        let here = self.met(at)?;
-        let from_center = met(CENTER, here.point - CENTER);
+        let here = self.hit(at)?;
+        let from_center = hit(CENTER, here.point - CENTER);
         Some(Shown {
-            met: here,
+            hit: here,
             in_map: from_center.point.distance(here.point) < IN_MAP,
             direction: self.direction(at, &here),
         })
@@ -84,18 +84,18 @@ impl Ball {
     /// Whether all that lies around a place shows the same surface.
     fn is_inside(self, at: DVec2, surface: Surface) -> bool {
         let around = (0..8).map(|k| EDGE_PX * DVec2::from_angle(f64::from(k) * FRAC_PI_4));
-        let mut ends = around.map(|offset| self.met(at + offset));
-        ends.all(|met| met.is_some_and(|met| met.surface == surface))
+        let mut ends = around.map(|offset| self.hit(at + offset));
+        ends.all(|hit| hit.is_some_and(|hit| hit.surface == surface))
     }
 
-    /// The direction in the picture of the tangent at what is met. With J = (dP/dx, dP/dy) that is where J w is along
+    /// The direction in the picture of the tangent at the point hit. With J = (dP/dx, dP/dy) that is where J w is along
     /// the tangent: w = (J^T J)^-1 J^T V up to length, by differences over [`STEP_PX`] to both sides.
-    fn direction(self, at: DVec2, here: &Met) -> Option<DVec2> {
+    fn direction(self, at: DVec2, here: &Hit) -> Option<DVec2> {
         if !self.is_inside(at, here.surface) {
             return None;
         }
         let slope = |step: DVec2| {
-            let [ahead, behind] = [self.met(at + step)?, self.met(at - step)?];
+            let [ahead, behind] = [self.hit(at + step)?, self.hit(at - step)?];
             Some((ahead.point - behind.point) / (2.0 * STEP_PX))
         };
         // Rows run down, y up.
@@ -126,11 +126,7 @@ impl Ball {
         };
         Frame {
             depth: Some(plane(&|point| -point.z)),
-            color: Some(ColorPlanes {
-                r: tone.clone(),
-                g: tone.clone(),
-                b: tone,
-            }),
+            color: Some(ColorPlanes::grey(tone)),
             camera: Some(self.camera()),
             ..Frame::of_normals(normals, Mask::new(Plane::from_fn(size, size, covered)))
         }
@@ -139,10 +135,10 @@ impl Ball {
 
 /// How far from the edges of surfaces directions are compared. Pixels on edges have none of their own, whatever was traced:
 /// they take their neighbours'. Edges are a pixel wide to each side.
-pub const EDGE_PX: f64 = 2.0;
+pub(crate) const EDGE_PX: f64 = 2.0;
 
 /// Half the difference in pixels over which slopes are taken: errors of the second order, and those of rounding over
-/// it, are both below 1e-8 of what the ball shows.
+/// it, are both below 1e-8 of the distances that the ball shows.
 const STEP_PX: f64 = 1e-4;
 
 /// Two points no farther apart than this are one.
@@ -162,7 +158,7 @@ mod tests {
         // z = -4 + 6 = 2: the middle times -1/2, (-0.025, 0.05, 2).
         let ball = Ball { size: 2000 };
         let at = DVec2::splat(1000.0) + 3000.0 / 4.0 * DVec2::new(0.05, 0.1);
-        let found = ball.met(at).expect("the ball is there");
+        let found = ball.hit(at).expect("the ball is there");
         assert_eq!(found.surface, Surface::Wall(2));
         assert!(found.point.distance(DVec3::new(-0.025, 0.05, 2.0)) < 1e-9);
     }
@@ -174,13 +170,13 @@ mod tests {
         let all: Vec<_> = all.collect();
         let walls = (0..3).map(Surface::Wall);
         for surface in walls.chain((0..4).map(Surface::Column)) {
-            let seen = |shown: &&Shown| shown.met.surface == surface && shown.in_map;
+            let seen = |shown: &&Shown| shown.hit.surface == surface && shown.in_map;
             let count = all.iter().filter(seen).count();
             assert!(count > 20, "{surface:?}: {count}");
         }
         // Strokes have a direction inside of surfaces: of walls nearly everywhere, of thick columns.
         let directed = |surface: Surface| {
-            let shows = |shown: &&Shown| shown.met.surface == surface && shown.direction.is_some();
+            let shows = |shown: &&Shown| shown.hit.surface == surface && shown.direction.is_some();
             all.iter().filter(shows).count()
         };
         assert!((0..3).all(|axis| directed(Surface::Wall(axis)) > 300));

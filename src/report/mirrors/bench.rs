@@ -3,34 +3,33 @@
 use super::ball::{Ball, Shown};
 use super::{Row, Setting, Spread, is_column, room};
 use crate::Result;
-use crate::engine::cpu::runner::{DrawingInputs, Runner};
 use crate::frame::{Frame, SpecularScene};
-use crate::params::{
-    Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, SpecularParams,
-};
-use crate::plan::{Available, Plan, ToneFrom};
+use crate::params::{Bend, Fallback, FieldParams, LineParams, ShapeParams, SpecularParams};
+use crate::plan::{Available, Plan};
 use crate::report::compare::Tally;
-use crate::report::sweeps::directions::angle_deg;
-use crate::report::timing::{Effort, Times, measure_runs};
+use crate::report::engine::{Inputs, Session, hatch_plan};
+use crate::report::scenes::angle_deg;
+use crate::report::sweeps::directions::vector_at;
+use crate::report::timing::{Effort, Times};
 use crate::trace::Tracer;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The ball, to be traced again and again in the same memory.
-pub(super) struct Bench {
+pub(super) struct MirrorBench {
     frame: Frame,
-    /// What its pixels show, with their columns and rows.
+    /// Contents of its pixels, by column and row.
     pub(super) shown: Vec<([usize; 2], Shown)>,
     effort: Effort,
-    runner: Runner,
+    session: Session,
     /// The room by the map that was last asked for.
     around: (usize, SpecularScene),
-    /// What was measured so far.
+    /// Rows measured so far.
     known: Vec<Row>,
 }
 
-impl Bench {
+impl MirrorBench {
     pub(super) fn new(ball: Ball, effort: Effort) -> Self {
         let places = (0..ball.size).flat_map(|y| (0..ball.size).map(move |x| [x, y]));
         let shown = places.filter_map(|at| Some((at, ball.shown(at[0], at[1])?)));
@@ -38,13 +37,13 @@ impl Bench {
             frame: ball.frame(),
             shown: shown.collect(),
             effort,
-            runner: Runner::default(),
+            session: Session::default(),
             around: (0, SpecularScene::default()),
             known: Vec::new(),
         }
     }
 
-    /// A row for each setting; what is known already is not measured again.
+    /// A row for each setting; known ones are not measured again.
     pub(super) fn rows(&mut self, settings: &[Setting]) -> Result<Vec<Row>> {
         let mut rows = Vec::new();
         for setting in settings {
@@ -118,16 +117,15 @@ impl Bench {
         };
         let plan = self.plan(specular, line)?;
         let scene = &self.around.1;
-        let fields = self
-            .runner
-            .stroke_fields_through(&plan, &self.frame, scene, &line);
+        let field = self
+            .session
+            .stroke_field_through(&plan, &self.frame, scene, &line);
         let [mut all, mut columns] = [Tally::default(), Tally::default()];
         for (at, shown) in self.shown.iter().filter(|(_, shown)| shown.in_map) {
             let Some(exact) = shown.direction else {
                 continue;
             };
-            let [x, y] = [&fields[0].x, &fields[0].y].map(|plane| plane.at(at[0], at[1]));
-            let angle = angle_deg(DVec2::new(x.into(), y.into()), exact);
+            let angle = angle_deg(vector_at(&field, *at), exact);
             all.add(*at, angle);
             if is_column(shown) {
                 columns.add(*at, angle);
@@ -139,13 +137,14 @@ impl Bench {
     /// Time of the stage in a drawing.
     fn time(&self, specular: SpecularParams) -> Result<Times> {
         let plan = self.plan(specular, LineParams::default())?;
-        let inputs = DrawingInputs {
+        let inputs = Inputs {
             specular: Some(&self.around.1),
-            ..DrawingInputs::default()
+            ..Inputs::default()
         };
-        let draw = || self.runner.draw(&plan, &self.frame, inputs);
-        let (outcome, timed) = measure_runs(&self.runner, self.effort, draw);
-        self.runner.take_back(outcome);
+        let (outcome, timed) = self
+            .session
+            .measure(&plan, &self.frame, inputs, self.effort);
+        self.session.recycle(outcome);
         Ok(timed.stage("specular-trace").expect("a mirror is traced"))
     }
 
@@ -158,18 +157,11 @@ impl Bench {
             contours: None,
             ..line
         };
-        let scaling = ScalingParams::default();
-        Plan::hatch(
-            available,
-            ShapeParams::default(),
-            scaling,
-            ToneFrom::Picture,
-            line,
-        )
+        hatch_plan(available, ShapeParams::default(), line)
     }
 }
 
-/// What was found where sight lines end: counts of pixels, then shares.
+/// Ends of sight lines: counts of pixels, then shares.
 #[derive(Default)]
 struct Ends {
     pixels: f64,
@@ -183,7 +175,7 @@ struct Ends {
 
 impl Ends {
     fn add(&mut self, at: [usize; 2], shown: &Shown, found: Option<DVec3>) {
-        let (exact, is_column) = (&shown.met, is_column(shown));
+        let (exact, is_column) = (&shown.hit, is_column(shown));
         let is_right = found.is_some_and(|point| room::nearest_surface(point) == exact.surface);
         let one_if = |holds: bool| f64::from(u8::from(holds));
         self.pixels += 1.0;

@@ -1,15 +1,15 @@
 //! Mirrors and lenses: error against time for the steps of the search, its refinements and the resolution of the map
 //! of the surroundings.
 //!
-//! What a mirror ball shows of a room is known exactly (`ball`, `room`): where sight lines end, and which way strokes go
-//! there.
+//! The mirror image of a room in a ball is known exactly (`ball`, `room`): where sight lines end, and which way strokes
+//! go there.
 
 mod ball;
 mod bench;
 mod room;
 
-pub use ball::{EDGE_PX, FACING};
-pub use room::ABOUT;
+pub(super) use ball::{EDGE_PX, FACING};
+pub(super) use room::ABOUT;
 
 use super::Extent;
 use super::compare::Tally;
@@ -17,26 +17,25 @@ use super::timing::{Effort, Times};
 use crate::Result;
 use crate::params::SearchParams;
 use ball::{Ball, Shown};
-use bench::Bench;
+use bench::MirrorBench;
 use room::Surface;
 use serde::Serialize;
 
 /// Steps of the search that are tried. They are those of half a turn; a mirrored ray turns by a quarter of one at most, and
 /// takes 4 of 8.
-pub const STEPS: [u32; 6] = [8, 16, 32, 64, 128, 256];
+pub(super) const STEPS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 /// Refinements that are tried.
-pub const REFINEMENTS: [u32; 4] = [1, 2, 4, 12];
+pub(super) const REFINEMENTS: [u32; 4] = [1, 2, 4, 12];
 /// Rows of the map that are tried.
-pub const MAP_HEIGHTS: [usize; 6] = [16, 32, 64, 128, 256, 512];
+pub(super) const MAP_HEIGHTS: [usize; 6] = [16, 32, 64, 128, 256, 512];
 /// Rows of the map where they are not varied.
-pub const USUAL_MAP_HEIGHT: usize = 256;
+pub(super) const USUAL_MAP_HEIGHT: usize = 256;
 
 /// Half of all errors stay below the median, 95 in 100 below the other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Median.
+pub(crate) struct Spread {
     pub median: f64,
-    /// What 95 in 100 stay below.
+    /// 95 in 100 stay below it.
     pub p95: f64,
 }
 
@@ -51,8 +50,8 @@ impl Spread {
 
 /// How a ball is traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Setting {
-    /// How what its sight lines meet is searched for.
+pub(crate) struct Setting {
+    /// Search for the ends of sight lines.
     pub search: SearchParams,
     /// Rows of the map; it has twice as many columns.
     pub map_height: usize,
@@ -67,10 +66,9 @@ impl Default for Setting {
     }
 }
 
-/// What one setting gives. Shares are 0..1.
+/// Results of one setting. Shares are 0..1.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Row {
-    /// The setting.
+pub(crate) struct Row {
     pub setting: Setting,
     /// Share of the pixels whose sight line is found to end on something seen.
     pub found: f64,
@@ -93,42 +91,64 @@ pub struct Row {
 
 impl Row {
     /// Share of the pixels whose sight line is not found to end on the right surface.
-    pub fn astray(&self) -> f64 {
+    pub(crate) fn astray(&self) -> f64 {
         1.0 - self.found + self.wrong_surface
     }
 }
 
 /// Everything that was measured of mirrors.
 #[derive(Debug, Clone, Serialize)]
-pub struct MirrorReport {
-    /// What the scene shows.
+pub(crate) struct MirrorReport {
     pub about: &'static str,
-    /// Columns and rows of the picture.
     pub size: usize,
     /// Pixels compared: those that face the viewer ([`FACING`]) and show what the map shows too.
     pub pixels: usize,
     /// Pixels of them that show a column.
     pub pixels_of_columns: usize,
-    /// Share of the facing pixels that are left out: what they show is not seen from the middle of the room.
+    /// Share of the facing pixels that are left out: they show points that are hidden from the middle of the room.
     pub hidden: f64,
-    /// By steps of the search.
     pub steps: Vec<Row>,
-    /// By refinements.
     pub refinements: Vec<Row>,
-    /// By rows of the map.
     pub map_heights: Vec<Row>,
 }
 
+/// Rows by one setting.
+pub(crate) struct Varied<'a> {
+    pub(crate) name: &'static str,
+    pub(crate) rows: &'a [Row],
+    pub(crate) value: fn(&Setting) -> usize,
+}
+
+impl MirrorReport {
+    /// The settings that were varied.
+    pub(crate) fn varied(&self) -> [Varied<'_>; 3] {
+        [
+            Varied {
+                name: "steps of the search",
+                rows: &self.steps,
+                value: |setting| setting.search.steps as usize,
+            },
+            Varied {
+                name: "refinements",
+                rows: &self.refinements,
+                value: |setting| setting.search.refinements as usize,
+            },
+            Varied {
+                name: "rows of the map",
+                rows: &self.map_heights,
+                value: |setting| setting.map_height,
+            },
+        ]
+    }
+}
+
 /// Measures the mirror ball in its room.
-///
-/// # Errors
-/// None for the settings tried here.
-pub fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorReport> {
+pub(super) fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorReport> {
     let (size, effort) = match extent {
         Extent::Full => (320, Effort::new(3, 200)),
         Extent::Quick => (160, Effort::new(2, 60)),
     };
-    let mut bench = Bench::new(Ball { size }, effort);
+    let mut bench = MirrorBench::new(Ball { size }, effort);
     let usual = Setting::default();
     let searching = |search| Setting { search, ..usual };
     progress("mirror ball: steps of the search");
@@ -168,5 +188,5 @@ pub fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorReport> {
 }
 
 fn is_column(shown: &Shown) -> bool {
-    matches!(shown.met.surface, Surface::Column(_))
+    matches!(shown.hit.surface, Surface::Column(_))
 }

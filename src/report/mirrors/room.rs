@@ -39,8 +39,8 @@ const COLUMNS: [Column; 4] = [
     },
 ];
 
-/// What the scene shows, in words.
-pub const ABOUT: &str = "a mirror ball of radius 1 in a room of 10 x 4 x 12 with four columns, of radius 0.5, 0.3, 0.12 and 0.06, \
+/// The scene in words.
+pub(crate) const ABOUT: &str = "a mirror ball of radius 1 in a room of 10 x 4 x 12 with four columns, of radius 0.5, 0.3, 0.12 and 0.06, \
      seen from its middle 23, 11, 4.6 and 2.3 degrees wide";
 
 /// A surface of the room.
@@ -54,12 +54,12 @@ pub(super) enum Surface {
 
 /// Where a ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Met {
+pub(super) struct Hit {
     pub(super) point: DVec3,
     pub(super) surface: Surface,
 }
 
-impl Met {
+impl Hit {
     /// The unit normal, into the room.
     fn normal(&self) -> DVec3 {
         let from = self.point - CENTER;
@@ -106,7 +106,7 @@ pub(super) fn nearest_surface(point: DVec3) -> Surface {
 }
 
 /// Where a ray from inside the room, outside the columns, ends: at the nearest of all surfaces ahead.
-pub(super) fn met(start: DVec3, direction: DVec3) -> Met {
+pub(super) fn hit(start: DVec3, direction: DVec3) -> Hit {
     let from = start - CENTER;
     // side = from + t direction along each axis, toward the wall ahead.
     let wall = |axis: usize| {
@@ -132,7 +132,7 @@ pub(super) fn met(start: DVec3, direction: DVec3) -> Met {
     let (t, surface) = all
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .expect("a room has walls");
-    Met {
+    Hit {
         point: start + t * direction,
         surface,
     }
@@ -142,10 +142,10 @@ pub(super) fn met(start: DVec3, direction: DVec3) -> Met {
 pub(super) fn surroundings(height: usize) -> Surroundings {
     let width = 2 * height;
     let all = Plane::from_fn(width, height, |x, y| {
-        met(CENTER, map_direction(x, y, width, height))
+        hit(CENTER, map_direction(x, y, width, height))
     });
-    let planes = |value: &dyn Fn(&Met) -> DVec3| {
-        let plane = |k: usize| all.map(|met| value(&met)[k] as f32);
+    let planes = |value: &dyn Fn(&Hit) -> DVec3| {
+        let plane = |k: usize| all.map(|hit| value(&hit)[k] as f32);
         Vector3Planes {
             x: plane(0),
             y: plane(1),
@@ -155,8 +155,8 @@ pub(super) fn surroundings(height: usize) -> Surroundings {
     Surroundings {
         center: CENTER,
         map_from_world: DMat3::IDENTITY,
-        points: planes(&|met| met.point - CENTER),
-        normal: planes(&Met::normal),
+        points: planes(&|hit| hit.point - CENTER),
+        normal: planes(&Hit::normal),
         normal_rounding: 0.0,
         color: None,
     }
@@ -169,18 +169,18 @@ mod tests {
     #[test]
     fn rays_end_at_the_nearest_surface() {
         // From the middle along x: the wall at 5. At the first column, 1.8 root 2 = 2.5456 away: its radius less.
-        let wall = met(CENTER, DVec3::X);
+        let wall = hit(CENTER, DVec3::X);
         assert_eq!(wall.surface, Surface::Wall(0));
         assert!((from_center(wall.point) - 5.0).abs() < 1e-12);
-        let column = met(CENTER, DVec3::new(1.0, 0.0, 1.0).normalize());
+        let column = hit(CENTER, DVec3::new(1.0, 0.0, 1.0).normalize());
         assert_eq!(column.surface, Surface::Column(0));
         assert!((from_center(column.point) - (1.8 * 2.0_f64.sqrt() - 0.5)).abs() < 1e-12);
         // Its normal leads back to the middle; strokes go around it, level.
         let back = -DVec3::new(0.5, 0.0, 0.5).normalize();
         assert!(column.normal().distance(back) < 1e-12);
         assert!(column.tangent().cross(DVec3::new(1.0, 0.0, -1.0)).length() < 1e-12);
-        for met in [wall, column] {
-            assert_eq!(nearest_surface(met.point), met.surface);
+        for hit in [wall, column] {
+            assert_eq!(nearest_surface(hit.point), hit.surface);
         }
     }
 }

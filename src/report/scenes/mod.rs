@@ -278,6 +278,15 @@ fn pieces(width: f64, height: f64) -> Vec<Piece> {
     std::iter::once(ground).chain(scattered).collect()
 }
 
+/// The angle between two directions that are the same as their opposites; 90 degrees for none.
+pub fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
+    if found == DVec2::ZERO {
+        return 90.0;
+    }
+    let (sin, cos) = (found.perp_dot(exact), found.dot(exact));
+    sin.abs().atan2(cos.abs()).to_degrees()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,64 +6,51 @@ use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{Adaptive, Scale, ShapeParams};
 use crate::plan::Goal;
-use crate::report::compare::Tally;
+use crate::report::On;
+use crate::report::compare::{Tally, pixels};
+use crate::report::drawing::Angles;
+use crate::report::engine::Layers;
 use crate::report::scenes::Scene;
+use crate::report::scenes::angle_deg;
 use crate::report::timing::{self, Effort, Times, measure};
 use glam::DVec2;
 use serde::Serialize;
 
 /// Steps tried, in pixels, beside the automatic one.
-pub const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
+pub(crate) const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
 
-/// What one step gives for normals of one rounding.
+/// Results of one step for normals of one rounding.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// How normals were rounded.
+pub(crate) struct Row {
     pub stored: Stored,
     /// The step asked for, in pixels; `None` is the automatic one.
     pub step_px: Option<u8>,
     /// The least and the greatest step taken, in pixels.
     pub steps_px: [usize; 2],
-    /// Mean error in degrees.
-    pub mean: f64,
-    /// What 95 pixels in 100 stay below, in degrees.
-    pub p95: f64,
-    /// Largest error in degrees.
-    pub max: f64,
-    /// Time of the stage.
+    /// Errors.
+    #[serde(flatten)]
+    pub error: Angles,
     pub stage: Times,
-    /// Megapixels of the frame per second.
     pub megapixels_per_second: f64,
 }
 
 /// All steps and roundings on one scene.
 #[derive(Debug, Clone, Serialize)]
-pub struct Sweep {
-    /// Name of the scene.
-    pub name: String,
-    /// What it shows.
+pub(crate) struct Sweep {
+    #[serde(flatten)]
+    pub on: On,
     pub about: String,
-    /// Its size.
-    pub width: usize,
-    /// Its size.
-    pub height: usize,
     /// Pixels compared: those whose direction is known.
     pub pixels: usize,
-    /// What was tried.
     pub rows: Vec<Row>,
 }
 
 /// Tries every step on `scene` with normals of every rounding.
-///
-/// # Errors
-/// None for the steps tried here.
-pub fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
+pub(crate) fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
     let mask = &scene.frame.mask;
     let mut sweep = Sweep {
-        name: scene.name.into(),
+        on: On::new(scene.name, mask),
         about: scene.about.into(),
-        width: mask.width(),
-        height: mask.height(),
         pixels: 0,
         rows: Vec::new(),
     };
@@ -80,19 +67,14 @@ pub fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
         };
         let plan = timing::plan(Goal::Layers, &frame, shape)?;
         let (outcome, timed) = measure(&plan, &frame, effort);
-        let found = outcome.shape.direction.expect("layers hold the direction");
-        let mut tally = angles(scene, &found);
-        let p95 = tally.quantile(0.95);
-        let errors = tally.errors();
+        let tally = angles(scene, &Layers::of(outcome).direction);
+        sweep.pixels = tally.pixels();
         let stage = timed.stage("normal-rays").expect("layers take normal rays");
-        sweep.pixels = errors.pixels;
         sweep.rows.push(Row {
             stored,
             step_px,
             steps_px: plan.direction_steps_px,
-            mean: errors.mean,
-            p95,
-            max: errors.max,
+            error: Angles::of(tally),
             stage,
             megapixels_per_second: stage.megapixels_per_second(mask.width() * mask.height()),
         });
@@ -103,23 +85,17 @@ pub fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
 /// Angles in degrees between found and exact directions, wherever these are known.
 fn angles(scene: &Scene, found: &Vector2Planes) -> Tally {
     let mut tally = Tally::default();
-    let (width, height) = (found.x.width(), found.x.height());
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+    for [x, y] in pixels(&found.x) {
         if let Some(exact) = scene.exact_direction(x, y) {
-            let found = DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into());
-            tally.add([x, y], angle_deg(found, exact));
+            tally.add([x, y], angle_deg(vector_at(found, [x, y]), exact));
         }
     }
     tally
 }
 
-/// The angle between two directions that are the same as their opposites; 90 degrees for none.
-pub fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
-    if found == DVec2::ZERO {
-        return 90.0;
-    }
-    let (sin, cos) = (found.perp_dot(exact), found.dot(exact));
-    sin.abs().atan2(cos.abs()).to_degrees()
+/// The vector of a field at a pixel.
+pub(crate) fn vector_at(field: &Vector2Planes, [x, y]: [usize; 2]) -> DVec2 {
+    DVec2::new(field.x.at(x, y).into(), field.y.at(x, y).into())
 }
 
 #[cfg(test)]

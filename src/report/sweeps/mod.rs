@@ -1,36 +1,49 @@
 //! The sweeps: one file per thing that is varied, the rest held at what was asked for.
 
-pub mod directions;
-pub mod precision;
-pub mod rim;
-pub mod run;
-pub mod solver;
+pub(crate) mod directions;
+pub(crate) mod precision;
+pub(crate) mod rim;
+pub(crate) mod run;
+pub(crate) mod solver;
 
-use super::reference::{self, Field, Operator};
-use super::timing;
+use super::compare::{Errors, compare, overshoot};
+use super::engine::{self, Layers};
+use super::reference::{self, Edges, Field, Operator};
 use crate::Result;
-use crate::engine::cpu;
-use crate::frame::{Frame, Plane};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::{Scale, ShapeParams};
-use crate::plan::Goal;
+use serde::Serialize;
 
-/// A frame with the double-precision reference of its undiffused gradient.
+/// Errors of the edge weights, rounding included; each weight is 0..1.
+#[derive(Debug, Clone, Serialize)]
+pub struct EdgeErrors {
+    /// Silhouettes.
+    pub silhouette: Errors,
+    /// Creases.
+    pub crease: Errors,
+    /// Conductance.
+    pub conductance: Errors,
+}
+
+/// A frame with the double-precision reference of its edges and of its undiffused gradient.
 pub struct Measuring<'a> {
     /// The frame.
     pub frame: &'a Frame,
     /// How its shape is found, but for what a sweep varies.
     pub shape: ShapeParams,
-    /// The conductance that the backend found.
-    pub conductance: Plane,
+    /// Errors of the edge weights that the engine found.
+    pub edges: EdgeErrors,
+    /// Conductance that the reference diffuses by.
+    pub conductance: Plane<f64>,
     /// The gradient before diffusion.
     pub gradient: Field,
-    /// Its largest length: all errors of a slope are told relative to it.
+    /// Its largest length: all errors of a slope are relative to it.
     pub steepest: f64,
     operator: Operator,
 }
 
 impl<'a> Measuring<'a> {
-    /// Finds the conductance and the reference gradient of `frame`.
+    /// The reference of `frame`, beside the edges that the engine finds.
     ///
     /// # Errors
     /// [`crate::Error::BadParameter`] for a parameter outside its range.
@@ -39,33 +52,46 @@ impl<'a> Measuring<'a> {
             scale: Scale::Iterations(0),
             ..shape
         };
-        let outcome = cpu::run(&timing::plan(Goal::Layers, frame, undiffused)?, frame);
-        let conductance = outcome
-            .shape
-            .conductance
-            .expect("layers hold the conductance");
-        let gradient = reference::depth_gradient(frame, &shape);
-        let steepest = reference::largest(&gradient);
-        Ok(Self {
+        Ok(Self::beside(
+            &engine::layers(frame, undiffused)?,
             frame,
             shape,
+        ))
+    }
+
+    /// The reference of `frame` beside edges that were found somehow.
+    fn beside(found: &Layers, frame: &'a Frame, shape: ShapeParams) -> Self {
+        let edges = Edges::of(frame, &shape);
+        let conductance = edges.conductance_near(&found.conductance);
+        let gradient = reference::depth_gradient(frame, &shape);
+        let steepest = reference::largest(&gradient);
+        let errors = |found: &Plane, exact: &Plane<reference::Weight>| {
+            let exact = exact.map(|weight| weight.exact);
+            compare([found], [&exact], &frame.mask, 1.0).in_window(frame.data_window)
+        };
+        Self {
+            frame,
+            shape,
+            edges: EdgeErrors {
+                silhouette: errors(&found.silhouette, &edges.silhouette),
+                crease: errors(&found.crease, &edges.crease),
+                conductance: errors(&found.conductance, &edges.conductance),
+            },
             operator: Operator::new(&conductance),
             // A frame without slopes has no errors of them either.
             steepest: if steepest > 0.0 { steepest } else { 1.0 },
             conductance,
             gradient,
-        })
+        }
     }
 
     /// The reference gradient at `scale`.
     pub fn diffused(&self, scale: Scale) -> Field {
-        self.operator.diffused(
-            &self.gradient,
-            &ShapeParams {
-                scale,
-                ..self.shape
-            },
-        )
+        let shape = ShapeParams {
+            scale,
+            ..self.shape
+        };
+        self.operator.diffused(&self.gradient, &shape)
     }
 
     /// The reference trace of a gradient.
@@ -73,21 +99,114 @@ impl<'a> Measuring<'a> {
         reference::trace(gradient, &self.conductance, &self.frame.mask)
     }
 
+    /// Errors of a diffused gradient.
+    pub fn gradient_errors(&self, found: &Vector2Planes, exact: &Field) -> Errors {
+        let (found, exact) = ([&found.x, &found.y], exact.each_ref());
+        let errors = compare(found, exact, &self.frame.mask, self.steepest);
+        errors.in_window(self.frame.data_window)
+    }
+
     /// The largest overshoot of the two components of a diffused gradient.
-    pub fn overshoot(&self, found: &crate::frame::Vector2Planes) -> f64 {
+    pub fn overshoot(&self, found: &Vector2Planes) -> f64 {
         let mask = &self.frame.mask;
         let of = |plane: &Plane, start: &Plane<f64>| {
-            super::compare::overshoot(plane, reference::range(start, mask), mask, self.steepest)
+            overshoot(plane, reference::range(start, mask), mask, self.steepest)
         };
         of(&found.x, &self.gradient[0]).max(of(&found.y, &self.gradient[1]))
     }
 }
 
 /// A scale in words.
-pub fn named(scale: Scale) -> String {
+pub(crate) fn named(scale: Scale) -> String {
     match scale {
         Scale::Iterations(1) => "1 step".into(),
         Scale::Iterations(count) => format!("{count} steps"),
         Scale::Sigma(sigma) => format!("sigma {sigma} px"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::SoftThreshold;
+    use crate::report::scenes::Scene;
+
+    /// Largest errors of silhouette, crease and conductance, gradient and trace, of shape found as `found` asks and
+    /// judged as `asked` does.
+    fn errors(frame: &Frame, found: ShapeParams, asked: ShapeParams) -> [f64; 5] {
+        let layers = engine::layers(frame, found).unwrap();
+        let measuring = Measuring::beside(&layers, frame, asked);
+        let exact = measuring.diffused(asked.scale);
+        let trace = measuring.trace(&exact);
+        let traces = compare([&layers.trace()], [&trace], &frame.mask, measuring.steepest);
+        let EdgeErrors {
+            silhouette,
+            crease,
+            conductance,
+        } = measuring.edges;
+        let gradient = measuring.gradient_errors(&layers.gradient, &exact);
+        [silhouette, crease, conductance, gradient, traces].map(|errors| errors.max)
+    }
+
+    #[test]
+    fn errors_of_edge_weights_are_seen() {
+        let scene = Scene::barriers(200, 150);
+        let asked = ShapeParams {
+            scale: Scale::Sigma(6.0),
+            tolerance: 1e-6,
+            ..ShapeParams::default()
+        };
+        // 2e-4: the rounding of a logarithm of 8 over a ramp of a hundredth; 2e-6: the tolerance and rounding.
+        let limits = [2e-4, 1e-6, 2e-4, 3e-6, 1e-4];
+        let right = errors(&scene.frame, asked, asked);
+        assert!(
+            right.iter().zip(limits).all(|(e, limit)| *e < limit),
+            "{right:?}"
+        );
+        // Thresholds a tenth too high.
+        let off = |SoftThreshold { lo, hi }| SoftThreshold {
+            lo: 1.1 * lo,
+            hi: 1.1 * hi,
+        };
+        let silhouettes = ShapeParams {
+            silhouette: off(asked.silhouette),
+            ..asked
+        };
+        let creases = ShapeParams {
+            crease: off(asked.crease),
+            ..asked
+        };
+        for (kind, planted) in [(0, silhouettes), (1, creases)] {
+            let seen = errors(&scene.frame, planted, asked);
+            // The weight itself, conductance, gradient and trace; not the other weight.
+            for i in [kind, 2, 3, 4] {
+                assert!(seen[i] > 30.0 * limits[i], "{kind}: {seen:?}");
+            }
+            assert_eq!(seen[1 - kind], right[1 - kind], "{kind}");
+        }
+    }
+
+    #[test]
+    fn an_error_of_conductance_alone_is_seen() {
+        let scene = Scene::barriers(200, 150);
+        let shape = ShapeParams {
+            scale: Scale::Sigma(6.0),
+            ..ShapeParams::default()
+        };
+        let mut layers = engine::layers(&scene.frame, shape).unwrap();
+        // Squared, as the formula of another paper has it.
+        layers.conductance = layers.conductance.map(|c| c * c);
+        let measuring = Measuring::beside(&layers, &scene.frame, shape);
+        let right = Measuring::new(&scene.frame, shape).unwrap();
+        assert!(measuring.edges.conductance.max > 0.2);
+        assert_eq!(measuring.edges.silhouette, right.edges.silhouette);
+        // What the error did to the gradient is measured from the conductance that it should have been.
+        let squared = layers.conductance.map(f64::from);
+        let wrong = Operator::new(&squared).diffused(&measuring.gradient, &shape);
+        let wrong = wrong.map(|plane| plane.map(|v| v as f32));
+        let [x, y] = wrong;
+        let wrong = Vector2Planes { x, y };
+        let exact = measuring.diffused(shape.scale);
+        assert!(measuring.gradient_errors(&wrong, &exact).max > 0.01);
     }
 }

@@ -1,20 +1,18 @@
-//! Input precision: what half floats and bytes in place of floats do to the result.
+//! Input precision: half floats and bytes in place of floats.
 
 use super::{Measuring, named};
 use crate::Result;
-use crate::engine::cpu;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use crate::params::{Scale, ShapeParams};
-use crate::plan::Goal;
-use crate::report::compare::{Errors, compare_where};
-use crate::report::timing;
+use crate::report::compare::{Errors, compare_where, covered};
+use crate::report::engine::layers;
 use half::f16;
 use serde::Serialize;
 
 /// How samples were rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Stored {
+pub(crate) enum Stored {
     /// As they came.
     Float,
     /// 16-bit floats, normals and depth.
@@ -25,12 +23,9 @@ pub enum Stored {
 
 /// Results of rounded input against those of the input as it came.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// Name of the frame.
+pub(crate) struct Row {
     pub frame: String,
-    /// How it was rounded.
     pub stored: Stored,
-    /// The scale in words.
     pub scale: String,
     /// Change of the gradient, relative to the largest |g| before diffusion.
     pub gradient: Errors,
@@ -42,10 +37,7 @@ pub struct Row {
 
 /// Compares float, half and byte input at the undiffused and at the asked-for scale with the reference
 /// in double precision of the input as it came.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> {
+pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> {
     let measuring = Measuring::new(frame, shape)?;
     let mut scales = vec![Scale::Iterations(0)];
     if shape.diffusion_time() > 0.0 {
@@ -57,13 +49,10 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
         let trace = measuring.trace(&gradient);
         for stored in Stored::ALL {
             let rounded = rounded(frame, stored);
-            let plan = timing::plan(Goal::Layers, &rounded, ShapeParams { scale, ..shape })?;
-            let found = cpu::run(&plan, &rounded).shape;
-            let found_gradient = found.gradient.expect("layers hold the gradient");
-            let mean = found.curvatures.expect("layers hold the curvatures").mean;
-            let conductance = found.conductance.expect("layers hold the conductance");
+            let found = layers(&rounded, ShapeParams { scale, ..shape })?;
             let moved = |x: usize, y: usize| {
-                let (before, after) = (measuring.conductance.at(x, y), conductance.at(x, y));
+                let before = measuring.conductance.at(x, y);
+                let after = f64::from(found.conductance.at(x, y));
                 !rounded.mask.at(x, y) || (before - after).abs() > 0.5
             };
             // An edge that moves is counted; it is no error of a slope.
@@ -75,18 +64,15 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
                 stored,
                 scale: named(scale),
                 gradient: compare_where(
-                    [&found_gradient.x, &found_gradient.y],
+                    [&found.gradient.x, &found.gradient.y],
                     [gx, gy],
                     steepest,
                     kept,
                 )
                 .in_window(frame.data_window),
-                trace: compare_where([&mean.map(|m| 2.0 * m)], [&trace], steepest, kept)
+                trace: compare_where([&found.mean.map(|m| 2.0 * m)], [&trace], steepest, kept)
                     .in_window(frame.data_window),
-                edges_moved: (0..frame.mask.height())
-                    .flat_map(|y| (0..frame.mask.width()).map(move |x| (x, y)))
-                    .filter(|&(x, y)| frame.mask.at(x, y) && moved(x, y))
-                    .count(),
+                edges_moved: covered(&frame.mask).filter(|&[x, y]| moved(x, y)).count(),
             });
         }
     }
@@ -95,7 +81,7 @@ pub fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> 
 
 impl Stored {
     /// Every way, from the finest.
-    pub const ALL: [Self; 3] = [Self::Float, Self::Half, Self::Byte];
+    pub(crate) const ALL: [Self; 3] = [Self::Float, Self::Half, Self::Byte];
 
     /// Largest rounding error of a component of a normal: half a step between bytes, or between half floats
     /// just below 1.
@@ -109,7 +95,7 @@ impl Stored {
 }
 
 /// The frame as it would be read, had it been stored so.
-pub fn rounded(frame: &Frame, stored: Stored) -> Frame {
+pub(crate) fn rounded(frame: &Frame, stored: Stored) -> Frame {
     let (normal, length) = match stored {
         Stored::Float => return frame.clone(),
         Stored::Half => rounded_normals(frame, |v| f16::from_f32(v).to_f32()),
@@ -119,7 +105,7 @@ pub fn rounded(frame: &Frame, stored: Stored) -> Frame {
         Stored::Half => depth.map(|v| f16::from_f32(v).to_f32()),
         Stored::Float | Stored::Byte => depth.clone(),
     });
-    // What a half float cannot hold is no distance any more: a hole in the mask.
+    // A distance beyond half floats is a hole in the mask.
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let covered = |x, y| {
         let known = depth

@@ -3,41 +3,36 @@
 
 use super::Measuring;
 use crate::Result;
-use crate::engine::cpu;
 use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::Goal;
-use crate::report::compare::{Errors, Tally, compare};
+use crate::report::compare::{Errors, Tally};
+use crate::report::engine::layers;
 use crate::report::scenes::{RIM_RADIUS, Scene, ball_trace};
 use crate::report::timing;
 use serde::Serialize;
 
 /// Foreshortenings tried.
-pub const FORESHORTENINGS: [f32; 4] = [0.0, 0.4, 1.0, 2.0];
+pub(crate) const FORESHORTENINGS: [f32; 4] = [0.0, 0.4, 1.0, 2.0];
 /// Floors of n_z tried.
-pub const FLOORS: [f32; 4] = [0.02, 0.05, 0.1, 0.2];
+pub(crate) const FLOORS: [f32; 4] = [0.02, 0.05, 0.1, 0.2];
 /// Bands of n_z, from the rim inward; neighbours share a bound.
-pub const BANDS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.2, 0.35, 0.6];
+pub(crate) const BANDS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.2, 0.35, 0.6];
 
 /// Error on the ball by band of n_z.
 #[derive(Debug, Clone, Serialize)]
-pub struct BallRow {
-    /// Foreshortening.
+pub(crate) struct BallRow {
     pub foreshortening: f32,
-    /// Floor of n_z.
     pub min_nz: f32,
     /// Error of the undiffused trace relative to the closed form, one per band of [`BANDS`].
     pub bands: Vec<Errors>,
 }
 
-/// What a pair of the two gives on the frame.
+/// Results of a pair of the two on the frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct FrameRow {
-    /// Foreshortening.
+pub(crate) struct FrameRow {
     pub foreshortening: f32,
-    /// Floor of n_z.
     pub min_nz: f32,
-    /// The largest |g| before diffusion.
     pub steepest: f64,
     /// Applications of the operator within the tolerance.
     pub applications: usize,
@@ -55,10 +50,7 @@ fn pairs() -> impl Iterator<Item = (f32, f32)> {
 }
 
 /// Errors on the rim of the ball.
-///
-/// # Errors
-/// None for the pairs tried here.
-pub fn on_ball() -> Result<Vec<BallRow>> {
+pub(crate) fn on_ball() -> Result<Vec<BallRow>> {
     let frame = Scene::rim().frame;
     pairs()
         .map(|(foreshortening, min_nz)| {
@@ -68,24 +60,15 @@ pub fn on_ball() -> Result<Vec<BallRow>> {
                 scale: Scale::Iterations(0),
                 ..ShapeParams::default()
             };
-            let outcome = cpu::run(&timing::plan(Goal::Layers, &frame, shape)?, &frame);
-            let found = outcome
-                .shape
-                .curvatures
-                .expect("layers hold the curvatures")
-                .mean;
-            let open = outcome
-                .shape
-                .conductance
-                .expect("layers hold the conductance");
+            let found = layers(&frame, shape)?;
             let mut tallies: Vec<_> = BANDS[1..].iter().map(|_| Tally::default()).collect();
             // The rim's own pixels are a silhouette, flat by decree; the picture's border repeats its rows.
             for (x, y) in (1..32).flat_map(|y| (1..1023).map(move |x| (x, y))) {
                 let nz = f64::from(frame.normal.z.at(x, y));
                 let band = BANDS.windows(2).position(|b| b[0] <= nz && nz < b[1]);
-                if let (Some(band), true) = (band, open.at(x, y) == 1.0) {
+                if let (Some(band), true) = (band, found.conductance.at(x, y) == 1.0) {
                     let exact = ball_trace(RIM_RADIUS, nz, f64::from(foreshortening));
-                    tallies[band].add([x, y], 2.0 * f64::from(found.at(x, y)) / exact - 1.0);
+                    tallies[band].add([x, y], 2.0 * f64::from(found.mean.at(x, y)) / exact - 1.0);
                 }
             }
             let bands = tallies.into_iter().map(Tally::errors).collect();
@@ -100,10 +83,7 @@ pub fn on_ball() -> Result<Vec<BallRow>> {
 
 /// Errors on `frame` at the scale and tolerance of `shape`, expanded: the steeper the slopes, the more
 /// an expansion has to hold.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn on_frame(frame: &Frame, shape: &ShapeParams) -> Result<Vec<FrameRow>> {
+pub(crate) fn on_frame(frame: &Frame, shape: &ShapeParams) -> Result<Vec<FrameRow>> {
     let scale = Scale::Sigma(shape.scale_px() as f32);
     pairs()
         .map(|(foreshortening, min_nz)| {
@@ -115,24 +95,14 @@ pub fn on_frame(frame: &Frame, shape: &ShapeParams) -> Result<Vec<FrameRow>> {
                 ..*shape
             };
             let measuring = Measuring::new(frame, shape)?;
-            let [gx, gy] = measuring.diffused(scale);
+            let gradient = layers(frame, shape)?.gradient;
             let plan = timing::plan(Goal::Layers, frame, shape)?;
-            let gradient = cpu::run(&plan, frame)
-                .shape
-                .gradient
-                .expect("layers hold the gradient");
-            let errors = compare(
-                [&gradient.x, &gradient.y],
-                [&gx, &gy],
-                &frame.mask,
-                measuring.steepest,
-            );
             Ok(FrameRow {
                 foreshortening,
                 min_nz,
                 steepest: measuring.steepest,
                 applications: plan.sweeps.count(),
-                gradient: errors.in_window(frame.data_window),
+                gradient: measuring.gradient_errors(&gradient, &measuring.diffused(scale)),
                 overshoot: measuring.overshoot(&gradient),
             })
         })

@@ -1,10 +1,10 @@
-//! How the work is run: what changes the time and must not change a bit of the answer.
+//! Ways of running: they change the time and must not change a bit of the result.
 
 use crate::Result;
-use crate::engine::outcome::Outcome;
 use crate::frame::Frame;
 use crate::params::{RunOptions, Scale, ShapeParams, TileSize};
 use crate::plan::{Goal, Plan};
+use crate::report::engine::Outcome;
 use crate::report::sweeps::{named, solver};
 use crate::report::timing::{self, Effort, Timed, Times, measure, measure_with};
 use serde::Serialize;
@@ -12,12 +12,9 @@ use std::num::NonZeroUsize;
 
 /// One way of running.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// What is varied.
+pub(crate) struct Row {
     pub dimension: &'static str,
-    /// Its value.
     pub value: String,
-    /// The scale in words.
     pub scale: String,
     /// Time of all stages up to a picture of the curvature.
     pub whole: Times,
@@ -28,10 +25,7 @@ pub struct Row {
 }
 
 /// Runs `frame` as `shape` asks with 1, 2, 4.. threads, up to those of the caller's pool.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Result<Vec<Row>> {
+pub(crate) fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Result<Vec<Row>> {
     let plan = timing::plan(Goal::Display, frame, shape)?;
     let counts = thread_counts(rayon::current_num_threads());
     let measured = counts
@@ -47,11 +41,8 @@ const SWEEPS_PER_PASS: [usize; 3] = [8, 16, 64];
 
 /// Runs `frame` with tiles of several sizes, then with several numbers of sweeps per pass, at the largest
 /// of `scales` whose sweeps are not too many for a sweep of settings: few sweeps are done in one pass.
-/// What is run by default comes first.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn tiles_and_passes(
+/// The default comes first.
+pub(crate) fn tiles_and_passes(
     frame: &Frame,
     shape: ShapeParams,
     scales: &[Scale],
@@ -119,7 +110,7 @@ fn pass_options() -> Vec<(String, RunOptions)> {
         .collect()
 }
 
-/// What a way of running gave.
+/// Results of a way of running.
 type Measured = (Outcome, Timed);
 
 /// Powers of two below `available`, and `available` itself.

@@ -1,40 +1,39 @@
 //! Solver against tolerance and length of step, at several scales.
 
-use super::{Measuring, named};
+use super::{EdgeErrors, Measuring, named};
 use crate::Result;
-use crate::engine::cpu;
-use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
-use crate::plan::{Goal, Plan};
-use crate::report::compare::{Errors, Tally, compare};
+use crate::plan::{Goal, Plan, Recurrence, Sweeps};
+use crate::report::On;
+use crate::report::compare::{Errors, Tally, compare, pixels};
+use crate::report::engine::{self, Layers};
 use crate::report::gpu::{Gpu, GpuRow};
 use crate::report::machine::Machine;
 use crate::report::pareto;
 use crate::report::timing::{self, Effort, Timed, Times, Utilisation, measure_in_turn};
 use crate::report::work;
-use crate::shape::diffusion::sweeps::{Recurrence, Sweeps};
 use serde::Serialize;
 
 /// Tolerances tried.
 const TOLERANCES: [f32; 6] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-/// Lengths of an explicit step tried where the scale is told in pixels, so that all end alike.
+/// Lengths of an explicit step tried where the scale is given in pixels, so that all end alike.
 const TIME_STEPS: [f32; 3] = [0.25, 0.2, 0.1];
 
 /// Pixels times sweeps past which a setting is left out unless it was asked for: 580 sweeps at 1080p.
 const MOST_UPDATES: usize = 1_200_000_000;
 
-/// What one setting gave.
+/// Results of one setting.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// The solver that was run: where explicit steps are fewer and as good, they stand in.
     pub solver: Solver,
     /// Its tolerance or length of step, in words.
     pub setting: String,
     /// The flags that choose it; `None` where none do.
     pub flags: Option<String>,
-    /// Whether it is what was asked for.
+    /// Whether it was asked for.
     pub asked_for: bool,
     /// How often the operator is applied.
     pub applications: usize,
@@ -51,13 +50,12 @@ pub struct Row {
     /// Largest and mean difference of the trace from the closed form, relative to the same, where
     /// there is one.
     pub against_closed_form: Option<Errors>,
-    /// Time of the diffusion.
     pub diffusion: Times,
     /// Time of all stages up to a picture of the curvature.
     pub whole: Times,
     /// Megapixels of the frame per second, all stages.
     pub megapixels_per_second: f64,
-    /// What share of the machine the diffusion uses; `None` where another one did it.
+    /// Share of the machine that the diffusion uses; `None` on a device.
     pub utilisation: Option<Utilisation>,
     /// Whether no other row of the scale is both faster and better.
     pub on_front: bool,
@@ -65,53 +63,38 @@ pub struct Row {
 
 /// All settings at one scale.
 #[derive(Debug, Clone, Serialize)]
-pub struct ScaleSweep {
-    /// The scale in words.
+pub(crate) struct ScaleSweep {
     pub scale: String,
-    /// The flag that asks for it.
     pub flag: String,
-    /// Sigma in pixels.
     pub sigma_px: f64,
-    /// What was tried.
     pub rows: Vec<Row>,
-    /// What a device gave, where one was measured.
+    /// Those of a device, where one was measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub on_gpu: Vec<GpuRow>,
-    /// What was not, because it would have taken long and been beaten.
+    /// Settings left out for their time.
     pub left_out: Vec<String>,
 }
 
 /// All scales of one frame.
 #[derive(Debug, Clone, Serialize)]
-pub struct SceneSweep {
-    /// Name of the frame.
-    pub name: String,
-    /// What it shows.
+pub(crate) struct SceneSweep {
+    #[serde(flatten)]
+    pub on: On,
     pub about: String,
-    /// Its size.
-    pub width: usize,
-    /// Its size.
-    pub height: usize,
-    /// Pixels that show a surface.
-    pub covered: usize,
-    /// The largest |g| before diffusion.
     pub steepest: f64,
-    /// The scales.
+    pub edges: EdgeErrors,
     pub scales: Vec<ScaleSweep>,
 }
 
 /// A closed form of the trace: column, row, time to value.
-pub type ClosedForm<'a> = &'a dyn Fn(usize, usize, f64) -> Option<f64>;
+pub(crate) type ClosedForm<'a> = &'a dyn Fn(usize, usize, f64) -> Option<f64>;
 
 /// A frame to be swept.
-pub struct Subject<'a> {
-    /// Its name.
-    pub name: String,
-    /// What it shows.
-    pub about: String,
-    /// The frame.
+pub(crate) struct Subject<'a> {
+    pub name: &'a str,
+    /// Its contents in words.
+    pub about: &'a str,
     pub frame: &'a Frame,
-    /// How its shape is found.
     pub shape: ShapeParams,
     /// The closed form of its trace.
     pub closed_form: Option<ClosedForm<'a>>,
@@ -120,10 +103,7 @@ pub struct Subject<'a> {
 }
 
 /// Tries every solver and setting at each of `scales`.
-///
-/// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn sweep(
+pub(crate) fn sweep(
     subject: &Subject,
     scales: &[Scale],
     effort: Effort,
@@ -131,7 +111,6 @@ pub fn sweep(
     progress: &dyn Fn(&str),
 ) -> Result<SceneSweep> {
     let measuring = Measuring::new(subject.frame, subject.shape)?;
-    let mask = &subject.frame.mask;
     let mut swept = Vec::new();
     for &scale in scales {
         progress(&format!(
@@ -142,12 +121,10 @@ pub fn sweep(
         swept.push(sweep_scale(subject, &measuring, scale, effort, machine)?);
     }
     Ok(SceneSweep {
-        name: subject.name.clone(),
-        about: subject.about.clone(),
-        width: mask.width(),
-        height: mask.height(),
-        covered: mask.count(),
+        on: On::new(subject.name, &subject.frame.mask),
+        about: subject.about.into(),
         steepest: measuring.steepest,
+        edges: measuring.edges,
         scales: swept,
     })
 }
@@ -195,13 +172,8 @@ fn sweep_scale(
     for (row, plan) in rows.iter_mut().zip(&plans) {
         row.asked_for = plan.sweeps == asked_for;
     }
-    let points: Vec<_> = rows
-        .iter()
-        .map(|row| [row.diffusion.min, row.gradient.max])
-        .collect();
-    for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
-        row.on_front = on_front;
-    }
+    let place = |row: &Row| [row.diffusion.min, row.gradient.max];
+    pareto::mark(&mut rows, place, |row| &mut row.on_front);
     let on_gpu = match subject.gpu {
         Some(gpu) => truth.on_gpu(gpu, &shape, effort)?,
         None => Vec::new(),
@@ -220,11 +192,11 @@ fn sweep_scale(
 }
 
 /// Whether `plan` takes no longer than a setting of a sweep may.
-pub fn is_affordable(plan: &Plan, frame: &Frame) -> bool {
+pub(crate) fn is_affordable(plan: &Plan, frame: &Frame) -> bool {
     plan.sweeps.count() * frame.mask.count() <= MOST_UPDATES
 }
 
-/// What is tried at the scale of `shape`; what was asked for is among it.
+/// The settings tried at the scale of `shape`, with the one asked for.
 fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
     let asked_for = [shape.time_step];
     let time_steps: &[f32] = match shape.scale {
@@ -257,7 +229,7 @@ fn by_turns(solver: Solver) -> [Solver; 2] {
     }
 }
 
-/// What every setting of one scale is compared with.
+/// The reference of every setting of one scale.
 struct Truth<'a> {
     measuring: &'a Measuring<'a>,
     gradient: super::Field,
@@ -269,17 +241,17 @@ impl Truth<'_> {
     fn row_of_cpu(&self, shape: &ShapeParams, timed: Timed, machine: &Machine) -> Result<Row> {
         let frame = self.measuring.frame;
         let layers = timing::plan(Goal::Layers, frame, *shape)?;
-        let outcome = cpu::run(&layers, frame);
+        let found = engine::layers(frame, *shape)?;
         let work =
             work::of_stage("diffusion", shape, &layers.sweeps).expect("diffusion has a model");
         let diffusion = timed.stage("diffusion").unwrap_or(timed.whole);
         let utilisation = Utilisation::of(work, frame.mask.count(), diffusion, machine);
-        let mut row = self.row(shape, &layers, &outcome, diffusion, timed.whole);
+        let mut row = self.row(shape, &layers, &found, diffusion, timed.whole);
         row.utilisation = Some(utilisation);
         Ok(row)
     }
 
-    /// What a device gives by the solver asked for, and by the other one.
+    /// The device by the solver asked for, and by the other one.
     fn on_gpu(&self, gpu: &Gpu, shape: &ShapeParams, effort: Effort) -> Result<Vec<GpuRow>> {
         let frame = self.measuring.frame;
         let mut rows: Vec<GpuRow> = Vec::new();
@@ -299,9 +271,11 @@ impl Truth<'_> {
             let timed = gpu.measure(&display, frame, &none, effort);
             if let Some((outcome, timed)) = outcome.zip(timed) {
                 let whole = timed.whole;
-                let mut row = self.row(&shape, &layers, &outcome, timed.diffusion(), whole);
+                let found = Layers::of(outcome);
+                let mut row = self.row(&shape, &layers, &found, timed.parts.diffusion(), whole);
                 row.asked_for = is_first;
-                rows.push(GpuRow::new(row, timed));
+                let parts = timed.parts;
+                rows.push(GpuRow { row, parts });
             }
         }
         Ok(rows)
@@ -311,30 +285,16 @@ impl Truth<'_> {
         &self,
         shape: &ShapeParams,
         layers: &Plan,
-        outcome: &Outcome,
+        found: &Layers,
         diffusion: Times,
         whole: Times,
     ) -> Row {
         let Measuring {
             frame, steepest, ..
         } = *self.measuring;
-        let (mask, window) = (&frame.mask, frame.data_window);
-        let gradient = outcome
-            .shape
-            .gradient
-            .as_ref()
-            .expect("layers hold the gradient");
-        let hessian = outcome
-            .shape
-            .hessian
-            .as_ref()
-            .expect("layers hold the hessian");
-        let mut found = hessian.xx.clone();
-        for (xx, yy) in found.samples_mut().iter_mut().zip(hessian.yy.samples()) {
-            *xx += yy;
-        }
-        let [gx, gy] = &self.gradient;
-        let trace = compare([&found], [&self.trace], mask, steepest);
+        let mask = &frame.mask;
+        let found_trace = found.trace();
+        let trace = compare([&found_trace], [&self.trace], mask, steepest);
         let explicit = matches!(layers.sweeps.recurrence, Recurrence::Explicit(_));
         Row {
             solver: if explicit {
@@ -347,14 +307,15 @@ impl Truth<'_> {
             asked_for: false,
             applications: layers.sweeps.count(),
             allowed: (!explicit).then(|| f64::from(shape.tolerance) / shape.largest_slope()),
-            gradient: compare([&gradient.x, &gradient.y], [gx, gy], mask, steepest)
-                .in_window(window),
-            trace: trace.in_window(window),
-            overshoot: self.measuring.overshoot(gradient),
+            gradient: self
+                .measuring
+                .gradient_errors(&found.gradient, &self.gradient),
+            trace: trace.in_window(frame.data_window),
+            overshoot: self.measuring.overshoot(&found.gradient),
             // The mapped curvature, -1..1 over 255 steps, changes by the gain times the trace at most.
-            grey_levels: 127.5 * f64::from(outcome.gain.unwrap_or(0.0)) * trace.max * steepest,
+            grey_levels: 127.5 * f64::from(found.gain) * trace.max * steepest,
             against_closed_form: self.closed_form.and_then(|exact| {
-                let errors = self.against(exact, &found, shape.diffusion_time());
+                let errors = self.against(exact, &found_trace, shape.diffusion_time());
                 (errors.pixels > 0).then_some(errors)
             }),
             megapixels_per_second: whole.megapixels_per_second(mask.width() * mask.height()),
@@ -367,7 +328,7 @@ impl Truth<'_> {
 
     fn against(&self, exact: ClosedForm, found: &Plane, time: f64) -> Errors {
         let mut tally = Tally::default();
-        for (x, y) in (0..found.height()).flat_map(|y| (0..found.width()).map(move |x| (x, y))) {
+        for [x, y] in pixels(found) {
             if let Some(exact) = exact(x, y, time) {
                 let error = f64::from(found.at(x, y)) - exact;
                 tally.add([x, y], error / self.measuring.steepest);

@@ -1,30 +1,27 @@
 //! Differences of drawings from frame to frame.
 
-use super::{FAINT, GRID, INK, SERIES, figure, text};
+use super::figure::{FAINT, GRID, INK, SERIES, svg, text};
 use crate::report::coherence::{Coherence, Row};
 use plotters::prelude::*;
 
-/// A difference of a row.
-type Difference = fn(&Row) -> f64;
-
-/// What is measured of each frame, and what the plot calls it.
-const LINES: [(&str, Difference); 3] = [
+/// Differences of a row, and what the plot calls them.
+const LINES: [(&str, fn(&Row) -> f64); 3] = [
     ("still in the picture", |row| row.still),
     ("carried", |row| row.carried),
     ("floor", |row| row.floor),
 ];
 
 /// Mean differences of ink by frame, a line for each form and the floor.
-pub fn difference_by_frame(coherence: &Coherence) -> String {
+pub(super) fn difference_by_frame(coherence: &Coherence) -> String {
     let rows = &coherence.rows;
     let legend: Vec<_> = LINES.iter().map(|(name, _)| *name).zip(SERIES).collect();
-    let values = || rows.iter().flat_map(|row| LINES.map(|(_, of)| of(row)));
-    let most = values().fold(0.0, f64::max).max(1e-3);
+    let values = rows.iter().flat_map(|row| LINES.map(|(_, of)| of(row)));
+    let most = values.fold(0.0, f64::max).max(1e-3);
     let frames = || rows.iter().map(|row| f64::from(row.frame));
     let first = frames().fold(f64::INFINITY, f64::min);
     let last = frames().fold(0.0, f64::max);
     let title = "the sequence: difference between a drawing and the one before, moved along";
-    figure(title, &legend, 1, |_, area| {
+    svg(title, &legend, 1, |_, area| {
         let mut chart = ChartBuilder::on(area)
             .margin(14)
             .x_label_area_size(46)

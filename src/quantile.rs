@@ -1,0 +1,42 @@
+//! Quantiles of a list of values. Those of whole planes are found by histograms instead, by the same rank.
+
+use std::cmp::Ordering;
+
+/// The value that a share of `values`, 0..1, lies below: of rank `share (n - 1)`, rounded, so that the median of an
+/// even number is the upper of the middle two. `None` where there is no value. Reorders `values`.
+pub(crate) fn quantile<T: Copy>(
+    values: &mut [T],
+    share: f64,
+    order: fn(&T, &T) -> Ordering,
+) -> Option<T> {
+    let last = values.len().checked_sub(1)?;
+    let rank = (share * last as f64).round() as usize;
+    Some(*values.select_nth_unstable_by(rank, order).1)
+}
+
+/// The least of `values` that at least a share of them, 0..1, do not exceed: an error that so many stay below. `None`
+/// where there is no value. Reorders `values`.
+pub(crate) fn bound(values: &mut [f64], share: f64) -> Option<f64> {
+    let last = values.len().checked_sub(1)?;
+    let count = (share * values.len() as f64).ceil() as usize;
+    let rank = count.saturating_sub(1).min(last);
+    Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_are_rounded() {
+        let mut values = [4.0, 1.0, 3.0, 2.0_f64];
+        let mut of = |share| quantile(&mut values, share, f64::total_cmp);
+        assert_eq!([0.0, 0.5, 1.0].map(&mut of), [1.0, 3.0, 4.0].map(Some));
+        assert_eq!(of(0.8), Some(3.0));
+        assert_eq!(
+            [0.0, 0.5, 0.51, 1.0].map(|share| bound(&mut values, share)),
+            [1.0, 2.0, 3.0, 4.0].map(Some)
+        );
+        assert_eq!(quantile(&mut [], 0.5, f32::total_cmp), None);
+    }
+}

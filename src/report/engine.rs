@@ -1,0 +1,184 @@
+//! The report's calls to the engine: a plan and its inputs in, planes and times out.
+
+use super::timing::{self, Effort, Timed};
+use crate::Result;
+pub(super) use crate::engine::cpu::{
+    DrawingInputs as Inputs, Outcome, Runner, SequenceInputs, TextureCoordinates, map_row,
+    vector_bits,
+};
+pub(super) use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
+use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
+use crate::light::lights::Illumination;
+use crate::params::{
+    Adaptive, FieldParams, LineParams, RelightParams, RunOptions, ScalingParams, ShapeParams,
+    StrokeDirections, ToneParams,
+};
+use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+pub(super) use crate::product::Product;
+
+/// New light on `frame` from `light`.
+pub(super) fn relight_plan(
+    frame: &Frame,
+    shape: ShapeParams,
+    params: RelightParams,
+    light: &Illumination,
+) -> Result<Plan> {
+    let (available, kinds) = (Available::in_frame(frame), LightKinds::in_light(light));
+    Plan::relight(available, shape, ScalingParams::default(), params, kinds)
+}
+
+/// A drawing in the tones of the picture.
+pub(super) fn hatch_plan(
+    available: Available,
+    shape: ShapeParams,
+    line: LineParams,
+) -> Result<Plan> {
+    let scaling = ScalingParams::default();
+    Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)
+}
+
+/// Tones as they are painted: 1 is paper.
+pub(super) fn painted() -> ToneParams {
+    ToneParams {
+        white_point: Adaptive::Fixed(1.0),
+        black_point: 0.0,
+        gamma: 1.0,
+    }
+}
+
+/// New light from `light`.
+pub(super) fn lit_by(light: &Illumination) -> Inputs<'_> {
+    Inputs {
+        illumination: Some(light),
+        ..Inputs::default()
+    }
+}
+
+/// Runs plans in the memory of the runs before, as the frames of a sequence do.
+#[derive(Default)]
+pub(super) struct Session(Runner);
+
+impl Session {
+    pub(super) fn new(options: RunOptions) -> Self {
+        Self(Runner::new(options))
+    }
+
+    /// Runs `plan` for what it is planned: a drawing, new light or shape.
+    ///
+    /// # Panics
+    /// If it is for new light and `inputs` hold none.
+    pub(super) fn run(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Outcome {
+        match plan.goal {
+            _ if plan.drawing.is_some() => self.0.draw(plan, frame, inputs),
+            Goal::Relight => {
+                let light = inputs.illumination.expect("new light needs lights");
+                self.0.relight(plan, frame, light)
+            }
+            _ => self.0.run(plan, frame),
+        }
+    }
+
+    /// Runs `plan` once to warm up, then as often as `effort` says; the last outcome.
+    pub(super) fn measure(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        effort: Effort,
+    ) -> (Outcome, Timed) {
+        timing::measure_runs(&self.0, effort, || {
+            // Preparing an environment is timed, too.
+            self.0.forget_environment();
+            self.run(plan, frame, inputs)
+        })
+    }
+
+    /// Gives the memory of an outcome to the next run.
+    pub(super) fn recycle(&self, outcome: Outcome) {
+        self.0.take_back(outcome);
+    }
+
+    /// The directions that strokes follow along the larger curvature.
+    pub(super) fn stroke_field(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        field: &FieldParams,
+    ) -> Vector2Planes {
+        let fields = self
+            .0
+            .stroke_fields(plan, frame, field, StrokeDirections::Max);
+        fields.into_iter().next().expect("one field was asked for")
+    }
+
+    /// [`Session::stroke_field`] where specular pixels show `scene`.
+    pub(super) fn stroke_field_through(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        scene: &SpecularScene,
+        line: &LineParams,
+    ) -> Vector2Planes {
+        let fields = self.0.stroke_fields_through(plan, frame, scene, line);
+        fields.into_iter().next().expect("one field was asked for")
+    }
+}
+
+/// The planes of the descriptor.
+pub(super) struct Layers {
+    pub(super) silhouette: Plane,
+    pub(super) crease: Plane,
+    pub(super) conductance: Plane,
+    pub(super) gradient: Vector2Planes,
+    pub(super) hessian: SymmetricPlanes,
+    /// Mean of the principal curvatures.
+    pub(super) mean: Plane,
+    pub(super) direction: Vector2Planes,
+    /// Gain of the mapped curvature.
+    pub(super) gain: f32,
+}
+
+impl Layers {
+    /// # Panics
+    /// If the outcome is not of [`Goal::Layers`].
+    pub(super) fn of(outcome: Outcome) -> Self {
+        let gain = outcome.gain.unwrap_or(0.0);
+        let shape = outcome.shape;
+        let all = || {
+            Some(Self {
+                silhouette: shape.silhouette?,
+                crease: shape.crease?,
+                conductance: shape.conductance?,
+                gradient: shape.gradient?,
+                hessian: shape.hessian?,
+                mean: shape.curvatures?.mean,
+                direction: shape.direction?,
+                gain,
+            })
+        };
+        all().expect("layers hold the whole descriptor")
+    }
+
+    /// Trace of the Hessian.
+    pub(super) fn trace(&self) -> Plane {
+        let mut trace = self.hessian.xx.clone();
+        for (xx, yy) in trace
+            .samples_mut()
+            .iter_mut()
+            .zip(self.hessian.yy.samples())
+        {
+            *xx += yy;
+        }
+        trace
+    }
+}
+
+/// The descriptor of `frame`.
+pub(super) fn layers(frame: &Frame, shape: ShapeParams) -> Result<Layers> {
+    let plan = timing::plan(Goal::Layers, frame, shape)?;
+    Ok(Layers::of(Session::default().run(
+        &plan,
+        frame,
+        Inputs::default(),
+    )))
+}
