@@ -55,6 +55,7 @@
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 
 pub mod backend;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod error;
 pub mod fast_math;
@@ -64,6 +65,7 @@ pub mod light;
 pub mod line;
 pub mod params;
 pub mod plan;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod shape;
 pub mod trace;

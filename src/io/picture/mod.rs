@@ -71,7 +71,7 @@ pub struct Picture<'a> {
 
 impl<'a> Picture<'a> {
     /// Its planes: three of colour, and alpha where it has one.
-    pub(crate) fn planes(&self) -> Vec<&'a Plane> {
+    pub fn planes(&self) -> Vec<&'a Plane> {
         let ColorPlanes { r, g, b } = self.color;
         [r, g, b].into_iter().chain(self.alpha).collect()
     }
