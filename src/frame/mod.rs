@@ -1,8 +1,12 @@
 //! The data everything passes around: planes, the mask, windows, the camera.
 
+mod conventions;
+pub(crate) mod coverage;
+pub(crate) mod depth;
 mod light_layers;
 mod mask;
 mod motion;
+pub(crate) mod normals;
 mod plane;
 mod ray;
 mod reduced;
@@ -13,6 +17,7 @@ mod steps;
 mod surroundings;
 mod window;
 
+pub use conventions::{Flip, NormalEncoding, StoredDepth};
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayers};
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};

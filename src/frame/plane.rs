@@ -1,7 +1,7 @@
 //! Planes: one quantity, one value per pixel.
 
 use crate::frame::Window;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use ndarray::{ArrayView2, ArrayViewMut2};
 use std::ops::Range;
 
@@ -186,6 +186,19 @@ impl Vector3Planes {
         DVec3::new(x, y, z)
     }
 
+    /// All vectors, row after row.
+    pub(crate) fn vectors(&self) -> impl Iterator<Item = Vec3> {
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(|plane| plane.samples().iter());
+        x.zip(y).zip(z).map(|((&x, &y), &z)| Vec3::new(x, y, z))
+    }
+
+    /// The components of all vectors, row after row, to be written.
+    pub(crate) fn components_mut(&mut self) -> impl Iterator<Item = [&mut f32; 3]> {
+        let [x, y, z] =
+            [&mut self.x, &mut self.y, &mut self.z].map(|plane| plane.samples_mut().iter_mut());
+        x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
+    }
+
     /// Planes of the vectors `vector(x, y)`.
     pub fn from_fn(width: usize, height: usize, vector: impl FnMut(usize, usize) -> DVec3) -> Self {
         let mut vector = vector;
@@ -221,4 +234,16 @@ pub struct ColorPlanes {
     pub g: Plane,
     /// Blue.
     pub b: Plane,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_moved_with_its_window() {
+        let plane = Plane::from_fn(2, 2, |x, y| (1 + x + 2 * y) as f32);
+        let moved = plane.moved(Window::at(-1, 1, 2, 2), Window::at(0, 0, 2, 3), 0.0);
+        assert_eq!(moved.samples(), [0.0, 0.0, 2.0, 0.0, 4.0, 0.0]);
+    }
 }

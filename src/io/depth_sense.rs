@@ -6,12 +6,13 @@
 //! some lens. What the data leave open, the layer's name and the renderer decide.
 
 use super::camera::{CameraSearch, recover_camera_from_depth};
-use super::coverage::{self, Evidence, is_distance};
-use super::depth::{off_tangents, to_distances};
+use super::depth::off_tangents;
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
 use super::normal_space::judge_normal_space;
-use super::view::Surface;
+use super::surface::Surface;
+use crate::frame::coverage::{self, Evidence};
+use crate::frame::depth::{is_distance, to_distances};
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
 
 /// Mean angle, in degrees, between the slope of depth and the lean of normals up to which they agree.

@@ -2,8 +2,9 @@
 
 use super::exr::Limits;
 use super::photo::Meaning;
+use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Holding, Opened, RolePlanes, RoleSource, read_all, read_rows, seen};
+use super::sources::{Holding, Opened, RoleSource, read_all, read_rows, seen};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::light::environment::Environment;
@@ -148,7 +149,7 @@ impl Lights {
                 let rows = 0..photo.height;
                 let row = Window::from_size(photo.width, 1);
                 photo.each_row(rows, Meaning::Linear, &mut |_, planes| {
-                    reduced.add(&color_of(seen(photo, planes, row), row, row));
+                    reduced.add(&seen(photo, planes, row).into_color());
                 })?;
             }
             Opened::Exr { .. } => self.add_strips(&mut reduced)?,
@@ -177,9 +178,9 @@ impl Lights {
 
     /// What was read of all layers, added up over `shown`.
     fn sum(&self, read: Vec<RolePlanes>, shown: Window) -> Result<ColorPlanes> {
-        let mut layers = read.into_iter().map(|planes| {
-            let window = planes.window;
-            color_of(planes, window, shown)
+        let mut layers = read.into_iter().map(|mut read| {
+            read.bring_to(Role::Color, shown);
+            read.into_color()
         });
         let first = layers.next().expect("there is a source of colour");
         Ok(layers.fold(first, sum))
@@ -295,28 +296,6 @@ fn color_sources(file: &Rc<Opened>) -> Option<Vec<RoleSource>> {
     RoleSource::in_file(Role::Color, file).map(|source| vec![source])
 }
 
-/// Three planes over `shown` of one or three over `window`; black where nothing was stored.
-fn color_of(read: RolePlanes, window: Window, shown: Window) -> ColorPlanes {
-    let mut planes = read.planes.into_iter().map(|plane| match window == shown {
-        true => plane,
-        false => placed(&plane, window, shown),
-    });
-    let r = planes.next().expect("colour has at least one plane");
-    let g = planes.next().unwrap_or_else(|| r.clone());
-    let b = planes.next().unwrap_or_else(|| r.clone());
-    ColorPlanes { r, g, b }
-}
-
-fn placed(plane: &Plane, window: Window, shown: Window) -> Plane {
-    Plane::from_fn(shown.width(), shown.height(), |x, y| {
-        let (x, y) = (shown.x0 + x as i32, shown.y0 + y as i32);
-        match window.contains(x, y) {
-            true => plane.at((x - window.x0) as usize, (y - window.y0) as usize),
-            false => 0.0,
-        }
-    })
-}
-
 fn sum(a: ColorPlanes, b: ColorPlanes) -> ColorPlanes {
     let add = |mut a: Plane, b: Plane| {
         let samples = a.samples_mut().iter_mut().zip(b.samples());
@@ -349,12 +328,5 @@ mod tests {
         let done = reduced.done();
         assert_eq!(done.r.samples(), [5.5, 8.0, 25.5, 28.0]);
         assert_eq!(done.b.samples(), [22.0, 32.0, 102.0, 112.0]);
-    }
-
-    #[test]
-    fn a_layer_is_placed_in_what_is_shown() {
-        let plane = Plane::from_fn(2, 2, |x, y| (1 + x + 2 * y) as f32);
-        let placed = placed(&plane, Window::at(-1, 1, 2, 2), Window::at(0, 0, 2, 3));
-        assert_eq!(placed.samples(), [0.0, 0.0, 2.0, 0.0, 4.0, 0.0]);
     }
 }

@@ -1,11 +1,11 @@
 //! Which layers tell the light of a picture apart, by lobes or light groups, and what they hold.
 
-use super::coverage::sanitise;
+use super::finding::Finding;
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
-use super::load::{Finding, grey, three};
 use super::recombination::difference;
+use super::role_planes::RolePlanes;
 use super::roles::{Role, last_word};
-use super::sources::{Opened, RolePlanes, RoleSource};
+use super::sources::{Opened, RoleSource};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayers, Mask};
 use std::rc::Rc;
@@ -323,14 +323,14 @@ impl LightSources {
             layers_of(&mut layers, lobe);
         }
         let mut groups = self.groups.into_iter();
-        for (as_what, RolePlanes { mut planes, .. }) in self.uses.into_iter().zip(read) {
-            replaced += planes.iter_mut().map(sanitise).sum::<usize>();
+        for (as_what, mut read) in self.uses.into_iter().zip(read) {
+            read.alpha = None;
+            replaced += read.sanitise();
             if as_what == Use::Occlusion {
-                layers.occlusion = Some(grey(planes));
+                layers.occlusion = Some(read.into_scalar());
                 continue;
             }
-            let [r, g, b] = three(planes);
-            let light = ColorPlanes { r, g, b };
+            let light = read.into_color();
             match as_what {
                 Use::Direct(lobe) => layers_of(&mut layers, lobe).direct = Some(light),
                 Use::Indirect(lobe) => layers_of(&mut layers, lobe).indirect = Some(light),

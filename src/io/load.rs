@@ -1,37 +1,28 @@
 //! From files to a frame: reads what a goal needs, and turns everything to view space once.
 
 use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
-use super::coverage::{self, Evidence};
-use super::depth::{depth_of_positions, judge_depth, to_distances, told_depth};
+use super::depth::{judge_depth, told_depth};
 use super::depth_sense::{self, judge_sense};
 use super::exr::ExrFile;
+use super::finding::Finding;
 use super::inputs::{Conventions, Inputs, KnownCamera, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
-use super::normals;
+use super::normal_encoding::judge_encoding;
 use super::photo::StoredPhoto;
+use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Holding, Opened, RolePlanes, RoleSource, read_rows};
-use super::view::{Surface, turn_to_view};
+use super::sources::{Holding, Opened, RoleSource, read_rows};
+use super::surface::Surface;
+use super::view::turn_to_view;
 use crate::error::{Error, Result};
+use crate::frame::coverage::{self, Evidence};
+use crate::frame::depth::{depth_of_positions, to_distances};
+use crate::frame::normals;
 use crate::frame::{
     AWAY, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };
-use serde::Serialize;
 use std::ops::Range;
 use std::rc::Rc;
-
-/// What was concluded about an input, from what evidence, and the flag that would force it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
-    /// What the conclusion is about: a role, the camera, the space of the normals.
-    pub subject: String,
-    /// The conclusion.
-    pub conclusion: String,
-    /// Why.
-    pub evidence: String,
-    /// The flag that would force it.
-    pub flag: String,
-}
 
 /// What a run needs of a frame beyond its shape.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -506,12 +497,11 @@ impl Planes {
     }
 
     fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
-        let [x, y, z] = three(self.take(role)?.planes);
-        Some(Vector3Planes { x, y, z })
+        self.take(role).map(RolePlanes::into_vector)
     }
 
     fn scalar(&mut self, role: Role) -> Option<Plane> {
-        self.take(role).map(|read| grey(read.planes))
+        self.take(role).map(RolePlanes::into_scalar)
     }
 
     /// From previous minus current, as files have it, to how far the surface has come.
@@ -528,47 +518,18 @@ impl Planes {
     }
 
     fn color(&mut self, role: Role, notes: &mut Notes) -> (Option<ColorPlanes>, Option<Plane>) {
-        let Some(RolePlanes {
-            mut planes,
-            mut alpha,
-            ..
-        }) = self.take(role)
-        else {
+        let Some(mut read) = self.take(role) else {
             return (None, None);
         };
-        let replaced: usize = planes
-            .iter_mut()
-            .chain(&mut alpha)
-            .map(coverage::sanitise)
-            .sum();
+        let replaced = read.sanitise();
+        let alpha = read.alpha.take();
         if replaced > 0 {
             notes.warnings.push(format!(
                 "{replaced} colour samples were not finite: NaN became 0, infinity 65504"
             ));
         }
-        let [r, g, b] = three(planes);
-        (Some(ColorPlanes { r, g, b }), alpha)
+        (Some(read.into_color()), alpha)
     }
-}
-
-/// Three planes of one or three: a grey picture has three equal ones.
-pub(super) fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
-    let third = planes.pop().expect("a source has planes");
-    match (planes.pop(), planes.pop()) {
-        (Some(second), Some(first)) => [first, second, third],
-        _ => [third.clone(), third.clone(), third],
-    }
-}
-
-/// One plane of one or three: their mean.
-pub(super) fn grey(mut planes: Vec<Plane>) -> Plane {
-    if planes.len() == 1 {
-        return planes.remove(0);
-    }
-    let [r, g, b] = three(planes);
-    Plane::from_fn(r.width(), r.height(), |x, y| {
-        (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0
-    })
 }
 
 /// A plane that has more than one value: alpha that is 1 everywhere tells of no edge.
@@ -652,7 +613,7 @@ impl Notes {
         let (encoding, evidence) = match inputs.normal_encoding {
             Some(encoding) => (encoding, "as told"),
             None if integers => (NormalEncoding::Unsigned, "stored as integers"),
-            None => (normals::judge_encoding(stored), "from lengths and signs"),
+            None => (judge_encoding(stored), "from lengths and signs"),
         };
         let (conclusion, name) = match encoding {
             NormalEncoding::Signed => ("signed, -1..1", "signed"),

@@ -3,30 +3,32 @@
 mod art_map;
 pub mod camera;
 pub mod colorspace;
-mod coverage;
 mod depth;
 mod depth_sense;
 pub mod environment;
 pub mod exr;
 mod fence;
+mod finding;
 mod footprint;
 pub mod inputs;
 mod light_layers;
 mod load;
 mod names;
+mod normal_encoding;
 pub mod normal_space;
-mod normals;
 mod normals_of_points;
 pub(crate) mod open;
 pub mod output;
 pub mod photo;
 pub mod picture;
 mod recombination;
+mod role_planes;
 pub mod roles;
 pub mod sequence;
 mod sources;
 mod specular;
 pub mod srgb;
+mod surface;
 mod surroundings;
 mod survey;
 pub mod svg;
@@ -38,8 +40,9 @@ pub use environment::{
     read_environment, read_environment_as, read_environment_within, read_lit_sphere,
     read_lit_sphere_within,
 };
+pub use finding::Finding;
 pub use footprint::frame_bytes;
-pub use load::{Extent, Finding, InputFiles, Loaded, Needs, load};
+pub use load::{Extent, InputFiles, Loaded, Needs, load};
 pub use specular::{SpecularInputs, load_specular};
 pub use surroundings::{read_surroundings, surroundings_bytes};
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

@@ -5,8 +5,8 @@ use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
 use super::names::{self, Hint};
 use super::open::open_input;
 use super::photo::{Meaning, StoredPhoto, max_code};
+use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
-use super::srgb;
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
@@ -204,46 +204,6 @@ pub(super) struct RoleSource {
     pub(super) file: Rc<Opened>,
     /// The layer of an EXR; a photo is one layer.
     layer: Option<Match>,
-}
-
-/// The planes of one role: one or three, and the coverage stored with them.
-pub(super) struct RolePlanes {
-    pub(super) planes: Vec<Plane>,
-    pub(super) alpha: Option<Plane>,
-    /// The pixels they hold.
-    pub(super) window: Window,
-}
-
-impl RolePlanes {
-    /// Makes colours linear that were encoded by the sRGB curve and then multiplied by their coverage.
-    fn decode(&mut self) {
-        let decoded = |v: f32| srgb::decoded(v.into()) as f32;
-        for plane in &mut self.planes {
-            let samples = plane.samples_mut().iter_mut();
-            match &self.alpha {
-                None => samples.for_each(|v| *v = decoded(*v)),
-                Some(alpha) => samples.zip(alpha.samples()).for_each(|(v, &a)| {
-                    if a > 0.0 {
-                        *v = a * decoded(*v / a);
-                    }
-                }),
-            }
-        }
-    }
-
-    /// Cuts the planes of `role` to a window, or adds what was never seen: NaN where that tells coverage, else 0.
-    pub(super) fn bring_to(&mut self, role: Role, window: Window) {
-        if self.window == window {
-            return;
-        }
-        let outside = match role {
-            Role::Normal | Role::Depth | Role::Position => f32::NAN,
-            _ => 0.0,
-        };
-        for plane in self.planes.iter_mut().chain(&mut self.alpha) {
-            *plane = plane.moved(self.window, window, outside);
-        }
-    }
 }
 
 impl RoleSource {

@@ -1,19 +1,20 @@
 //! What mirrors and lenses show, read from files: the frame's own specular pixels, back faces, what lies behind, the
 //! surroundings, and where a renderer tells it the points that bent sight lines meet.
 
-use super::coverage::{self, is_distance};
-use super::depth::depth_of_positions;
-use super::load::{Loaded, grey, missing, shown, three};
-use super::normals::{decode, judge_encoding, normalise};
+use super::load::{Loaded, missing, shown};
+use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
+use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Opened, RolePlanes, RoleSource, read_all};
+use super::sources::{Opened, RoleSource, read_all};
 use super::surroundings::read_surroundings;
-use super::view::turn_normals;
 use crate::error::{Error, Result};
+use crate::frame::coverage;
+use crate::frame::depth::{depth_of_positions, is_distance, to_distances};
+use crate::frame::normals::{decode, normalise, turn_to_view};
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source,
-    SpecularScene, Surroundings, Vector3Planes, Window,
+    Camera, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source, SpecularScene,
+    Surroundings, Vector3Planes, Window,
 };
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -110,7 +111,7 @@ pub fn load_specular(
         read_surroundings(path, inputs.surroundings_camera.as_deref()).map(Arc::new)
     });
     let hit_position = inputs.hit_position.as_ref().map(|name| {
-        let position = vector(named(Role::HitPosition, name, loaded)?);
+        let position = named(Role::HitPosition, name, loaded)?.into_vector();
         Ok::<_, Error>(in_view(&position, &world()?))
     });
     Ok(SpecularScene {
@@ -162,7 +163,7 @@ fn refuse_what_lacks(inputs: &SpecularInputs) -> Result<()> {
 }
 
 /// The planes that the user named for a role, over the frame's own pixels.
-fn named(role: Role, name: &str, loaded: &Loaded) -> Result<Vec<Plane>> {
+fn named(role: Role, name: &str, loaded: &Loaded) -> Result<RolePlanes> {
     let source = RoleSource::resolve(role, Some(name), &loaded.main)?
         .expect("a source that is named is there or an error");
     let window = loaded.frame.data_window;
@@ -173,11 +174,11 @@ fn named(role: Role, name: &str, loaded: &Loaded) -> Result<Vec<Plane>> {
             expected: format!("the normals are {window}"),
         });
     }
-    Ok(read_all(&[source])?.remove(0).planes)
+    Ok(read_all(&[source])?.remove(0))
 }
 
 fn specular_mask(name: &str, loaded: &Loaded) -> Result<Mask> {
-    let plane = grey(named(Role::SpecularMask, name, loaded)?);
+    let plane = named(Role::SpecularMask, name, loaded)?.into_scalar();
     Ok(Mask::new(plane.map(|share| share > 0.5)))
 }
 
@@ -212,20 +213,17 @@ impl Layer<'_> {
         let data_window = self.common_window(&file, &sources)?;
         let mut depth = None;
         let (mut normal, mut color, mut alpha) = (None, None, None);
-        for (source, read) in sources.iter().zip(read_all(&sources)?) {
-            let RolePlanes {
-                planes,
-                alpha: coverage,
-                ..
-            } = read;
+        for (source, mut read) in sources.iter().zip(read_all(&sources)?) {
             match source.role {
-                Role::Depth => depth = Some(self.loaded.conventions.distances(grey(planes))),
-                Role::Position => depth = Some(depth_of_positions(&vector(planes), &self.camera)),
-                Role::Normal => normal = Some(vector(planes)),
+                Role::Depth => depth = Some(self.distances(read.into_scalar())),
+                Role::Position => {
+                    depth = Some(depth_of_positions(&read.into_vector(), &self.camera));
+                }
+                Role::Normal => normal = Some(read.into_vector()),
                 _ => {
-                    let [r, g, b] = three(planes).map(finite);
-                    color = Some(ColorPlanes { r, g, b });
-                    alpha = coverage.map(finite);
+                    read.sanitise();
+                    alpha = read.alpha.take();
+                    color = Some(read.into_color());
                 }
             }
         }
@@ -252,6 +250,14 @@ impl Layer<'_> {
             },
             ..Frame::of_normals(normal, mask)
         })
+    }
+
+    /// Depth read as that of the frame is.
+    fn distances(&self, mut depth: Plane) -> Plane {
+        if let Some(stored) = self.loaded.conventions.depth_kind {
+            to_distances(&mut depth, stored);
+        }
+        depth
     }
 
     /// The window of all sources, in a picture of the frame's own size.
@@ -291,7 +297,7 @@ impl Layer<'_> {
             mask: None,
         });
         normalise(&mut normal, mask.plane());
-        turn_normals(
+        turn_to_view(
             &mut normal,
             self.loaded.conventions.normal_space,
             &self.camera,
@@ -322,14 +328,4 @@ impl Layer<'_> {
         });
         (mask, normal)
     }
-}
-
-fn vector(planes: Vec<Plane>) -> Vector3Planes {
-    let [x, y, z] = three(planes);
-    Vector3Planes { x, y, z }
-}
-
-fn finite(mut plane: Plane) -> Plane {
-    coverage::sanitise(&mut plane);
-    plane
 }

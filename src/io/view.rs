@@ -1,15 +1,15 @@
 //! The turn to view space: which space the normals were in, and why.
 
 use super::camera::{CAMERA, CameraSearch, FoundCamera};
+use super::finding::Finding;
 use super::inputs::{Flip, Inputs};
-use super::load::Finding;
 use super::names::Hint;
 use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
-use super::normals::flip_axes;
+use super::surface::Surface;
 use crate::error::{Error, Result};
-use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
-use glam::{DMat3, Mat3};
-use std::collections::BTreeMap;
+use crate::frame::normals;
+use crate::frame::{Camera, NormalSpace, Vector3Planes};
+use glam::DMat3;
 
 /// Normals read as view space whose lean is off the slope of depth by more than this, in degrees, could be
 /// turned a little: a world with y up, seen from slightly above, leans nearly as a view does.
@@ -19,19 +19,6 @@ const LEAST_TURN_DEG: f64 = 1.5;
 /// A turn counts from this many standard errors on, and if it leaves less than this share of the angle.
 const TURN_ERRORS: f64 = 3.0;
 const TURN_LEAVES: f64 = 0.5;
-
-/// What the camera and the space of the normals are judged from.
-#[derive(Clone, Copy)]
-pub(super) struct Surface<'a> {
-    pub(super) mask: &'a Mask,
-    pub(super) position: Option<&'a Vector3Planes>,
-    pub(super) depth: Option<&'a Plane>,
-    /// Attributes of the picture's file.
-    pub(super) attributes: Option<&'a BTreeMap<String, String>>,
-    pub(super) data_window: Window,
-    pub(super) display_window: Window,
-    pub(super) pixel_aspect: f32,
-}
 
 /// The camera, where one was found, and what was concluded.
 pub(super) struct View {
@@ -102,7 +89,7 @@ fn aided_by_depth(
     let flip = unaided.certain.filter(|n| n.space == NormalSpace::View);
     if let Some(NormalReading { flip, .. }) = flip {
         let mut turned = normal.clone();
-        flip_axes(&mut turned, flip);
+        normals::flip_axes(&mut turned, flip);
         let found = search.by_depth(&turned);
         let is_turned = found.as_ref().is_some_and(|found| unaided.is_turned(found));
         if !is_turned {
@@ -164,17 +151,10 @@ impl NormalReading {
 
     /// Turns stored normals to view space, in place. Those in world space take a camera.
     fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>) {
-        flip_axes(normal, self.flip);
+        normals::flip_axes(normal, self.flip);
         if let Some(camera) = camera {
-            turn_normals(normal, self.space, camera);
+            normals::turn_to_view(normal, self.space, camera);
         }
-    }
-}
-
-/// Turns normals of a space to view space, in place.
-pub(super) fn turn_normals(normal: &mut Vector3Planes, space: NormalSpace, camera: &Camera) {
-    if space == NormalSpace::World {
-        rotate(normal, camera);
     }
 }
 
@@ -352,25 +332,5 @@ fn no_camera(inputs: &Inputs, reason: &str, findings: &[Finding]) -> Error {
             tried.concat()
         ),
         remedy: "give --camera FILE, or --normal-space view if they are not".into(),
-    }
-}
-
-fn rotate(normal: &mut Vector3Planes, camera: &Camera) {
-    let turn = Mat3::from_cols_array(
-        &camera
-            .view_from_world
-            .matrix3
-            .to_cols_array()
-            .map(|v| v as f32),
-    );
-    let components = normal
-        .x
-        .samples_mut()
-        .iter_mut()
-        .zip(normal.y.samples_mut())
-        .zip(normal.z.samples_mut());
-    for ((x, y), z) in components {
-        let turned = turn * glam::Vec3::new(*x, *y, *z);
-        (*x, *y, *z) = (turned.x, turned.y, turned.z);
     }
 }

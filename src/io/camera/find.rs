@@ -5,10 +5,10 @@ use super::samples::quantile;
 use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
+use crate::io::finding::Finding;
 use crate::io::inputs::Inputs;
-use crate::io::load::Finding;
 use crate::io::normal_space::judge_normal_space;
-use crate::io::view::Surface;
+use crate::io::surface::Surface;
 use glam::DVec3;
 
 /// What findings about the camera are called.

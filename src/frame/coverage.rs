@@ -1,34 +1,23 @@
 //! Where a surface was seen: backgrounds and missing samples become the mask, and nothing else.
 
+use super::depth::{HALF_INFINITY, is_distance};
 use super::normals::MIN_LENGTH;
-use crate::frame::{Mask, Plane, Vector3Planes};
-
-/// What is left of the infinite distance in a half float.
-const HALF_INFINITY: f32 = 65504.0;
-
-/// Distances from here on are a renderer's way of saying "nothing there" (1e10, 1e30, 1e38).
-const BACKGROUND_DEPTH: f32 = 1e9;
-
-/// Whether a depth sample is a distance rather than a background value: 0, negative, not finite,
-/// 65504 (infinity clamped to half float) or 1e9 and more.
-pub(super) fn is_distance(depth: f32) -> bool {
-    depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
-}
+use super::{Mask, Plane, Vector3Planes};
 
 /// The planes that coverage is read from.
-pub(super) struct Evidence<'a> {
+pub(crate) struct Evidence<'a> {
     /// Decoded normals, not yet renormalised.
-    pub(super) normal: &'a Vector3Planes,
-    pub(super) depth: Option<&'a Plane>,
+    pub(crate) normal: &'a Vector3Planes,
+    pub(crate) depth: Option<&'a Plane>,
     /// Whether depth tells where nothing was seen.
-    pub(super) depth_tells: bool,
-    pub(super) alpha: Option<&'a Plane>,
-    pub(super) mask: Option<&'a Plane>,
+    pub(crate) depth_tells: bool,
+    pub(crate) alpha: Option<&'a Plane>,
+    pub(crate) mask: Option<&'a Plane>,
 }
 
 /// Covered: the normal has a direction, depth is a distance, and the mask is above one half. Alpha
 /// decides only where there is neither depth that tells nor a mask.
-pub(super) fn coverage(evidence: &Evidence) -> Mask {
+pub(crate) fn coverage(evidence: &Evidence) -> Mask {
     let normal = evidence.normal;
     let half = |plane: Option<&Plane>, x, y| plane.is_none_or(|p| p.at(x, y) > 0.5);
     let telling = evidence.depth.filter(|_| evidence.depth_tells);
@@ -52,14 +41,14 @@ pub(super) fn coverage(evidence: &Evidence) -> Mask {
 }
 
 /// The part of the mask where depth is a distance.
-pub(super) fn within(mask: &Mask, depth: &Plane) -> Mask {
+pub(crate) fn within(mask: &Mask, depth: &Plane) -> Mask {
     Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
         mask.at(x, y) && is_distance(depth.at(x, y))
     }))
 }
 
 /// Gives every sample outside the mask the value 0, so that no NaN or sentinel travels on.
-pub(super) fn blank_outside(plane: &mut Plane, mask: &Mask) {
+pub(crate) fn blank_outside(plane: &mut Plane, mask: &Mask) {
     for (sample, &covered) in plane.samples_mut().iter_mut().zip(mask.plane().samples()) {
         if !covered {
             *sample = 0.0;
@@ -69,7 +58,7 @@ pub(super) fn blank_outside(plane: &mut Plane, mask: &Mask) {
 
 /// Replaces what no picture can show: NaN by 0, infinities by the largest half float. Returns how
 /// many samples there were.
-pub(super) fn sanitise(plane: &mut Plane) -> usize {
+pub(crate) fn sanitise(plane: &mut Plane) -> usize {
     let mut replaced = 0;
     for sample in plane.samples_mut().iter_mut().filter(|s| !s.is_finite()) {
         *sample = if sample.is_nan() {
@@ -85,27 +74,6 @@ pub(super) fn sanitise(plane: &mut Plane) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_known_background_is_no_distance() {
-        let sentinels = [
-            0.0,
-            -1.0,
-            1e10,
-            1e30,
-            1e38,
-            65504.0,
-            f32::INFINITY,
-            f32::NAN,
-            -0.0,
-        ];
-        assert!(sentinels.iter().all(|&depth| !is_distance(depth)));
-        assert!(
-            [1e-6, 1.0, 65503.0, 1e6]
-                .iter()
-                .all(|&depth| is_distance(depth))
-        );
-    }
 
     #[test]
     fn normals_without_direction_are_not_covered() {

@@ -1,0 +1,89 @@
+//! The planes of one role as they were read.
+
+use super::roles::Role;
+use super::srgb;
+use crate::frame::coverage::sanitise;
+use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
+
+/// The planes of one role: one or three, and the coverage stored with them.
+pub(super) struct RolePlanes {
+    pub(super) planes: Vec<Plane>,
+    pub(super) alpha: Option<Plane>,
+    /// The pixels they hold.
+    pub(super) window: Window,
+}
+
+impl RolePlanes {
+    /// Makes colours linear that were encoded by the sRGB curve and then multiplied by their coverage.
+    pub(super) fn decode(&mut self) {
+        let decoded = |v: f32| srgb::decoded(v.into()) as f32;
+        for plane in &mut self.planes {
+            let samples = plane.samples_mut().iter_mut();
+            match &self.alpha {
+                None => samples.for_each(|v| *v = decoded(*v)),
+                Some(alpha) => samples.zip(alpha.samples()).for_each(|(v, &a)| {
+                    if a > 0.0 {
+                        *v = a * decoded(*v / a);
+                    }
+                }),
+            }
+        }
+    }
+
+    /// Cuts the planes of `role` to a window, or adds what was never seen: NaN where that tells coverage, else 0.
+    pub(super) fn bring_to(&mut self, role: Role, window: Window) {
+        if self.window == window {
+            return;
+        }
+        let outside = match role {
+            Role::Normal | Role::Depth | Role::Position => f32::NAN,
+            _ => 0.0,
+        };
+        for plane in self.planes.iter_mut().chain(&mut self.alpha) {
+            *plane = plane.moved(self.window, window, outside);
+        }
+    }
+
+    /// A vector of three components; those of one plane are alike.
+    pub(super) fn into_vector(self) -> Vector3Planes {
+        let [x, y, z] = three(self.planes);
+        Vector3Planes { x, y, z }
+    }
+
+    /// One plane: the mean of three.
+    pub(super) fn into_scalar(self) -> Plane {
+        grey(self.planes)
+    }
+
+    /// A picture; one plane makes a grey one.
+    pub(super) fn into_color(self) -> ColorPlanes {
+        let [r, g, b] = three(self.planes);
+        ColorPlanes { r, g, b }
+    }
+
+    /// Replaces samples that are not finite; returns how many there were.
+    pub(super) fn sanitise(&mut self) -> usize {
+        let planes = self.planes.iter_mut().chain(&mut self.alpha);
+        planes.map(sanitise).sum()
+    }
+}
+
+/// Three planes of one or three: a grey picture has three equal ones.
+fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
+    let third = planes.pop().expect("a source has planes");
+    match (planes.pop(), planes.pop()) {
+        (Some(second), Some(first)) => [first, second, third],
+        _ => [third.clone(), third.clone(), third],
+    }
+}
+
+/// One plane of one or three: their mean.
+fn grey(mut planes: Vec<Plane>) -> Plane {
+    if planes.len() == 1 {
+        return planes.remove(0);
+    }
+    let [r, g, b] = three(planes);
+    Plane::from_fn(r.width(), r.height(), |x, y| {
+        (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0
+    })
+}
