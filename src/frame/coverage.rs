@@ -1,59 +1,70 @@
 //! Where a surface was seen: backgrounds and missing samples become the mask, and nothing else.
 
-use super::depth::{HALF_INFINITY, is_distance};
-use super::normals::MIN_LENGTH;
-use super::{Mask, Plane, Vector3Planes};
+use super::depth::{HALF_INFINITY, is_distance, to_distances};
+use super::normals::{MIN_LENGTH, normalise};
+use super::{Mask, Plane, StoredDepth, Vector3Planes};
+use glam::Vec3;
 
-/// The planes that coverage is read from.
-pub(crate) struct Evidence<'a> {
-    /// Decoded normals, not yet renormalised.
-    pub(crate) normal: &'a Vector3Planes,
-    pub(crate) depth: Option<&'a Plane>,
-    /// Whether depth tells where nothing was seen.
-    pub(crate) depth_tells: bool,
-    pub(crate) alpha: Option<&'a Plane>,
-    pub(crate) mask: Option<&'a Plane>,
-}
-
-/// Covered: the normal has a direction, depth is a distance, and the mask is above one half. Alpha
-/// decides only where there is neither depth that tells nor a mask.
-pub(crate) fn coverage(evidence: &Evidence) -> Mask {
-    let normal = evidence.normal;
+/// Where decoded normals have a direction, and mask and alpha, where they are given, are above one half.
+pub(crate) fn of_normals(
+    normal: &Vector3Planes,
+    alpha: Option<&Plane>,
+    mask: Option<&Plane>,
+) -> Mask {
     let half = |plane: Option<&Plane>, x, y| plane.is_none_or(|p| p.at(x, y) > 0.5);
-    let telling = evidence.depth.filter(|_| evidence.depth_tells);
-    let deciding_alpha = match (telling, evidence.mask) {
-        (None, None) => evidence.alpha,
-        _ => None,
-    };
-    Mask::new(Plane::from_fn(
-        normal.x.width(),
-        normal.x.height(),
-        |x, y| {
-            let n = glam::Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
-            n.is_finite()
-                && n.length_squared() > MIN_LENGTH * MIN_LENGTH
-                && n.length_squared().is_finite()
-                && evidence.depth.is_none_or(|d| is_distance(d.at(x, y)))
-                && half(evidence.mask, x, y)
-                && half(deciding_alpha, x, y)
-        },
-    ))
-}
-
-/// The part of the mask where depth is a distance.
-pub(crate) fn within(mask: &Mask, depth: &Plane) -> Mask {
-    Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
-        mask.at(x, y) && is_distance(depth.at(x, y))
+    let (width, height) = (normal.x.width(), normal.x.height());
+    Mask::new(Plane::from_fn(width, height, |x, y| {
+        let n = Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
+        n.is_finite()
+            && n.length_squared() > MIN_LENGTH * MIN_LENGTH
+            && n.length_squared().is_finite()
+            && half(mask, x, y)
+            && half(alpha, x, y)
     }))
 }
 
-/// Gives every sample outside the mask the value 0, so that no NaN or sentinel travels on.
-pub(crate) fn blank_outside(plane: &mut Plane, mask: &Mask) {
-    for (sample, &covered) in plane.samples_mut().iter_mut().zip(mask.plane().samples()) {
+/// Finds where a surface was seen, and makes normals and depth there what a frame holds: unit normals, and values that
+/// grow with distance; both 0 elsewhere. Depth of which it is not known what was stored is taken as it is. Returns the
+/// mask and the lengths that the normals had.
+pub(crate) fn cover(
+    normal: &mut Vector3Planes,
+    mut depth: Option<(&mut Plane, Option<StoredDepth>)>,
+    alpha: Option<&Plane>,
+    mask: Option<&Plane>,
+) -> (Mask, Plane) {
+    if let Some((depth, Some(stored))) = &mut depth {
+        to_distances(depth, *stored);
+    }
+    let stored = depth.as_ref().and_then(|(_, stored)| *stored);
+    let depth_tells = depth.is_some() && stored.is_none_or(StoredDepth::tells_coverage);
+    // Alpha decides only where nothing else does.
+    let alpha = alpha.filter(|_| !depth_tells && mask.is_none());
+    let mut mask = of_normals(normal, alpha, mask);
+    if let Some((depth, _)) = depth {
+        narrow_to(&mut mask, depth);
+    }
+    let lengths = normalise(normal, mask.plane());
+    (mask, lengths)
+}
+
+/// Takes from the mask where depth is no distance, and makes depth 0 outside it: no NaN and no sentinel travels on.
+pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
+    *mask = Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
+        mask.at(x, y) && is_distance(depth.at(x, y))
+    }));
+    for (sample, &covered) in depth.samples_mut().iter_mut().zip(mask.plane().samples()) {
         if !covered {
             *sample = 0.0;
         }
     }
+}
+
+/// A plane that has more than one value: alpha that is 1 everywhere shows no edge.
+pub(crate) fn varying(plane: Option<&Plane>) -> Option<Plane> {
+    let plane = plane?;
+    let first = plane.at(0, 0);
+    let varies = plane.samples().iter().any(|&v| v != first);
+    varies.then(|| plane.clone())
 }
 
 /// Replaces what no picture can show: NaN by 0, infinities by the largest half float. Returns how
@@ -84,15 +95,8 @@ mod tests {
             y: zero.clone(),
             z: zero,
         };
-        let evidence = Evidence {
-            normal: &normal,
-            depth: None,
-            depth_tells: true,
-            alpha: None,
-            mask: None,
-        };
         assert_eq!(
-            coverage(&evidence).row(0),
+            of_normals(&normal, None, None).row(0),
             [false, false, false, false, true, false]
         );
     }

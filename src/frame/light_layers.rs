@@ -55,6 +55,19 @@ pub struct LobeLayers {
     pub albedo: Option<ColorPlanes>,
 }
 
+/// What a layer is of its lobe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LobeLayer {
+    /// [`LobeLayers::direct`].
+    Direct,
+    /// [`LobeLayers::indirect`].
+    Indirect,
+    /// [`LobeLayers::color`].
+    Color,
+    /// [`LobeLayers::albedo`].
+    Albedo,
+}
+
 /// The part of the picture that some lights make.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightGroup {
@@ -80,6 +93,33 @@ pub struct LightLayers {
 }
 
 impl LightLayers {
+    /// The layers of a lobe; all absent where it is new.
+    pub(crate) fn lobe_mut(&mut self, lobe: Lobe) -> &mut LobeLayers {
+        let at = self.lobes.iter().position(|layers| layers.lobe == lobe);
+        let at = at.unwrap_or_else(|| {
+            self.lobes.push(LobeLayers {
+                lobe,
+                direct: None,
+                indirect: None,
+                color: None,
+                albedo: None,
+            });
+            self.lobes.len() - 1
+        });
+        &mut self.lobes[at]
+    }
+
+    /// One layer of a lobe.
+    pub(crate) fn layer_mut(&mut self, lobe: Lobe, layer: LobeLayer) -> &mut Option<ColorPlanes> {
+        let layers = self.lobe_mut(lobe);
+        match layer {
+            LobeLayer::Direct => &mut layers.direct,
+            LobeLayer::Indirect => &mut layers.indirect,
+            LobeLayer::Color => &mut layers.color,
+            LobeLayer::Albedo => &mut layers.albedo,
+        }
+    }
+
     /// The same layers with every plane made anew by `plane`.
     pub fn map(&self, plane: impl Fn(&Plane) -> Plane) -> Self {
         let color = |c: &ColorPlanes| ColorPlanes {

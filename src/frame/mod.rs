@@ -1,5 +1,6 @@
 //! The data everything passes around: planes, the mask, windows, the camera.
 
+mod builder;
 mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
@@ -17,8 +18,11 @@ mod steps;
 mod surroundings;
 mod window;
 
+pub(crate) use builder::PIXEL_ASPECTS;
+#[doc(inline)]
+pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
-pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayers};
+pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::{

@@ -179,6 +179,12 @@ pub struct Vector3Planes {
 }
 
 impl Vector3Planes {
+    /// The vectors of three planes, or of one whose value is that of all components.
+    pub(crate) fn of(planes: Vec<Plane>) -> Self {
+        let [x, y, z] = three(planes);
+        Self { x, y, z }
+    }
+
     /// The vector at column `x` of row `y`.
     #[inline]
     pub fn at(&self, x: usize, y: usize) -> DVec3 {
@@ -234,6 +240,23 @@ pub struct ColorPlanes {
     pub g: Plane,
     /// Blue.
     pub b: Plane,
+}
+
+impl ColorPlanes {
+    /// The colour of three planes, or of one that is grey.
+    pub(crate) fn of(planes: Vec<Plane>) -> Self {
+        let [r, g, b] = three(planes);
+        Self { r, g, b }
+    }
+}
+
+/// Three planes of one or three: a grey picture has three equal ones.
+fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
+    let third = planes.pop().expect("a layer has planes");
+    match (planes.pop(), planes.pop()) {
+        (Some(second), Some(first)) => [first, second, third],
+        _ => [third.clone(), third.clone(), third],
+    }
 }
 
 #[cfg(test)]

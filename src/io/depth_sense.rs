@@ -11,7 +11,7 @@ use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
 use super::normal_space::judge_normal_space;
 use super::surface::Surface;
-use crate::frame::coverage::{self, Evidence};
+use crate::frame::coverage;
 use crate::frame::depth::{is_distance, to_distances};
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
 
@@ -80,13 +80,8 @@ enum Way {
 /// # Errors
 /// Those of reading the camera's file.
 pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate::Result<Sense> {
-    let covered = coverage::coverage(&Evidence {
-        normal: layers.normal,
-        depth: None,
-        depth_tells: false,
-        alpha: layers.alpha,
-        mask: layers.mask,
-    });
+    let alpha = layers.alpha.filter(|_| layers.mask.is_none());
+    let covered = coverage::of_normals(layers.normal, alpha, layers.mask);
     let Some(range) = range(layers.raw, &covered) else {
         return Ok(None);
     };

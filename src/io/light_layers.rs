@@ -7,7 +7,7 @@ use super::role_planes::RolePlanes;
 use super::roles::{Role, last_word};
 use super::sources::{Opened, RoleSource};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayers, Mask};
+use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask};
 use std::rc::Rc;
 
 /// Passes that differ from their picture by more than this, in the median, do not recombine to it: lossy
@@ -85,10 +85,7 @@ const REST: [Role; 4] = [
 /// What a layer is of the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Use {
-    Direct(Lobe),
-    Indirect(Lobe),
-    Color(Lobe),
-    Albedo(Lobe),
+    Lobe(Lobe, LobeLayer),
     Rest,
     Group,
     Occlusion,
@@ -154,7 +151,7 @@ impl LightSources {
     }
 
     fn has_lobes(&self) -> bool {
-        let read = |u: &Use| matches!(u, Use::Direct(_) | Use::Indirect(_));
+        let read = |u: &Use| matches!(u, Use::Lobe(_, LobeLayer::Direct | LobeLayer::Indirect));
         !self.unread.is_empty() || self.uses.iter().any(read)
     }
 
@@ -268,7 +265,7 @@ impl LightSources {
                 1 => format!("{sum} x {}", color.label()),
                 _ => format!("({sum}) x {}", color.label()),
             };
-            self.add(Use::Color(lobe), Some(color));
+            self.add(Use::Lobe(lobe, LobeLayer::Color), Some(color));
             conclusion
         } else {
             let albedo = match (lobe, named_albedo) {
@@ -278,13 +275,13 @@ impl LightSources {
             let judged = albedo
                 .as_ref()
                 .map(|a| format!(", albedo {} included", a.label()));
-            self.add(Use::Albedo(lobe), albedo);
+            self.add(Use::Lobe(lobe, LobeLayer::Albedo), albedo);
             format!("{sum}{}", judged.unwrap_or_default())
         };
         self.tell(lobe, conclusion, named);
         let [direct, indirect] = parts;
-        self.add(Use::Direct(lobe), direct);
-        self.add(Use::Indirect(lobe), indirect);
+        self.add(Use::Lobe(lobe, LobeLayer::Direct), direct);
+        self.add(Use::Lobe(lobe, LobeLayer::Indirect), indirect);
         Ok(())
     }
 
@@ -320,7 +317,7 @@ impl LightSources {
         let (mut findings, mut warnings) = (self.findings, Vec::new());
         let (mut rest, mut replaced) = (Vec::new(), 0);
         for lobe in self.unread {
-            layers_of(&mut layers, lobe);
+            layers.lobe_mut(lobe);
         }
         let mut groups = self.groups.into_iter();
         for (as_what, mut read) in self.uses.into_iter().zip(read) {
@@ -332,10 +329,7 @@ impl LightSources {
             }
             let light = read.into_color();
             match as_what {
-                Use::Direct(lobe) => layers_of(&mut layers, lobe).direct = Some(light),
-                Use::Indirect(lobe) => layers_of(&mut layers, lobe).indirect = Some(light),
-                Use::Color(lobe) => layers_of(&mut layers, lobe).color = Some(light),
-                Use::Albedo(lobe) => layers_of(&mut layers, lobe).albedo = Some(light),
+                Use::Lobe(lobe, layer) => *layers.layer_mut(lobe, layer) = Some(light),
                 Use::Rest => rest.push(light),
                 Use::Group => {
                     let GroupInput { name, to_light } =
@@ -385,21 +379,6 @@ fn tell_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut 
              stays as it is; --lobes off scales the picture as a whole"
         ));
     }
-}
-
-fn layers_of(layers: &mut LightLayers, lobe: Lobe) -> &mut LobeLayers {
-    let at = layers.lobes.iter().position(|l| l.lobe == lobe);
-    let at = at.unwrap_or_else(|| {
-        layers.lobes.push(LobeLayers {
-            lobe,
-            direct: None,
-            indirect: None,
-            color: None,
-            albedo: None,
-        });
-        layers.lobes.len() - 1
-    });
-    &mut layers.lobes[at]
 }
 
 /// Blender's names of light that the surface's colour is not yet in, `DiffDir` or `Diffuse Direct`; Arnold's

@@ -15,8 +15,8 @@ use super::sources::{Holding, Opened, RoleSource, read_rows};
 use super::surface::Surface;
 use super::view::turn_to_view;
 use crate::error::{Error, Result};
-use crate::frame::coverage::{self, Evidence};
-use crate::frame::depth::{depth_of_positions, to_distances};
+use crate::frame::coverage;
+use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
 use crate::frame::{
     AWAY, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
@@ -228,21 +228,13 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         (None, None) => None,
     };
     let stored = known.as_ref().map(|(stored, _)| *stored);
-    if let (Some(depth), Some(stored)) = (&mut depth, stored) {
-        to_distances(depth, stored);
-    }
-    let mask = coverage::coverage(&Evidence {
-        normal: &normal,
-        depth: depth.as_ref(),
-        depth_tells: stored.is_none_or(StoredDepth::tells_coverage),
-        alpha: alpha.as_ref(),
-        mask: told_mask.as_ref(),
-    });
+    let (mut mask, lengths) = coverage::cover(
+        &mut normal,
+        depth.as_mut().map(|depth| (depth, stored)),
+        alpha.as_ref(),
+        told_mask.as_ref(),
+    );
     notes.on_coverage(&mask);
-    if let Some(depth) = &mut depth {
-        coverage::blank_outside(depth, &mask);
-    }
-    let lengths = normals::normalise(&mut normal, mask.plane());
 
     let surface = Surface {
         mask: &mask,
@@ -267,11 +259,9 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         None => Role::Position,
     };
     let depth_is_half = sources.get(depth_role).is_some_and(RoleSource::is_half);
-    let mut mask = mask;
     if let (Some(position), Some(camera)) = (from_positions, &camera) {
         let mut made = depth_of_positions(position, camera);
-        mask = coverage::within(&mask, &made);
-        coverage::blank_outside(&mut made, &mask);
+        coverage::narrow_to(&mut mask, &mut made);
         depth = Some(made);
     }
 
@@ -296,7 +286,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         depth,
         occlusion: planes
             .scalar(Role::Occlusion)
-            .or_else(|| varying(alpha.as_ref())),
+            .or_else(|| coverage::varying(alpha.as_ref())),
         importance: planes.scalar(Role::Importance),
         color,
         albedo,
@@ -530,17 +520,6 @@ impl Planes {
         }
         (Some(read.into_color()), alpha)
     }
-}
-
-/// A plane that has more than one value: alpha that is 1 everywhere tells of no edge.
-fn varying(plane: Option<&Plane>) -> Option<Plane> {
-    let plane = plane?;
-    let first = plane.at(0, 0);
-    plane
-        .samples()
-        .iter()
-        .any(|&v| v != first)
-        .then(|| plane.clone())
 }
 
 pub(super) fn shown(main: &Opened, window: Window) -> (Window, f32) {

@@ -46,8 +46,7 @@ impl RolePlanes {
 
     /// A vector of three components; those of one plane are alike.
     pub(super) fn into_vector(self) -> Vector3Planes {
-        let [x, y, z] = three(self.planes);
-        Vector3Planes { x, y, z }
+        Vector3Planes::of(self.planes)
     }
 
     /// One plane: the mean of three.
@@ -57,8 +56,7 @@ impl RolePlanes {
 
     /// A picture; one plane makes a grey one.
     pub(super) fn into_color(self) -> ColorPlanes {
-        let [r, g, b] = three(self.planes);
-        ColorPlanes { r, g, b }
+        ColorPlanes::of(self.planes)
     }
 
     /// Replaces samples that are not finite; returns how many there were.
@@ -68,21 +66,12 @@ impl RolePlanes {
     }
 }
 
-/// Three planes of one or three: a grey picture has three equal ones.
-fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
-    let third = planes.pop().expect("a source has planes");
-    match (planes.pop(), planes.pop()) {
-        (Some(second), Some(first)) => [first, second, third],
-        _ => [third.clone(), third.clone(), third],
-    }
-}
-
 /// One plane of one or three: their mean.
 fn grey(mut planes: Vec<Plane>) -> Plane {
     if planes.len() == 1 {
         return planes.remove(0);
     }
-    let [r, g, b] = three(planes);
+    let ColorPlanes { r, g, b } = ColorPlanes::of(planes);
     Plane::from_fn(r.width(), r.height(), |x, y| {
         (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0
     })

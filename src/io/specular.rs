@@ -11,7 +11,7 @@ use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
 use crate::frame::coverage;
 use crate::frame::depth::{depth_of_positions, is_distance, to_distances};
-use crate::frame::normals::{decode, normalise, turn_to_view};
+use crate::frame::normals::{decode, turn_to_view};
 use crate::frame::{
     Camera, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source, SpecularScene,
     Surroundings, Vector3Planes, Window,
@@ -227,14 +227,12 @@ impl Layer<'_> {
                 }
             }
         }
-        let depth = depth.expect("read above");
+        let mut depth = depth.expect("read above");
         let kind = self.loaded.frame.source.depth_kind;
         let (mask, normal) = match normal {
-            Some(normal) => self.with_normals(normal, &depth),
-            None => self.without_normals(&depth, data_window),
+            Some(normal) => self.with_normals(normal, &mut depth),
+            None => self.without_normals(&mut depth, data_window),
         };
-        let mut depth = depth;
-        coverage::blank_outside(&mut depth, &mask);
         let (display_window, pixel_aspect) = shown(&file, data_window);
         Ok(Frame {
             data_window,
@@ -285,28 +283,18 @@ impl Layer<'_> {
         }
     }
 
-    /// Mask and unit normals in view space, read as those of the frame are.
-    fn with_normals(&self, mut normal: Vector3Planes, depth: &Plane) -> (Mask, Vector3Planes) {
+    /// Mask and unit normals in view space, read as those of the frame are; depth becomes 0 outside the mask.
+    fn with_normals(&self, mut normal: Vector3Planes, depth: &mut Plane) -> (Mask, Vector3Planes) {
+        let conventions = self.loaded.conventions;
         let encoding = judge_encoding(&normal);
-        decode(&mut normal, encoding, self.loaded.conventions.normal_flip);
-        let mask = coverage::coverage(&coverage::Evidence {
-            normal: &normal,
-            depth: Some(depth),
-            depth_tells: true,
-            alpha: None,
-            mask: None,
-        });
-        normalise(&mut normal, mask.plane());
-        turn_to_view(
-            &mut normal,
-            self.loaded.conventions.normal_space,
-            &self.camera,
-        );
+        decode(&mut normal, encoding, conventions.normal_flip);
+        let (mask, _) = coverage::cover(&mut normal, Some((depth, None)), None, None);
+        turn_to_view(&mut normal, conventions.normal_space, &self.camera);
         (mask, normal)
     }
 
     /// The same from depth alone.
-    fn without_normals(&self, depth: &Plane, window: Window) -> (Mask, Vector3Planes) {
+    fn without_normals(&self, depth: &mut Plane, window: Window) -> (Mask, Vector3Planes) {
         let sight = SightLines::new(self.camera.projection);
         let kind = self.loaded.frame.source.depth_kind;
         let point = |x: usize, y: usize| {
@@ -319,13 +307,8 @@ impl Layer<'_> {
             Projection::Perspective { .. } => -point,
             Projection::Orthographic { .. } => DVec3::Z,
         });
-        let mask = coverage::coverage(&coverage::Evidence {
-            normal: &normal,
-            depth: Some(depth),
-            depth_tells: true,
-            alpha: None,
-            mask: None,
-        });
+        let mut mask = coverage::of_normals(&normal, None, None);
+        coverage::narrow_to(&mut mask, depth);
         (mask, normal)
     }
 }
