@@ -93,6 +93,14 @@ impl StoredDepth {
         }
     }
 
+    /// The same of samples that may be half floats: one over them is too coarse for a distance.
+    pub(crate) fn kind_of(self, is_half: bool) -> DepthKind {
+        match self {
+            Self::Inverse if is_half => DepthKind::Relative,
+            _ => self.kind(),
+        }
+    }
+
     /// Whether the layer tells where nothing was seen.
     pub(crate) fn tells_coverage(self) -> bool {
         !matches!(self, Self::WhiteFar | Self::WhiteNear)

@@ -32,7 +32,7 @@ pub struct Inputs {
     /// Importance; read only where it is named here.
     pub importance: Option<String>,
     /// Motion since the frame before, in pixels, y up, as previous minus current; read only where
-    /// [`super::Needs`] ask for it.
+    /// [`Needs`] ask for it.
     pub motion: Option<String>,
     /// Coverage: a surface was seen where it is above one half.
     pub mask: Option<String>,
@@ -55,6 +55,22 @@ pub struct Inputs {
     pub rows: Option<Range<usize>>,
     /// The camera, where it is known already; it goes before all others.
     pub known_camera: Option<KnownCamera>,
+}
+
+/// What a run needs of a frame beyond its shape.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// The picture.
+    pub color: bool,
+    /// The picture, where there is one.
+    pub color_if_any: bool,
+    /// The albedo, where there is one.
+    pub albedo: bool,
+    /// How view space falls onto the picture: only a foreshortened gradient asks. A camera that is
+    /// needed for nothing else is then not looked for.
+    pub projection: bool,
+    /// Motion since the frame before, where there is any.
+    pub motion: bool,
 }
 
 /// A camera that need not be looked for.
@@ -112,7 +128,7 @@ pub struct GroupInput {
 ///
 /// Given back by [`Conventions::force`] to the inputs of another frame of the same make, they spare judging it, and
 /// the frame comes out as it would where the judgement is the same, bit for bit. They go with the
-/// [`super::Needs`] they were loaded for: what was not needed may not have been judged.
+/// [`Needs`] they were loaded for: what was not needed may not have been judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Conventions {
     /// The space of the normals.

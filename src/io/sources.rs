@@ -156,6 +156,14 @@ impl Opened {
         }
     }
 
+    /// The pixels meant to be shown, and a pixel's width over its height. A photo shows the `window` of all that it holds.
+    pub(super) fn shown(&self, window: Window) -> (Window, f32) {
+        match self {
+            Self::Exr { file, .. } => (file.display_window, file.pixel_aspect),
+            Self::Photo { .. } => (window, 1.0),
+        }
+    }
+
     /// Names of the layers, for messages: a photo has none.
     pub(super) fn layer_names(&self) -> Vec<String> {
         match self {
@@ -405,6 +413,20 @@ impl RoleSource {
                 channel,
             })
             .collect()
+    }
+}
+
+pub(super) fn missing(main: &Opened, role: Role, flag: &str) -> Error {
+    let layers = main.layer_names();
+    let found = if layers.is_empty() {
+        "a photo".into()
+    } else {
+        layers.join(", ")
+    };
+    Error::MissingAov {
+        path: main.path().to_path_buf(),
+        found: format!("has no {} layer (found {found})", role.name()),
+        remedy: format!("name one with {flag}"),
     }
 }
 

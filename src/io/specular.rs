@@ -1,12 +1,12 @@
 //! What mirrors and lenses show, read from files: the frame's own specular pixels, back faces, what lies behind, the
 //! surroundings, and where a renderer tells it the points that bent sight lines meet.
 
-use super::load::{Loaded, missing, shown};
+use super::load::Loaded;
 use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Opened, RoleSource, read_all};
+use super::sources::{Opened, RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
 use crate::frame::coverage;
@@ -233,7 +233,7 @@ impl Layer<'_> {
             Some(normal) => self.with_normals(normal, &mut depth),
             None => self.without_normals(&mut depth, data_window),
         };
-        let (display_window, pixel_aspect) = shown(&file, data_window);
+        let (display_window, pixel_aspect) = file.shown(data_window);
         Ok(Frame {
             data_window,
             display_window,
@@ -261,7 +261,7 @@ impl Layer<'_> {
     /// The window of all sources, in a picture of the frame's own size.
     fn common_window(&self, file: &Rc<Opened>, sources: &[RoleSource]) -> Result<Window> {
         let window = sources[0].window();
-        let (display, _) = shown(file, window);
+        let (display, _) = file.shown(window);
         let wanted = self.loaded.frame.display_window;
         let mismatch = |found: String, expected: String| Error::SizeMismatch {
             path: self.path.to_path_buf(),

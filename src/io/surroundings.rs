@@ -2,11 +2,10 @@
 
 use super::camera::{read_pose, recover_panorama};
 use super::inputs::Flip;
-use super::load::missing;
 use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
 use super::roles::Role;
-use super::sources::{Opened, RoleSource, read_all};
+use super::sources::{Opened, RoleSource, missing, read_all};
 use crate::error::{Error, Result};
 use crate::frame::depth::is_distance;
 use crate::frame::normals::{decode, normalise};

@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::frame::coverage::{self, cover, sanitise};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, StoredDepth,
-    Vector3Planes, Window, normals,
+    Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
+    Window, normals,
 };
 use glam::DMat3;
 use std::ops::RangeInclusive;
@@ -149,10 +149,7 @@ impl FrameBuilder<'_> {
             return Ok((None, DepthKind::default()));
         };
         let plane = samples.plane("depth", self.size)?;
-        let kind = match stored {
-            StoredDepth::Inverse if samples.is_half() => DepthKind::Relative,
-            stored => stored.kind(),
-        };
+        let kind = stored.kind_of(samples.is_half());
         Ok((Some(plane), kind))
     }
 
