@@ -118,7 +118,9 @@ impl Lights {
         })?;
         let shown = match file.as_ref() {
             Opened::Exr { file, .. } => file.display_window,
-            Opened::Photo { photo, .. } => Window::from_size(photo.width, photo.height),
+            Opened::Photo { photo, .. } => {
+                Window::from_size(photo.header.width, photo.header.height)
+            }
         };
         check_size(path, shown)?;
         Ok(Self {
@@ -133,7 +135,7 @@ impl Lights {
     fn read(&self, per_pixel: u64) -> Result<ColorPlanes> {
         let pixels = self.shown.width() as u64 * self.shown.height() as u64;
         let stored = match self.file.as_ref() {
-            Opened::Photo { photo, .. } => photo.bytes(),
+            Opened::Photo { photo, .. } => photo.header.bytes(),
             Opened::Exr { .. } => 0,
         };
         let bytes = pixels.saturating_mul(per_pixel).saturating_add(stored);
@@ -146,8 +148,8 @@ impl Lights {
         let mut reduced = Reduced::new([self.shown.width(), self.shown.height()], factor);
         match self.file.as_ref() {
             Opened::Photo { photo, .. } => {
-                let rows = 0..photo.height;
-                let row = Window::from_size(photo.width, 1);
+                let rows = 0..photo.header.height;
+                let row = Window::from_size(photo.header.width, 1);
                 photo.each_row(rows, Meaning::Linear, &mut |_, planes| {
                     reduced.add(&seen(photo, planes, row).into_color());
                 })?;

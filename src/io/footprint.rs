@@ -30,7 +30,10 @@ pub fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
     };
     let of_photo = || {
         let photo = StoredPhoto::open(path, u64::MAX).ok()?;
-        Some(pixels(photo.width, photo.height).saturating_mul(LEAST_PER_PIXEL + scales))
+        Some(
+            pixels(photo.header.width, photo.header.height)
+                .saturating_mul(LEAST_PER_PIXEL + scales),
+        )
     };
     of_exr().or_else(of_photo).unwrap_or(0)
 }

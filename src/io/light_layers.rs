@@ -2,9 +2,9 @@
 
 use super::finding::Finding;
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
+use super::names::{Role, last_word};
 use super::recombination::difference;
 use super::role_planes::RolePlanes;
-use super::roles::{Role, last_word};
 use super::sources::{Opened, RoleSource};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask};
@@ -14,65 +14,35 @@ use std::rc::Rc;
 /// compression stays well below.
 const RECOMBINES: f32 = 0.05;
 
-/// A lobe with the roles of its layers: direct, indirect, colour, and all of its light in one layer.
-type Rule = (Lobe, [Option<Role>; 4]);
-
-const LOBES: [Rule; 6] = [
-    (
-        Lobe::Diffuse,
-        [
-            Some(Role::DiffuseDirect),
-            Some(Role::DiffuseIndirect),
-            Some(Role::DiffuseColor),
-            Some(Role::Diffuse),
-        ],
-    ),
-    (
-        Lobe::Specular,
-        [
-            Some(Role::GlossyDirect),
-            Some(Role::GlossyIndirect),
-            Some(Role::GlossyColor),
-            Some(Role::Specular),
-        ],
-    ),
-    (
-        Lobe::Transmission,
-        [
-            Some(Role::TransmissionDirect),
-            Some(Role::TransmissionIndirect),
-            Some(Role::TransmissionColor),
-            Some(Role::Transmission),
-        ],
-    ),
-    (
-        Lobe::Subsurface,
-        [
-            Some(Role::SubsurfaceDirect),
-            Some(Role::SubsurfaceIndirect),
-            Some(Role::SubsurfaceColor),
-            Some(Role::Subsurface),
-        ],
-    ),
-    (
-        Lobe::Coat,
-        [
-            Some(Role::CoatDirect),
-            Some(Role::CoatIndirect),
-            None,
-            Some(Role::Coat),
-        ],
-    ),
-    (
-        Lobe::Sheen,
-        [
-            Some(Role::SheenDirect),
-            Some(Role::SheenIndirect),
-            None,
-            Some(Role::Sheen),
-        ],
-    ),
-];
+/// The layers of each lobe: direct light, indirect light, all of its light in one layer, and colour, which coat and sheen
+/// do without.
+const LOBES: [(Lobe, [Role; 3], Option<Role>); 6] = {
+    use Role::*;
+    [
+        (
+            Lobe::Diffuse,
+            [DiffuseDirect, DiffuseIndirect, Diffuse],
+            Some(DiffuseColor),
+        ),
+        (
+            Lobe::Specular,
+            [GlossyDirect, GlossyIndirect, Specular],
+            Some(GlossyColor),
+        ),
+        (
+            Lobe::Transmission,
+            [TransmissionDirect, TransmissionIndirect, Transmission],
+            Some(TransmissionColor),
+        ),
+        (
+            Lobe::Subsurface,
+            [SubsurfaceDirect, SubsurfaceIndirect, Subsurface],
+            Some(SubsurfaceColor),
+        ),
+        (Lobe::Coat, [CoatDirect, CoatIndirect, Coat], None),
+        (Lobe::Sheen, [SheenDirect, SheenIndirect, Sheen], None),
+    ]
+};
 
 /// Light that curvature has no say in; it counts where lobes are compared to the picture.
 const REST: [Role; 4] = [
@@ -185,8 +155,8 @@ impl LightSources {
     }
 
     fn find_lobes(&mut self, light: &LightInputs, main: &Rc<Opened>) -> Result<()> {
-        for (lobe, roles) in LOBES {
-            self.find_lobe(lobe, roles, light, main)?;
+        for (lobe, lights, color) in LOBES {
+            self.find_lobe(lobe, lights, color, light, main)?;
         }
         self.whole = self.has_lobes() && self.unread.is_empty();
         if self.whole {
@@ -204,7 +174,8 @@ impl LightSources {
     fn find_lobe(
         &mut self,
         lobe: Lobe,
-        [direct, indirect, color, all]: [Option<Role>; 4],
+        [direct, indirect, all]: [Role; 3],
+        color: Option<Role>,
         light: &LightInputs,
         main: &Rc<Opened>,
     ) -> Result<()> {
@@ -213,27 +184,19 @@ impl LightSources {
             Lobe::Specular => (&light.specular, &None),
             _ => (&None, &None),
         };
-        let find = |role: Option<Role>, name: &Option<String>| match role {
-            Some(role) => RoleSource::resolve(role, name.as_deref(), main),
-            None => Ok(None),
-        };
+        let find = |role| RoleSource::resolve(role, None, main);
         let mut parts = [None, None];
         if named.is_none() {
-            parts = [find(direct, &None)?, find(indirect, &None)?];
+            parts = [find(direct)?, find(indirect)?];
         }
         if parts.iter().all(Option::is_none) {
-            parts[0] = find(all, named)?;
+            parts[0] = RoleSource::resolve(all, named.as_deref(), main)?;
         }
-        let lights: Vec<&RoleSource> = parts.iter().flatten().collect();
-        if lights.is_empty() {
+        let labels: Vec<&str> = parts.iter().flatten().map(RoleSource::label).collect();
+        if labels.is_empty() {
             return Ok(());
         }
-        let label = |source: &RoleSource| source.label().to_string();
-        let sum = lights
-            .iter()
-            .map(|s| label(s))
-            .collect::<Vec<_>>()
-            .join(" + ");
+        let sum = labels.join(" + ");
         let skipped = match lobe.is_diffuse() {
             true => light.without_diffuse,
             false => light.without_specular,
@@ -243,25 +206,22 @@ impl LightSources {
             self.tell(lobe, format!("{sum}: not read, its magnitude is 0"), named);
             return Ok(());
         }
-        let without_color = named.is_none() && lights.iter().any(|s| is_without_color(s.label()));
+        let without_color = named.is_none() && labels.iter().any(|label| is_without_color(label));
         let named_albedo = match named_albedo {
             Some(name) => RoleSource::resolve(Role::Albedo, Some(name), main)?,
             None => None,
         };
-        let own_color = match named {
-            Some(_) => None,
-            None => find(color, &None)?,
+        let own_color = match (color, named) {
+            (Some(color), None) => find(color)?,
+            _ => None,
         };
         let conclusion = if without_color || own_color.is_some() {
             let Some(color) = named_albedo.or(own_color) else {
-                self.tell(
-                    lobe,
-                    format!("{sum}: not scaled, its color layer is missing"),
-                    named,
-                );
+                let conclusion = format!("{sum}: not scaled, its color layer is missing");
+                self.tell(lobe, conclusion, named);
                 return Ok(());
             };
-            let conclusion = match lights.len() {
+            let conclusion = match labels.len() {
                 1 => format!("{sum} x {}", color.label()),
                 _ => format!("({sum}) x {}", color.label()),
             };
@@ -269,14 +229,14 @@ impl LightSources {
             conclusion
         } else {
             let albedo = match (lobe, named_albedo) {
-                (Lobe::Diffuse, None) => RoleSource::resolve(Role::Albedo, None, main)?,
+                (Lobe::Diffuse, None) => find(Role::Albedo)?,
                 (_, named) => named,
             };
-            let judged = albedo
+            let included = albedo
                 .as_ref()
                 .map(|a| format!(", albedo {} included", a.label()));
             self.add(Use::Lobe(lobe, LobeLayer::Albedo), albedo);
-            format!("{sum}{}", judged.unwrap_or_default())
+            format!("{sum}{}", included.unwrap_or_default())
         };
         self.tell(lobe, conclusion, named);
         let [direct, indirect] = parts;

@@ -9,7 +9,6 @@ use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding};
 use super::light_layers::LightSources;
 use super::notes::Notes;
-use super::photo::StoredPhoto;
 use super::roles::Role;
 use super::sources::{Holding, Opened, RoleSource};
 use super::surface::Surface;
@@ -140,7 +139,7 @@ impl InputFiles {
         photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
         Ok(Extent {
             window: sources.common_window(&light)?,
-            photo_bytes: photos.into_iter().map(StoredPhoto::bytes).sum(),
+            photo_bytes: photos.into_iter().map(|photo| photo.header.bytes()).sum(),
         })
     }
 
@@ -379,7 +378,7 @@ fn rows_of(window: Window, rows: &Range<usize>) -> Window {
 
 fn photo_bits(main: &Opened) -> Option<u8> {
     match main {
-        Opened::Photo { photo, .. } => Some(photo.bits),
+        Opened::Photo { photo, .. } => Some(photo.header.bits),
         Opened::Exr { .. } => None,
     }
 }

@@ -55,7 +55,7 @@ impl Notes {
         stored: &Vector3Planes,
     ) -> NormalEncoding {
         let integers = sources.get(Role::Normal).is_some_and(
-            |source| matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.is_float),
+            |source| matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.header.is_float),
         );
         let (encoding, evidence) = match inputs.normal_encoding {
             Some(encoding) => (encoding, "as told"),

@@ -134,7 +134,7 @@ impl Opened {
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::Exr { file, .. } => &file.path,
-            Self::Photo { photo, .. } => &photo.path,
+            Self::Photo { photo, .. } => &photo.header.path,
         }
     }
 
@@ -343,7 +343,9 @@ impl RoleSource {
         match (self.file.as_ref(), &self.layer) {
             (Opened::Exr { file, .. }, Some(layer)) => file.parts[layer.part].window,
             (Opened::Exr { file, .. }, None) => file.display_window,
-            (Opened::Photo { photo, .. }, _) => Window::from_size(photo.width, photo.height),
+            (Opened::Photo { photo, .. }, _) => {
+                Window::from_size(photo.header.width, photo.header.height)
+            }
         }
     }
 
@@ -396,7 +398,9 @@ impl RoleSource {
     /// between half floats just below 1. 0 for floats.
     pub(super) fn rounding(&self) -> f32 {
         match self.file.as_ref() {
-            Opened::Photo { photo, .. } if !photo.is_float => 1.0 / max_code(photo.bits) as f32,
+            Opened::Photo { photo, .. } if !photo.header.is_float => {
+                1.0 / max_code(photo.header.bits) as f32
+            }
             _ if self.is_half() => f32::from(half::f16::EPSILON) / 4.0,
             _ => 0.0,
         }
@@ -553,7 +557,7 @@ pub(super) fn seen(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) 
 }
 
 fn take_alpha(photo: &StoredPhoto, planes: &mut Vec<Plane>) -> Option<Plane> {
-    if photo.has_alpha() {
+    if photo.header.has_alpha() {
         planes.pop()
     } else {
         None

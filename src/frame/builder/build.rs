@@ -1,10 +1,10 @@
 //! Decodes, turns and sanitises the samples that a builder was given.
 
 use super::FrameBuilder;
-use super::light::{colors, colors_of};
+use super::light::{colors, colors_of, finite};
 use super::samples::{Name, Samples, bad};
 use crate::error::Result;
-use crate::frame::coverage::{self, cover, sanitise};
+use crate::frame::coverage::{self, cover};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
@@ -213,9 +213,4 @@ impl FrameBuilder<'_> {
 
 fn cannot(why: &str) -> String {
     format!("cannot be used: {why}")
-}
-
-pub(super) fn finite(mut plane: Plane) -> Plane {
-    sanitise(&mut plane);
-    plane
 }

@@ -1,8 +1,8 @@
 //! Light layers in memory.
 
-use super::build::finite;
 use super::samples::{Name, Samples, Size, bad};
 use crate::error::Result;
+use crate::frame::coverage::sanitise;
 use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Plane};
 use glam::Vec3;
 
@@ -59,4 +59,9 @@ pub(super) fn colors(name: Name, samples: &Samples, size: Size) -> Result<ColorP
 /// The colour of three planes, or of one that is grey, without NaN and infinities.
 pub(super) fn colors_of(planes: Vec<Plane>) -> ColorPlanes {
     ColorPlanes::of(planes.into_iter().map(finite).collect())
+}
+
+pub(super) fn finite(mut plane: Plane) -> Plane {
+    sanitise(&mut plane);
+    plane
 }

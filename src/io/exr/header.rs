@@ -2,7 +2,7 @@
 
 use super::attributes::{Attributes, HeaderReader, text_of_bytes};
 use super::fault::{Fault, Parsed};
-use super::{Channel, Part, SampleType};
+use super::part::{Channel, Part, SampleType};
 use crate::frame::Window;
 use crate::io::fence::fenced;
 use ::exr::compression::Compression;

@@ -1,6 +1,6 @@
 //! From numbers to the codes that pictures store.
 
-use super::ViewTransform;
+use super::format::ViewTransform;
 use crate::io::srgb;
 use std::sync::LazyLock;
 
