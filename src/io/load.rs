@@ -6,7 +6,7 @@ use super::depth_sense::{self, Sense, judge_sense};
 use super::exr::ExrFile;
 use super::finding::Finding;
 use super::frame_sources::{FrameSources, Planes, only_occlusion};
-use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding};
+use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::notes::Notes;
 use super::roles::Role;
@@ -17,7 +17,10 @@ use crate::error::Result;
 use crate::frame::coverage;
 use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window};
+use crate::frame::{
+    Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes,
+    Window,
+};
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -195,9 +198,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     let view = source.turn_to_view(needs, &mut normal, &mask, &layers)?;
     notes.findings.extend(view.findings);
     let depth_is_half = source.depth_is_half(&layers);
-    if let (Some(position), Some(camera)) = (source.from_positions(&layers), &view.camera) {
-        let mut depth = depth_of_positions(position, camera);
-        coverage::narrow_to(&mut mask, &mut depth);
+    if let Some(depth) = source.depth_of_positions(&layers, view.camera.as_ref(), &mut mask) {
         layers.depth = Some(depth);
     }
 
@@ -219,20 +220,10 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         alpha: layers.alpha,
         light: read.layers,
         camera: view.camera,
-        source: Source {
-            normal_rounding: sources.get(Role::Normal).map_or(0.0, RoleSource::rounding),
-            luminance_weights: chromaticities.and_then(luminance_weights),
-            ..origin(&main)
-        },
+        source: source.source(chromaticities),
         ..Frame::of_normals(normal, mask)
     };
-    let (stored, finding) = match sense {
-        Some((stored, why)) => (stored, told_depth(stored, why)),
-        None => judge_depth(&frame, depth_is_half),
-    };
-    frame.source.depth_kind = stored.kind_of(depth_is_half);
-    let finding = finding.filter(|_| frame.depth.is_some());
-    notes.findings.extend(finding);
+    let stored = settle_depth_kind(&mut frame, sense, depth_is_half, &mut notes);
     Ok(Loaded {
         motion: planes.motion(),
         findings: notes.findings,
@@ -251,6 +242,23 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         frame,
         main,
     })
+}
+
+/// What depth measures, from what is known of it or else from the frame; returns how it was stored.
+fn settle_depth_kind(
+    frame: &mut Frame,
+    sense: Sense,
+    is_half: bool,
+    notes: &mut Notes,
+) -> StoredDepth {
+    let (stored, finding) = match sense {
+        Some((stored, why)) => (stored, told_depth(stored, why)),
+        None => judge_depth(frame, is_half),
+    };
+    frame.source.depth_kind = stored.kind_of(is_half);
+    let finding = finding.filter(|_| frame.depth.is_some());
+    notes.findings.extend(finding);
+    stored
 }
 
 /// The layers that go into a frame beside its normals.
@@ -332,6 +340,18 @@ impl FrameSource<'_> {
         layers.position.as_ref().filter(|_| is_wanted)
     }
 
+    /// Depth of positions, where they stand in for it; `mask` loses the pixels that have none.
+    fn depth_of_positions(
+        &self,
+        layers: &Layers,
+        camera: Option<&Camera>,
+        mask: &mut Mask,
+    ) -> Option<Plane> {
+        let mut depth = depth_of_positions(self.from_positions(layers)?, camera?);
+        coverage::narrow_to(mask, &mut depth);
+        Some(depth)
+    }
+
     /// Turns unit normals to view space, in place; depth of positions takes the camera too.
     fn turn_to_view(
         &self,
@@ -353,6 +373,18 @@ impl FrameSource<'_> {
             None => Role::Position,
         };
         self.sources.get(role).is_some_and(RoleSource::is_half)
+    }
+
+    /// What the frame is read from, but for what its depth measures.
+    fn source(&self, chromaticities: Option<Chromaticities>) -> Source {
+        let normals = self.sources.get(Role::Normal);
+        Source {
+            layers: self.main.layer_names(),
+            attributes: self.main.attributes().cloned().unwrap_or_default(),
+            luminance_weights: chromaticities.and_then(luminance_weights),
+            depth_kind: DepthKind::default(),
+            normal_rounding: normals.map_or(0.0, RoleSource::rounding),
+        }
     }
 
     fn chromaticities(&self, colorspace: Option<ColorSpace>) -> Option<Chromaticities> {
@@ -380,16 +412,5 @@ fn photo_bits(main: &Opened) -> Option<u8> {
     match main {
         Opened::Photo { photo, .. } => Some(photo.header.bits),
         Opened::Exr { .. } => None,
-    }
-}
-
-fn origin(main: &Opened) -> Source {
-    match main {
-        Opened::Photo { .. } => Source::default(),
-        Opened::Exr { file, .. } => Source {
-            layers: main.layer_names(),
-            attributes: file.attributes.clone(),
-            ..Source::default()
-        },
     }
 }
