@@ -60,7 +60,7 @@ pub enum StoredDepth {
     Inverse,
     /// Something that grows with distance, or a distance too coarse for more: 0 where nothing was seen.
     Relative,
-    /// Distance mapped to 0..1, black near and white far, perhaps clamped. It does not tell where nothing was
+    /// Distance mapped to 0..1, black near and white far, perhaps clamped. It does not show where nothing was
     /// seen.
     WhiteFar,
     /// The same the other way round, white near and black far.
@@ -101,8 +101,8 @@ impl StoredDepth {
         }
     }
 
-    /// Whether the layer tells where nothing was seen.
-    pub(crate) fn tells_coverage(self) -> bool {
+    /// Whether the layer shows where nothing was seen.
+    pub(crate) fn shows_coverage(self) -> bool {
         !matches!(self, Self::WhiteFar | Self::WhiteNear)
     }
 }

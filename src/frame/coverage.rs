@@ -36,9 +36,9 @@ pub(crate) fn cover(
         to_distances(depth, *stored);
     }
     let stored = depth.as_ref().and_then(|(_, stored)| *stored);
-    let depth_tells = depth.is_some() && stored.is_none_or(StoredDepth::tells_coverage);
+    let depth_shows_coverage = depth.is_some() && stored.is_none_or(StoredDepth::shows_coverage);
     // Alpha decides only where nothing else does.
-    let alpha = alpha.filter(|_| !depth_tells && mask.is_none());
+    let alpha = alpha.filter(|_| !depth_shows_coverage && mask.is_none());
     let mut mask = of_normals(normal, alpha, mask);
     if let Some((depth, _)) = depth {
         narrow_to(&mut mask, depth);

@@ -1,4 +1,4 @@
-//! What depth measures, told by the normals; and depth from a layer of positions.
+//! What depth measures, judged by how its points lie on the tangent planes of the normals.
 
 use super::camera::quantile;
 use super::finding::Finding;
@@ -10,7 +10,7 @@ use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, SightLines, Vec
 /// About how many pixels are looked at.
 const SAMPLES: usize = 8192;
 
-/// Fewer tell nothing.
+/// Fewer samples decide nothing.
 const FEWEST_SAMPLES: usize = 16;
 
 /// Median sine of the angle by which points lie off the tangent planes of their neighbours, from which
@@ -52,7 +52,7 @@ pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<
 }
 
 /// The finding on a kind that is known beforehand.
-pub(super) fn told_depth(stored: StoredDepth, why: String) -> Option<Finding> {
+pub(super) fn given_depth(stored: StoredDepth, why: String) -> Option<Finding> {
     concluded(stored, why).1
 }
 

@@ -1,10 +1,11 @@
 //! Reading what lights a surface: environments and lit spheres.
 
 use super::exr::Limits;
+use super::opened::{Holding, Opened};
 use super::photo::Meaning;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Holding, Opened, RoleSource, read_all, read_rows, seen};
+use super::sources::{RoleSource, read_all, read_rows};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::light::environment::Environment;
@@ -25,7 +26,7 @@ const MAP_PER_PIXEL: u64 = 48;
 const LAYOUT_PER_PIXEL: u64 = 80;
 
 /// The environment in the picture at `path`, EXR, HDR, PNG, JPEG or TIFF. How it holds directions is
-/// told from its proportions: [`Layout::of_size`].
+/// recognised by its proportions: [`Layout::of_size`].
 ///
 /// # Errors
 /// Any [`Error`] of reading; [`Error::Unsupported`] for proportions of no layout, and without colour.
@@ -151,7 +152,9 @@ impl Lights {
                 let rows = 0..photo.header.height;
                 let row = Window::from_size(photo.header.width, 1);
                 photo.each_row(rows, Meaning::Linear, &mut |_, planes| {
-                    reduced.add(&seen(photo, planes, row).into_color());
+                    let mut read = RolePlanes::of_photo(photo, planes, row);
+                    read.premultiply();
+                    reduced.add(&read.into_color());
                 })?;
             }
             Opened::Exr { .. } => self.add_strips(&mut reduced)?,
@@ -181,7 +184,7 @@ impl Lights {
     /// What was read of all layers, added up over `shown`.
     fn sum(&self, read: Vec<RolePlanes>, shown: Window) -> Result<ColorPlanes> {
         let mut layers = read.into_iter().map(|mut read| {
-            read.bring_to(Role::Color, shown);
+            read.fit_to(Role::Color, shown);
             read.into_color()
         });
         let first = layers.next().expect("there is a source of colour");

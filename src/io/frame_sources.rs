@@ -3,9 +3,10 @@
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, Needs};
 use super::light_layers::LightSources;
+use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Opened, RoleSource, missing, read_rows};
+use super::sources::{RoleSource, missing, read_rows};
 use crate::error::{Error, Result};
 use crate::frame::{AWAY, ColorPlanes, Plane, Vector2Planes, Vector3Planes, Window};
 use std::rc::Rc;
@@ -48,14 +49,14 @@ impl FrameSources {
         if needs.color && color.is_none() {
             return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
         }
-        // Without depth that does, alpha tells coverage, so the picture is read for it; and light is compared to it.
+        // Where depth does not show coverage, alpha does: the picture is read for it. Light is compared to it too.
         let depth = roles.iter().find(|s| s.role == Role::Depth);
         let implied = depth.and_then(|source| source.hint().0.depth);
-        let untelling = inputs
+        let uncovering = inputs
             .depth_kind
             .or(implied)
-            .is_some_and(|d| !d.tells_coverage());
-        let with_color = needs.color || needs.color_if_any || with_light || untelling;
+            .is_some_and(|d| !d.shows_coverage());
+        let with_color = needs.color || needs.color_if_any || with_light || uncovering;
         if with_color || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(color);
         }
@@ -104,13 +105,13 @@ impl FrameSources {
         light: &LightSources,
         window: Window,
         part: Option<Window>,
-        told: Option<ColorSpace>,
+        colorspace: Option<ColorSpace>,
     ) -> Result<(Planes, Vec<RolePlanes>)> {
         let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
         let rows = part.map(|part| part.y0..part.y1);
-        let mut read = read_rows(&all, rows, told)?;
+        let mut read = read_rows(&all, rows, colorspace)?;
         for (source, read) in all.iter().zip(&mut read) {
-            read.bring_to(source.role, window);
+            read.fit_to(source.role, window);
         }
         let light = read.split_off(self.roles.len());
         let roles = self.roles.iter().map(|s| s.role).zip(read).collect();

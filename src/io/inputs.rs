@@ -135,7 +135,7 @@ pub struct Conventions {
     pub normal_space: NormalSpace,
     /// The encoding of the normals.
     pub normal_encoding: NormalEncoding,
-    /// Axes of the normals, as stored, that were turned round: those told, and those found.
+    /// Axes of the normals, as stored, that were flipped: those given, and those found.
     pub normal_flip: Flip,
     /// What the layer of depth holds; `None` without depth.
     pub depth_kind: Option<StoredDepth>,

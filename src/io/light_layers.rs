@@ -1,11 +1,12 @@
-//! Which layers tell the light of a picture apart, by lobes or light groups, and what they hold.
+//! The layers that split the light of a picture, by lobes or light groups.
 
 use super::finding::Finding;
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
 use super::names::{Role, last_word};
+use super::opened::Opened;
 use super::recombination::difference;
 use super::role_planes::RolePlanes;
-use super::sources::{Opened, RoleSource};
+use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask};
 use std::rc::Rc;
@@ -203,7 +204,7 @@ impl LightSources {
         };
         if skipped {
             self.unread.push(lobe);
-            self.tell(lobe, format!("{sum}: not read, its magnitude is 0"), named);
+            self.report(lobe, format!("{sum}: not read, its magnitude is 0"), named);
             return Ok(());
         }
         let without_color = named.is_none() && labels.iter().any(|label| is_without_color(label));
@@ -218,7 +219,7 @@ impl LightSources {
         let conclusion = if without_color || own_color.is_some() {
             let Some(color) = named_albedo.or(own_color) else {
                 let conclusion = format!("{sum}: not scaled, its color layer is missing");
-                self.tell(lobe, conclusion, named);
+                self.report(lobe, conclusion, named);
                 return Ok(());
             };
             let conclusion = match labels.len() {
@@ -238,14 +239,14 @@ impl LightSources {
             self.add(Use::Lobe(lobe, LobeLayer::Albedo), albedo);
             format!("{sum}{}", included.unwrap_or_default())
         };
-        self.tell(lobe, conclusion, named);
+        self.report(lobe, conclusion, named);
         let [direct, indirect] = parts;
         self.add(Use::Lobe(lobe, LobeLayer::Direct), direct);
         self.add(Use::Lobe(lobe, LobeLayer::Indirect), indirect);
         Ok(())
     }
 
-    fn tell(&mut self, lobe: Lobe, conclusion: String, named: &Option<String>) {
+    fn report(&mut self, lobe: Lobe, conclusion: String, named: &Option<String>) {
         let evidence = match named {
             Some(_) => "as told",
             None => "from names",
@@ -311,7 +312,7 @@ impl LightSources {
         let compared = picture.filter(|_| self.whole);
         let difference = compared.and_then(|p| difference(p, &layers.lobes, &rest, mask));
         if let Some(difference) = difference {
-            tell_difference(difference, &mut findings, &mut warnings);
+            report_difference(difference, &mut findings, &mut warnings);
         }
         LightRead {
             layers,
@@ -321,7 +322,7 @@ impl LightSources {
     }
 }
 
-fn tell_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut Vec<String>) {
+fn report_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut Vec<String>) {
     let percent = format!("{:.2} %", 100.0 * difference);
     let recombine = difference <= RECOMBINES;
     findings.push(Finding {
@@ -363,7 +364,7 @@ fn picture_is_occlusion(inputs: &Inputs, main: &Rc<Opened>) -> Result<bool> {
 fn no_lobes(main: &Opened) -> Error {
     Error::MissingAov {
         path: main.path().to_path_buf(),
-        found: format!("has no light passes (found {})", found(main)),
+        found: format!("has no light passes (found {})", main.found("no layers")),
         remedy: "name them with --diffuse and --specular, or leave out --lobes on".into(),
     }
 }
@@ -371,15 +372,10 @@ fn no_lobes(main: &Opened) -> Error {
 fn no_group(main: &Opened, name: &str) -> Error {
     Error::MissingAov {
         path: main.path().to_path_buf(),
-        found: format!("no light group called {name} (found {})", found(main)),
+        found: format!(
+            "no light group called {name} (found {})",
+            main.found("no layers")
+        ),
         remedy: "give --light-group the NAME of a layer Combined_NAME or RGBA_NAME".into(),
-    }
-}
-
-fn found(main: &Opened) -> String {
-    let layers = main.layer_names();
-    match layers.is_empty() {
-        true => "no layers".into(),
-        false => layers.join(", "),
     }
 }

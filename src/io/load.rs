@@ -1,7 +1,7 @@
 //! From files to a frame: reads what a goal needs, and turns everything to view space once.
 
 use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
-use super::depth::{judge_depth, told_depth};
+use super::depth::{given_depth, judge_depth};
 use super::depth_sense::{self, Sense, judge_sense};
 use super::exr::ExrFile;
 use super::finding::Finding;
@@ -9,8 +9,9 @@ use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::notes::Notes;
+use super::opened::{Holding, Opened};
 use super::roles::Role;
-use super::sources::{Holding, Opened, RoleSource};
+use super::sources::RoleSource;
 use super::surface::Surface;
 use super::view::{View, turn_to_view};
 use crate::error::Result;
@@ -41,11 +42,11 @@ pub struct Loaded {
     pub color_is_half: bool,
     /// Whether it is known where in the world the camera stands: positions of the world can be used.
     pub camera_is_placed: bool,
-    /// Whether the camera was recovered from what it saw, and not told.
+    /// Whether the camera was recovered from layers, rather than given.
     pub camera_is_recovered: bool,
     /// How the layers were read.
     pub conventions: Conventions,
-    /// Primaries and white of the picture, where somebody told them: Rec. 709 else.
+    /// Primaries and white of the picture, where inputs or file name them; Rec. 709 otherwise.
     pub chromaticities: Option<Chromaticities>,
     pub(super) main: Rc<Opened>,
 }
@@ -72,7 +73,7 @@ impl Loaded {
 /// # Errors
 /// Any [`crate::Error`] of reading; [`crate::Error::MissingAov`] without normals or without a picture where one is
 /// wanted; [`crate::Error::SizeMismatch`] for inputs of unlike windows; [`crate::Error::Undetermined`] where
-/// neither names nor data tell the space of the normals.
+/// neither names nor data show the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     InputFiles::open(inputs)?.load(inputs, needs)
 }
@@ -82,7 +83,7 @@ pub struct InputFiles {
     main: Rc<Opened>,
 }
 
-/// How large a frame is, as far as headers tell.
+/// How large a frame is, as far as headers say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
     /// The pixels that it has.
@@ -132,7 +133,7 @@ impl InputFiles {
     /// How large the frame of `inputs` is.
     ///
     /// # Errors
-    /// As [`load`], as far as headers tell.
+    /// As [`load`], as far as headers say.
     pub fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
         let light = LightSources::resolve(inputs, &self.main)?;
         let sources = FrameSources::resolve(inputs, &self.main, needs, !light.is_empty())?;
@@ -185,15 +186,15 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         .vector(Role::Normal)
         .expect("normals are always resolved");
     let encoding = notes.encoding(inputs, &sources, &normal);
-    let told_flip = inputs.normal_flip.unwrap_or_default();
-    normals::decode(&mut normal, encoding, told_flip);
+    let given_flip = inputs.normal_flip.unwrap_or_default();
+    normals::decode(&mut normal, encoding, given_flip);
     let mut layers = Layers::of(&mut planes);
     notes.warnings.append(&mut planes.warnings);
     let sense = source.depth_sense(&normal, &layers)?;
     let stored = sense.as_ref().map(|(stored, _)| *stored);
     let depth = layers.depth.as_mut().map(|depth| (depth, stored));
-    let (alpha, told_mask) = (layers.alpha.as_ref(), layers.mask.as_ref());
-    let (mut mask, lengths) = coverage::cover(&mut normal, depth, alpha, told_mask);
+    let (alpha, own_mask) = (layers.alpha.as_ref(), layers.mask.as_ref());
+    let (mut mask, lengths) = coverage::cover(&mut normal, depth, alpha, own_mask);
     notes.on_coverage(&mask);
     let view = source.turn_to_view(needs, &mut normal, &mask, &layers)?;
     notes.findings.extend(view.findings);
@@ -235,7 +236,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         conventions: Conventions {
             normal_space: view.normals.space,
             normal_encoding: encoding,
-            normal_flip: told_flip.and(view.normals.flip),
+            normal_flip: given_flip.and(view.normals.flip),
             depth_kind: frame.depth.is_some().then_some(stored),
         },
         chromaticities,
@@ -252,7 +253,7 @@ fn settle_depth_kind(
     notes: &mut Notes,
 ) -> StoredDepth {
     let (stored, finding) = match sense {
-        Some((stored, why)) => (stored, told_depth(stored, why)),
+        Some((stored, why)) => (stored, given_depth(stored, why)),
         None => judge_depth(frame, is_half),
     };
     frame.source.depth_kind = stored.kind_of(is_half);

@@ -20,6 +20,7 @@ pub mod normal_space;
 mod normals_of_points;
 mod notes;
 pub(crate) mod open;
+mod opened;
 pub mod output;
 pub mod photo;
 pub mod picture;

@@ -114,7 +114,7 @@ impl Role {
     }
 
     /// Whether the role is seen: a colour or light, rather than data. The names of light mean light.
-    pub(super) fn is_seen(self) -> bool {
+    pub(super) fn is_color(self) -> bool {
         use Role::{Color, DiffuseDirect, Environment};
         self == Color || (DiffuseDirect..=Environment).contains(&self)
     }

@@ -1,6 +1,6 @@
 //! Which space a normal map was written in, judged from the map itself.
 //!
-//! Names do not tell: one renderer's `N` is in world space, another's in view space, a third's has z
+//! Names do not decide: one renderer's `N` is in world space, another's in view space, a third's has z
 //! pointing away. But a visible surface faces the viewer, so in the right reading nearly all normals
 //! do; where positions exist, the right reading agrees with the shape they have; and depth rises in the
 //! direction in which view-space normals lean, whatever the focal length: a plane n.P = c seen at
@@ -458,7 +458,7 @@ fn by_shape(e: &NormalSpaceEvidence) -> Option<Concluded> {
     decides.then_some((conclusion, why))
 }
 
-/// Positions without a camera only tell whether the normals share their space.
+/// Positions without a camera only show whether the normals share their space.
 fn by_shape_without_camera(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let world = e.shape_world_deg.filter(|_| e.facing_world.is_none())?;
     let also_view = e.facing_view.max(e.facing_view_flipped) >= HOLDS;

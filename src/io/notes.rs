@@ -4,8 +4,8 @@ use super::finding::Finding;
 use super::frame_sources::FrameSources;
 use super::inputs::{Inputs, NormalEncoding};
 use super::normal_encoding::judge_encoding;
+use super::opened::Opened;
 use super::roles::Role;
-use super::sources::Opened;
 use crate::frame::{Mask, Vector3Planes};
 
 /// Conclusions and warnings gathered while loading.

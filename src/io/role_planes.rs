@@ -1,5 +1,6 @@
 //! The planes of one role as they were read.
 
+use super::photo::StoredPhoto;
 use super::roles::Role;
 use super::srgb;
 use crate::frame::coverage::sanitise;
@@ -14,6 +15,27 @@ pub(super) struct RolePlanes {
 }
 
 impl RolePlanes {
+    /// The planes of a photo, of which the last one is alpha if it has any.
+    pub(super) fn of_photo(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) -> Self {
+        let alpha = photo.header.has_alpha().then(|| planes.pop()).flatten();
+        Self {
+            planes,
+            alpha,
+            window,
+        }
+    }
+
+    /// Multiplies colours by their coverage.
+    pub(super) fn premultiply(&mut self) {
+        let Some(alpha) = &self.alpha else {
+            return;
+        };
+        for plane in &mut self.planes {
+            let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
+            samples.for_each(|(sample, alpha)| *sample *= alpha);
+        }
+    }
+
     /// Makes colours linear that were encoded by the sRGB curve and then multiplied by their coverage.
     pub(super) fn decode(&mut self) {
         let decoded = |v: f32| srgb::decoded(v.into()) as f32;
@@ -30,8 +52,8 @@ impl RolePlanes {
         }
     }
 
-    /// Cuts the planes of `role` to a window, or adds what was never seen: NaN where that tells coverage, else 0.
-    pub(super) fn bring_to(&mut self, role: Role, window: Window) {
+    /// Cuts the planes of `role` to a window, or pads them: with NaN, as not covered, where coverage is read from the role, else with 0.
+    pub(super) fn fit_to(&mut self, role: Role, window: Window) {
         if self.window == window {
             return;
         }

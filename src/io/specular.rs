@@ -1,12 +1,13 @@
 //! What mirrors and lenses show, read from files: the frame's own specular pixels, back faces, what lies behind, the
-//! surroundings, and where a renderer tells it the points that bent sight lines meet.
+//! surroundings, and, where a renderer writes them, the points that bent sight lines meet.
 
 use super::load::Loaded;
 use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
+use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Opened, RoleSource, missing, read_all};
+use super::sources::{RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
 use crate::frame::coverage;
@@ -21,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Which files and layers tell what mirrors and lenses show.
+/// The files and layers that mirrors and lenses show.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SpecularInputs {
     /// Which pixels are specular, above one half: a layer of the picture, or a file.

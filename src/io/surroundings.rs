@@ -4,8 +4,9 @@ use super::camera::{read_pose, recover_panorama};
 use super::inputs::Flip;
 use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
+use super::opened::Opened;
 use super::roles::Role;
-use super::sources::{Opened, RoleSource, missing, read_all};
+use super::sources::{RoleSource, missing, read_all};
 use crate::error::{Error, Result};
 use crate::frame::depth::is_distance;
 use crate::frame::normals::{decode, normalise};
@@ -26,7 +27,7 @@ const BYTES_PER_PIXEL: u64 = 96;
 /// About how much memory the surroundings in the panorama at `path` take, by its header.
 ///
 /// # Errors
-/// As [`read_surroundings`], as far as headers tell.
+/// As [`read_surroundings`], as far as headers say.
 pub fn surroundings_bytes(path: &Path) -> Result<u64> {
     let window = place_in(&Opened::open(path)?)?.window();
     let pixels = window.width() as u64 * window.height() as u64;
@@ -49,7 +50,7 @@ fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
     })
 }
 
-/// The surroundings in the panorama at `path`: world-space positions, which tell by themselves where it was seen from,
+/// The surroundings in the panorama at `path`: world-space positions, from which the viewpoint is recovered,
 /// or distances from there together with a `pose` file; normals, else made from the points; colour where there is any.
 ///
 /// # Errors

@@ -1,8 +1,8 @@
 //! What is in a file, for `inspect`: headers and names, no pixels.
 
 use super::exr::SampleType;
+use super::opened::{Opened, layers_of};
 use super::roles;
-use super::sources::{Opened, layers_of};
 use crate::error::Result;
 use crate::frame::Window;
 use serde::Serialize;

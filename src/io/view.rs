@@ -25,7 +25,7 @@ pub(super) struct View {
     pub(super) camera: Option<Camera>,
     /// Whether it is known where in the world the camera stands, and not only how it is turned.
     pub(super) is_placed: bool,
-    /// Whether the camera was recovered from what it saw, and not told.
+    /// Whether the camera was recovered from layers, rather than given.
     pub(super) is_recovered: bool,
     /// How the stored normals were read.
     pub(super) normals: NormalReading,
@@ -79,7 +79,7 @@ pub(super) fn turn_to_view(
     })
 }
 
-/// The camera that depth tells, and what the normals are with its help: `judge` tells by a camera.
+/// The camera recovered from depth, and how the normals read with it: `judge` reads them by a camera.
 fn aided_by_depth(
     search: &mut CameraSearch,
     unaided: Reading,
@@ -93,14 +93,14 @@ fn aided_by_depth(
         let found = search.by_depth(&turned);
         let is_turned = found.as_ref().is_some_and(|found| unaided.is_turned(found));
         if !is_turned {
-            search.tell(found.as_ref());
+            search.report(found.as_ref());
             return (found.map(|found| found.camera), unaided);
         }
     }
     let found = search.by_depth(normal);
-    search.tell(found.as_ref());
+    search.report(found.as_ref());
     match found {
-        Some(found) if unaided.is_told || flip.is_some() => {
+        Some(found) if unaided.is_given || flip.is_some() => {
             let turned = Reading {
                 certain: Some(NormalReading::WORLD),
                 reason: format!(
@@ -111,7 +111,7 @@ fn aided_by_depth(
             };
             (
                 Some(found.camera),
-                if unaided.is_told { unaided } else { turned },
+                if unaided.is_given { unaided } else { turned },
             )
         }
         Some(found) => {
@@ -165,13 +165,13 @@ struct Reading {
     certain: Option<NormalReading>,
     /// Whether it is world space for want of anything else.
     by_elimination: bool,
-    is_told: bool,
+    is_given: bool,
     evidence: NormalSpaceEvidence,
     reason: String,
 }
 
 impl Reading {
-    /// The reading that was asked for, else the one that the data tell.
+    /// The reading that was asked for, else the one that the data show.
     fn of(
         inputs: &Inputs,
         surface: &Surface,
@@ -183,7 +183,7 @@ impl Reading {
             return Self {
                 certain: Some(NormalReading { space, flip }),
                 by_elimination: false,
-                is_told: true,
+                is_given: true,
                 evidence: NormalSpaceEvidence::default(),
                 reason: "as told".into(),
             };
@@ -198,7 +198,7 @@ impl Reading {
         let verdict = judge_normal_space(normal, mask, position, depth, camera, data_window);
         let (certain, by_elimination) = match verdict.conclusion {
             NormalSpaceConclusion::Certain { space, flip } => {
-                // Where axes were told, only z is still turned toward the viewer.
+                // Where axes were given, only z is still flipped toward the viewer.
                 let flip = match inputs.normal_flip {
                     Some(_) => Flip {
                         z: flip.z,
@@ -214,7 +214,7 @@ impl Reading {
         Self {
             certain,
             by_elimination,
-            is_told: false,
+            is_given: false,
             evidence: verdict.evidence,
             reason: verdict.reason,
         }
@@ -227,7 +227,7 @@ impl Reading {
     /// Whether the normals lean near enough to the slope of depth for view space, but not quite along it.
     fn could_be_turned(&self) -> bool {
         let slope = self.evidence.slope_view_deg;
-        !self.is_told && slope.is_some_and(|deg| deg > STRAIGHT_DEG)
+        !self.is_given && slope.is_some_and(|deg| deg > STRAIGHT_DEG)
     }
 
     /// Whether the camera found from depth and normals, taken for view space, is turned after all.
@@ -282,7 +282,7 @@ impl Reading {
         })
     }
 
-    /// What is told of it.
+    /// The finding on it.
     fn finding(&self, normals: NormalReading, inputs: &Inputs) -> Finding {
         let name = match normals.space {
             NormalSpace::World => "world",
@@ -295,7 +295,7 @@ impl Reading {
         let y_is_open = normals.space == NormalSpace::View
             && inputs.normal_flip.is_none()
             && !judged_by_depth
-            && !self.is_told;
+            && !self.is_given;
         let open = match y_is_open {
             true => {
                 "; without depth nothing tells whether y points up, as it does not in DirectX maps"

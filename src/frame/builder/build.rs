@@ -39,13 +39,13 @@ impl FrameBuilder<'_> {
         normals::decode(&mut normal, stored.encoding, stored.flip);
         let (color, alpha) = self.picture()?;
         let (mut depth, mut depth_kind) = self.stored_depth()?;
-        let told_mask = self.scalar("mask", &self.mask)?;
+        let own_mask = self.scalar("mask", &self.mask)?;
         let stored_depth = self.depth.as_ref().map(|(_, stored)| *stored);
         let (mut mask, lengths) = cover(
             &mut normal,
             depth.as_mut().map(|depth| (depth, stored_depth)),
             alpha.as_ref(),
-            told_mask.as_ref(),
+            own_mask.as_ref(),
         );
         if let Some(camera) = &camera {
             normals::turn_to_view(&mut normal, stored.space, camera);

@@ -14,7 +14,7 @@ use glam::Vec3;
 use light::Light;
 use samples::Size;
 
-/// Normals in memory, and how they are stored: signed in -1..1 unless told otherwise, no axis flipped.
+/// Normals in memory, and how they are stored: signed in -1..1 unless set otherwise, no axis flipped.
 ///
 /// Of 3 channels x, y, z, or of 4, the last one ignored. They need not have unit length: below 1 they count as mixed
 /// by a filter. Zero, NaN and infinite ones show no surface.
@@ -126,7 +126,7 @@ impl Frame {
 }
 
 impl<'a> FrameBuilder<'a> {
-    /// Normals: where nothing else tells, a surface is seen where they have a direction.
+    /// Normals. Without depth, mask and alpha a surface is seen where they have a direction.
     pub fn normals(self, normals: Normals<'a>) -> Self {
         Self {
             normals: Some(normals),
@@ -135,7 +135,7 @@ impl<'a> FrameBuilder<'a> {
     }
 
     /// Depth of any kind, 1 channel, in scene units where it is a distance. Outside the surface it is 0, negative,
-    /// 65504, 1e9 or more, or not finite; [`StoredDepth::WhiteFar`] and [`StoredDepth::WhiteNear`] do not tell, so that
+    /// 65504, 1e9 or more, or not finite; [`StoredDepth::WhiteFar`] and [`StoredDepth::WhiteNear`] do not mark it, so that
     /// the mask or alpha has to. An inverse of half floats is too coarse for distances and taken as relative.
     pub fn depth(self, samples: impl Into<Samples<'a>>, stored: StoredDepth) -> Self {
         Self {
@@ -171,7 +171,7 @@ impl<'a> FrameBuilder<'a> {
     }
 
     /// Coverage of the picture, 0..1, 1 channel; it goes before a fourth channel of the colour. Without a mask and
-    /// without depth that tells, a surface is seen where it is above 0.5.
+    /// without depth that shows coverage, a surface is seen where it is above 0.5.
     pub fn alpha(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             alpha: Some(samples.into()),

@@ -11,7 +11,7 @@ const RANKED: usize = 5_000;
 /// Residuals beyond this many medians are left out, and from the second on pulled linearly.
 const TRIM: f64 = 4.0;
 const HUBER: f64 = 1.5;
-/// Residuals below this, about a degree, are not told apart: where most of a picture is one exact
+/// Residuals below this, about a degree, are not distinguished: where most of a picture is one exact
 /// plane, the rest still has its say.
 const FINEST: f64 = 0.02;
 /// Residual, about three degrees, at which fits are compared: what lies far beyond counts as a miss.

@@ -46,7 +46,7 @@ const COARSE: [Choice; 4] = [
 ];
 /// How far off the middle of the pixel, in pixels, depth has to be taken for that.
 const OFF_CENTRE: f64 = 0.2;
-/// Places that tell how far off it is.
+/// Places at which its error is measured.
 const PROBES: usize = 4_000;
 /// Normals longer than this are not normals.
 const LONGEST: f64 = 1.05;

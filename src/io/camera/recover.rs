@@ -102,7 +102,7 @@ pub enum RecoveryFailure {
         /// Places that it takes.
         needed: usize,
     },
-    /// All normals point the same way, so nothing tells how the picture is turned about it.
+    /// All normals point the same way, so the turn of the picture about it stays open.
     #[error("the normals all point the same way, which leaves a turn about it open")]
     ParallelNormals,
     /// No turn carries the normals onto the slopes of depth.
@@ -122,7 +122,7 @@ pub enum RecoveryFailure {
 /// `display_window` unless the positions show a lens shift clearly. The same input always gives the
 /// same bits.
 ///
-/// A mirrored (left-handed) scene under a parallel camera cannot be told from a right-handed one,
+/// A mirrored (left-handed) scene under a parallel camera cannot be distinguished from a right-handed one,
 /// nor can one that lies in a plane.
 ///
 /// # Errors

@@ -94,7 +94,7 @@ impl PhotoHeader {
 }
 
 impl<'a> Samples<'a> {
-    /// Those of some rows, with so many samples to a row.
+    /// Those of some rows of `row` samples each.
     pub(super) fn within(self, row: usize, rows: &Range<usize>) -> Self {
         let range = rows.start * row..rows.end * row;
         match self {

@@ -66,7 +66,7 @@ fn png_rows(
     Ok(())
 }
 
-/// Every row of an HDR is coded by itself: it is read as a picture of one row.
+/// Every row of an HDR is coded on its own: it is read as a picture of one row.
 fn hdr_rows(photo: &PhotoHeader, rows: Range<usize>, take: &mut Take) -> Result<()> {
     let failed = image_error(&photo.path);
     let mut file = opened(photo)?;
