@@ -1,6 +1,6 @@
 //! What depth measures, judged by how its points lie on the tangent planes of the normals.
 
-use super::camera::quantile;
+use super::camera::median;
 use super::finding::Finding;
 use super::inputs::StoredDepth;
 use super::surface::Surface;
@@ -30,7 +30,10 @@ pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<
     }
     let sight = SightLines::new(camera.projection);
     let pixels = sample_pixels(frame);
-    let sine = |stored: StoredDepth| median(sines(frame, depth, &sight, stored.kind(), &pixels));
+    let sine = |stored: StoredDepth| {
+        let mut sines = sines(frame, depth, &sight, stored.kind(), &pixels);
+        median(&mut sines, FEWEST_SAMPLES)
+    };
     let best = [StoredDepth::Planar, StoredDepth::Ray]
         .map(|kind| (kind, sine(kind)))
         .into_iter()
@@ -81,7 +84,10 @@ pub(super) fn off_tangents(
     frame.data_window = surface.data_window;
     let sight = SightLines::new(camera.projection);
     let pixels = sample_pixels(&frame);
-    let sine = |kind| median(sines(&frame, depth, &sight, kind, &pixels));
+    let sine = |kind| {
+        let mut sines = sines(&frame, depth, &sight, kind, &pixels);
+        median(&mut sines, FEWEST_SAMPLES)
+    };
     let kinds = [DepthKind::Planar, DepthKind::Ray];
     let best = kinds.into_iter().filter_map(sine).min_by(f64::total_cmp);
     best.map(|sine| sine.asin().to_degrees())
@@ -124,9 +130,4 @@ fn sines(
         ways.map(|way| n.dot(way).abs() / way.length())
     });
     sines.filter(|sine| sine.is_finite()).collect()
-}
-
-/// The median; `None` for too few values to decide anything.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    (values.len() >= FEWEST_SAMPLES).then(|| quantile(&mut values, 0.5))
 }

@@ -10,7 +10,7 @@
 //! What this cannot see: a world-space map of a scene watched from straight above with z up *is* a
 //! view-space map, up to a turn about the view axis. Without camera and depth it is read as view space.
 
-use super::camera::quantile;
+use super::camera::median;
 use super::inputs::Flip;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
@@ -355,11 +355,11 @@ impl Tally {
             facing_view: share(self.view),
             facing_view_flipped: share(self.flipped),
             facing_world: camera.then(|| share(self.world)),
-            shape_world_deg: median(&mut self.shape_world),
-            shape_view_deg: median(&mut self.shape_view),
-            shape_view_flipped_deg: median(&mut self.shape_flipped),
-            slope_view_deg: median(&mut self.slope_view),
-            slope_world_deg: median(&mut self.slope_world),
+            shape_world_deg: median(&mut self.shape_world, FEWEST_SHAPES),
+            shape_view_deg: median(&mut self.shape_view, FEWEST_SHAPES),
+            shape_view_flipped_deg: median(&mut self.shape_flipped, FEWEST_SHAPES),
+            slope_view_deg: median(&mut self.slope_view, FEWEST_SHAPES),
+            slope_world_deg: median(&mut self.slope_world, FEWEST_SHAPES),
             readings_differ_deg: camera.then_some(differ / count),
         }
     }
@@ -373,11 +373,6 @@ fn angle_deg(a: DVec3, b: DVec3) -> f64 {
 /// changing its space.
 fn line_angle_deg(a: DVec3, b: DVec3) -> f64 {
     a.dot(b).abs().min(1.0).acos().to_degrees()
-}
-
-/// The median; `None` for too few values to decide anything.
-fn median(values: &mut [f64]) -> Option<f64> {
-    (values.len() >= FEWEST_SHAPES).then(|| quantile(values, 0.5))
 }
 
 const WORLD: NormalSpaceConclusion = NormalSpaceConclusion::Certain {

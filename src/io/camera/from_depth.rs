@@ -21,7 +21,7 @@ use super::file::dmat3;
 use super::recover::{MIRROR, RecoveryFailure};
 use super::samples::quantile;
 use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// Fewer patches than this are refused.
 const FEWEST: usize = 24;
@@ -163,8 +163,7 @@ impl Answer {
     fn report(&self, surface: &Surface) -> DepthCamera {
         let Lens { kind, number } = self.fit.lens;
         let display = surface.display_window;
-        let cx = 0.5 * (f64::from(display.x0) + f64::from(display.x1));
-        let cy = 0.5 * (f64::from(display.y0) + f64::from(display.y1));
+        let DVec2 { x: cx, y: cy } = display.center();
         let (x, y) = (number, number * surface.pixel_aspect);
         let projection = match kind {
             Kind::Parallel => Projection::Orthographic {
