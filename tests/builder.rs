@@ -477,7 +477,7 @@ fn integers_are_read_as_those_of_photos() {
 
 /// The message of what cannot be built.
 fn refusal(builder: FrameBuilder) -> String {
-    builder.build().err().expect("refused").to_string()
+    builder.build().expect_err("refused").to_string()
 }
 
 #[test]

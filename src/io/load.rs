@@ -336,7 +336,7 @@ impl FrameSource<'_> {
     }
 
     /// Positions, where they stand in for depth: nothing else was asked to.
-    fn from_positions<'s>(&self, layers: &'s Layers) -> Option<&'s Vector3Planes> {
+    fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<&'s Vector3Planes> {
         let is_wanted = layers.depth.is_none() && !only_occlusion(self.inputs);
         layers.position.as_ref().filter(|_| is_wanted)
     }
@@ -348,7 +348,7 @@ impl FrameSource<'_> {
         camera: Option<&Camera>,
         mask: &mut Mask,
     ) -> Option<Plane> {
-        let mut depth = depth_of_positions(self.from_positions(layers)?, camera?);
+        let mut depth = depth_of_positions(self.positions_for_depth(layers)?, camera?);
         coverage::narrow_to(mask, &mut depth);
         Some(depth)
     }
@@ -362,7 +362,7 @@ impl FrameSource<'_> {
         layers: &Layers,
     ) -> Result<View> {
         let surface = self.surface(mask, layers, layers.depth.as_ref());
-        let projection = needs.projection || self.from_positions(layers).is_some();
+        let projection = needs.projection || self.positions_for_depth(layers).is_some();
         let hint = self.sources.roles[0].hint();
         turn_to_view(self.inputs, &surface, projection, &hint, normal)
     }

@@ -123,7 +123,8 @@ impl FrameBuilder<'_> {
             .map_err(|number| bad("camera", cannot(&number.found()), &number.remedy()))?;
         let axes = camera.view_from_world.matrix3;
         let error = (axes.transpose() * axes - DMat3::IDENTITY).to_cols_array();
-        if error.iter().any(|e| !(e.abs() <= AXES_ERROR)) {
+        let is_rigid = error.iter().all(|e| e.abs() <= AXES_ERROR);
+        if !is_rigid {
             let found = cannot("its axes are not of unit length and square to each other");
             let remedy = "give a rotation and a translation without scale or shear";
             return Err(bad("camera", found, remedy));

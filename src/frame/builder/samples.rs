@@ -357,7 +357,7 @@ impl<'a, T: Sample> From<&'a Array2<T>> for Samples<'a> {
 impl<'a, T: Sample> From<ArrayView3<'a, T>> for Samples<'a> {
     fn from(view: ArrayView3<'a, T>) -> Self {
         let channels = 0..view.len_of(Axis(2));
-        let channel = |c| view.clone().index_axis_move(Axis(2), c);
+        let channel = |c| view.index_axis_move(Axis(2), c);
         Self::of(Layout::Views(channels.map(channel).collect()))
     }
 }
