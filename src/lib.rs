@@ -1,30 +1,50 @@
 //! relievo brings out the shape of surfaces in pictures, from images alone.
 //!
 //! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, where there are
-//! any, depth, a mask, a camera, and the picture made of it. [`io::load`] makes one of a renderer's
-//! layers or of a photo with its normal map. A [`plan::Plan`] names the stages that a goal needs and no
-//! others; [`engine::cpu::run`] runs it, and a [`engine::cpu::Runner`] runs many in the same memory.
+//! any, depth, a mask, a camera, and the picture made of it. [`Frame::builder`](frame::Frame::builder) makes one of
+//! samples in memory, [`io::load`] of a renderer's layers or of a photo with its normal map. A [`plan::Plan`] names the
+//! stages that a goal needs and no others; [`engine::cpu::run`] runs it, and a [`engine::cpu::Runner`] runs many in
+//! the same memory.
+//!
+//! From slices to a picture, with the shape of a ball brought out:
 //!
 //! ```
 //! use relievo::engine::cpu;
-//! use relievo::io::{self, Needs, inputs::Inputs};
+//! use relievo::frame::{Frame, Normals};
 //! use relievo::params::{ScalingParams, ShapeParams};
 //! use relievo::plan::{Available, Goal, Plan};
 //!
 //! # fn main() -> relievo::Result<()> {
-//! let inputs = Inputs { picture: "fixtures/bust.exr".into(), ..Inputs::default() };
-//! let frame = io::load(&inputs, Needs { color: true, ..Needs::default() })?.frame;
-//! let plan = Plan::new(
-//!     Goal::Enhance,
-//!     Available::in_frame(&frame),
-//!     ShapeParams::default(),
-//!     ScalingParams::default(),
-//! )?;
-//! let enhanced = cpu::run(&plan, &frame).color.expect("enhancing gives a picture");
-//! assert_eq!(enhanced.r.width(), 480);
+//! let (width, height) = (64, 64);
+//! let mut normals = vec![0.0_f32; 3 * width * height];
+//! let mut rgb = vec![0.0_f32; 3 * width * height];
+//! for i in 0..width * height {
+//!     let (x, y) = ((i % width) as f32 / 32.0 - 1.0, 1.0 - (i / width) as f32 / 32.0);
+//!     let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+//!     if z > 0.0 {
+//!         normals[3 * i..][..3].copy_from_slice(&[x, y, z]);
+//!         rgb[3 * i..][..3].fill(z);
+//!     }
+//! }
+//!
+//! let frame = Frame::builder(width, height)
+//!     .normals(Normals::view(&normals))
+//!     .color(&rgb)
+//!     .build()?;
+//! let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+//! let plan = Plan::new(Goal::Enhance, Available::in_frame(&frame), shape, scaling)?;
+//! let picture = cpu::run(&plan, &frame).color.expect("enhancing gives a picture");
+//!
+//! let red = picture.r.view(); // an ndarray view, [row, column]
+//! assert!(red[[32, 32]] > rgb[3 * (32 * width + 32)]); // convex: brighter
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Features
+//!
+//! `default-features = false` leaves the library: no command line (`cli`), no measurements and plots (`report`). `gpu`
+//! adds the wgpu backend, `view` the window, `libdeflate` a quicker ZIP in C.
 //!
 //! # Conventions
 //!
@@ -54,9 +74,9 @@
 //! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 
-pub mod engine;
-
+#[cfg(feature = "cli")]
 pub mod cli;
+pub mod engine;
 pub mod error;
 pub mod fast_math;
 pub mod frame;
@@ -67,6 +87,7 @@ pub mod params;
 pub mod plan;
 pub mod product;
 mod quantile;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod shape;
 pub mod trace;

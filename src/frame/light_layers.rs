@@ -1,4 +1,4 @@
-//! The light that a picture is the sum of, where its file tells it apart.
+//! The layers of light that a picture is the sum of.
 
 use super::{ColorPlanes, Plane};
 use glam::Vec3;
@@ -45,14 +45,27 @@ impl Lobe {
 pub struct LobeLayers {
     /// Which lobe.
     pub lobe: Lobe,
-    /// Light that comes from lights, or all there is where the file does not tell.
+    /// Light that comes from lights, or all there is where the file does not separate it.
     pub direct: Option<ColorPlanes>,
     /// Light that comes from other surfaces.
     pub indirect: Option<ColorPlanes>,
-    /// The surface's own colour, where the light is told without it.
+    /// The surface's own colour, where the light is stored without it.
     pub color: Option<ColorPlanes>,
     /// The surface's own colour, where the light holds it already: what the light is to be judged by.
     pub albedo: Option<ColorPlanes>,
+}
+
+/// What a layer is of its lobe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LobeLayer {
+    /// [`LobeLayers::direct`].
+    Direct,
+    /// [`LobeLayers::indirect`].
+    Indirect,
+    /// [`LobeLayers::color`].
+    Color,
+    /// [`LobeLayers::albedo`].
+    Albedo,
 }
 
 /// The part of the picture that some lights make.
@@ -66,7 +79,7 @@ pub struct LightGroup {
     pub to_light: Vec<Vec3>,
 }
 
-/// Everything that is told of the light in a picture. Empty where nothing is, or nothing was asked for.
+/// The light of a picture by lobes or light groups. Empty where the file has no such layers, or none were asked for.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LightLayers {
     /// Lobes, at most one entry each.
@@ -80,7 +93,34 @@ pub struct LightLayers {
 }
 
 impl LightLayers {
-    /// The same layers with every plane made anew by `plane`.
+    /// The layers of a lobe; all absent where it is new.
+    pub(crate) fn lobe_mut(&mut self, lobe: Lobe) -> &mut LobeLayers {
+        let at = self.lobes.iter().position(|layers| layers.lobe == lobe);
+        let at = at.unwrap_or_else(|| {
+            self.lobes.push(LobeLayers {
+                lobe,
+                direct: None,
+                indirect: None,
+                color: None,
+                albedo: None,
+            });
+            self.lobes.len() - 1
+        });
+        &mut self.lobes[at]
+    }
+
+    /// One layer of a lobe.
+    pub(crate) fn layer_mut(&mut self, lobe: Lobe, layer: LobeLayer) -> &mut Option<ColorPlanes> {
+        let layers = self.lobe_mut(lobe);
+        match layer {
+            LobeLayer::Direct => &mut layers.direct,
+            LobeLayer::Indirect => &mut layers.indirect,
+            LobeLayer::Color => &mut layers.color,
+            LobeLayer::Albedo => &mut layers.albedo,
+        }
+    }
+
+    /// The same layers with every plane replaced by `plane` of it.
     pub fn map(&self, plane: impl Fn(&Plane) -> Plane) -> Self {
         let color = |c: &ColorPlanes| ColorPlanes {
             r: plane(&c.r),

@@ -139,7 +139,7 @@ mod tests {
                         assert!(!std::mem::replace(covered, true));
                     }
                 });
-                assert!(found.iter().all(|&told| told));
+                assert!(found.iter().all(|&covered| covered));
             }
         }
         assert_eq!(Mask::new(Plane::filled(5, 1, false)).runs(0).count(), 0);

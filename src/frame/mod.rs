@@ -1,8 +1,13 @@
-//! The data everything passes around: planes, the mask, windows, the camera.
+//! The data that every stage takes: planes, the mask, windows, the camera.
 
+mod builder;
+mod conventions;
+pub(crate) mod coverage;
+pub(crate) mod depth;
 mod light_layers;
 mod mask;
 mod motion;
+pub(crate) mod normals;
 mod plane;
 mod ray;
 mod reduced;
@@ -13,7 +18,11 @@ mod steps;
 mod surroundings;
 mod window;
 
-pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayers};
+pub(crate) use builder::PIXEL_ASPECTS;
+#[doc(inline)]
+pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
+pub use conventions::{Flip, NormalEncoding, StoredDepth};
+pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::{
@@ -61,11 +70,11 @@ pub struct Frame {
     pub importance: Option<Plane>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
-    /// Colour of the surface itself, scene-linear, where a layer or file tells it.
+    /// Colour of the surface itself, scene-linear, where a layer or file holds it.
     pub albedo: Option<ColorPlanes>,
     /// Coverage of the picture, 0..1; colour is premultiplied by it.
     pub alpha: Option<Plane>,
-    /// The light that the picture is the sum of, as far as it is told apart and was asked for.
+    /// The layers of light that the picture is the sum of, where there are any and they were asked for.
     pub light: LightLayers,
     /// The camera, where it is known.
     pub camera: Option<Camera>,
@@ -131,7 +140,7 @@ impl Frame {
         }
     }
 
-    /// The frame with this mask, and every plane made anew by `plane`.
+    /// The frame with this mask, and every plane replaced by `plane` of it.
     fn with_planes(&self, mask: Mask, plane: impl Fn(&Plane) -> Plane + Copy) -> Frame {
         let colors = |c: &ColorPlanes| ColorPlanes {
             r: plane(&c.r),

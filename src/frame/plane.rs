@@ -1,7 +1,7 @@
 //! Planes: one quantity, one value per pixel.
 
 use crate::frame::Window;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use ndarray::{ArrayView2, ArrayViewMut2};
 use std::ops::Range;
 
@@ -179,11 +179,30 @@ pub struct Vector3Planes {
 }
 
 impl Vector3Planes {
+    /// The vectors of three planes, or of one whose value is that of all components.
+    pub(crate) fn of(planes: Vec<Plane>) -> Self {
+        let [x, y, z] = three(planes);
+        Self { x, y, z }
+    }
+
     /// The vector at column `x` of row `y`.
     #[inline]
     pub fn at(&self, x: usize, y: usize) -> DVec3 {
         let [x, y, z] = [&self.x, &self.y, &self.z].map(|plane| f64::from(plane.at(x, y)));
         DVec3::new(x, y, z)
+    }
+
+    /// All vectors, row after row.
+    pub(crate) fn vectors(&self) -> impl Iterator<Item = Vec3> {
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(|plane| plane.samples().iter());
+        x.zip(y).zip(z).map(|((&x, &y), &z)| Vec3::new(x, y, z))
+    }
+
+    /// The components of all vectors, row after row, to be written.
+    pub(crate) fn components_mut(&mut self) -> impl Iterator<Item = [&mut f32; 3]> {
+        let [x, y, z] =
+            [&mut self.x, &mut self.y, &mut self.z].map(|plane| plane.samples_mut().iter_mut());
+        x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
     }
 
     /// Planes of the vectors `vector(x, y)`.
@@ -224,6 +243,12 @@ pub struct ColorPlanes {
 }
 
 impl ColorPlanes {
+    /// The colour of three planes, or of one that is grey.
+    pub(crate) fn of(planes: Vec<Plane>) -> Self {
+        let [r, g, b] = three(planes);
+        Self { r, g, b }
+    }
+
     /// One plane as all three channels.
     pub(crate) fn grey(plane: Plane) -> Self {
         Self {
@@ -231,5 +256,26 @@ impl ColorPlanes {
             g: plane.clone(),
             b: plane,
         }
+    }
+}
+
+/// Three planes of one or three: a grey picture has three equal ones.
+fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
+    let third = planes.pop().expect("a layer has planes");
+    match (planes.pop(), planes.pop()) {
+        (Some(second), Some(first)) => [first, second, third],
+        _ => [third.clone(), third.clone(), third],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_moved_with_its_window() {
+        let plane = Plane::from_fn(2, 2, |x, y| (1 + x + 2 * y) as f32);
+        let moved = plane.moved(Window::at(-1, 1, 2, 2), Window::at(0, 0, 2, 3), 0.0);
+        assert_eq!(moved.samples(), [0.0, 0.0, 2.0, 0.0, 4.0, 0.0]);
     }
 }

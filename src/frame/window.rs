@@ -52,6 +52,12 @@ impl Window {
         corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
     }
 
+    /// The point halfway between its edges.
+    pub(crate) fn center(&self) -> DVec2 {
+        let [x0, y0, x1, y1] = [self.x0, self.y0, self.x1, self.y1].map(f64::from);
+        DVec2::new(0.5 * (x0 + x1), 0.5 * (y0 + y1))
+    }
+
     /// Whether the pixel (`x`, `y`) lies inside.
     pub fn contains(&self, x: i32, y: i32) -> bool {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)

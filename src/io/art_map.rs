@@ -1,4 +1,4 @@
-//! Reading a tonal art map of one's own: a folder of pictures of strokes.
+//! Reading a custom tonal art map: a folder of pictures of strokes.
 
 use super::environment::{color_size, read_color};
 use super::picture::PictureFormat;
@@ -18,7 +18,7 @@ const MAX_PICTURES: usize = 256;
 ///
 /// # Errors
 /// [`Error::Unsupported`] where there is no picture, too many, or more than fits in `most_bytes`;
-/// [`Error::SizeMismatch`] for one whose size is not that of the first, which headers tell; otherwise as for any picture.
+/// [`Error::SizeMismatch`] for one whose size, by its header, is not that of the first; otherwise as for any picture.
 pub fn read_art_map(path: &Path, most_bytes: u64) -> Result<Vec<Plane>> {
     let refused = |found: String, remedy: &str| Error::Unsupported {
         path: path.to_path_buf(),

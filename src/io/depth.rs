@@ -1,64 +1,21 @@
-//! What depth measures, told by the normals; and depth from a layer of positions.
+//! What depth measures, judged by how its points lie on the tangent planes of the normals.
 
-use super::camera::quantile;
+use super::camera::median;
+use super::finding::Finding;
 use super::inputs::StoredDepth;
-use super::load::Finding;
-use super::normals::normalise;
-use super::view::{Surface, turn_normals};
-use crate::frame::SightLines;
-use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, Vector3Planes};
-use glam::DVec3;
+use super::surface::Surface;
+use crate::frame::normals::{normalise, turn_to_view};
+use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, SightLines, Vector3Planes};
 
 /// About how many pixels are looked at.
 const SAMPLES: usize = 8192;
 
-/// Fewer tell nothing.
+/// Fewer samples decide nothing.
 const FEWEST_SAMPLES: usize = 16;
 
 /// Median sine of the angle by which points lie off the tangent planes of their neighbours, from which
 /// on depth is no distance, or has another surface than the normals.
 const WORST_SINE: f64 = 0.05;
-
-/// Distance along the view axis, of positions in world space; 0 where there is none.
-pub(super) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> Plane {
-    Plane::from_fn(position.x.width(), position.x.height(), |x, y| {
-        let world = DVec3::new(
-            position.x.at(x, y).into(),
-            position.y.at(x, y).into(),
-            position.z.at(x, y).into(),
-        );
-        let depth = -camera.view_from_world.transform_point3(world).z as f32;
-        if depth.is_finite() { depth } else { 0.0 }
-    })
-}
-
-/// From what a layer of depth holds to what grows with distance, in place: positive, 0 where the layer tells
-/// that nothing was seen.
-pub(super) fn to_distances(depth: &mut Plane, stored: StoredDepth) {
-    let distance: fn(f32) -> f32 = match stored {
-        StoredDepth::Planar | StoredDepth::Ray | StoredDepth::Relative => return,
-        StoredDepth::Inverse => |d| if d > 0.0 { 1.0 / d } else { 0.0 },
-        // Between 1 and 2, so that the same share of the range is the same jump, roughly, near and far.
-        StoredDepth::WhiteFar => |d| {
-            if d.is_nan() {
-                0.0
-            } else {
-                1.0 + d.clamp(0.0, 1.0)
-            }
-        },
-        StoredDepth::WhiteNear => |d| {
-            if d.is_nan() {
-                0.0
-            } else {
-                2.0 - d.clamp(0.0, 1.0)
-            }
-        },
-    };
-    depth
-        .samples_mut()
-        .iter_mut()
-        .for_each(|d| *d = distance(*d));
-}
 
 /// Which kind of distance puts the points of `frame` on each other's tangent planes; with the finding.
 ///
@@ -73,7 +30,10 @@ pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<
     }
     let sight = SightLines::new(camera.projection);
     let pixels = sample_pixels(frame);
-    let sine = |stored: StoredDepth| median(sines(frame, depth, &sight, stored.kind(), &pixels));
+    let sine = |stored: StoredDepth| {
+        let mut sines = sines(frame, depth, &sight, stored.kind(), &pixels);
+        median(&mut sines, FEWEST_SAMPLES)
+    };
     let best = [StoredDepth::Planar, StoredDepth::Ray]
         .map(|kind| (kind, sine(kind)))
         .into_iter()
@@ -95,7 +55,7 @@ pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<
 }
 
 /// The finding on a kind that is known beforehand.
-pub(super) fn told_depth(stored: StoredDepth, why: String) -> Option<Finding> {
+pub(super) fn given_depth(stored: StoredDepth, why: String) -> Option<Finding> {
     concluded(stored, why).1
 }
 
@@ -118,13 +78,16 @@ pub(super) fn off_tangents(
     camera: &Camera,
 ) -> Option<f64> {
     let mut normal = normal.clone();
-    turn_normals(&mut normal, NormalSpace::World, camera);
+    turn_to_view(&mut normal, NormalSpace::World, camera);
     normalise(&mut normal, surface.mask.plane());
     let mut frame = Frame::of_normals(normal, surface.mask.clone());
     frame.data_window = surface.data_window;
     let sight = SightLines::new(camera.projection);
     let pixels = sample_pixels(&frame);
-    let sine = |kind| median(sines(&frame, depth, &sight, kind, &pixels));
+    let sine = |kind| {
+        let mut sines = sines(&frame, depth, &sight, kind, &pixels);
+        median(&mut sines, FEWEST_SAMPLES)
+    };
     let kinds = [DepthKind::Planar, DepthKind::Ray];
     let best = kinds.into_iter().filter_map(sine).min_by(f64::total_cmp);
     best.map(|sine| sine.asin().to_degrees())
@@ -159,11 +122,7 @@ fn sines(
     };
     let normal = &frame.normal;
     let sines = pixels.iter().flat_map(|&(x, y)| {
-        let n = DVec3::new(
-            normal.x.at(x, y).into(),
-            normal.y.at(x, y).into(),
-            normal.z.at(x, y).into(),
-        );
+        let n = normal.at(x, y);
         let ways = [
             point(x + 1, y) - point(x - 1, y),
             point(x, y - 1) - point(x, y + 1),
@@ -171,9 +130,4 @@ fn sines(
         ways.map(|way| n.dot(way).abs() / way.length())
     });
     sines.filter(|sine| sine.is_finite()).collect()
-}
-
-/// The median; `None` for too few values to decide anything.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    (values.len() >= FEWEST_SAMPLES).then(|| quantile(&mut values, 0.5))
 }

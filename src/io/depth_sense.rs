@@ -1,17 +1,18 @@
 //! Whether a layer of depth grows with distance, shrinks with it, or is no distance at all.
 //!
 //! Nuke writes 1/z, others map near and far to white and black either way round. Where the background is a
-//! renderer's infinity there is nothing to ask. Else the normals tell: depth rises the way they lean, and what falls
+//! renderer's infinity there is nothing to ask. Otherwise the normals decide: depth rises the way they lean, and what falls
 //! that way is the reverse of a distance. One over it is a distance if its slopes then fit the normals through
 //! some lens. What the data leave open, the layer's name and the renderer decide.
 
 use super::camera::{CameraSearch, recover_camera_from_depth};
-use super::coverage::{self, Evidence, is_distance};
-use super::depth::{off_tangents, to_distances};
+use super::depth::off_tangents;
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
 use super::normal_space::judge_normal_space;
-use super::view::Surface;
+use super::surface::Surface;
+use crate::frame::coverage;
+use crate::frame::depth::{is_distance, to_distances};
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
 use crate::quantile::quantile;
 
@@ -27,7 +28,7 @@ const ABOVE_ONE: f32 = 1e-3;
 /// What a layer holds that is not simply a distance, and why.
 pub(super) type Sense = Option<(StoredDepth, String)>;
 
-/// The layers that tell.
+/// The layers that the sense of depth is judged from.
 pub(super) struct Layers<'a> {
     pub(super) inputs: &'a Inputs,
     /// Depth as stored.
@@ -80,13 +81,8 @@ enum Way {
 /// # Errors
 /// Those of reading the camera's file.
 pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate::Result<Sense> {
-    let covered = coverage::coverage(&Evidence {
-        normal: layers.normal,
-        depth: None,
-        depth_tells: false,
-        alpha: layers.alpha,
-        mask: layers.mask,
-    });
+    let alpha = layers.alpha.filter(|_| layers.mask.is_none());
+    let covered = coverage::of_normals(layers.normal, alpha, layers.mask);
     let Some(range) = range(layers.raw, &covered) else {
         return Ok(None);
     };
@@ -176,7 +172,7 @@ impl Judged<'_> {
     /// Depth that falls beside normals with x reversed leans as depth that rises beside normals with y reversed:
     /// where it comes to that, `toward` is what the name implies.
     fn way(&self, toward: bool) -> crate::Result<(Option<Way>, &'static str, Option<Camera>)> {
-        let told = |angle: f64| match angle {
+        let way_of = |angle: f64| match angle {
             a if a <= AGREES_DEG => Some(Way::Away),
             a if a >= 180.0 - AGREES_DEG => Some(Way::Toward),
             _ => None,
@@ -190,12 +186,12 @@ impl Judged<'_> {
         let unaided = evidence(None);
         let faces = unaided.facing_view.max(unaided.facing_view_flipped) >= FACES;
         let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
-        let reversed = [x, y].map(told);
+        let reversed = [x, y].map(way_of);
         let implied = match toward {
             true => Way::Toward,
             false => Way::Away,
         };
-        let view = told(as_is)
+        let view = way_of(as_is)
             .or(reversed.into_iter().flatten().find(|way| *way == implied))
             .or(reversed.into_iter().find_map(|way| way))
             .filter(|_| faces);
@@ -205,7 +201,7 @@ impl Judged<'_> {
         let mut search = CameraSearch::new(self.layers.inputs, &surface);
         if let Some(camera) = search.placed(self.layers.normal)? {
             let slope = evidence(Some(&camera)).slope_world_deg;
-            let way = slope.and_then(told);
+            let way = slope.and_then(way_of);
             return Ok((
                 way,
                 "the turned normals lean toward what is far",
@@ -230,7 +226,7 @@ impl Judged<'_> {
         ))
     }
 
-    /// The angle left between normals and depth by the camera that these tell, in degrees.
+    /// The angle left between normals and depth by the camera recovered from them, in degrees.
     fn recovered_deg(&self, stored: StoredDepth) -> Option<f64> {
         let mut depth = self.raw.clone();
         to_distances(&mut depth, stored);

@@ -1,9 +1,11 @@
 //! Reading what lights a surface: environments and lit spheres.
 
 use super::exr::Limits;
+use super::opened::{Holding, Opened};
 use super::photo::Meaning;
+use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Holding, Opened, RolePlanes, RoleSource, read_all, read_rows, seen};
+use super::sources::{RoleSource, read_all, read_rows};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::light::environment::Environment;
@@ -24,7 +26,7 @@ const MAP_PER_PIXEL: u64 = 48;
 const LAYOUT_PER_PIXEL: u64 = 80;
 
 /// The environment in the picture at `path`, EXR, HDR, PNG, JPEG or TIFF. How it holds directions is
-/// told from its proportions: [`Layout::of_size`].
+/// recognised by its proportions: [`Layout::of_size`].
 ///
 /// # Errors
 /// Any [`Error`] of reading; [`Error::Unsupported`] for proportions of no layout, and without colour.
@@ -117,7 +119,9 @@ impl Lights {
         })?;
         let shown = match file.as_ref() {
             Opened::Exr { file, .. } => file.display_window,
-            Opened::Photo { photo, .. } => Window::from_size(photo.width, photo.height),
+            Opened::Photo { photo, .. } => {
+                Window::from_size(photo.header.width, photo.header.height)
+            }
         };
         check_size(path, shown)?;
         Ok(Self {
@@ -132,7 +136,7 @@ impl Lights {
     fn read(&self, per_pixel: u64) -> Result<ColorPlanes> {
         let pixels = self.shown.width() as u64 * self.shown.height() as u64;
         let stored = match self.file.as_ref() {
-            Opened::Photo { photo, .. } => photo.bytes(),
+            Opened::Photo { photo, .. } => photo.header.bytes(),
             Opened::Exr { .. } => 0,
         };
         let bytes = pixels.saturating_mul(per_pixel).saturating_add(stored);
@@ -145,10 +149,12 @@ impl Lights {
         let mut reduced = Reduced::new([self.shown.width(), self.shown.height()], factor);
         match self.file.as_ref() {
             Opened::Photo { photo, .. } => {
-                let rows = 0..photo.height;
-                let row = Window::from_size(photo.width, 1);
+                let rows = 0..photo.header.height;
+                let row = Window::from_size(photo.header.width, 1);
                 photo.each_row(rows, Meaning::Linear, &mut |_, planes| {
-                    reduced.add(&color_of(seen(photo, planes, row), row, row));
+                    let mut read = RolePlanes::of_photo(photo, planes, row);
+                    read.premultiply();
+                    reduced.add(&read.into_color());
                 })?;
             }
             Opened::Exr { .. } => self.add_strips(&mut reduced)?,
@@ -177,9 +183,9 @@ impl Lights {
 
     /// What was read of all layers, added up over `shown`.
     fn sum(&self, read: Vec<RolePlanes>, shown: Window) -> Result<ColorPlanes> {
-        let mut layers = read.into_iter().map(|planes| {
-            let window = planes.window;
-            color_of(planes, window, shown)
+        let mut layers = read.into_iter().map(|mut read| {
+            read.fit_to(Role::Color, shown);
+            read.into_color()
         });
         let first = layers.next().expect("there is a source of colour");
         Ok(layers.fold(first, sum))
@@ -295,28 +301,6 @@ fn color_sources(file: &Rc<Opened>) -> Option<Vec<RoleSource>> {
     RoleSource::in_file(Role::Color, file).map(|source| vec![source])
 }
 
-/// Three planes over `shown` of one or three over `window`; black where nothing was stored.
-fn color_of(read: RolePlanes, window: Window, shown: Window) -> ColorPlanes {
-    let mut planes = read.planes.into_iter().map(|plane| match window == shown {
-        true => plane,
-        false => placed(&plane, window, shown),
-    });
-    let r = planes.next().expect("colour has at least one plane");
-    let g = planes.next().unwrap_or_else(|| r.clone());
-    let b = planes.next().unwrap_or_else(|| r.clone());
-    ColorPlanes { r, g, b }
-}
-
-fn placed(plane: &Plane, window: Window, shown: Window) -> Plane {
-    Plane::from_fn(shown.width(), shown.height(), |x, y| {
-        let (x, y) = (shown.x0 + x as i32, shown.y0 + y as i32);
-        match window.contains(x, y) {
-            true => plane.at((x - window.x0) as usize, (y - window.y0) as usize),
-            false => 0.0,
-        }
-    })
-}
-
 fn sum(a: ColorPlanes, b: ColorPlanes) -> ColorPlanes {
     let add = |mut a: Plane, b: Plane| {
         let samples = a.samples_mut().iter_mut().zip(b.samples());
@@ -349,12 +333,5 @@ mod tests {
         let done = reduced.done();
         assert_eq!(done.r.samples(), [5.5, 8.0, 25.5, 28.0]);
         assert_eq!(done.b.samples(), [22.0, 32.0, 102.0, 112.0]);
-    }
-
-    #[test]
-    fn a_layer_is_placed_in_what_is_shown() {
-        let plane = Plane::from_fn(2, 2, |x, y| (1 + x + 2 * y) as f32);
-        let placed = placed(&plane, Window::at(-1, 1, 2, 2), Window::at(0, 0, 2, 3));
-        assert_eq!(placed.samples(), [0.0, 0.0, 2.0, 0.0, 4.0, 0.0]);
     }
 }

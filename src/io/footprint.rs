@@ -1,4 +1,4 @@
-//! How much memory a frame takes, told from headers alone.
+//! How much memory a frame takes, from headers alone.
 
 use super::exr::{ExrFile, Limits};
 use super::photo::StoredPhoto;
@@ -15,7 +15,7 @@ const WORK_PER_PIXEL: u64 = 60;
 const SCALE_PER_PIXEL: u64 = 20;
 
 /// About how much memory it takes to make something of the picture `path`, at so many scales beyond the
-/// first; 0 where it cannot be told.
+/// first; 0 where the header does not say.
 pub fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
     let scales = SCALE_PER_PIXEL * more_scales as u64;
     let pixels = |width: usize, height: usize| width as u64 * height as u64;
@@ -30,7 +30,10 @@ pub fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
     };
     let of_photo = || {
         let photo = StoredPhoto::open(path, u64::MAX).ok()?;
-        Some(pixels(photo.width, photo.height).saturating_mul(LEAST_PER_PIXEL + scales))
+        Some(
+            pixels(photo.header.width, photo.header.height)
+                .saturating_mul(LEAST_PER_PIXEL + scales),
+        )
     };
     of_exr().or_else(of_photo).unwrap_or(0)
 }

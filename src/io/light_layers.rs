@@ -1,78 +1,49 @@
-//! Which layers tell the light of a picture apart, by lobes or light groups, and what they hold.
+//! The layers that split the light of a picture, by lobes or light groups.
 
-use super::coverage::sanitise;
+use super::finding::Finding;
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
-use super::load::{Finding, grey, three};
+use super::names::{Role, last_word};
+use super::opened::Opened;
 use super::recombination::difference;
-use super::roles::{Role, last_word};
-use super::sources::{Opened, RolePlanes, RoleSource};
+use super::role_planes::RolePlanes;
+use super::sources::RoleSource;
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayers, Mask};
+use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask};
 use std::rc::Rc;
 
 /// Passes that differ from their picture by more than this, in the median, do not recombine to it: lossy
 /// compression stays well below.
 const RECOMBINES: f32 = 0.05;
 
-/// A lobe with the roles of its layers: direct, indirect, colour, and all of its light in one layer.
-type Rule = (Lobe, [Option<Role>; 4]);
-
-const LOBES: [Rule; 6] = [
-    (
-        Lobe::Diffuse,
-        [
-            Some(Role::DiffuseDirect),
-            Some(Role::DiffuseIndirect),
-            Some(Role::DiffuseColor),
-            Some(Role::Diffuse),
-        ],
-    ),
-    (
-        Lobe::Specular,
-        [
-            Some(Role::GlossyDirect),
-            Some(Role::GlossyIndirect),
-            Some(Role::GlossyColor),
-            Some(Role::Specular),
-        ],
-    ),
-    (
-        Lobe::Transmission,
-        [
-            Some(Role::TransmissionDirect),
-            Some(Role::TransmissionIndirect),
-            Some(Role::TransmissionColor),
-            Some(Role::Transmission),
-        ],
-    ),
-    (
-        Lobe::Subsurface,
-        [
-            Some(Role::SubsurfaceDirect),
-            Some(Role::SubsurfaceIndirect),
-            Some(Role::SubsurfaceColor),
-            Some(Role::Subsurface),
-        ],
-    ),
-    (
-        Lobe::Coat,
-        [
-            Some(Role::CoatDirect),
-            Some(Role::CoatIndirect),
-            None,
-            Some(Role::Coat),
-        ],
-    ),
-    (
-        Lobe::Sheen,
-        [
-            Some(Role::SheenDirect),
-            Some(Role::SheenIndirect),
-            None,
-            Some(Role::Sheen),
-        ],
-    ),
-];
+/// The layers of each lobe: direct light, indirect light, all of its light in one layer, and colour, which coat and sheen
+/// do without.
+const LOBES: [(Lobe, [Role; 3], Option<Role>); 6] = {
+    use Role::*;
+    [
+        (
+            Lobe::Diffuse,
+            [DiffuseDirect, DiffuseIndirect, Diffuse],
+            Some(DiffuseColor),
+        ),
+        (
+            Lobe::Specular,
+            [GlossyDirect, GlossyIndirect, Specular],
+            Some(GlossyColor),
+        ),
+        (
+            Lobe::Transmission,
+            [TransmissionDirect, TransmissionIndirect, Transmission],
+            Some(TransmissionColor),
+        ),
+        (
+            Lobe::Subsurface,
+            [SubsurfaceDirect, SubsurfaceIndirect, Subsurface],
+            Some(SubsurfaceColor),
+        ),
+        (Lobe::Coat, [CoatDirect, CoatIndirect, Coat], None),
+        (Lobe::Sheen, [SheenDirect, SheenIndirect, Sheen], None),
+    ]
+};
 
 /// Light that curvature has no say in; it counts where lobes are compared to the picture.
 const REST: [Role; 4] = [
@@ -85,10 +56,7 @@ const REST: [Role; 4] = [
 /// What a layer is of the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Use {
-    Direct(Lobe),
-    Indirect(Lobe),
-    Color(Lobe),
-    Albedo(Lobe),
+    Lobe(Lobe, LobeLayer),
     Rest,
     Group,
     Occlusion,
@@ -154,7 +122,7 @@ impl LightSources {
     }
 
     fn has_lobes(&self) -> bool {
-        let read = |u: &Use| matches!(u, Use::Direct(_) | Use::Indirect(_));
+        let read = |u: &Use| matches!(u, Use::Lobe(_, LobeLayer::Direct | LobeLayer::Indirect));
         !self.unread.is_empty() || self.uses.iter().any(read)
     }
 
@@ -188,8 +156,8 @@ impl LightSources {
     }
 
     fn find_lobes(&mut self, light: &LightInputs, main: &Rc<Opened>) -> Result<()> {
-        for (lobe, roles) in LOBES {
-            self.find_lobe(lobe, roles, light, main)?;
+        for (lobe, lights, color) in LOBES {
+            self.find_lobe(lobe, lights, color, light, main)?;
         }
         self.whole = self.has_lobes() && self.unread.is_empty();
         if self.whole {
@@ -207,7 +175,8 @@ impl LightSources {
     fn find_lobe(
         &mut self,
         lobe: Lobe,
-        [direct, indirect, color, all]: [Option<Role>; 4],
+        [direct, indirect, all]: [Role; 3],
+        color: Option<Role>,
         light: &LightInputs,
         main: &Rc<Opened>,
     ) -> Result<()> {
@@ -216,79 +185,68 @@ impl LightSources {
             Lobe::Specular => (&light.specular, &None),
             _ => (&None, &None),
         };
-        let find = |role: Option<Role>, name: &Option<String>| match role {
-            Some(role) => RoleSource::resolve(role, name.as_deref(), main),
-            None => Ok(None),
-        };
+        let find = |role| RoleSource::resolve(role, None, main);
         let mut parts = [None, None];
         if named.is_none() {
-            parts = [find(direct, &None)?, find(indirect, &None)?];
+            parts = [find(direct)?, find(indirect)?];
         }
         if parts.iter().all(Option::is_none) {
-            parts[0] = find(all, named)?;
+            parts[0] = RoleSource::resolve(all, named.as_deref(), main)?;
         }
-        let lights: Vec<&RoleSource> = parts.iter().flatten().collect();
-        if lights.is_empty() {
+        let labels: Vec<&str> = parts.iter().flatten().map(RoleSource::label).collect();
+        if labels.is_empty() {
             return Ok(());
         }
-        let label = |source: &RoleSource| source.label().to_string();
-        let sum = lights
-            .iter()
-            .map(|s| label(s))
-            .collect::<Vec<_>>()
-            .join(" + ");
+        let sum = labels.join(" + ");
         let skipped = match lobe.is_diffuse() {
             true => light.without_diffuse,
             false => light.without_specular,
         };
         if skipped {
             self.unread.push(lobe);
-            self.tell(lobe, format!("{sum}: not read, its magnitude is 0"), named);
+            self.report(lobe, format!("{sum}: not read, its magnitude is 0"), named);
             return Ok(());
         }
-        let without_color = named.is_none() && lights.iter().any(|s| is_without_color(s.label()));
+        let without_color = named.is_none() && labels.iter().any(|label| is_without_color(label));
         let named_albedo = match named_albedo {
             Some(name) => RoleSource::resolve(Role::Albedo, Some(name), main)?,
             None => None,
         };
-        let own_color = match named {
-            Some(_) => None,
-            None => find(color, &None)?,
+        let own_color = match (color, named) {
+            (Some(color), None) => find(color)?,
+            _ => None,
         };
         let conclusion = if without_color || own_color.is_some() {
             let Some(color) = named_albedo.or(own_color) else {
-                self.tell(
-                    lobe,
-                    format!("{sum}: not scaled, its color layer is missing"),
-                    named,
-                );
+                let conclusion = format!("{sum}: not scaled, its color layer is missing");
+                self.report(lobe, conclusion, named);
                 return Ok(());
             };
-            let conclusion = match lights.len() {
+            let conclusion = match labels.len() {
                 1 => format!("{sum} x {}", color.label()),
                 _ => format!("({sum}) x {}", color.label()),
             };
-            self.add(Use::Color(lobe), Some(color));
+            self.add(Use::Lobe(lobe, LobeLayer::Color), Some(color));
             conclusion
         } else {
             let albedo = match (lobe, named_albedo) {
-                (Lobe::Diffuse, None) => RoleSource::resolve(Role::Albedo, None, main)?,
+                (Lobe::Diffuse, None) => find(Role::Albedo)?,
                 (_, named) => named,
             };
-            let judged = albedo
+            let included = albedo
                 .as_ref()
                 .map(|a| format!(", albedo {} included", a.label()));
-            self.add(Use::Albedo(lobe), albedo);
-            format!("{sum}{}", judged.unwrap_or_default())
+            self.add(Use::Lobe(lobe, LobeLayer::Albedo), albedo);
+            format!("{sum}{}", included.unwrap_or_default())
         };
-        self.tell(lobe, conclusion, named);
+        self.report(lobe, conclusion, named);
         let [direct, indirect] = parts;
-        self.add(Use::Direct(lobe), direct);
-        self.add(Use::Indirect(lobe), indirect);
+        self.add(Use::Lobe(lobe, LobeLayer::Direct), direct);
+        self.add(Use::Lobe(lobe, LobeLayer::Indirect), indirect);
         Ok(())
     }
 
-    fn tell(&mut self, lobe: Lobe, conclusion: String, named: &Option<String>) {
+    fn report(&mut self, lobe: Lobe, conclusion: String, named: &Option<String>) {
         let evidence = match named {
             Some(_) => "as told",
             None => "from names",
@@ -320,22 +278,19 @@ impl LightSources {
         let (mut findings, mut warnings) = (self.findings, Vec::new());
         let (mut rest, mut replaced) = (Vec::new(), 0);
         for lobe in self.unread {
-            layers_of(&mut layers, lobe);
+            layers.lobe_mut(lobe);
         }
         let mut groups = self.groups.into_iter();
-        for (as_what, RolePlanes { mut planes, .. }) in self.uses.into_iter().zip(read) {
-            replaced += planes.iter_mut().map(sanitise).sum::<usize>();
+        for (as_what, mut read) in self.uses.into_iter().zip(read) {
+            read.alpha = None;
+            replaced += read.sanitise();
             if as_what == Use::Occlusion {
-                layers.occlusion = Some(grey(planes));
+                layers.occlusion = Some(read.into_scalar());
                 continue;
             }
-            let [r, g, b] = three(planes);
-            let light = ColorPlanes { r, g, b };
+            let light = read.into_color();
             match as_what {
-                Use::Direct(lobe) => layers_of(&mut layers, lobe).direct = Some(light),
-                Use::Indirect(lobe) => layers_of(&mut layers, lobe).indirect = Some(light),
-                Use::Color(lobe) => layers_of(&mut layers, lobe).color = Some(light),
-                Use::Albedo(lobe) => layers_of(&mut layers, lobe).albedo = Some(light),
+                Use::Lobe(lobe, layer) => *layers.layer_mut(lobe, layer) = Some(light),
                 Use::Rest => rest.push(light),
                 Use::Group => {
                     let GroupInput { name, to_light } =
@@ -357,7 +312,7 @@ impl LightSources {
         let compared = picture.filter(|_| self.whole);
         let difference = compared.and_then(|p| difference(p, &layers.lobes, &rest, mask));
         if let Some(difference) = difference {
-            tell_difference(difference, &mut findings, &mut warnings);
+            report_difference(difference, &mut findings, &mut warnings);
         }
         LightRead {
             layers,
@@ -367,7 +322,7 @@ impl LightSources {
     }
 }
 
-fn tell_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut Vec<String>) {
+fn report_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut Vec<String>) {
     let percent = format!("{:.2} %", 100.0 * difference);
     let recombine = difference <= RECOMBINES;
     findings.push(Finding {
@@ -385,21 +340,6 @@ fn tell_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut 
              stays as it is; --lobes off scales the picture as a whole"
         ));
     }
-}
-
-fn layers_of(layers: &mut LightLayers, lobe: Lobe) -> &mut LobeLayers {
-    let at = layers.lobes.iter().position(|l| l.lobe == lobe);
-    let at = at.unwrap_or_else(|| {
-        layers.lobes.push(LobeLayers {
-            lobe,
-            direct: None,
-            indirect: None,
-            color: None,
-            albedo: None,
-        });
-        layers.lobes.len() - 1
-    });
-    &mut layers.lobes[at]
 }
 
 /// Blender's names of light that the surface's colour is not yet in, `DiffDir` or `Diffuse Direct`; Arnold's
@@ -424,7 +364,7 @@ fn picture_is_occlusion(inputs: &Inputs, main: &Rc<Opened>) -> Result<bool> {
 fn no_lobes(main: &Opened) -> Error {
     Error::MissingAov {
         path: main.path().to_path_buf(),
-        found: format!("has no light passes (found {})", found(main)),
+        found: format!("has no light passes (found {})", main.found("no layers")),
         remedy: "name them with --diffuse and --specular, or leave out --lobes on".into(),
     }
 }
@@ -432,15 +372,10 @@ fn no_lobes(main: &Opened) -> Error {
 fn no_group(main: &Opened, name: &str) -> Error {
     Error::MissingAov {
         path: main.path().to_path_buf(),
-        found: format!("no light group called {name} (found {})", found(main)),
+        found: format!(
+            "no light group called {name} (found {})",
+            main.found("no layers")
+        ),
         remedy: "give --light-group the NAME of a layer Combined_NAME or RGBA_NAME".into(),
-    }
-}
-
-fn found(main: &Opened) -> String {
-    let layers = main.layer_names();
-    match layers.is_empty() {
-        true => "no layers".into(),
-        false => layers.join(", "),
     }
 }

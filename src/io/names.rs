@@ -4,252 +4,139 @@
 //! `normal`, `ray:hitN` is `rayhitn`, `__Nworld.r` is `nworld`. The word or the renderer may imply a space or a kind
 //! of depth. That is a hint: the data decide where they can, the hint where they cannot, and flags overrule both.
 //!
-//! To teach a name, add it to the row of its role, in the place of its preference; to teach what it means, add a row
+//! To teach a name, add it to the row of its role, in the place of its preference; to teach what it implies, add a row
 //! to [`IMPLIED`]; a renderer that marks its files gets a row in [`RENDERERS`].
 
 use super::exr::ExrFile;
 use super::inputs::StoredDepth;
-use super::roles::{Arity, Role};
 use crate::frame::NormalSpace;
+use serde::Serialize;
+
+/// How many values a role has per pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Arity {
+    /// One.
+    Scalar,
+    /// Two: x, y.
+    Pair,
+    /// Three: x, y, z.
+    Vector,
+    /// Three: red, green, blue; or one grey.
+    Color,
+}
 
 /// One row: a role, its arity, and the names that mean it, best first. The empty name is a layer
 /// without a name: bare `R`, `G`, `B`, `Z`.
 type Rule = (Role, Arity, &'static [&'static str]);
 
-pub(super) const RULES: &[Rule] = &[
-    (
-        Role::Color,
-        Arity::Color,
-        &[
-            "combined",
-            "beauty",
-            "rgba",
-            "rgb",
-            "",
-            "image",
-            "color",
-            "c",
-            "ci",
-            "finalimage",
-            "vraybeauty",
-        ],
-    ),
-    (
-        Role::Normal,
-        Arity::Vector,
-        // Shading normals before those of the facets, and those for a denoiser last.
-        &[
-            "normal",
-            "normals",
-            "ns",
-            "n",
-            "shadingnormal",
-            "shadingnormals",
-            "shnormal",
-            "shnormals",
-            "normalsshading",
-            "bumpnormals",
-            "bumpnormal",
-            "nn",
-            "nworld",
-            "worldnormal",
-            "worldnormals",
-            "normalworld",
-            "normalsworld",
-            "worldspacenormal",
-            "worldspacenormals",
-            "normalsworldspace",
-            "cameranormal",
-            "cameranormals",
-            "normalcamera",
-            "viewnormal",
-            "viewnormals",
-            "normalview",
-            "eyenormal",
-            "rayhitn",
-            "hitn",
-            "smoothnormal",
-            "smoothnormals",
-            "surfacenormal",
-            "surfacenormals",
-            "geometricnormal",
-            "geometricnormals",
-            "normalsgeometry",
-            "ng",
-            "ndenoise",
-            "denoisingnormal",
-            "denoisenormal",
-            "normaldenoise",
-            "normaldenoising",
-        ],
-    ),
-    (
-        Role::Depth,
-        Arity::Scalar,
-        &[
-            "depth",
-            "z",
-            "",
-            "pz",
-            "rayhitpz",
-            "hitpz",
-            "worlddepth",
-            "scenedepth",
-            "cameradepth",
-            "depthz",
-            "distance",
-            "rayhitdist",
-            "hitdist",
-            "zdepth",
-            "vrayzdepth",
-            "denoisingdepth",
-        ],
-    ),
-    (
-        Role::Position,
-        Arity::Vector,
-        &[
-            "position",
-            "p",
-            "pworld",
-            "worldposition",
-            "worldpositions",
-            "positionworld",
-            "worldpos",
-            "pos",
-            "pointworld",
-            "worldpoint",
-            "rayhitp",
-            "hitp",
-        ],
-    ),
-    (
-        Role::HitPosition,
-        Arity::Vector,
-        &["hitposition", "hitpoint", "hitp"],
-    ),
-    (
-        Role::Occlusion,
-        Arity::Color,
-        &["ambientocclusion", "ao", "occlusion"],
-    ),
-    (Role::Importance, Arity::Color, &["importance"]),
-    (
-        Role::DiffuseDirect,
-        Arity::Color,
-        &[
-            "diffusedirect",
-            "diffdir",
-            "directdiffuse",
-            "diffuselighting",
-        ],
-    ),
-    (
-        Role::DiffuseIndirect,
-        Arity::Color,
-        &["diffuseindirect", "diffind", "indirectdiffuse"],
-    ),
-    (
-        Role::DiffuseColor,
-        Arity::Color,
-        &["diffusecolor", "diffcol"],
-    ),
-    (Role::Diffuse, Arity::Color, &["diffuse", "combineddiffuse"]),
-    (
-        Role::Albedo,
-        Arity::Color,
-        &["diffusealbedo", "albedo", "diffusefilter"],
-    ),
-    (
-        Role::GlossyDirect,
-        Arity::Color,
-        &["glossydirect", "glossdir", "speculardirect"],
-    ),
-    (
-        Role::GlossyIndirect,
-        Arity::Color,
-        &["glossyindirect", "glossind", "specularindirect"],
-    ),
-    (
-        Role::GlossyColor,
-        Arity::Color,
-        &["glossycolor", "glosscol"],
-    ),
-    (
-        Role::Specular,
-        Arity::Color,
-        &["specular", "glossyreflection"],
-    ),
-    (
-        Role::TransmissionDirect,
-        Arity::Color,
-        &["transmissiondirect", "transdir"],
-    ),
-    (
-        Role::TransmissionIndirect,
-        Arity::Color,
-        &["transmissionindirect", "transind"],
-    ),
-    (
-        Role::TransmissionColor,
-        Arity::Color,
-        &["transmissioncolor", "transcol"],
-    ),
-    (Role::Transmission, Arity::Color, &["transmission"]),
-    (
-        Role::SubsurfaceDirect,
-        Arity::Color,
-        &["subsurfacedirect", "subsurfacedir", "sssdirect"],
-    ),
-    (
-        Role::SubsurfaceIndirect,
-        Arity::Color,
-        &["subsurfaceindirect", "subsurfaceind", "sssindirect"],
-    ),
-    (
-        Role::SubsurfaceColor,
-        Arity::Color,
-        &["subsurfacecolor", "subsurfacecol"],
-    ),
-    (Role::Subsurface, Arity::Color, &["sss"]),
-    (Role::CoatDirect, Arity::Color, &["coatdirect"]),
-    (Role::CoatIndirect, Arity::Color, &["coatindirect"]),
-    (Role::Coat, Arity::Color, &["coat"]),
-    (Role::SheenDirect, Arity::Color, &["sheendirect"]),
-    (Role::SheenIndirect, Arity::Color, &["sheenindirect"]),
-    (Role::Sheen, Arity::Color, &["sheen"]),
-    (
-        Role::VolumeDirect,
-        Arity::Color,
-        &["volumedirect", "volumedir"],
-    ),
-    (
-        Role::VolumeIndirect,
-        Arity::Color,
-        &["volumeindirect", "volumeind"],
-    ),
-    (Role::Volume, Arity::Color, &["volume"]),
-    (Role::Emission, Arity::Color, &["emission", "emit"]),
-    (
-        Role::Environment,
-        Arity::Color,
-        &["environment", "env", "background"],
-    ),
-    (Role::Shadow, Arity::Color, &["shadow"]),
-    (Role::Motion, Arity::Pair, &["vector", "motion", "backward"]),
-    (Role::Mist, Arity::Scalar, &["mist"]),
-    (Role::TextureCoordinates, Arity::Vector, &["uv", "st"]),
-    (
-        Role::ObjectIndex,
-        Arity::Scalar,
-        &["objectindex", "indexob"],
-    ),
-    (
-        Role::MaterialIndex,
-        Arity::Scalar,
-        &["materialindex", "indexma"],
-    ),
-];
+/// Makes [`Role`] and [`RULES`] of one table.
+macro_rules! roles {
+    ($($role:ident: $arity:ident = $($name:literal)*;)*) => {
+        /// What a layer is for.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        #[expect(
+            missing_docs,
+            reason = "each variant is the pass it names, as renderers call it"
+        )]
+        pub enum Role {
+            $($role,)*
+        }
+
+        pub(super) const RULES: &[Rule] = &[$((Role::$role, Arity::$arity, &[$($name),*]),)*];
+    };
+}
+
+roles! {
+    Color: Color = "combined" "beauty" "rgba" "rgb" "" "image" "color" "c" "ci" "finalimage"
+        "vraybeauty";
+    // Shading normals before those of the facets, and those for a denoiser last.
+    Normal: Vector = "normal" "normals" "ns" "n" "shadingnormal" "shadingnormals" "shnormal"
+        "shnormals" "normalsshading" "bumpnormals" "bumpnormal" "nn" "nworld" "worldnormal"
+        "worldnormals" "normalworld" "normalsworld" "worldspacenormal" "worldspacenormals"
+        "normalsworldspace" "cameranormal" "cameranormals" "normalcamera" "viewnormal" "viewnormals"
+        "normalview" "eyenormal" "rayhitn" "hitn" "smoothnormal" "smoothnormals" "surfacenormal"
+        "surfacenormals" "geometricnormal" "geometricnormals" "normalsgeometry" "ng" "ndenoise"
+        "denoisingnormal" "denoisenormal" "normaldenoise" "normaldenoising";
+    Depth: Scalar = "depth" "z" "" "pz" "rayhitpz" "hitpz" "worlddepth" "scenedepth" "cameradepth"
+        "depthz" "distance" "rayhitdist" "hitdist" "zdepth" "vrayzdepth" "denoisingdepth";
+    Position: Vector = "position" "p" "pworld" "worldposition" "worldpositions" "positionworld"
+        "worldpos" "pos" "pointworld" "worldpoint" "rayhitp" "hitp";
+    HitPosition: Vector = "hitposition" "hitpoint" "hitp";
+    Occlusion: Color = "ambientocclusion" "ao" "occlusion";
+    // Only flags name these.
+    Mask: Color =;
+    SpecularMask: Color =;
+    Importance: Color = "importance";
+    DiffuseDirect: Color = "diffusedirect" "diffdir" "directdiffuse" "diffuselighting";
+    DiffuseIndirect: Color = "diffuseindirect" "diffind" "indirectdiffuse";
+    DiffuseColor: Color = "diffusecolor" "diffcol";
+    Diffuse: Color = "diffuse" "combineddiffuse";
+    Albedo: Color = "diffusealbedo" "albedo" "diffusefilter";
+    GlossyDirect: Color = "glossydirect" "glossdir" "speculardirect";
+    GlossyIndirect: Color = "glossyindirect" "glossind" "specularindirect";
+    GlossyColor: Color = "glossycolor" "glosscol";
+    Specular: Color = "specular" "glossyreflection";
+    TransmissionDirect: Color = "transmissiondirect" "transdir";
+    TransmissionIndirect: Color = "transmissionindirect" "transind";
+    TransmissionColor: Color = "transmissioncolor" "transcol";
+    Transmission: Color = "transmission";
+    SubsurfaceDirect: Color = "subsurfacedirect" "subsurfacedir" "sssdirect";
+    SubsurfaceIndirect: Color = "subsurfaceindirect" "subsurfaceind" "sssindirect";
+    SubsurfaceColor: Color = "subsurfacecolor" "subsurfacecol";
+    Subsurface: Color = "sss";
+    CoatDirect: Color = "coatdirect";
+    CoatIndirect: Color = "coatindirect";
+    Coat: Color = "coat";
+    SheenDirect: Color = "sheendirect";
+    SheenIndirect: Color = "sheenindirect";
+    Sheen: Color = "sheen";
+    VolumeDirect: Color = "volumedirect" "volumedir";
+    VolumeIndirect: Color = "volumeindirect" "volumeind";
+    Volume: Color = "volume";
+    Emission: Color = "emission" "emit";
+    Environment: Color = "environment" "env" "background";
+    Shadow: Color = "shadow";
+    Motion: Pair = "vector" "motion" "backward";
+    Mist: Scalar = "mist";
+    TextureCoordinates: Vector = "uv" "st";
+    ObjectIndex: Scalar = "objectindex" "indexob";
+    MaterialIndex: Scalar = "materialindex" "indexma";
+}
+
+impl Role {
+    /// The role as messages and `--json` name it.
+    pub fn name(self) -> String {
+        match serde_json::to_value(self) {
+            Ok(serde_json::Value::String(name)) => name,
+            _ => unreachable!("a unit variant serialises to its name"),
+        }
+    }
+
+    /// Whether the role is seen: a colour or light, rather than data. The names of light mean light.
+    pub(super) fn is_color(self) -> bool {
+        use Role::{Color, DiffuseDirect, Environment};
+        self == Color || (DiffuseDirect..=Environment).contains(&self)
+    }
+
+    pub(super) fn arity(self) -> Arity {
+        RULES[self as usize].1
+    }
+
+    /// The names that mean it, best first.
+    pub(super) fn names(self) -> &'static [&'static str] {
+        RULES[self as usize].2
+    }
+}
+
+/// The last word of a layer's name, the eye of a stereo pair left out.
+pub(super) fn last_word(name: &str) -> &str {
+    let mut words: Vec<&str> = name.split('.').collect();
+    if words.len() > 1 && matches!(words.last(), Some(&"left" | &"right")) {
+        words.pop();
+    }
+    words.last().copied().unwrap_or_default()
+}
 
 /// What the names of some renderers start with, before the word that counts.
 const PREFIXES: &[&str] = &[
@@ -290,6 +177,15 @@ const VIEW: Hint = Hint {
     space: Some(NormalSpace::View),
     depth: None,
 };
+
+impl Hint {
+    const fn and(self, stored: StoredDepth) -> Self {
+        Self {
+            depth: Some(stored),
+            ..self
+        }
+    }
+}
 
 const fn depth(stored: StoredDepth) -> Hint {
     Hint {
@@ -339,113 +235,80 @@ struct Renderer {
     hint: Hint,
 }
 
+const fn marked(
+    name: &'static str,
+    attributes: &'static [&'static str],
+    maker: &'static str,
+    hint: Hint,
+) -> Renderer {
+    Renderer {
+        name,
+        attributes,
+        maker,
+        hint,
+    }
+}
+
 /// Who marks files, and what those hold.
 const RENDERERS: &[Renderer] = &[
-    Renderer {
-        name: "Blender",
-        attributes: &["cycles."],
-        maker: "blender",
-        hint: Hint {
-            space: Some(NormalSpace::World),
-            depth: Some(StoredDepth::Planar),
-        },
-    },
-    Renderer {
-        name: "Arnold",
-        attributes: &["arnold/"],
-        maker: "arnold",
-        hint: Hint {
-            space: Some(NormalSpace::World),
-            depth: Some(StoredDepth::Planar),
-        },
-    },
-    Renderer {
-        name: "V-Ray",
-        attributes: &["vray", "camerafov"],
-        maker: "v-ray",
-        hint: Hint {
-            space: Some(NormalSpace::View),
-            depth: Some(StoredDepth::WhiteNear),
-        },
-    },
-    Renderer {
-        name: "RenderMan",
-        attributes: &["rman"],
-        maker: "renderman",
-        hint: Hint {
-            space: None,
-            depth: Some(StoredDepth::Planar),
-        },
-    },
-    Renderer {
-        name: "Redshift",
-        attributes: &["rs/"],
-        maker: "redshift",
-        hint: Hint {
-            space: Some(NormalSpace::World),
-            depth: Some(StoredDepth::Planar),
-        },
-    },
-    Renderer {
-        name: "Karma",
-        attributes: &["karma"],
-        maker: "karma",
-        hint: Hint {
-            space: Some(NormalSpace::World),
-            depth: None,
-        },
-    },
-    Renderer {
-        name: "Mantra",
-        attributes: &["mantra"],
-        maker: "mantra",
-        hint: Hint {
-            space: Some(NormalSpace::View),
-            depth: Some(StoredDepth::Planar),
-        },
-    },
-    Renderer {
-        name: "Octane",
-        attributes: &["octane"],
-        maker: "octane",
-        hint: depth(StoredDepth::Ray),
-    },
-    Renderer {
-        name: "Corona",
-        attributes: &["corona"],
-        maker: "corona",
-        hint: VIEW,
-    },
-    Renderer {
-        name: "Mitsuba",
-        attributes: &["mitsuba"],
-        maker: "mitsuba",
-        hint: Hint {
-            space: Some(NormalSpace::World),
-            depth: Some(StoredDepth::Ray),
-        },
-    },
-    Renderer {
-        name: "pbrt",
-        attributes: &["rendertimeseconds", "samplesperpixel"],
-        maker: "pbrt",
-        hint: VIEW,
-    },
-    Renderer {
-        name: "Nuke",
-        attributes: &["nuke/"],
-        maker: "nuke",
-        hint: depth(StoredDepth::Inverse),
-    },
-    Renderer {
-        name: "Unreal",
-        attributes: &["unreal/"],
-        maker: "unreal",
-        hint: Hint {
-            space: Some(NormalSpace::World),
-            depth: Some(StoredDepth::Planar),
-        },
-    },
+    marked(
+        "Blender",
+        &["cycles."],
+        "blender",
+        WORLD.and(StoredDepth::Planar),
+    ),
+    marked(
+        "Arnold",
+        &["arnold/"],
+        "arnold",
+        WORLD.and(StoredDepth::Planar),
+    ),
+    marked(
+        "V-Ray",
+        &["vray", "camerafov"],
+        "v-ray",
+        VIEW.and(StoredDepth::WhiteNear),
+    ),
+    marked(
+        "RenderMan",
+        &["rman"],
+        "renderman",
+        depth(StoredDepth::Planar),
+    ),
+    marked(
+        "Redshift",
+        &["rs/"],
+        "redshift",
+        WORLD.and(StoredDepth::Planar),
+    ),
+    marked("Karma", &["karma"], "karma", WORLD),
+    marked(
+        "Mantra",
+        &["mantra"],
+        "mantra",
+        VIEW.and(StoredDepth::Planar),
+    ),
+    marked("Octane", &["octane"], "octane", depth(StoredDepth::Ray)),
+    marked("Corona", &["corona"], "corona", VIEW),
+    marked(
+        "Mitsuba",
+        &["mitsuba"],
+        "mitsuba",
+        WORLD.and(StoredDepth::Ray),
+    ),
+    marked(
+        "pbrt",
+        &["rendertimeseconds", "samplesperpixel"],
+        "pbrt",
+        VIEW,
+    ),
+    marked("Nuke", &["nuke/"], "nuke", depth(StoredDepth::Inverse)),
+    marked(
+        "Unreal",
+        &["unreal/"],
+        "unreal",
+        WORLD.and(StoredDepth::Planar),
+    ),
 ];
 
 /// Attributes in which files say who made them.
@@ -482,7 +345,7 @@ fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
 
 /// What the name of a layer implies, or else the renderer of its file; with who says so.
 pub(super) fn hint(layer: &str, file: &ExrFile) -> (Hint, String) {
-    let word = key(super::roles::last_word(layer));
+    let word = key(last_word(layer));
     if let Some((name, hint)) = IMPLIED.iter().find(|(name, _)| *name == word) {
         return (*hint, format!("by its name, {name}"));
     }

@@ -1,6 +1,6 @@
 //! Which space a normal map was written in, judged from the map itself.
 //!
-//! Names do not tell: one renderer's `N` is in world space, another's in view space, a third's has z
+//! Names do not decide: one renderer's `N` is in world space, another's in view space, a third's has z
 //! pointing away. But a visible surface faces the viewer, so in the right reading nearly all normals
 //! do; where positions exist, the right reading agrees with the shape they have; and depth rises in the
 //! direction in which view-space normals lean, whatever the focal length: a plane n.P = c seen at
@@ -10,7 +10,7 @@
 //! What this cannot see: a world-space map of a scene watched from straight above with z up *is* a
 //! view-space map, up to a turn about the view axis. Without camera and depth it is read as view space.
 
-use super::camera::quantile;
+use super::camera::median;
 use super::inputs::Flip;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
@@ -355,11 +355,11 @@ impl Tally {
             facing_view: share(self.view),
             facing_view_flipped: share(self.flipped),
             facing_world: camera.then(|| share(self.world)),
-            shape_world_deg: median(&mut self.shape_world),
-            shape_view_deg: median(&mut self.shape_view),
-            shape_view_flipped_deg: median(&mut self.shape_flipped),
-            slope_view_deg: median(&mut self.slope_view),
-            slope_world_deg: median(&mut self.slope_world),
+            shape_world_deg: median(&mut self.shape_world, FEWEST_SHAPES),
+            shape_view_deg: median(&mut self.shape_view, FEWEST_SHAPES),
+            shape_view_flipped_deg: median(&mut self.shape_flipped, FEWEST_SHAPES),
+            slope_view_deg: median(&mut self.slope_view, FEWEST_SHAPES),
+            slope_world_deg: median(&mut self.slope_world, FEWEST_SHAPES),
             readings_differ_deg: camera.then_some(differ / count),
         }
     }
@@ -373,11 +373,6 @@ fn angle_deg(a: DVec3, b: DVec3) -> f64 {
 /// changing its space.
 fn line_angle_deg(a: DVec3, b: DVec3) -> f64 {
     a.dot(b).abs().min(1.0).acos().to_degrees()
-}
-
-/// The median; `None` for too few values to decide anything.
-fn median(values: &mut [f64]) -> Option<f64> {
-    (values.len() >= FEWEST_SHAPES).then(|| quantile(values, 0.5))
 }
 
 const WORLD: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
@@ -458,7 +453,7 @@ fn by_shape(e: &NormalSpaceEvidence) -> Option<Concluded> {
     decides.then_some((conclusion, why))
 }
 
-/// Positions without a camera only tell whether the normals share their space.
+/// Positions without a camera only show whether the normals share their space.
 fn by_shape_without_camera(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let world = e.shape_world_deg.filter(|_| e.facing_world.is_none())?;
     let also_view = e.facing_view.max(e.facing_view_flipped) >= HOLDS;

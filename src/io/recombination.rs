@@ -26,9 +26,9 @@ pub(super) fn difference(
         .step_by(every)
         .filter_map(|at| {
             let shown = rgb(picture, at);
-            let told = sum(lobes, rest, at);
+            let summed = sum(lobes, rest, at);
             let size: f32 = shown.iter().map(|c| c.abs()).sum();
-            let apart: f32 = shown.iter().zip(told).map(|(c, t)| (c - t).abs()).sum();
+            let apart: f32 = shown.iter().zip(summed).map(|(c, t)| (c - t).abs()).sum();
             (size > MIN_LIGHT).then(|| apart / size)
         })
         .collect();

@@ -4,97 +4,9 @@
 //! punctuation, is looked up in one table. So `ViewLayer.Depth.Z`, `depth.V` and plain `Z` are all
 //! depth, while `ViewLayer.Normal.Z` is a component of the normal.
 
-use super::names::{self, RULES};
-use serde::Serialize;
+use super::names::{self, Arity, RULES, last_word};
 
-/// What a layer is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[expect(
-    missing_docs,
-    reason = "each variant is the pass it names, as renderers call it"
-)]
-pub enum Role {
-    Color,
-    Normal,
-    Depth,
-    Position,
-    Occlusion,
-    Mask,
-    SpecularMask,
-    HitPosition,
-    Importance,
-    DiffuseDirect,
-    DiffuseIndirect,
-    DiffuseColor,
-    Diffuse,
-    Albedo,
-    GlossyDirect,
-    GlossyIndirect,
-    GlossyColor,
-    Specular,
-    TransmissionDirect,
-    TransmissionIndirect,
-    TransmissionColor,
-    Transmission,
-    SubsurfaceDirect,
-    SubsurfaceIndirect,
-    SubsurfaceColor,
-    Subsurface,
-    CoatDirect,
-    CoatIndirect,
-    Coat,
-    SheenDirect,
-    SheenIndirect,
-    Sheen,
-    VolumeDirect,
-    VolumeIndirect,
-    Volume,
-    Emission,
-    Environment,
-    Shadow,
-    Motion,
-    Mist,
-    TextureCoordinates,
-    ObjectIndex,
-    MaterialIndex,
-}
-
-/// How many values a role has per pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Arity {
-    /// One.
-    Scalar,
-    /// Two: x, y.
-    Pair,
-    /// Three: x, y, z.
-    Vector,
-    /// Three: red, green, blue; or one grey.
-    Color,
-}
-
-impl Role {
-    /// The role as messages and `--json` name it.
-    pub fn name(self) -> String {
-        match serde_json::to_value(self) {
-            Ok(serde_json::Value::String(name)) => name,
-            _ => unreachable!("a unit variant serialises to its name"),
-        }
-    }
-
-    /// Whether the role is seen: a colour or light, rather than data. The names of light mean light.
-    pub(super) fn is_seen(self) -> bool {
-        use Role::{Color, DiffuseDirect, Environment};
-        self == Color || (DiffuseDirect..=Environment).contains(&self)
-    }
-
-    fn arity(self) -> Arity {
-        RULES
-            .iter()
-            .find(|(role, ..)| *role == self)
-            .map_or(Arity::Color, |(_, arity, _)| *arity)
-    }
-}
+pub use super::names::Role;
 
 /// The channels of one part that share a name up to their component.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -166,15 +78,6 @@ fn split_component(channel: &str) -> (&str, String) {
     (channel, String::new())
 }
 
-/// The last word of a layer's name, the eye of a stereo pair left out.
-pub(super) fn last_word(name: &str) -> &str {
-    let mut words: Vec<&str> = name.split('.').collect();
-    if words.len() > 1 && matches!(words.last(), Some(&"left" | &"right")) {
-        words.pop();
-    }
-    words.last().copied().unwrap_or_default()
-}
-
 impl Layer {
     /// The word the table knows the layer by: the last of its name that is not its view.
     fn key(&self) -> String {
@@ -220,9 +123,8 @@ impl Layer {
 
 /// The layer that plays `role`, by the table's order of preference, then the file's.
 pub fn find(layers: &[Layer], role: Role) -> Option<Match> {
-    let (_, _, names) = RULES.iter().find(|(r, ..)| *r == role)?;
+    let mut names = role.names().iter();
     names
-        .iter()
         .find_map(|name| {
             layers
                 .iter()

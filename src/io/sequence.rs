@@ -69,7 +69,7 @@ fn frames(item: &str) -> std::result::Result<Vec<i32>, String> {
     if step == 0 {
         return Err(format!("'{item}' has a step of 0; give 1 or more"));
     }
-    // One more than is allowed is enough to be told so.
+    // One more than is allowed is enough to refuse them.
     let most = MOST_FRAMES + 1;
     let all = first..=last;
     Ok(match (others, step) {

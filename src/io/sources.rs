@@ -1,201 +1,17 @@
-//! Opened inputs, and which of them each role is read from.
+//! Which layer of which file each role is read from, and the reading.
 
 use super::colorspace::ColorSpace;
-use super::exr::{self, ChannelId, ExrFile, Limits, SampleType};
+use super::exr::{ChannelId, SampleType};
 use super::names::{self, Hint};
-use super::open::open_input;
+use super::opened::Opened;
 use super::photo::{Meaning, StoredPhoto, max_code};
-use super::roles::{self, Layer, Match, Role};
-use super::srgb;
-use super::views;
+use super::role_planes::RolePlanes;
+use super::roles::{self, Match, Role};
 use crate::error::{Error, Result};
-use crate::frame::{Plane, Window};
-use std::cell::RefCell;
-use std::collections::BTreeMap;
+use crate::frame::Window;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
-
-/// An input file of which the header has been read: an EXR's layers, or a photo.
-pub(super) enum Opened {
-    Exr {
-        file: Box<ExrFile>,
-        /// Its layers, of one view where there are several.
-        layers: Vec<Layer>,
-        /// All views, and the one whose layers are used.
-        views: Vec<String>,
-        view: Option<String>,
-        beside: Beside,
-    },
-    Photo {
-        photo: StoredPhoto,
-        beside: Beside,
-    },
-}
-
-/// Files that have been opened to go with another.
-pub(super) struct Beside {
-    files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
-    holding: Holding,
-}
-
-/// How the samples of photos are held once they are decoded.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Holding {
-    /// Most bytes of samples of one photo: of others rows alone are read.
-    pub(super) most_bytes: u64,
-    /// Whether they stay for the next rows to be read.
-    pub(super) stay: bool,
-}
-
-impl Default for Holding {
-    fn default() -> Self {
-        Self {
-            most_bytes: u64::MAX,
-            stay: false,
-        }
-    }
-}
-
-impl Beside {
-    fn held(holding: Holding) -> Self {
-        Self {
-            files: RefCell::default(),
-            holding,
-        }
-    }
-
-    fn find(&self, path: &Path) -> Option<Rc<Opened>> {
-        let files = self.files.borrow();
-        let (_, file) = files.iter().find(|(own, _)| own == path)?;
-        Some(file.clone())
-    }
-
-    fn keep(&self, path: &Path, file: &Rc<Opened>) {
-        self.files.borrow_mut().push((path.into(), file.clone()));
-    }
-}
-
-impl Opened {
-    pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
-        Self::open_view(path, None)
-    }
-
-    /// The file with the layers of one view: the one that is wanted, else the default.
-    pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
-        Self::open_held(path, wanted, Holding::default())
-    }
-
-    /// The same, and how samples of photos are held.
-    pub(super) fn open_held(
-        path: &Path,
-        wanted: Option<&str>,
-        holding: Holding,
-    ) -> Result<Rc<Self>> {
-        let beside = Beside::held(holding);
-        if !has_exr_magic(path)? {
-            let photo = StoredPhoto::open(path, holding.most_bytes)?;
-            return Ok(Rc::new(Self::Photo { photo, beside }));
-        }
-        let file = Box::new(ExrFile::open(path, &Limits::default())?);
-        let mut layers = layers_of(&file);
-        let all = views::mark(&file, &mut layers);
-        let view = views::keep(&file, &mut layers, &all, wanted)?;
-        Ok(Rc::new(Self::Exr {
-            file,
-            layers,
-            views: all,
-            view,
-            beside,
-        }))
-    }
-
-    /// A file that goes with this one: of the same view, if it has several. It is opened once.
-    fn open_beside(&self, path: &Path) -> Result<Rc<Self>> {
-        let (Self::Exr { beside, .. } | Self::Photo { beside, .. }) = self;
-        if let Some(file) = beside.find(path) {
-            return Ok(file);
-        }
-        let open = |view| Self::open_held(path, view, beside.holding);
-        let file = open(None)?;
-        let file = match (self, file.as_ref()) {
-            (
-                Self::Exr {
-                    view: Some(view), ..
-                },
-                Self::Exr { views, .. },
-            ) if !views.is_empty() => open(Some(view))?,
-            _ => file,
-        };
-        beside.keep(path, &file);
-        Ok(file)
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        match self {
-            Self::Exr { file, .. } => &file.path,
-            Self::Photo { photo, .. } => &photo.path,
-        }
-    }
-
-    /// Lets go of the samples of photos, its own and those of files that go with it.
-    pub(super) fn release(&self) {
-        let (Self::Exr { beside, .. } | Self::Photo { beside, .. }) = self;
-        let files = beside.files.borrow();
-        files.iter().for_each(|(_, file)| file.release());
-        if let Self::Photo { photo, .. } = self {
-            photo.release();
-        }
-    }
-
-    /// What the file says about itself.
-    pub(super) fn attributes(&self) -> Option<&BTreeMap<String, String>> {
-        match self {
-            Self::Exr { file, .. } => Some(&file.attributes),
-            Self::Photo { .. } => None,
-        }
-    }
-
-    /// Names of the layers, for messages: a photo has none.
-    pub(super) fn layer_names(&self) -> Vec<String> {
-        match self {
-            Self::Exr { layers, .. } => layers.iter().map(layer_label).collect(),
-            Self::Photo { .. } => Vec::new(),
-        }
-    }
-}
-
-/// The layers of all parts and views of a file.
-pub(super) fn layers_of(file: &ExrFile) -> Vec<Layer> {
-    roles::layers(file.parts.iter().map(|part| {
-        let names = part.channels.iter().map(|c| c.name.as_str());
-        (part.name.as_deref(), names.collect())
-    }))
-}
-
-/// A layer's name, or its bare channels where it has none.
-fn layer_label(layer: &Layer) -> String {
-    if !layer.name.is_empty() {
-        return layer.name.clone();
-    }
-    layer
-        .components
-        .iter()
-        .map(|(c, _)| c.to_ascii_uppercase())
-        .collect::<Vec<_>>()
-        .join("")
-}
-
-fn has_exr_magic(path: &Path) -> Result<bool> {
-    use std::io::Read;
-    let mut file = open_input(path).map_err(Error::io(path, "read"))?;
-    let mut first = [0; 4];
-    match file.read_exact(&mut first) {
-        Ok(()) => Ok(first == exr::MAGIC),
-        Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
-        Err(e) => Err(Error::io(path, "read")(e)),
-    }
-}
 
 /// Where the planes of one role are.
 #[derive(Clone)]
@@ -204,46 +20,6 @@ pub(super) struct RoleSource {
     pub(super) file: Rc<Opened>,
     /// The layer of an EXR; a photo is one layer.
     layer: Option<Match>,
-}
-
-/// The planes of one role: one or three, and the coverage stored with them.
-pub(super) struct RolePlanes {
-    pub(super) planes: Vec<Plane>,
-    pub(super) alpha: Option<Plane>,
-    /// The pixels they hold.
-    pub(super) window: Window,
-}
-
-impl RolePlanes {
-    /// Makes colours linear that were encoded by the sRGB curve and then multiplied by their coverage.
-    fn decode(&mut self) {
-        let decoded = |v: f32| srgb::decoded(v.into()) as f32;
-        for plane in &mut self.planes {
-            let samples = plane.samples_mut().iter_mut();
-            match &self.alpha {
-                None => samples.for_each(|v| *v = decoded(*v)),
-                Some(alpha) => samples.zip(alpha.samples()).for_each(|(v, &a)| {
-                    if a > 0.0 {
-                        *v = a * decoded(*v / a);
-                    }
-                }),
-            }
-        }
-    }
-
-    /// Cuts the planes of `role` to a window, or adds what was never seen: NaN where that tells coverage, else 0.
-    pub(super) fn bring_to(&mut self, role: Role, window: Window) {
-        if self.window == window {
-            return;
-        }
-        let outside = match role {
-            Role::Normal | Role::Depth | Role::Position => f32::NAN,
-            _ => 0.0,
-        };
-        for plane in self.planes.iter_mut().chain(&mut self.alpha) {
-            *plane = plane.moved(self.window, window, outside);
-        }
-    }
 }
 
 impl RoleSource {
@@ -263,7 +39,7 @@ impl RoleSource {
         if !path.exists() {
             return Err(no_such_layer(role, name, main));
         }
-        let file = main.open_beside(path)?;
+        let file = main.open_companion(path)?;
         Self::in_file(role, &file)
             .map(Some)
             .ok_or_else(|| no_such_layer(role, name, &file))
@@ -375,7 +151,9 @@ impl RoleSource {
         match (self.file.as_ref(), &self.layer) {
             (Opened::Exr { file, .. }, Some(layer)) => file.parts[layer.part].window,
             (Opened::Exr { file, .. }, None) => file.display_window,
-            (Opened::Photo { photo, .. }, _) => Window::from_size(photo.width, photo.height),
+            (Opened::Photo { photo, .. }, _) => {
+                Window::from_size(photo.header.width, photo.header.height)
+            }
         }
     }
 
@@ -428,7 +206,9 @@ impl RoleSource {
     /// between half floats just below 1. 0 for floats.
     pub(super) fn rounding(&self) -> f32 {
         match self.file.as_ref() {
-            Opened::Photo { photo, .. } if !photo.is_float => 1.0 / max_code(photo.bits) as f32,
+            Opened::Photo { photo, .. } if !photo.header.is_float => {
+                1.0 / max_code(photo.header.bits) as f32
+            }
             _ if self.is_half() => f32::from(half::f16::EPSILON) / 4.0,
             _ => 0.0,
         }
@@ -448,20 +228,25 @@ impl RoleSource {
     }
 }
 
-fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
-    let layers = file.layer_names();
-    let found = if layers.is_empty() {
-        "no layers".into()
-    } else {
-        layers.join(", ")
-    };
+/// The error of a `file` without a layer for `role`; `flag` names one.
+pub(super) fn missing(file: &Opened, role: Role, flag: &str) -> Error {
     Error::MissingAov {
         path: file.path().to_path_buf(),
-        found: format!("no {} called {name} (found {found})", role.name()),
-        remedy: format!(
-            "give --{} a layer with the right channels, or a file",
-            role.name()
+        found: format!(
+            "has no {} layer (found {})",
+            role.name(),
+            file.found("a photo")
         ),
+        remedy: format!("name one with {flag}"),
+    }
+}
+
+fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
+    let (role, found) = (role.name(), file.found("no layers"));
+    Error::MissingAov {
+        path: file.path().to_path_buf(),
+        found: format!("no {role} called {name} (found {found})"),
+        remedy: format!("give --{role} a layer with the right channels, or a file"),
     }
 }
 
@@ -470,12 +255,12 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
     read_rows(sources, None, None)
 }
 
-/// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them; colours are what
-/// was `told`.
+/// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them; colours are in
+/// `colorspace`, where it is known.
 pub(super) fn read_rows(
     sources: &[RoleSource],
     rows: Option<Range<i32>>,
-    told: Option<ColorSpace>,
+    colorspace: Option<ColorSpace>,
 ) -> Result<Vec<RolePlanes>> {
     let rows = rows.unwrap_or(i32::MIN..i32::MAX);
     let mut planes: Vec<Option<RolePlanes>> = sources.iter().map(|_| None).collect();
@@ -511,16 +296,16 @@ pub(super) fn read_rows(
                         alpha: layer.alpha.and_then(|_| read.next()),
                         window,
                     });
-                    if sources[i].role.is_seen() && told == Some(ColorSpace::Srgb) {
+                    if sources[i].role.is_color() && colorspace == Some(ColorSpace::Srgb) {
                         planes[i].iter_mut().for_each(RolePlanes::decode);
                     }
                 }
             }
-            Opened::Photo { photo, beside } => {
+            Opened::Photo { photo, companions } => {
                 for &i in &together {
-                    planes[i] = Some(photo_planes(photo, sources[i].role, window, told)?);
+                    planes[i] = Some(photo_planes(photo, sources[i].role, window, colorspace)?);
                 }
-                if !beside.holding.stay {
+                if !companions.holding.stay {
                     photo.release();
                 }
             }
@@ -535,45 +320,17 @@ fn photo_planes(
     photo: &StoredPhoto,
     role: Role,
     window: Window,
-    told: Option<ColorSpace>,
+    colorspace: Option<ColorSpace>,
 ) -> Result<RolePlanes> {
-    let is_linear = told.is_some_and(|space| space != ColorSpace::Srgb);
-    let meaning = match role.is_seen() && !is_linear {
+    let is_linear = colorspace.is_some_and(|space| space != ColorSpace::Srgb);
+    let meaning = match role.is_color() && !is_linear {
         true => Meaning::Linear,
         false => Meaning::Stored,
     };
-    let mut planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
-    if role.is_seen() {
-        return Ok(seen(photo, planes, window));
+    let planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
+    let mut read = RolePlanes::of_photo(photo, planes, window);
+    if role.is_color() {
+        read.premultiply();
     }
-    let alpha = take_alpha(photo, &mut planes);
-    Ok(RolePlanes {
-        planes,
-        alpha,
-        window,
-    })
-}
-
-/// Colours of a photo, multiplied by the alpha that comes with them.
-pub(super) fn seen(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) -> RolePlanes {
-    let alpha = take_alpha(photo, &mut planes);
-    if let Some(alpha) = &alpha {
-        for plane in &mut planes {
-            let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
-            samples.for_each(|(sample, alpha)| *sample *= alpha);
-        }
-    }
-    RolePlanes {
-        planes,
-        alpha,
-        window,
-    }
-}
-
-fn take_alpha(photo: &StoredPhoto, planes: &mut Vec<Plane>) -> Option<Plane> {
-    if photo.has_alpha() {
-        planes.pop()
-    } else {
-        None
-    }
+    Ok(read)
 }

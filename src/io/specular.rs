@@ -1,26 +1,28 @@
 //! What mirrors and lenses show, read from files: the frame's own specular pixels, back faces, what lies behind, the
-//! surroundings, and where a renderer tells it the points that bent sight lines meet.
+//! surroundings, and, where a renderer writes them, the points that bent sight lines meet.
 
-use super::coverage::{self, is_distance};
-use super::depth::depth_of_positions;
-use super::load::{Loaded, grey, missing, shown, three};
-use super::normals::{decode, judge_encoding, normalise};
+use super::load::Loaded;
+use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
+use super::opened::Opened;
+use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{Opened, RolePlanes, RoleSource, read_all};
+use super::sources::{RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
-use super::view::turn_normals;
 use crate::error::{Error, Result};
+use crate::frame::coverage;
+use crate::frame::depth::{depth_of_positions, is_distance, to_distances};
+use crate::frame::normals::{decode, turn_to_view};
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source,
-    SpecularScene, Surroundings, Vector3Planes, Window,
+    Camera, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source, SpecularScene,
+    Surroundings, Vector3Planes, Window,
 };
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Which files and layers tell what mirrors and lenses show.
+/// The files and layers that mirrors and lenses show.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SpecularInputs {
     /// Which pixels are specular, above one half: a layer of the picture, or a file.
@@ -110,7 +112,7 @@ pub fn load_specular(
         read_surroundings(path, inputs.surroundings_camera.as_deref()).map(Arc::new)
     });
     let hit_position = inputs.hit_position.as_ref().map(|name| {
-        let position = vector(named(Role::HitPosition, name, loaded)?);
+        let position = named(Role::HitPosition, name, loaded)?.into_vector();
         Ok::<_, Error>(in_view(&position, &world()?))
     });
     Ok(SpecularScene {
@@ -162,7 +164,7 @@ fn refuse_what_lacks(inputs: &SpecularInputs) -> Result<()> {
 }
 
 /// The planes that the user named for a role, over the frame's own pixels.
-fn named(role: Role, name: &str, loaded: &Loaded) -> Result<Vec<Plane>> {
+fn named(role: Role, name: &str, loaded: &Loaded) -> Result<RolePlanes> {
     let source = RoleSource::resolve(role, Some(name), &loaded.main)?
         .expect("a source that is named is there or an error");
     let window = loaded.frame.data_window;
@@ -173,11 +175,11 @@ fn named(role: Role, name: &str, loaded: &Loaded) -> Result<Vec<Plane>> {
             expected: format!("the normals are {window}"),
         });
     }
-    Ok(read_all(&[source])?.remove(0).planes)
+    Ok(read_all(&[source])?.remove(0))
 }
 
 fn specular_mask(name: &str, loaded: &Loaded) -> Result<Mask> {
-    let plane = grey(named(Role::SpecularMask, name, loaded)?);
+    let plane = named(Role::SpecularMask, name, loaded)?.into_scalar();
     Ok(Mask::new(plane.map(|share| share > 0.5)))
 }
 
@@ -212,32 +214,27 @@ impl Layer<'_> {
         let data_window = self.common_window(&file, &sources)?;
         let mut depth = None;
         let (mut normal, mut color, mut alpha) = (None, None, None);
-        for (source, read) in sources.iter().zip(read_all(&sources)?) {
-            let RolePlanes {
-                planes,
-                alpha: coverage,
-                ..
-            } = read;
+        for (source, mut read) in sources.iter().zip(read_all(&sources)?) {
             match source.role {
-                Role::Depth => depth = Some(self.loaded.conventions.distances(grey(planes))),
-                Role::Position => depth = Some(depth_of_positions(&vector(planes), &self.camera)),
-                Role::Normal => normal = Some(vector(planes)),
+                Role::Depth => depth = Some(self.distances(read.into_scalar())),
+                Role::Position => {
+                    depth = Some(depth_of_positions(&read.into_vector(), &self.camera));
+                }
+                Role::Normal => normal = Some(read.into_vector()),
                 _ => {
-                    let [r, g, b] = three(planes).map(finite);
-                    color = Some(ColorPlanes { r, g, b });
-                    alpha = coverage.map(finite);
+                    read.sanitise();
+                    alpha = read.alpha.take();
+                    color = Some(read.into_color());
                 }
             }
         }
-        let depth = depth.expect("read above");
+        let mut depth = depth.expect("read above");
         let kind = self.loaded.frame.source.depth_kind;
         let (mask, normal) = match normal {
-            Some(normal) => self.with_normals(normal, &depth),
-            None => self.without_normals(&depth, data_window),
+            Some(normal) => self.with_normals(normal, &mut depth),
+            None => self.without_normals(&mut depth, data_window),
         };
-        let mut depth = depth;
-        coverage::blank_outside(&mut depth, &mask);
-        let (display_window, pixel_aspect) = shown(&file, data_window);
+        let (display_window, pixel_aspect) = file.shown(data_window);
         Ok(Frame {
             data_window,
             display_window,
@@ -254,10 +251,18 @@ impl Layer<'_> {
         })
     }
 
+    /// Depth read as that of the frame is.
+    fn distances(&self, mut depth: Plane) -> Plane {
+        if let Some(stored) = self.loaded.conventions.depth_kind {
+            to_distances(&mut depth, stored);
+        }
+        depth
+    }
+
     /// The window of all sources, in a picture of the frame's own size.
     fn common_window(&self, file: &Rc<Opened>, sources: &[RoleSource]) -> Result<Window> {
         let window = sources[0].window();
-        let (display, _) = shown(file, window);
+        let (display, _) = file.shown(window);
         let wanted = self.loaded.frame.display_window;
         let mismatch = |found: String, expected: String| Error::SizeMismatch {
             path: self.path.to_path_buf(),
@@ -279,28 +284,18 @@ impl Layer<'_> {
         }
     }
 
-    /// Mask and unit normals in view space, read as those of the frame are.
-    fn with_normals(&self, mut normal: Vector3Planes, depth: &Plane) -> (Mask, Vector3Planes) {
+    /// Mask and unit normals in view space, read as those of the frame are; depth becomes 0 outside the mask.
+    fn with_normals(&self, mut normal: Vector3Planes, depth: &mut Plane) -> (Mask, Vector3Planes) {
+        let conventions = self.loaded.conventions;
         let encoding = judge_encoding(&normal);
-        decode(&mut normal, encoding, self.loaded.conventions.normal_flip);
-        let mask = coverage::coverage(&coverage::Evidence {
-            normal: &normal,
-            depth: Some(depth),
-            depth_tells: true,
-            alpha: None,
-            mask: None,
-        });
-        normalise(&mut normal, mask.plane());
-        turn_normals(
-            &mut normal,
-            self.loaded.conventions.normal_space,
-            &self.camera,
-        );
+        decode(&mut normal, encoding, conventions.normal_flip);
+        let (mask, _) = coverage::cover(&mut normal, Some((depth, None)), None, None);
+        turn_to_view(&mut normal, conventions.normal_space, &self.camera);
         (mask, normal)
     }
 
     /// The same from depth alone.
-    fn without_normals(&self, depth: &Plane, window: Window) -> (Mask, Vector3Planes) {
+    fn without_normals(&self, depth: &mut Plane, window: Window) -> (Mask, Vector3Planes) {
         let sight = SightLines::new(self.camera.projection);
         let kind = self.loaded.frame.source.depth_kind;
         let point = |x: usize, y: usize| {
@@ -313,23 +308,8 @@ impl Layer<'_> {
             Projection::Perspective { .. } => -point,
             Projection::Orthographic { .. } => DVec3::Z,
         });
-        let mask = coverage::coverage(&coverage::Evidence {
-            normal: &normal,
-            depth: Some(depth),
-            depth_tells: true,
-            alpha: None,
-            mask: None,
-        });
+        let mut mask = coverage::of_normals(&normal, None, None);
+        coverage::narrow_to(&mut mask, depth);
         (mask, normal)
     }
-}
-
-fn vector(planes: Vec<Plane>) -> Vector3Planes {
-    let [x, y, z] = three(planes);
-    Vector3Planes { x, y, z }
-}
-
-fn finite(mut plane: Plane) -> Plane {
-    coverage::sanitise(&mut plane);
-    plane
 }

@@ -1,14 +1,16 @@
 //! Reading distance maps: equirectangular panoramas with positions or distances.
 
 use super::camera::{read_pose, recover_panorama};
-use super::coverage::{is_distance, sanitise};
-use super::load::{grey, missing, three};
-use super::normals::{decode, judge_encoding, normalise};
+use super::inputs::Flip;
+use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
+use super::opened::Opened;
 use super::roles::Role;
-use super::sources::{Opened, RoleSource, read_all};
+use super::sources::{RoleSource, missing, read_all};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane, Surroundings, Vector3Planes, map_direction};
+use crate::frame::depth::is_distance;
+use crate::frame::normals::{decode, normalise};
+use crate::frame::{Plane, Surroundings, Vector3Planes, map_direction};
 use glam::{DMat3, DVec3};
 use std::path::Path;
 use std::rc::Rc;
@@ -25,7 +27,7 @@ const BYTES_PER_PIXEL: u64 = 96;
 /// About how much memory the surroundings in the panorama at `path` take, by its header.
 ///
 /// # Errors
-/// As [`read_surroundings`], as far as headers tell.
+/// As [`read_surroundings`], as far as headers say.
 pub fn surroundings_bytes(path: &Path) -> Result<u64> {
     let window = place_in(&Opened::open(path)?)?.window();
     let pixels = window.width() as u64 * window.height() as u64;
@@ -48,7 +50,7 @@ fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
     })
 }
 
-/// The surroundings in the panorama at `path`: world-space positions, which tell by themselves where it was seen from,
+/// The surroundings in the panorama at `path`: world-space positions, from which the viewpoint is recovered,
 /// or distances from there together with a `pose` file; normals, else made from the points; colour where there is any.
 ///
 /// # Errors
@@ -83,10 +85,10 @@ pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surrounding
         .collect::<Vec<_>>();
     let mut take = |role: Role| {
         let index = read.iter().position(|(own, _)| *own == role)?;
-        Some(read.swap_remove(index).1.planes)
+        Some(read.swap_remove(index).1)
     };
     let (points, center, map_from_world) = if has_positions {
-        let positions = vector(take(Role::Position).expect("found above"));
+        let positions = take(Role::Position).expect("found above").into_vector();
         let seen = seen(&positions);
         let (center, map_from_world) = match pose {
             Some(pose) => pose,
@@ -110,7 +112,7 @@ pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surrounding
                 "give --surroundings-camera FILE, or a panorama with positions",
             ));
         };
-        let depth = grey(take(Role::Depth).expect("found above"));
+        let depth = take(Role::Depth).expect("found above").into_scalar();
         (points_at(&depth, map_from_world), center, map_from_world)
     };
     let normal_rounding = sources
@@ -118,15 +120,12 @@ pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surrounding
         .find(|source| source.role == Role::Normal)
         .map_or(MADE_ROUNDING, RoleSource::rounding);
     let normal = match take(Role::Normal) {
-        Some(planes) => unit(vector(planes), &points),
+        Some(read) => unit(read.into_vector(), &points),
         None => made_normals(&points),
     };
-    let color = take(Role::Color).map(|planes| {
-        let [r, g, b] = three(planes).map(|mut plane| {
-            sanitise(&mut plane);
-            plane
-        });
-        ColorPlanes { r, g, b }
+    let color = take(Role::Color).map(|mut read| {
+        read.sanitise();
+        read.into_color()
     });
     Ok(Surroundings {
         center,
@@ -170,7 +169,7 @@ fn points_at(distance: &Plane, map_from_world: DMat3) -> Vector3Planes {
 /// Unit normals; 0 where nothing is, or a normal has no direction.
 fn unit(mut normal: Vector3Planes, points: &Vector3Planes) -> Vector3Planes {
     let encoding = judge_encoding(&normal);
-    decode(&mut normal, encoding, super::inputs::Flip::default());
+    decode(&mut normal, encoding, Flip::default());
     let covered = Plane::from_fn(points.x.width(), points.x.height(), |x, y| {
         points.at(x, y) != DVec3::ZERO && normal.at(x, y).is_finite()
     });
@@ -182,9 +181,4 @@ fn made_normals(points: &Vector3Planes) -> Vector3Planes {
     let point = |x: usize, y: usize| Some(points.at(x, y)).filter(|&p| p != DVec3::ZERO);
     let size = [points.x.width(), points.x.height()];
     normals_of_points(size, true, point, |from_center| -from_center)
-}
-
-fn vector(planes: Vec<Plane>) -> Vector3Planes {
-    let [x, y, z] = three(planes);
-    Vector3Planes { x, y, z }
 }

@@ -1,8 +1,8 @@
 //! What is in a file, for `inspect`: headers and names, no pixels.
 
 use super::exr::SampleType;
+use super::opened::{Opened, layers_of};
 use super::roles;
-use super::sources::{Opened, layers_of};
 use crate::error::Result;
 use crate::frame::Window;
 use serde::Serialize;
@@ -122,19 +122,19 @@ fn part_survey(file: &super::exr::ExrFile, layers: &[roles::Layer], index: usize
 }
 
 fn photo_survey(photo: &super::photo::StoredPhoto) -> Survey {
-    let window = Window::from_size(photo.width, photo.height);
-    let grey_or_color = if photo.color_channels() == 1 {
+    let window = Window::from_size(photo.header.width, photo.header.height);
+    let grey_or_color = if photo.header.color_channels() == 1 {
         &["y"][..]
     } else {
         &["r", "g", "b"][..]
     };
-    let alpha = photo.has_alpha().then_some(&"a");
+    let alpha = photo.header.has_alpha().then_some(&"a");
     let components: Vec<String> = grey_or_color
         .iter()
         .chain(alpha)
         .map(|c| (*c).to_string())
         .collect();
-    let sample_type = match photo.bits {
+    let sample_type = match photo.header.bits {
         8 => "u8",
         16 => "u16",
         _ => "float",

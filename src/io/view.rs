@@ -1,15 +1,15 @@
 //! The turn to view space: which space the normals were in, and why.
 
 use super::camera::{CAMERA, CameraSearch, FoundCamera};
+use super::finding::Finding;
 use super::inputs::{Flip, Inputs};
-use super::load::Finding;
 use super::names::Hint;
 use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
-use super::normals::flip_axes;
+use super::surface::Surface;
 use crate::error::{Error, Result};
-use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
-use glam::{DMat3, Mat3};
-use std::collections::BTreeMap;
+use crate::frame::normals;
+use crate::frame::{Camera, NormalSpace, Vector3Planes};
+use glam::DMat3;
 
 /// Normals read as view space whose lean is off the slope of depth by more than this, in degrees, could be
 /// turned a little: a world with y up, seen from slightly above, leans nearly as a view does.
@@ -20,25 +20,12 @@ const LEAST_TURN_DEG: f64 = 1.5;
 const TURN_ERRORS: f64 = 3.0;
 const TURN_LEAVES: f64 = 0.5;
 
-/// What the camera and the space of the normals are judged from.
-#[derive(Clone, Copy)]
-pub(super) struct Surface<'a> {
-    pub(super) mask: &'a Mask,
-    pub(super) position: Option<&'a Vector3Planes>,
-    pub(super) depth: Option<&'a Plane>,
-    /// Attributes of the picture's file.
-    pub(super) attributes: Option<&'a BTreeMap<String, String>>,
-    pub(super) data_window: Window,
-    pub(super) display_window: Window,
-    pub(super) pixel_aspect: f32,
-}
-
 /// The camera, where one was found, and what was concluded.
 pub(super) struct View {
     pub(super) camera: Option<Camera>,
     /// Whether it is known where in the world the camera stands, and not only how it is turned.
     pub(super) is_placed: bool,
-    /// Whether the camera was recovered from what it saw, and not told.
+    /// Whether the camera was recovered from layers, rather than given.
     pub(super) is_recovered: bool,
     /// How the stored normals were read.
     pub(super) normals: NormalReading,
@@ -92,7 +79,7 @@ pub(super) fn turn_to_view(
     })
 }
 
-/// The camera that depth tells, and what the normals are with its help: `judge` tells by a camera.
+/// The camera recovered from depth, and how the normals read with it: `judge` reads them by a camera.
 fn aided_by_depth(
     search: &mut CameraSearch,
     unaided: Reading,
@@ -102,18 +89,18 @@ fn aided_by_depth(
     let flip = unaided.certain.filter(|n| n.space == NormalSpace::View);
     if let Some(NormalReading { flip, .. }) = flip {
         let mut turned = normal.clone();
-        flip_axes(&mut turned, flip);
+        normals::flip_axes(&mut turned, flip);
         let found = search.by_depth(&turned);
         let is_turned = found.as_ref().is_some_and(|found| unaided.is_turned(found));
         if !is_turned {
-            search.tell(found.as_ref());
+            search.report(found.as_ref());
             return (found.map(|found| found.camera), unaided);
         }
     }
     let found = search.by_depth(normal);
-    search.tell(found.as_ref());
+    search.report(found.as_ref());
     match found {
-        Some(found) if unaided.is_told || flip.is_some() => {
+        Some(found) if unaided.is_given || flip.is_some() => {
             let turned = Reading {
                 certain: Some(NormalReading::WORLD),
                 reason: format!(
@@ -124,7 +111,7 @@ fn aided_by_depth(
             };
             (
                 Some(found.camera),
-                if unaided.is_told { unaided } else { turned },
+                if unaided.is_given { unaided } else { turned },
             )
         }
         Some(found) => {
@@ -164,17 +151,10 @@ impl NormalReading {
 
     /// Turns stored normals to view space, in place. Those in world space take a camera.
     fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>) {
-        flip_axes(normal, self.flip);
+        normals::flip_axes(normal, self.flip);
         if let Some(camera) = camera {
-            turn_normals(normal, self.space, camera);
+            normals::turn_to_view(normal, self.space, camera);
         }
-    }
-}
-
-/// Turns normals of a space to view space, in place.
-pub(super) fn turn_normals(normal: &mut Vector3Planes, space: NormalSpace, camera: &Camera) {
-    if space == NormalSpace::World {
-        rotate(normal, camera);
     }
 }
 
@@ -185,13 +165,13 @@ struct Reading {
     certain: Option<NormalReading>,
     /// Whether it is world space for want of anything else.
     by_elimination: bool,
-    is_told: bool,
+    is_given: bool,
     evidence: NormalSpaceEvidence,
     reason: String,
 }
 
 impl Reading {
-    /// The reading that was asked for, else the one that the data tell.
+    /// The reading that was asked for, else the one that the data show.
     fn of(
         inputs: &Inputs,
         surface: &Surface,
@@ -203,7 +183,7 @@ impl Reading {
             return Self {
                 certain: Some(NormalReading { space, flip }),
                 by_elimination: false,
-                is_told: true,
+                is_given: true,
                 evidence: NormalSpaceEvidence::default(),
                 reason: "as told".into(),
             };
@@ -218,7 +198,7 @@ impl Reading {
         let verdict = judge_normal_space(normal, mask, position, depth, camera, data_window);
         let (certain, by_elimination) = match verdict.conclusion {
             NormalSpaceConclusion::Certain { space, flip } => {
-                // Where axes were told, only z is still turned toward the viewer.
+                // Where axes were given, only z is still flipped toward the viewer.
                 let flip = match inputs.normal_flip {
                     Some(_) => Flip {
                         z: flip.z,
@@ -234,7 +214,7 @@ impl Reading {
         Self {
             certain,
             by_elimination,
-            is_told: false,
+            is_given: false,
             evidence: verdict.evidence,
             reason: verdict.reason,
         }
@@ -247,7 +227,7 @@ impl Reading {
     /// Whether the normals lean near enough to the slope of depth for view space, but not quite along it.
     fn could_be_turned(&self) -> bool {
         let slope = self.evidence.slope_view_deg;
-        !self.is_told && slope.is_some_and(|deg| deg > STRAIGHT_DEG)
+        !self.is_given && slope.is_some_and(|deg| deg > STRAIGHT_DEG)
     }
 
     /// Whether the camera found from depth and normals, taken for view space, is turned after all.
@@ -302,7 +282,7 @@ impl Reading {
         })
     }
 
-    /// What is told of it.
+    /// The finding on it.
     fn finding(&self, normals: NormalReading, inputs: &Inputs) -> Finding {
         let name = match normals.space {
             NormalSpace::World => "world",
@@ -315,7 +295,7 @@ impl Reading {
         let y_is_open = normals.space == NormalSpace::View
             && inputs.normal_flip.is_none()
             && !judged_by_depth
-            && !self.is_told;
+            && !self.is_given;
         let open = match y_is_open {
             true => {
                 "; without depth nothing tells whether y points up, as it does not in DirectX maps"
@@ -352,25 +332,5 @@ fn no_camera(inputs: &Inputs, reason: &str, findings: &[Finding]) -> Error {
             tried.concat()
         ),
         remedy: "give --camera FILE, or --normal-space view if they are not".into(),
-    }
-}
-
-fn rotate(normal: &mut Vector3Planes, camera: &Camera) {
-    let turn = Mat3::from_cols_array(
-        &camera
-            .view_from_world
-            .matrix3
-            .to_cols_array()
-            .map(|v| v as f32),
-    );
-    let components = normal
-        .x
-        .samples_mut()
-        .iter_mut()
-        .zip(normal.y.samples_mut())
-        .zip(normal.z.samples_mut());
-    for ((x, y), z) in components {
-        let turned = turn * glam::Vec3::new(*x, *y, *z);
-        (*x, *y, *z) = (turned.x, turned.y, turned.z);
     }
 }

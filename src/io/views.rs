@@ -1,6 +1,6 @@
 //! Which view, such as an eye of a stereo pair, each layer belongs to, and the layers of one of them.
 //!
-//! Files tell it in two ways: a part has a `view`, or a word of a channel's name is one, as in `left.Normal.X` or
+//! Files say so in two ways: a part has a `view`, or a word of a channel's name is one, as in `left.Normal.X` or
 //! `Normal.left.X`. Then `multiView` lists the views, and what bears none of their names belongs to the first.
 
 use super::exr::ExrFile;

@@ -2,7 +2,7 @@
 
 use super::depth_lens::{Kind, Lens};
 use super::depth_samples::{Patch, TILES};
-use super::samples::quantile;
+use super::samples::{quantile, spread_out};
 use nalgebra::{Matrix3, Matrix4, Rotation3, SymmetricEigen, Vector3, Vector4};
 
 /// Patches that the scan over the lens, and the choice of its kind, look at.
@@ -11,7 +11,7 @@ const RANKED: usize = 5_000;
 /// Residuals beyond this many medians are left out, and from the second on pulled linearly.
 const TRIM: f64 = 4.0;
 const HUBER: f64 = 1.5;
-/// Residuals below this, about a degree, are not told apart: where most of a picture is one exact
+/// Residuals below this, about a degree, are not distinguished: where most of a picture is one exact
 /// plane, the rest still has its say.
 const FINEST: f64 = 0.02;
 /// Residual, about three degrees, at which fits are compared: what lies far beyond counts as a miss.
@@ -359,12 +359,4 @@ fn golden_section(mut low: f64, mut high: f64, cost: impl Fn(f64) -> f64) -> f64
         }
     }
     0.5 * (low + high)
-}
-
-/// At most `count` patches, evenly over the list.
-fn spread_out(patches: &[Patch], count: usize) -> Vec<Patch> {
-    let count = count.min(patches.len());
-    (0..count)
-        .map(|i| patches[i * patches.len() / count])
-        .collect()
 }

@@ -46,7 +46,7 @@ const COARSE: [Choice; 4] = [
 ];
 /// How far off the middle of the pixel, in pixels, depth has to be taken for that.
 const OFF_CENTRE: f64 = 0.2;
-/// Places that tell how far off it is.
+/// Places at which its error is measured.
 const PROBES: usize = 4_000;
 /// Normals longer than this are not normals.
 const LONGEST: f64 = 1.05;
@@ -255,8 +255,8 @@ impl Surface<'_> {
         let column = f64::from(data.x0) + x as f64 + 0.5;
         let row = f64::from(data.y0) + y as f64 + 0.5;
         Vector2::new(
-            column - 0.5 * (f64::from(display.x0) + f64::from(display.x1)),
-            (0.5 * (f64::from(display.y0) + f64::from(display.y1)) - row) / self.pixel_aspect,
+            column - display.center().x,
+            (display.center().y - row) / self.pixel_aspect,
         )
     }
 

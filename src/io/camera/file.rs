@@ -32,7 +32,7 @@ const MOST_BYTES: u64 = 1 << 24;
 /// | `pixels_per_unit` | orthographic: pixel widths per unit of length |
 /// | `principal_point_px` | `[x, y]` of the view axis; absent: the centre of the display window |
 /// | `intrinsics_px` | `{fx, fy, cx, cy}` in place of the three above; for `camera_type` `"ORTHO"`, `fx` and `fy` are pixels per unit |
-/// | `camera_type` | `"PERSP"` or `"ORTHO"`; absent: told by the other keys |
+/// | `camera_type` | `"PERSP"` or `"ORTHO"`; absent: follows from the other keys |
 /// | `resolution` | `[width, height]` that the pixels refer to; absent: the display window |
 ///
 /// The smallest files are `{"focal_px": 900}` and

@@ -5,10 +5,10 @@ use super::samples::quantile;
 use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
+use crate::io::finding::Finding;
 use crate::io::inputs::Inputs;
-use crate::io::load::Finding;
 use crate::io::normal_space::judge_normal_space;
-use crate::io::view::Surface;
+use crate::io::surface::Surface;
 use glam::DVec3;
 
 /// What findings about the camera are called.
@@ -26,7 +26,7 @@ pub(in crate::io) struct CameraSearch<'a> {
     inputs: &'a Inputs,
     surface: &'a Surface<'a>,
     failure: Option<RecoveryFailure>,
-    /// Whether a camera was recovered from what it saw, and not told.
+    /// Whether a camera was recovered from layers, rather than given.
     pub(in crate::io) has_recovered: bool,
     pub(in crate::io) findings: Vec<Finding>,
 }
@@ -63,8 +63,8 @@ impl<'a> CameraSearch<'a> {
         }
     }
 
-    /// The camera whose place in the world is told: by a file, by attributes, or by positions. `normal` has a say
-    /// in how attributes are read.
+    /// The camera whose place in the world is known: from a file, from attributes, or from positions. `normal` helps
+    /// to decide how attributes are read.
     ///
     /// # Errors
     /// Those of reading the file.
@@ -98,14 +98,14 @@ impl<'a> CameraSearch<'a> {
                     }
                     Err(failure) => {
                         self.failure = Some(failure);
-                        self.tell(None);
+                        self.report(None);
                         return Ok(None);
                     }
                 },
                 (None, None) => return Ok(None),
             },
         };
-        self.tell(Some(&found));
+        self.report(Some(&found));
         Ok(Some(found.camera))
     }
 
@@ -168,11 +168,11 @@ impl<'a> CameraSearch<'a> {
         Ok(FoundCamera::new(found.camera, evidence))
     }
 
-    /// The turn and lens that depth and `normal` tell; no place. Not told yet.
+    /// Rotation and lens recovered from depth and `normal`, without a place. It makes no finding.
     pub(in crate::io) fn by_depth(&mut self, normal: &Vector3Planes) -> Option<FoundCamera> {
         if let Some(known) = self.inputs.known_camera {
-            let told = FoundCamera::new(known.camera, "as told".into());
-            return (!known.is_placed).then_some(told);
+            let given = FoundCamera::new(known.camera, "as told".into());
+            return (!known.is_placed).then_some(given);
         }
         let surface = self.surface;
         let depth = surface.depth?;
@@ -210,7 +210,7 @@ impl<'a> CameraSearch<'a> {
     }
 
     /// Notes the camera that was found, or why none was.
-    pub(in crate::io) fn tell(&mut self, found: Option<&FoundCamera>) {
+    pub(in crate::io) fn report(&mut self, found: Option<&FoundCamera>) {
         let evidence = match (found, self.failure) {
             (Some(found), _) => found.evidence.clone(),
             (None, Some(failure)) => failure.to_string(),
@@ -280,7 +280,7 @@ fn pixels<'a>(surface: &'a Surface) -> impl Iterator<Item = (usize, usize)> + 'a
     covered.step_by((mask.count() / PROBES).max(1))
 }
 
-/// The camera in words; its place only where something told it.
+/// The camera in words; its place only where it is known.
 fn described(camera: &Camera) -> String {
     let turn = camera.view_from_world.matrix3;
     let eye = camera.view_from_world.inverse().translation;

@@ -7,12 +7,12 @@
 //! outliers), a scan over focal lengths, then both together by Gauss-Newton.
 //!
 //! What that buys: smoothed normals on flat facets and depth rounded to half floats cancel over
-//! thousands of patches. The focal length scales every slope, so wherever normals differ enough to tell
-//! the rotation they tell it too: to a hundredth or so where the rotation is known to a tenth of a
+//! thousands of patches. The focal length scales every slope, so wherever normals differ enough to fix
+//! the rotation they fix it too: to a hundredth or so where the rotation is known to a tenth of a
 //! degree.
 //!
 //! How to use it: give a normal map in any space. Where it was view space, the rotation
-//! comes out as none, which tells so. The place of the eye stays open: the translation is zero.
+//! comes out as none. The place of the eye stays open: the translation is zero.
 
 use super::depth_fit::{Certainty, Fit};
 use super::depth_lens::{Kind, Lens};
@@ -21,7 +21,7 @@ use super::file::dmat3;
 use super::recover::{MIRROR, RecoveryFailure};
 use super::samples::quantile;
 use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// Fewer patches than this are refused.
 const FEWEST: usize = 24;
@@ -44,7 +44,7 @@ const WORST_ROTATION_DEG: f64 = 3.0;
 /// Mean square sine of the normals about their main direction below which they count as parallel.
 const LEAST_SPREAD: f64 = 1e-6;
 
-/// What depth and normals tell of a camera, with the evidence for it.
+/// A camera recovered from depth and normals, with the evidence for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthCamera {
     /// The camera. Its translation is zero, for normals say nothing of places; its turn mirrors where the
@@ -163,8 +163,7 @@ impl Answer {
     fn report(&self, surface: &Surface) -> DepthCamera {
         let Lens { kind, number } = self.fit.lens;
         let display = surface.display_window;
-        let cx = 0.5 * (f64::from(display.x0) + f64::from(display.x1));
-        let cy = 0.5 * (f64::from(display.y0) + f64::from(display.y1));
+        let DVec2 { x: cx, y: cy } = display.center();
         let (x, y) = (number, number * surface.pixel_aspect);
         let projection = match kind {
             Kind::Parallel => Projection::Orthographic {

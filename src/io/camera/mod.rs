@@ -19,4 +19,4 @@ pub(super) use find::{CAMERA, CameraSearch, FoundCamera};
 pub use from_depth::{DepthCamera, recover_camera_from_depth};
 pub use panorama::{PanoramaPose, recover_panorama};
 pub use recover::{RecoveredCamera, RecoveryFailure, recover_camera};
-pub(super) use samples::quantile;
+pub(super) use samples::median;

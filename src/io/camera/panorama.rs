@@ -20,7 +20,7 @@ pub struct PanoramaPose {
 /// About how many pixels are looked at.
 const SAMPLES: usize = 4000;
 
-/// Fewer tell nothing.
+/// Fewer decide nothing.
 const FEWEST: usize = 16;
 
 /// Rounds of turning and placing; each round leaves a fraction of the error.
@@ -35,7 +35,7 @@ struct Sighting {
     position: DVec3,
 }
 
-/// The pose that the `positions` of a panorama tell, where `seen` is true. `None` where too few are seen, or they are
+/// The pose recovered from the `positions` of a panorama, where `seen` is true. `None` where too few are seen, or they are
 /// no panorama of these proportions: its mirror image, a cube, a fisheye.
 ///
 /// In turns the positions are turned onto the directions of their pixels (Wahba's problem), and the centre is put

@@ -16,7 +16,7 @@
 use super::file::dmat3;
 use super::hypotheses::{hypotheses, principal_axes};
 use super::model::{CONVERGENCE, Free, Model};
-use super::samples::{Sample, Samples, gather, quantile};
+use super::samples::{Sample, Samples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec3};
 use nalgebra::{Matrix3, Vector3};
@@ -102,7 +102,7 @@ pub enum RecoveryFailure {
         /// Places that it takes.
         needed: usize,
     },
-    /// All normals point the same way, so nothing tells how the picture is turned about it.
+    /// All normals point the same way, so the turn of the picture about it stays open.
     #[error("the normals all point the same way, which leaves a turn about it open")]
     ParallelNormals,
     /// No turn carries the normals onto the slopes of depth.
@@ -122,7 +122,7 @@ pub enum RecoveryFailure {
 /// `display_window` unless the positions show a lens shift clearly. The same input always gives the
 /// same bits.
 ///
-/// A mirrored (left-handed) scene under a parallel camera cannot be told from a right-handed one,
+/// A mirrored (left-handed) scene under a parallel camera cannot be distinguished from a right-handed one,
 /// nor can one that lies in a plane.
 ///
 /// # Errors
@@ -354,8 +354,8 @@ impl Fit {
     fn camera(&self, samples: &Samples, display: Window, aspect: f64) -> Camera {
         let model = &self.model;
         let per_unit = model.scale / samples.spread;
-        let cx = 0.5 * (f64::from(display.x0) + f64::from(display.x1)) + model.principal.x;
-        let cy = 0.5 * (f64::from(display.y0) + f64::from(display.y1)) - aspect * model.principal.y;
+        let cx = display.center().x + model.principal.x;
+        let cy = display.center().y - aspect * model.principal.y;
         let parallel = self.free == Free::Parallel;
         let (projection, distance) = if parallel {
             let (sx, sy) = (per_unit, per_unit * aspect);
@@ -399,14 +399,6 @@ fn rotation_error_deg(covariance: &Matrix3<f64>) -> f64 {
         .max(0.0)
         .sqrt()
         .to_degrees()
-}
-
-/// At most `count` samples, evenly over the list.
-fn spread_out(samples: &[Sample], count: usize) -> Vec<Sample> {
-    let count = count.min(samples.len());
-    (0..count)
-        .map(|i| samples[i * samples.len() / count])
-        .collect()
 }
 
 /// Models by how much of the samples they leave unexplained, best first.

@@ -108,14 +108,11 @@ pub(super) fn gather(
         .copied()
         .collect();
     let chosen = if smooth.len() >= ENOUGH {
-        thinned(smooth, WANTED)
+        spread_out(&smooth, WANTED)
     } else {
-        thinned(candidates, WANTED)
+        spread_out(&candidates, WANTED)
     };
-    let centre = Vector2::new(
-        0.5 * (f64::from(display_window.x0) + f64::from(display_window.x1)),
-        0.5 * (f64::from(display_window.y0) + f64::from(display_window.y1)),
-    );
+    let centre = display_window.center();
     let seen = |x: usize, y: usize| {
         let column = f64::from(data_window.x0) + x as f64 + 0.5;
         let row = f64::from(data_window.y0) + y as f64 + 0.5;
@@ -144,11 +141,10 @@ fn candidates(layer: &Layer) -> Vec<Candidate> {
         .collect()
 }
 
-fn thinned<T: Copy>(list: Vec<T>, wanted: usize) -> Vec<T> {
-    if list.len() <= wanted {
-        return list;
-    }
-    (0..wanted).map(|i| list[i * list.len() / wanted]).collect()
+/// At most `count` elements, evenly over the list.
+pub(super) fn spread_out<T: Copy>(list: &[T], count: usize) -> Vec<T> {
+    let count = count.min(list.len());
+    (0..count).map(|i| list[i * list.len() / count]).collect()
 }
 
 /// Whether the coordinates look written as half floats; a share of stray values, as a resampling of
@@ -211,6 +207,11 @@ fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
 }
 
 /// The value that a share `q` of `values` lies below; 0 for none. Reorders `values`.
-pub(in crate::io) fn quantile(values: &mut [f64], q: f64) -> f64 {
+pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
     crate::quantile::quantile(values, q, f64::total_cmp).unwrap_or(0.0)
+}
+
+/// The median; `None` for fewer than `fewest` values, which decide nothing.
+pub(in crate::io) fn median(values: &mut [f64], fewest: usize) -> Option<f64> {
+    (values.len() >= fewest).then(|| quantile(values, 0.5))
 }

@@ -2,14 +2,13 @@
 
 use super::attributes::{Attributes, HeaderReader, text_of_bytes};
 use super::fault::{Fault, Parsed};
-use super::{Channel, Part, SampleType};
+use super::part::{Channel, Part, SampleType};
 use crate::frame::Window;
 use crate::io::fence::fenced;
 use ::exr::compression::Compression;
 use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use std::io::Read;
-use std::ops::RangeInclusive;
 
 /// The first bytes of every EXR file.
 pub(in crate::io) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -21,7 +20,6 @@ pub(super) const MULTI_PART: u32 = 1 << 12;
 /// Corners beyond this are refused by OpenEXR too; below it no sum of two overflows.
 const MAX_CORNER: i64 = (i32::MAX / 2) as i64;
 /// Widths of a pixel over its height.
-const PIXEL_ASPECTS: RangeInclusive<f32> = 1e-3..=1e3;
 /// Bytes of a chunk without pixels: its place and size, and its entry in the offset table.
 const MIN_CHUNK_BYTES: u64 = 16;
 
@@ -164,7 +162,7 @@ fn window_of_corners([x0, y0, x1, y1]: [i32; 4]) -> Window {
 
 fn check_pixel_aspect(part: &Attributes) -> Parsed<()> {
     let aspect = pixel_aspect(part);
-    match PIXEL_ASPECTS.contains(&aspect) {
+    match crate::frame::PIXEL_ASPECTS.contains(&aspect) {
         true => Ok(()),
         false => Err(Fault::Unsupported {
             found: format!("its pixels are {aspect:e} times as wide as high"),

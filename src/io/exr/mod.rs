@@ -18,6 +18,7 @@ mod fault;
 mod header;
 mod layout;
 mod merge;
+mod part;
 mod read;
 mod rows;
 mod sink;
@@ -28,6 +29,7 @@ mod zip;
 
 pub use compression::OutputCompression;
 pub use merge::Merged;
+pub use part::{Channel, ChannelId, Part, SampleType};
 pub use rows::RowReader;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
 pub use writer::{PartWriter, add_channels, append_part, write_results};
@@ -78,79 +80,6 @@ pub struct ExrFile {
     header: FileHeader,
     file_len: u64,
     limits: Limits,
-}
-
-/// One part of a file: a picture with its own window, channels and compression.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Part {
-    /// Its name; only files with several parts must have one.
-    pub name: Option<String>,
-    /// The view it belongs to, such as "left".
-    pub view: Option<String>,
-    /// The pixels that are stored.
-    pub window: Window,
-    /// The compression, in lower case: "none", "zip", "dwaa".
-    pub compression: String,
-    /// Whether the pixels are stored in tiles rather than rows.
-    pub tiled: bool,
-    /// The channels, in alphabetical order.
-    pub channels: Vec<Channel>,
-    /// What the colours mean, as `colorInteropID` says, such as "lin_rec709_scene" or "data".
-    pub color_interop_id: Option<String>,
-}
-
-/// One channel of a part.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Channel {
-    /// The full name, such as "ViewLayer.Normal.X".
-    pub name: String,
-    /// How a sample is stored.
-    pub sample_type: SampleType,
-}
-
-/// How a sample is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum SampleType {
-    /// 16-bit floating point.
-    Half,
-    /// 32-bit floating point.
-    Float,
-    /// 32-bit unsigned integer.
-    Uint,
-}
-
-impl SampleType {
-    /// Bytes per sample.
-    pub fn bytes(self) -> usize {
-        match self {
-            SampleType::Half => 2,
-            SampleType::Float | SampleType::Uint => 4,
-        }
-    }
-}
-
-/// A channel by its place in the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ChannelId {
-    /// Index into [`ExrFile::parts`].
-    pub part: usize,
-    /// Index into [`Part::channels`].
-    pub channel: usize,
-}
-
-impl Part {
-    /// Whether the compression changed the samples of the channel at index `channel`.
-    ///
-    /// DWA goes by the last token of the name: of a vector X, Y, Z it spoils exactly Y.
-    pub fn is_lossy(&self, channel: usize) -> bool {
-        let Channel { name, sample_type } = &self.channels[channel];
-        match self.compression.as_str() {
-            "pxr24" => *sample_type == SampleType::Float,
-            "b44" | "b44a" => *sample_type == SampleType::Half,
-            "dwaa" | "dwab" => *sample_type != SampleType::Uint && compression::dwa_spoils(name),
-            _ => false,
-        }
-    }
 }
 
 impl ExrFile {

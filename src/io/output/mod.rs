@@ -225,7 +225,7 @@ mod tests {
         for inside in ["style/1.png", "styles/1.png"] {
             assert!(refusal(&[inside]).unwrap().contains("lies in"), "{inside}");
         }
-        // Outputs that do not exist are told apart by their directory and name.
+        // Outputs that do not exist are distinguished by their directory and name.
         for twice in [["out", "./out"], ["none", "dangling"]] {
             assert!(refusal(&twice).unwrap().contains("too"), "{twice:?}");
         }

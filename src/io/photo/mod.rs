@@ -9,6 +9,7 @@
 //! held as they are stored, a byte for a sample of 8 bits.
 
 mod decoder;
+mod header;
 mod rows;
 mod stored;
 
@@ -44,17 +45,17 @@ impl Photo {
     /// [`crate::Error::Damaged`] and [`crate::Error::Io`].
     pub fn read(path: &Path) -> Result<Photo> {
         let stored = StoredPhoto::open(path, u64::MAX)?;
-        let mut channels = stored.planes(0..stored.height, Meaning::Stored)?;
-        let alpha = if stored.has_alpha() {
+        let mut channels = stored.planes(0..stored.header.height, Meaning::Stored)?;
+        let alpha = if stored.header.has_alpha() {
             channels.pop()
         } else {
             None
         };
         Ok(Photo {
-            width: stored.width,
-            height: stored.height,
-            bits: stored.bits,
-            is_float: stored.is_float,
+            width: stored.header.width,
+            height: stored.header.height,
+            bits: stored.header.bits,
+            is_float: stored.header.is_float,
             channels,
             alpha,
         })

@@ -1,7 +1,7 @@
 //! Pictures row by row, for those that are not to be held.
 
 use super::decoder::{image_error, one_line, within_fence};
-use super::stored::{Samples, StoredPhoto};
+use super::header::{PhotoHeader, Samples};
 use crate::error::{Error, Result};
 use crate::io::open::open_input;
 use image::codecs::hdr::HdrDecoder;
@@ -13,33 +13,44 @@ use std::ops::Range;
 /// Takes the samples of a row, with its number.
 type Take<'t> = dyn FnMut(usize, Samples) + 't;
 
-/// Decodes the picture as far as the end of `rows`, and hands these rows to `take`.
+/// Decodes the picture as far as the end of `rows`, and hands these rows to `take`. It is read so because no more than
+/// `most_bytes` may be held.
 ///
 /// # Errors
 /// Where the file is damaged, or of a kind that is only decoded whole.
-pub(super) fn each_row(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<()> {
+pub(super) fn each_row(
+    photo: &PhotoHeader,
+    rows: Range<usize>,
+    most_bytes: u64,
+    take: &mut Take,
+) -> Result<()> {
     within_fence(&photo.path, || match photo.format {
-        ImageFormat::Png => png_rows(photo, rows, take),
+        ImageFormat::Png => png_rows(photo, rows, most_bytes, take),
         ImageFormat::Hdr => hdr_rows(photo, rows, take),
-        _ => Err(photo.too_large()),
+        _ => Err(photo.too_large(most_bytes)),
     })
 }
 
-fn png_rows(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<()> {
+fn png_rows(
+    photo: &PhotoHeader,
+    rows: Range<usize>,
+    most_bytes: u64,
+    take: &mut Take,
+) -> Result<()> {
     let failed = |error| png_error(photo, error);
     let mut decoder = png::Decoder::new(opened(photo)?);
     // As `image` reads them: palettes and small depths become samples of 8 bits.
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(failed)?;
     if reader.info().interlaced {
-        return Err(photo.too_large());
+        return Err(photo.too_large(most_bytes));
     }
     let length = photo.width * photo.channels() * usize::from(photo.bits / 8);
     let mut wide = Vec::new();
     for y in 0..rows.end {
         let row = reader.next_row().map_err(failed)?;
         let row = row.filter(|row| row.data().len() == length);
-        let row = row.ok_or_else(|| has_changed(photo))?;
+        let row = row.ok_or_else(|| photo.has_changed())?;
         if y < rows.start {
             continue;
         }
@@ -55,13 +66,13 @@ fn png_rows(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<
     Ok(())
 }
 
-/// Every row of an HDR is coded by itself: it is read as a picture of one row.
-fn hdr_rows(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<()> {
+/// Every row of an HDR is coded on its own: it is read as a picture of one row.
+fn hdr_rows(photo: &PhotoHeader, rows: Range<usize>, take: &mut Take) -> Result<()> {
     let failed = image_error(&photo.path);
     let mut file = opened(photo)?;
     let header = HdrDecoder::new(&mut file).map_err(&failed)?;
     if header.dimensions() != (photo.width as u32, photo.height as u32) {
-        return Err(has_changed(photo));
+        return Err(photo.has_changed());
     }
     let one_row = format!("#?RADIANCE\n\n-Y 1 +X {}\n", photo.width);
     let mut bytes = vec![0; photo.width * photo.channels() * size_of::<f32>()];
@@ -80,19 +91,12 @@ fn hdr_rows(photo: &StoredPhoto, rows: Range<usize>, take: &mut Take) -> Result<
     Ok(())
 }
 
-fn opened(photo: &StoredPhoto) -> Result<BufReader<File>> {
+fn opened(photo: &PhotoHeader) -> Result<BufReader<File>> {
     let file = open_input(&photo.path).map_err(Error::io(&photo.path, "read"))?;
     Ok(BufReader::new(file))
 }
 
-pub(super) fn has_changed(photo: &StoredPhoto) -> Error {
-    Error::Damaged {
-        path: photo.path.clone(),
-        found: "has changed while it was read".into(),
-    }
-}
-
-fn png_error(photo: &StoredPhoto, error: png::DecodingError) -> Error {
+fn png_error(photo: &PhotoHeader, error: png::DecodingError) -> Error {
     let path = &photo.path;
     match error {
         png::DecodingError::IoError(error) => image_error(path)(ImageError::IoError(error)),

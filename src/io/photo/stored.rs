@@ -1,15 +1,16 @@
 //! A picture whose header has been read, and its samples as they are stored.
 
-use super::decoder::{image_error, max_code, unsupported, with_decoder};
-use super::rows::{each_row, has_changed};
-use crate::error::{Error, Result};
+use super::decoder::{image_error, max_code, with_decoder};
+use super::header::{PhotoHeader, Samples};
+use super::rows::each_row;
+use crate::error::Result;
 use crate::frame::Plane;
 use crate::io::srgb;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat};
+use image::{DynamicImage, ImageDecoder};
 use rayon::prelude::*;
 use std::cell::{Ref, RefCell};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What the integers of a picture stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,97 +23,52 @@ pub(in crate::io) enum Meaning {
 
 /// A picture whose header has been read. Its samples are decoded when first asked for.
 pub(in crate::io) struct StoredPhoto {
-    pub(in crate::io) path: PathBuf,
-    pub(in crate::io) width: usize,
-    pub(in crate::io) height: usize,
-    /// Bits per sample: 8, 16 or 32.
-    pub(in crate::io) bits: u8,
-    /// Whether samples are floating point, and linear.
-    pub(in crate::io) is_float: bool,
-    pub(super) format: ImageFormat,
-    pub(super) color: ColorType,
+    pub(in crate::io) header: PhotoHeader,
     /// Most bytes of samples that may be held.
     most_bytes: u64,
     /// All samples, while they are held.
     image: RefCell<Option<DynamicImage>>,
 }
 
-/// Samples of whole pixels, side by side.
-#[derive(Clone, Copy)]
-pub(super) enum Samples<'a> {
-    Narrow(&'a [u8]),
-    Wide(&'a [u16]),
-    Float(&'a [f32]),
-}
-
 impl StoredPhoto {
-    /// Reads the header of the picture at `path`; its kind is recognised by content, not by name. Of samples that take
-    /// more than `most_bytes` only rows are read.
+    /// Reads the header of the picture at `path`. Of samples that take more than `most_bytes` only rows are read.
     pub(in crate::io) fn open(path: &Path, most_bytes: u64) -> Result<Self> {
-        with_decoder(path, |decoder, format| {
-            let color = decoder.color_type();
-            let (width, height) = decoder.dimensions();
-            let bits = 8 * (color.bytes_per_pixel() / color.channel_count());
-            if ![8, 16, 32].contains(&bits) {
-                return Err(unsupported(path, "has samples of an unknown kind"));
-            }
-            Ok(Self {
-                path: path.to_path_buf(),
-                width: width as usize,
-                height: height as usize,
-                bits,
-                is_float: bits == 32,
-                format,
-                color,
-                most_bytes,
-                image: RefCell::default(),
-            })
+        Ok(Self {
+            header: PhotoHeader::read(path)?,
+            most_bytes,
+            image: RefCell::default(),
         })
-    }
-
-    pub(in crate::io) fn has_alpha(&self) -> bool {
-        self.color.has_alpha()
-    }
-
-    /// Channels without alpha: 1 or 3.
-    pub(in crate::io) fn color_channels(&self) -> usize {
-        self.channels() - usize::from(self.has_alpha())
-    }
-
-    pub(super) fn channels(&self) -> usize {
-        usize::from(self.color.channel_count())
-    }
-
-    /// Bytes that all its samples take.
-    pub(in crate::io) fn bytes(&self) -> u64 {
-        let pixels = self.width as u64 * self.height as u64;
-        pixels.saturating_mul(self.color.bytes_per_pixel().into())
     }
 
     /// Planes of the rows `rows`: grey or colour, then alpha where it has one, which is never encoded.
     ///
     /// # Errors
-    /// As for any picture; [`Error::Unsupported`] for one that takes more than it may and is of a kind that can only be
+    /// As for any picture; [`crate::Error::Unsupported`] for one that takes more than it may and is of a kind that can only be
     /// decoded whole.
     ///
     /// # Panics
     /// If it has fewer rows.
     pub(in crate::io) fn planes(&self, rows: Range<usize>, meaning: Meaning) -> Result<Vec<Plane>> {
-        let size = [self.width, rows.len()];
-        if self.bytes() <= self.most_bytes {
+        let size = [self.header.width, rows.len()];
+        if self.header.bytes() <= self.most_bytes {
             let image = self.image()?;
             let samples = self
                 .samples_of(&image)
-                .within(self.channels() * self.width, &rows);
+                .within(self.header.channels() * self.header.width, &rows);
             return Ok(self.planes_of(size, samples, meaning));
         }
-        let mut planes = vec![Plane::filled(size[0], size[1], 0.0); self.channels()];
-        each_row(self, rows.clone(), &mut |y, samples| {
-            let row = self.planes_of([self.width, 1], samples, meaning);
-            for (plane, row) in planes.iter_mut().zip(row) {
-                plane.row_mut(y - rows.start).copy_from_slice(row.samples());
-            }
-        })?;
+        let mut planes = vec![Plane::filled(size[0], size[1], 0.0); self.header.channels()];
+        each_row(
+            &self.header,
+            rows.clone(),
+            self.most_bytes,
+            &mut |y, samples| {
+                let row = self.planes_of([self.header.width, 1], samples, meaning);
+                for (plane, row) in planes.iter_mut().zip(row) {
+                    plane.row_mut(y - rows.start).copy_from_slice(row.samples());
+                }
+            },
+        )?;
         Ok(planes)
     }
 
@@ -127,15 +83,18 @@ impl StoredPhoto {
         take: &mut dyn FnMut(usize, Vec<Plane>),
     ) -> Result<()> {
         let mut take = |y, samples: Samples| {
-            take(y, self.planes_of([self.width, 1], samples, meaning));
+            take(y, self.planes_of([self.header.width, 1], samples, meaning));
         };
-        if self.bytes() > self.most_bytes {
-            return each_row(self, rows, &mut take);
+        if self.header.bytes() > self.most_bytes {
+            return each_row(&self.header, rows, self.most_bytes, &mut take);
         }
         let image = self.image()?;
         let samples = self.samples_of(&image);
         for y in rows {
-            take(y, samples.within(self.channels() * self.width, &(y..y + 1)));
+            take(
+                y,
+                samples.within(self.header.channels() * self.header.width, &(y..y + 1)),
+            );
         }
         Ok(())
     }
@@ -145,33 +104,16 @@ impl StoredPhoto {
         self.image.take();
     }
 
-    /// The refusal of a picture whose samples can only be decoded whole.
-    pub(super) fn too_large(&self) -> Error {
-        let mib = |bytes: u64| bytes.div_ceil(1 << 20);
-        Error::Unsupported {
-            path: self.path.clone(),
-            found: format!(
-                "is {}x{} and takes {} MiB, of which {} may be held; a picture of this kind is decoded whole",
-                self.width,
-                self.height,
-                mib(self.bytes()),
-                self.most_bytes >> 20,
-            ),
-            remedy: "allow more memory, make it smaller, or save it as PNG without interlacing or OpenEXR"
-                .into(),
-        }
-    }
-
     /// All samples, decoded where they are not held.
     fn image(&self) -> Result<Ref<'_, DynamicImage>> {
         if self.image.borrow().is_none() {
-            let image = with_decoder(&self.path, |decoder, _| {
+            let image = with_decoder(&self.header.path, |decoder, _| {
                 // The file may have been written anew since its header was read.
-                let size = (self.width as u32, self.height as u32);
-                if (decoder.dimensions(), decoder.color_type()) != (size, self.color) {
-                    return Err(has_changed(self));
+                let size = (self.header.width as u32, self.header.height as u32);
+                if (decoder.dimensions(), decoder.color_type()) != (size, self.header.color) {
+                    return Err(self.header.has_changed());
                 }
-                DynamicImage::from_decoder(decoder).map_err(image_error(&self.path))
+                DynamicImage::from_decoder(decoder).map_err(image_error(&self.header.path))
             })?;
             self.image.replace(Some(image));
         }
@@ -197,9 +139,9 @@ impl StoredPhoto {
     }
 
     fn planes_of(&self, size: [usize; 2], samples: Samples, meaning: Meaning) -> Vec<Plane> {
-        let count = self.channels();
+        let count = self.header.channels();
         let plane = |channel: usize| {
-            let is_alpha = self.has_alpha() && channel + 1 == count;
+            let is_alpha = self.header.has_alpha() && channel + 1 == count;
             let meaning = if is_alpha { Meaning::Stored } else { meaning };
             let samples = match samples {
                 Samples::Narrow(samples) => {
@@ -215,18 +157,6 @@ impl StoredPhoto {
             Plane::from_samples(size[0], size[1], samples)
         };
         (0..count).map(plane).collect()
-    }
-}
-
-impl<'a> Samples<'a> {
-    /// Those of some rows, with so many samples to a row.
-    fn within(self, row: usize, rows: &Range<usize>) -> Self {
-        let range = rows.start * row..rows.end * row;
-        match self {
-            Self::Narrow(samples) => Self::Narrow(&samples[range]),
-            Self::Wide(samples) => Self::Wide(&samples[range]),
-            Self::Float(samples) => Self::Float(&samples[range]),
-        }
     }
 }
 

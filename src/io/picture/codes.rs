@@ -1,6 +1,6 @@
 //! From numbers to the codes that pictures store.
 
-use super::ViewTransform;
+use super::format::ViewTransform;
 use crate::io::srgb;
 use std::sync::LazyLock;
 
@@ -36,7 +36,7 @@ pub(super) struct SrgbCodes {
     pub(super) least: [f64; 255],
     /// The least single number of each code above 0, and what none reaches.
     pub(super) least_single: [f32; 256],
-    /// The code at the beginning of each of so many equal parts of 0..1, and of those beyond.
+    /// The code at the beginning of each of [`SRGB_PARTS`] equal parts of 0..1, and of those beyond.
     at: [u8; 2 * SRGB_PARTS],
 }
 

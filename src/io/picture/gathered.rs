@@ -1,7 +1,7 @@
 //! Samples as picture files hold them, gathered by rows and encoded at once.
 
 use super::codes::{code, straight};
-use super::{Picture, PictureFormat, ViewTransform};
+use super::format::{Picture, PictureFormat, ViewTransform};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane};
 use crate::io::photo::{max_code, one_line, unsupported};

@@ -1,81 +1,20 @@
 //! Writing pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
 
 mod codes;
+mod format;
 mod gathered;
 
+pub use format::{Picture, PictureFormat, ViewTransform};
 pub use gathered::Gathered;
 
 use super::photo::max_code;
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Plane};
+use crate::frame::ColorPlanes;
 use codes::SRGB_8;
 use gathered::Part;
 use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::path::Path;
-
-/// The kinds of pictures that are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum PictureFormat {
-    /// PNG, 8 or 16 bits, with alpha.
-    Png,
-    /// JPEG, 8 bits, over black.
-    Jpeg,
-    /// TIFF, 8 or 16 bits, with alpha.
-    Tiff,
-    /// Radiance HDR, linear, over black.
-    Hdr,
-}
-
-impl PictureFormat {
-    /// The format that the extension of `path` stands for.
-    pub fn of_path(path: &Path) -> Option<PictureFormat> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            "png" => Some(PictureFormat::Png),
-            "jpg" | "jpeg" => Some(PictureFormat::Jpeg),
-            "tif" | "tiff" => Some(PictureFormat::Tiff),
-            "hdr" => Some(PictureFormat::Hdr),
-            _ => None,
-        }
-    }
-
-    fn holds_alpha(self) -> bool {
-        matches!(self, PictureFormat::Png | PictureFormat::Tiff)
-    }
-}
-
-/// How linear values become stored ones in integer formats.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ViewTransform {
-    /// The sRGB curve: for pictures to be looked at.
-    Srgb,
-    /// None: for normals, masks and other data.
-    None,
-}
-
-/// A picture to be written.
-#[derive(Debug, Clone, Copy)]
-pub struct Picture<'a> {
-    /// Linear colour, multiplied by alpha.
-    pub color: &'a ColorPlanes,
-    /// Coverage, 0..1.
-    pub alpha: Option<&'a Plane>,
-    /// Whether it is grey, its planes alike: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
-    pub grey: bool,
-    /// Bits per sample, 8 or 16; JPEG always has 8, HDR its own.
-    pub bits: u8,
-    /// How values are encoded; HDR is always linear.
-    pub transform: ViewTransform,
-}
-
-impl<'a> Picture<'a> {
-    /// Its planes: three of colour, and alpha where it has one.
-    pub(crate) fn planes(&self) -> Vec<&'a Plane> {
-        let ColorPlanes { r, g, b } = self.color;
-        [r, g, b].into_iter().chain(self.alpha).collect()
-    }
-}
 
 /// Writes a picture. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
 ///
@@ -99,6 +38,7 @@ pub fn write_picture(
     gathered.push(picture, 0..size[1]);
     gathered.write(w, target)
 }
+
 /// Red, green, blue and alpha of each pixel in 8 bits: what a PNG of them would hold, opaque where there is no alpha.
 ///
 /// # Panics
@@ -133,10 +73,12 @@ fn opaque_pixels(color: &ColorPlanes) -> Vec<[u8; 4]> {
     });
     pixels
 }
+
 #[cfg(test)]
 mod tests {
     use super::codes::computed_code;
     use super::*;
+    use crate::frame::Plane;
     use crate::io::photo::Photo;
     use std::io::Cursor;
 

@@ -1,0 +1,217 @@
+//! Decodes, turns and sanitises the samples that a builder was given.
+
+use super::FrameBuilder;
+use super::light::{colors, colors_of, finite};
+use super::samples::{Name, Samples, bad};
+use crate::error::Result;
+use crate::frame::coverage::{self, cover};
+use crate::frame::depth::depth_of_positions;
+use crate::frame::{
+    Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
+    Window, normals,
+};
+use glam::DMat3;
+use std::ops::RangeInclusive;
+
+/// Width of a pixel over its height.
+pub(crate) const PIXEL_ASPECTS: RangeInclusive<f32> = 0.001..=1000.0;
+
+/// Largest difference of a camera's axes from unit length and right angles.
+const AXES_ERROR: f64 = 1e-4;
+
+impl FrameBuilder<'_> {
+    /// Copies the samples into a frame: normals decoded, of unit length and in view space, depth a distance that grows
+    /// away from the viewer, both 0 where no surface was seen; colour without NaN or infinities.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`](crate::Error::BadParameter), with the name of the argument, for samples that do not fit
+    /// the size or have other channels than their layer takes, and for numbers outside their range; also without
+    /// normals, without the camera that positions take, and with two cameras that differ.
+    pub fn build(self) -> Result<Frame> {
+        let (data_window, display_window) = self.windows()?;
+        let camera = self.known_camera(display_window)?;
+        let Some(stored) = &self.normals else {
+            let remedy = "give them with normals()";
+            return Err(bad("normals", "are missing".into(), remedy));
+        };
+        let [x, y, z] = self.vector("normals", &stored.samples, &[3, 4])?;
+        let mut normal = Vector3Planes { x, y, z };
+        normals::decode(&mut normal, stored.encoding, stored.flip);
+        let (color, alpha) = self.picture()?;
+        let (mut depth, mut depth_kind) = self.stored_depth()?;
+        let own_mask = self.scalar("mask", &self.mask)?;
+        let stored_depth = self.depth.as_ref().map(|(_, stored)| *stored);
+        let (mut mask, lengths) = cover(
+            &mut normal,
+            depth.as_mut().map(|depth| (depth, stored_depth)),
+            alpha.as_ref(),
+            own_mask.as_ref(),
+        );
+        if let Some(camera) = &camera {
+            normals::turn_to_view(&mut normal, stored.space, camera);
+        }
+        if let (None, Some(position)) = (&depth, &self.position) {
+            let (made, kind) = self.depth_of(position, camera.as_ref(), &mut mask)?;
+            (depth, depth_kind) = (Some(made), kind);
+        }
+        let occlusion = self.scalar("occlusion", &self.occlusion)?;
+        Ok(Frame {
+            display_window,
+            data_window,
+            pixel_aspect: self.pixel_aspect,
+            normal_length: (stored.encoding == NormalEncoding::Signed).then_some(lengths),
+            depth,
+            occlusion: occlusion.or_else(|| coverage::varying(alpha.as_ref())),
+            importance: self.scalar("importance", &self.importance)?,
+            albedo: self.colors("albedo", &self.albedo)?,
+            light: self.light.layers(self.size)?,
+            camera,
+            color,
+            alpha,
+            source: Source {
+                depth_kind,
+                normal_rounding: stored.samples.rounding,
+                luminance_weights: self.checked_weights()?,
+                ..Source::default()
+            },
+            ..Frame::of_normals(normal, mask)
+        })
+    }
+
+    /// Data window and display window.
+    fn windows(&self) -> Result<(Window, Window)> {
+        let [width, height] = self.size;
+        let fits = |length: usize, from: i32| {
+            length > 0 && length as i128 + i128::from(from) <= i128::from(i32::MAX)
+        };
+        let [x, y] = self.origin;
+        if !(fits(width, x) && fits(height, y)) {
+            let found = format!("of {width}x{height} pixels from ({x}, {y}) cannot be");
+            return Err(bad(
+                "a frame",
+                found,
+                "give at least one pixel, and coordinates below 2^31",
+            ));
+        }
+        let data = Window::at(x, y, width, height);
+        let display = self.display_window.unwrap_or(data);
+        if display.width() == 0 || display.height() == 0 {
+            let remedy = "give one that is at least a pixel wide and high";
+            return Err(bad("display_window", format!("is {display}"), remedy));
+        }
+        if !PIXEL_ASPECTS.contains(&self.pixel_aspect) {
+            let found = format!("is {:e}", self.pixel_aspect);
+            return Err(bad("pixel_aspect", found, "give 0.001 to 1000"));
+        }
+        Ok((data, display))
+    }
+
+    /// The camera, of whichever argument it came with.
+    fn known_camera(&self, display: Window) -> Result<Option<Camera>> {
+        let with_normals = self.normals.as_ref().and_then(|normals| normals.camera);
+        if let (Some(own), Some(other)) = (self.camera, with_normals)
+            && own != other
+        {
+            let found = "is another than that of the normals".into();
+            return Err(bad("camera", found, "give one of them"));
+        }
+        let Some(camera) = self.camera.or(with_normals) else {
+            return Ok(None);
+        };
+        camera
+            .check(display)
+            .map_err(|number| bad("camera", cannot(&number.found()), &number.remedy()))?;
+        let axes = camera.view_from_world.matrix3;
+        let error = (axes.transpose() * axes - DMat3::IDENTITY).to_cols_array();
+        let is_rigid = error.iter().all(|e| e.abs() <= AXES_ERROR);
+        if !is_rigid {
+            let found = cannot("its axes are not of unit length and square to each other");
+            let remedy = "give a rotation and a translation without scale or shear";
+            return Err(bad("camera", found, remedy));
+        }
+        Ok(Some(camera))
+    }
+
+    fn picture(&self) -> Result<(Option<ColorPlanes>, Option<Plane>)> {
+        let own_alpha = self.scalar("alpha", &self.alpha)?;
+        let Some(samples) = &self.color else {
+            return Ok((None, own_alpha.map(finite)));
+        };
+        samples.refuse_integers("color")?;
+        let mut planes = samples.planes("color", self.size, &[1, 3, 4])?;
+        let with_color = (planes.len() == 4).then(|| planes.remove(3));
+        let alpha = own_alpha.or(with_color).map(finite);
+        Ok((Some(colors_of(planes)), alpha))
+    }
+
+    /// Depth as it was stored, and what it will measure.
+    fn stored_depth(&self) -> Result<(Option<Plane>, DepthKind)> {
+        let Some((samples, stored)) = &self.depth else {
+            return Ok((None, DepthKind::default()));
+        };
+        let plane = samples.plane("depth", self.size)?;
+        let kind = stored.kind_of(samples.is_half());
+        Ok((Some(plane), kind))
+    }
+
+    /// Depth of positions; `mask` loses the pixels that have none.
+    fn depth_of(
+        &self,
+        position: &Samples,
+        camera: Option<&Camera>,
+        mask: &mut Mask,
+    ) -> Result<(Plane, DepthKind)> {
+        let Some(camera) = camera else {
+            let found = "is in world space, and there is no camera".into();
+            return Err(bad(
+                "position",
+                found,
+                "give one with camera(), or depth instead",
+            ));
+        };
+        let [x, y, z] = self.vector("position", position, &[3, 4])?;
+        let mut depth = depth_of_positions(&Vector3Planes { x, y, z }, camera);
+        coverage::narrow_to(mask, &mut depth);
+        let kind = match position.is_half() {
+            true => DepthKind::Relative,
+            false => DepthKind::Planar,
+        };
+        Ok((depth, kind))
+    }
+
+    fn checked_weights(&self) -> Result<Option<[f32; 3]>> {
+        let Some(weights) = self.luminance_weights else {
+            return Ok(None);
+        };
+        let sum: f32 = weights.iter().sum();
+        match weights.iter().all(|w| *w >= 0.0) && (sum - 1.0).abs() < 1e-3 {
+            true => Ok(Some(weights)),
+            false => {
+                let found = format!("are {weights:?}");
+                let remedy = "give three that are not negative and add up to 1";
+                Err(bad("luminance_weights", found, remedy))
+            }
+        }
+    }
+
+    fn scalar(&self, name: Name, samples: &Option<Samples>) -> Result<Option<Plane>> {
+        let plane = |samples: &Samples| samples.plane(name, self.size);
+        samples.as_ref().map(plane).transpose()
+    }
+
+    fn vector(&self, name: Name, samples: &Samples, accepted: &[usize]) -> Result<[Plane; 3]> {
+        let mut planes = samples.planes(name, self.size, accepted)?.into_iter();
+        Ok(std::array::from_fn(|_| {
+            planes.next().expect("three or more")
+        }))
+    }
+
+    fn colors(&self, name: Name, samples: &Option<Samples>) -> Result<Option<ColorPlanes>> {
+        let colors = |samples: &Samples| colors(name, samples, self.size);
+        samples.as_ref().map(colors).transpose()
+    }
+}
+
+fn cannot(why: &str) -> String {
+    format!("cannot be used: {why}")
+}

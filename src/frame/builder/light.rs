@@ -1,0 +1,67 @@
+//! Light layers in memory.
+
+use super::samples::{Name, Samples, Size, bad};
+use crate::error::Result;
+use crate::frame::coverage::sanitise;
+use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Plane};
+use glam::Vec3;
+
+/// Largest difference of a direction's length from 1.
+const LENGTH_ERROR: f32 = 1e-3;
+
+/// The light of a picture, as far as it was given.
+#[derive(Default)]
+pub(super) struct Light<'a> {
+    pub(super) lobes: Vec<(Lobe, LobeLayer, Samples<'a>)>,
+    pub(super) groups: Vec<(String, Samples<'a>, Vec<Vec3>)>,
+    pub(super) occlusion: Option<Samples<'a>>,
+    pub(super) picture_is_occlusion: bool,
+}
+
+impl Light<'_> {
+    pub(super) fn layers(&self, size: Size) -> Result<LightLayers> {
+        let mut layers = LightLayers {
+            picture_is_occlusion: self.picture_is_occlusion,
+            ..LightLayers::default()
+        };
+        for (lobe, layer, samples) in &self.lobes {
+            *layers.layer_mut(*lobe, *layer) = Some(colors("lobe", samples, size)?);
+        }
+        for (name, samples, to_light) in &self.groups {
+            let is_unit = |to: &Vec3| (to.length() - 1.0).abs() <= LENGTH_ERROR;
+            if to_light.is_empty() || !to_light.iter().all(is_unit) {
+                let found = format!("{name} has no directions of unit length to its lights");
+                return Err(bad(
+                    "light_group",
+                    found,
+                    "give at least one, in view space",
+                ));
+            }
+            layers.groups.push(LightGroup {
+                name: name.clone(),
+                light: colors("light_group", samples, size)?,
+                to_light: to_light.clone(),
+            });
+        }
+        if let Some(samples) = &self.occlusion {
+            layers.occlusion = Some(finite(samples.plane("light_occlusion", size)?));
+        }
+        Ok(layers)
+    }
+}
+
+/// Linear colour of one or three channels.
+pub(super) fn colors(name: Name, samples: &Samples, size: Size) -> Result<ColorPlanes> {
+    samples.refuse_integers(name)?;
+    Ok(colors_of(samples.planes(name, size, &[1, 3])?))
+}
+
+/// The colour of three planes, or of one that is grey, without NaN and infinities.
+pub(super) fn colors_of(planes: Vec<Plane>) -> ColorPlanes {
+    ColorPlanes::of(planes.into_iter().map(finite).collect())
+}
+
+pub(super) fn finite(mut plane: Plane) -> Plane {
+    sanitise(&mut plane);
+    plane
+}

@@ -1,0 +1,281 @@
+//! A frame of samples in memory.
+
+mod build;
+mod light;
+mod samples;
+
+pub(crate) use build::PIXEL_ASPECTS;
+pub use samples::{Sample, Samples, Strides};
+
+use super::{
+    Camera, Flip, Frame, Lobe, LobeLayer, NormalEncoding, NormalSpace, StoredDepth, Window,
+};
+use glam::Vec3;
+use light::Light;
+use samples::Size;
+
+/// Normals in memory, and how they are stored: signed in -1..1 unless set otherwise, no axis flipped.
+///
+/// Of 3 channels x, y, z, or of 4, the last one ignored. They need not have unit length: below 1 they count as mixed
+/// by a filter. Zero, NaN and infinite ones show no surface.
+pub struct Normals<'a> {
+    samples: Samples<'a>,
+    space: NormalSpace,
+    encoding: NormalEncoding,
+    flip: Flip,
+    camera: Option<Camera>,
+}
+
+impl<'a> Normals<'a> {
+    /// Normals in view space: x right, y up, z toward the viewer.
+    pub fn view(samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            samples: samples.into(),
+            space: NormalSpace::View,
+            encoding: NormalEncoding::Signed,
+            flip: Flip::NONE,
+            camera: None,
+        }
+    }
+
+    /// Normals in the space of the scene, which `camera` turns to view space. It becomes the frame's camera.
+    pub fn world(samples: impl Into<Samples<'a>>, camera: &Camera) -> Self {
+        Self {
+            space: NormalSpace::World,
+            camera: Some(*camera),
+            ..Self::view(samples)
+        }
+    }
+
+    /// Stored as `(n + 1) / 2`, 0..1, as normal maps of integers are; black is no normal.
+    pub fn unsigned(self) -> Self {
+        Self {
+            encoding: NormalEncoding::Unsigned,
+            ..self
+        }
+    }
+
+    /// Axes, as stored, that point the wrong way: y of DirectX normal maps, z where it points away from the viewer.
+    pub fn flipped(self, flip: Flip) -> Self {
+        Self { flip, ..self }
+    }
+}
+
+/// Makes a [`Frame`] of borrowed samples: see [`Frame::builder`].
+#[must_use = "nothing is made before build()"]
+pub struct FrameBuilder<'a> {
+    size: Size,
+    origin: [i32; 2],
+    display_window: Option<Window>,
+    pixel_aspect: f32,
+    camera: Option<Camera>,
+    normals: Option<Normals<'a>>,
+    depth: Option<(Samples<'a>, StoredDepth)>,
+    position: Option<Samples<'a>>,
+    mask: Option<Samples<'a>>,
+    color: Option<Samples<'a>>,
+    alpha: Option<Samples<'a>>,
+    albedo: Option<Samples<'a>>,
+    occlusion: Option<Samples<'a>>,
+    importance: Option<Samples<'a>>,
+    luminance_weights: Option<[f32; 3]>,
+    light: Light<'a>,
+}
+
+impl Frame {
+    /// Starts a frame of `width` x `height` pixels from samples in memory. They are borrowed, of any layout that
+    /// [`Samples`] takes, and copied once by [`build`](FrameBuilder::build), which decodes, turns and sanitises them as
+    /// [`io::load`](crate::io::load) does those of files. Normals are required.
+    ///
+    /// ```
+    /// use relievo::frame::{Frame, Normals, StoredDepth};
+    ///
+    /// # fn main() -> relievo::Result<()> {
+    /// // A plane that leans to the right, of 4x2 pixels: RGB interleaved, depth and alpha planar.
+    /// let normals = [[0.6_f32, 0.0, 0.8]; 8].concat();
+    /// let (depth, alpha) = ([5.0_f32; 8], [1.0_f32; 8]);
+    /// let frame = Frame::builder(4, 2)
+    ///     .normals(Normals::view(&normals))
+    ///     .depth(&depth[..], StoredDepth::Planar)
+    ///     .mask(&alpha[..])
+    ///     .build()?;
+    /// assert_eq!(frame.normal.x.view()[[1, 3]], 0.6);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn builder<'a>(width: usize, height: usize) -> FrameBuilder<'a> {
+        FrameBuilder {
+            size: [width, height],
+            origin: [0, 0],
+            display_window: None,
+            pixel_aspect: 1.0,
+            camera: None,
+            normals: None,
+            depth: None,
+            position: None,
+            mask: None,
+            color: None,
+            alpha: None,
+            albedo: None,
+            occlusion: None,
+            importance: None,
+            luminance_weights: None,
+            light: Light::default(),
+        }
+    }
+}
+
+impl<'a> FrameBuilder<'a> {
+    /// Normals. Without depth, mask and alpha a surface is seen where they have a direction.
+    pub fn normals(self, normals: Normals<'a>) -> Self {
+        Self {
+            normals: Some(normals),
+            ..self
+        }
+    }
+
+    /// Depth of any kind, 1 channel, in scene units where it is a distance. Outside the surface it is 0, negative,
+    /// 65504, 1e9 or more, or not finite; [`StoredDepth::WhiteFar`] and [`StoredDepth::WhiteNear`] do not mark it, so that
+    /// the mask or alpha has to. An inverse of half floats is too coarse for distances and taken as relative.
+    pub fn depth(self, samples: impl Into<Samples<'a>>, stored: StoredDepth) -> Self {
+        Self {
+            depth: Some((samples.into(), stored)),
+            ..self
+        }
+    }
+
+    /// Positions in world space, 3 channels, in scene units: they give the depth where there is no other, and take a
+    /// camera. Of half floats it is relative, of floats along the view axis.
+    pub fn position(self, samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            position: Some(samples.into()),
+            ..self
+        }
+    }
+
+    /// Where a surface was seen: above 0.5. 1 channel.
+    pub fn mask(self, samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            mask: Some(samples.into()),
+            ..self
+        }
+    }
+
+    /// The picture, scene-linear: 1 channel (grey), 3, or 4 with coverage 0..1 by which the colour has been multiplied.
+    /// NaN becomes 0, infinity 65504. Integers are refused.
+    pub fn color(self, samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            color: Some(samples.into()),
+            ..self
+        }
+    }
+
+    /// Coverage of the picture, 0..1, 1 channel; it goes before a fourth channel of the colour. Without a mask and
+    /// without depth that shows coverage, a surface is seen where it is above 0.5.
+    pub fn alpha(self, samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            alpha: Some(samples.into()),
+            ..self
+        }
+    }
+
+    /// Colour of the surface itself, scene-linear, 1 or 3 channels. NaN becomes 0, infinity 65504.
+    pub fn albedo(self, samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            albedo: Some(samples.into()),
+            ..self
+        }
+    }
+
+    /// Ambient occlusion, 0 (hidden) to 1 (open), 1 channel: shows silhouettes where there is no depth. Where it is not
+    /// given, alpha that varies stands in.
+    pub fn occlusion(self, samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            occlusion: Some(samples.into()),
+            ..self
+        }
+    }
+
+    /// Share of the diffusion asked for that each pixel gets, 0 (all detail stays) to 1, 1 channel.
+    pub fn importance(self, samples: impl Into<Samples<'a>>) -> Self {
+        Self {
+            importance: Some(samples.into()),
+            ..self
+        }
+    }
+
+    /// A layer of one lobe of the picture's light, scene-linear, 1 or 3 channels. The lobe's radiance is
+    /// `(direct + indirect) * color`; given twice, the last one counts.
+    pub fn lobe(mut self, lobe: Lobe, layer: LobeLayer, samples: impl Into<Samples<'a>>) -> Self {
+        self.light.lobes.push((lobe, layer, samples.into()));
+        self
+    }
+
+    /// The part of the picture that some lights make, scene-linear, 1 or 3 channels, and unit directions in view space
+    /// to them, or to samples of an area light.
+    pub fn light_group(
+        mut self,
+        name: impl Into<String>,
+        samples: impl Into<Samples<'a>>,
+        to_light: impl IntoIterator<Item = Vec3>,
+    ) -> Self {
+        let to_light = to_light.into_iter().collect();
+        self.light
+            .groups
+            .push((name.into(), samples.into(), to_light));
+        self
+    }
+
+    /// Ambient occlusion as a part of the light, 1 where the surface is open, 1 channel: what curvature scales it by.
+    pub fn light_occlusion(mut self, samples: impl Into<Samples<'a>>) -> Self {
+        self.light.occlusion = Some(samples.into());
+        self
+    }
+
+    /// The picture is itself ambient occlusion, and is scaled as such.
+    pub fn picture_is_occlusion(mut self) -> Self {
+        self.light.picture_is_occlusion = true;
+        self
+    }
+
+    /// The camera, in pixels of the picture's coordinates. [`Normals::world`] gives it too; two have to be equal.
+    pub fn camera(self, camera: &Camera) -> Self {
+        Self {
+            camera: Some(*camera),
+            ..self
+        }
+    }
+
+    /// Column and row of the first sample in the picture's coordinates, (0, 0) if not given: negative for overscan.
+    pub fn origin(self, x: i32, y: i32) -> Self {
+        Self {
+            origin: [x, y],
+            ..self
+        }
+    }
+
+    /// The pixels meant to be shown; those of the samples if not given.
+    pub fn display_window(self, window: Window) -> Self {
+        Self {
+            display_window: Some(window),
+            ..self
+        }
+    }
+
+    /// Width of a pixel over its height, 0.001 to 1000; 1 if not given.
+    pub fn pixel_aspect(self, aspect: f32) -> Self {
+        Self {
+            pixel_aspect: aspect,
+            ..self
+        }
+    }
+
+    /// Weights of linear red, green and blue in luminance, of which none is negative and the sum is 1; those of Rec. 709
+    /// if not given.
+    pub fn luminance_weights(self, weights: [f32; 3]) -> Self {
+        Self {
+            luminance_weights: Some(weights),
+            ..self
+        }
+    }
+}

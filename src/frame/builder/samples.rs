@@ -1,0 +1,369 @@
+//! Borrowed samples of any layout and number type.
+
+use crate::error::{Error, Result};
+use crate::frame::{Mask, Plane};
+use ndarray::{Array2, Array3, ArrayView2, ArrayView3, Axis};
+
+/// A type that samples are stored in: `f32`, `f16`, `u8`, `u16` or `bool`.
+///
+/// Integers are read as 0 to 1, the largest one being 1; `true` is 1.
+pub trait Sample: Copy + stored::Stored {}
+
+impl<T: stored::Stored> Sample for T {}
+
+mod stored {
+    use half::f16;
+
+    /// Keeps [`super::Sample`] closed, and converts.
+    pub trait Stored: Copy {
+        /// Largest rounding error of a quantity from -1 to 1 stored in this type.
+        const ROUNDING: f32;
+        /// Whether 0 to 1 is all that it holds.
+        const IS_INTEGER: bool;
+        fn value(self) -> f32;
+    }
+
+    impl Stored for f32 {
+        const ROUNDING: f32 = 0.0;
+        const IS_INTEGER: bool = false;
+        fn value(self) -> f32 {
+            self
+        }
+    }
+
+    impl Stored for f16 {
+        // Half a step between numbers just below 1.
+        const ROUNDING: f32 = f16::EPSILON.to_f32_const() / 4.0;
+        const IS_INTEGER: bool = false;
+        fn value(self) -> f32 {
+            self.to_f32()
+        }
+    }
+
+    impl Stored for u8 {
+        const ROUNDING: f32 = 1.0 / 255.0;
+        const IS_INTEGER: bool = true;
+        fn value(self) -> f32 {
+            f32::from(self) / 255.0
+        }
+    }
+
+    impl Stored for u16 {
+        const ROUNDING: f32 = 1.0 / 65535.0;
+        const IS_INTEGER: bool = true;
+        fn value(self) -> f32 {
+            f32::from(self) / 65535.0
+        }
+    }
+
+    impl Stored for bool {
+        const ROUNDING: f32 = 1.0;
+        const IS_INTEGER: bool = true;
+        fn value(self) -> f32 {
+            f32::from(u8::from(self))
+        }
+    }
+}
+
+/// Where samples lie in a slice, counted in samples: that of channel `c` at column `x` of row `y` is number
+/// `first + y * row + x * column + c * channel`. Steps may be negative: rows that run up have `first` at the start of
+/// the last row and a negative `row`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Strides {
+    /// The first channel of the first pixel of the top row.
+    pub first: usize,
+    /// From a row to the one below.
+    pub row: isize,
+    /// From a pixel to the one on its right.
+    pub column: isize,
+    /// From a channel to the next of the same pixel.
+    pub channel: isize,
+    /// Number of channels, at least 1.
+    pub channels: usize,
+}
+
+/// Borrowed samples of one layer, with one or more channels to a pixel.
+///
+/// Made of
+/// - a slice without gaps, row after row from the top, channels of a pixel side by side: `(&rgb[..]).into()`;
+/// - an array of such slices, one for each channel: `[&x[..], &y, &z].into()`;
+/// - an `ndarray` view, `[row, column]` or `[row, column, channel]`, with whatever strides it has; planes stacked as
+///   `[channel, row, column]` come in by `permuted_axes([1, 2, 0])`;
+/// - a [`Plane`] or a [`Mask`], or an array of planes;
+/// - a slice of any other layout by [`Samples::strided`]: padded rows, rows that run up, channels to be skipped.
+///
+/// Whether they fit the frame is checked by [`FrameBuilder::build`](super::FrameBuilder::build).
+pub struct Samples<'a> {
+    channels: Box<dyn Channels + 'a>,
+    /// Largest rounding error of a quantity from -1 to 1.
+    pub(super) rounding: f32,
+    is_integer: bool,
+}
+
+impl<'a> Samples<'a> {
+    /// Samples of `slice` at `strides`.
+    pub fn strided<T: Sample>(slice: &'a [T], strides: Strides) -> Self {
+        Self::of(Layout::Strided(slice, strides))
+    }
+
+    fn of<T: Sample>(layout: Layout<'a, T>) -> Self {
+        Self {
+            channels: Box::new(layout),
+            rounding: T::ROUNDING,
+            is_integer: T::IS_INTEGER,
+        }
+    }
+
+    /// One plane for each channel of the layer that messages call `name`; `accepted` are the numbers of channels that
+    /// it may have.
+    pub(super) fn planes(&self, name: Name, size: Size, accepted: &[usize]) -> Result<Vec<Plane>> {
+        let channels = self.channels.count(name, size, accepted)?;
+        let planes = (0..channels).map(|channel| self.channels.plane(size, channels, channel));
+        Ok(planes.collect())
+    }
+
+    /// The only plane of a layer.
+    pub(super) fn plane(&self, name: Name, size: Size) -> Result<Plane> {
+        Ok(self.planes(name, size, &[1])?.remove(0))
+    }
+
+    /// Whether all are half floats.
+    pub(super) fn is_half(&self) -> bool {
+        !self.is_integer && self.rounding > 0.0
+    }
+
+    /// Refuses integers where linear light is wanted.
+    pub(super) fn refuse_integers(&self, name: Name) -> Result<()> {
+        if !self.is_integer {
+            return Ok(());
+        }
+        Err(bad(
+            name,
+            "holds integers, which are rarely linear light".into(),
+            "decode it, as with io::srgb::decoded, and give f32",
+        ))
+    }
+}
+
+/// The argument that a message is about.
+pub(super) type Name = &'static str;
+
+/// Columns and rows.
+pub(super) type Size = [usize; 2];
+
+pub(super) fn bad(name: Name, found: String, remedy: &str) -> Error {
+    Error::BadParameter {
+        name,
+        found,
+        remedy: remedy.into(),
+    }
+}
+
+/// Samples whose type is no longer of interest.
+trait Channels {
+    /// The number of channels, if all samples of a frame of this size are there.
+    fn count(&self, name: Name, size: Size, accepted: &[usize]) -> Result<usize>;
+    /// A channel of `channels`, as a plane.
+    fn plane(&self, size: Size, channels: usize, channel: usize) -> Plane;
+}
+
+enum Layout<'a, T> {
+    /// Channels side by side, no gaps.
+    Packed(&'a [T]),
+    /// A slice without gaps for each channel.
+    Planes(Vec<&'a [T]>),
+    Strided(&'a [T], Strides),
+    /// `[row, column]`, one for each channel.
+    Views(Vec<ArrayView2<'a, T>>),
+}
+
+impl<T: Sample> Channels for Layout<'_, T> {
+    fn count(&self, name: Name, [width, height]: Size, accepted: &[usize]) -> Result<usize> {
+        let pixels = width * height;
+        let wanted = one_of(accepted);
+        let short = |held: usize| {
+            let found = format!("holds {held} samples for {width}x{height} pixels");
+            let remedy =
+                format!("give {wanted} for each pixel, or Samples::strided where there are gaps");
+            bad(name, found, &remedy)
+        };
+        let count = match self {
+            Self::Packed(slice) => {
+                let count = accepted
+                    .iter()
+                    .find(|&&count| count * pixels == slice.len());
+                return count.copied().ok_or_else(|| short(slice.len()));
+            }
+            Self::Planes(slices) => slices.len(),
+            Self::Strided(_, strides) => strides.channels,
+            Self::Views(views) => views.len(),
+        };
+        if !accepted.contains(&count) {
+            let found = format!("has {count} channels");
+            return Err(bad(name, found, &format!("give {wanted}")));
+        }
+        match self {
+            Self::Packed(_) => unreachable!("returned above"),
+            Self::Planes(slices) => match slices.iter().find(|slice| slice.len() != pixels) {
+                Some(slice) => {
+                    let found = format!(
+                        "has a channel of {} samples for {width}x{height} pixels",
+                        slice.len()
+                    );
+                    Err(bad(name, found, "give one sample for each pixel"))
+                }
+                None => Ok(count),
+            },
+            Self::Strided(slice, strides) => match strides.fit([width, height], slice.len()) {
+                true => Ok(count),
+                false => {
+                    let found = format!(
+                        "has strides that leave its {} samples, for {width}x{height} pixels",
+                        slice.len()
+                    );
+                    Err(bad(
+                        name,
+                        found,
+                        "count strides in samples, from the first one",
+                    ))
+                }
+            },
+            Self::Views(views) => match views[0].dim() == (height, width) {
+                true => Ok(count),
+                false => {
+                    let (rows, columns) = views[0].dim();
+                    let found = format!("is {rows} rows of {columns}, for {width}x{height} pixels");
+                    Err(bad(
+                        name,
+                        found,
+                        "give an array indexed [row, column] of the frame's size",
+                    ))
+                }
+            },
+        }
+    }
+
+    fn plane(&self, [width, height]: Size, channels: usize, channel: usize) -> Plane {
+        let strided = |slice: &[T], strides: Strides| {
+            let first = strides.first as isize + channel as isize * strides.channel;
+            Plane::from_fn(width, height, |x, y| {
+                let at = first + y as isize * strides.row + x as isize * strides.column;
+                slice[at as usize].value()
+            })
+        };
+        match self {
+            Self::Packed(slice) => strided(slice, Strides::packed(width, channels)),
+            Self::Planes(slices) => {
+                let samples = slices[channel].iter().map(|sample| sample.value());
+                Plane::from_samples(width, height, samples.collect())
+            }
+            Self::Strided(slice, strides) => strided(slice, *strides),
+            Self::Views(views) => {
+                let samples = views[channel].iter().map(|sample| sample.value());
+                Plane::from_samples(width, height, samples.collect())
+            }
+        }
+    }
+}
+
+impl Strides {
+    /// No gaps.
+    fn packed(width: usize, channels: usize) -> Self {
+        Self {
+            first: 0,
+            row: (width * channels) as isize,
+            column: channels as isize,
+            channel: 1,
+            channels,
+        }
+    }
+
+    /// Whether all samples of a frame lie in a slice of `length`.
+    fn fit(&self, [width, height]: Size, length: usize) -> bool {
+        // The farthest samples lie in corners.
+        let steps = [
+            (height, self.row),
+            (width, self.column),
+            (self.channels, self.channel),
+        ];
+        let (mut least, mut most) = (self.first as i128, self.first as i128);
+        for (count, step) in steps {
+            let reach = (count as i128 - 1) * step as i128;
+            least += reach.min(0);
+            most += reach.max(0);
+        }
+        least >= 0 && most < length as i128
+    }
+}
+
+/// "1", "1 or 3", "1, 3 or 4".
+fn one_of(counts: &[usize]) -> String {
+    let words: Vec<String> = counts.iter().map(usize::to_string).collect();
+    match words.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+impl<'a, T: Sample> From<&'a [T]> for Samples<'a> {
+    fn from(slice: &'a [T]) -> Self {
+        Self::of(Layout::Packed(slice))
+    }
+}
+
+impl<'a, T: Sample> From<&'a Vec<T>> for Samples<'a> {
+    fn from(samples: &'a Vec<T>) -> Self {
+        Self::from(samples.as_slice())
+    }
+}
+
+impl<'a, T: Sample, const N: usize> From<[&'a [T]; N]> for Samples<'a> {
+    fn from(slices: [&'a [T]; N]) -> Self {
+        Self::of(Layout::Planes(slices.to_vec()))
+    }
+}
+
+impl<'a, T: Sample> From<&'a Plane<T>> for Samples<'a> {
+    fn from(plane: &'a Plane<T>) -> Self {
+        Self::from(plane.view())
+    }
+}
+
+impl<'a, T: Sample, const N: usize> From<[&'a Plane<T>; N]> for Samples<'a> {
+    fn from(planes: [&'a Plane<T>; N]) -> Self {
+        Self::of(Layout::Views(planes.map(Plane::view).to_vec()))
+    }
+}
+
+impl<'a> From<&'a Mask> for Samples<'a> {
+    fn from(mask: &'a Mask) -> Self {
+        Self::from(mask.plane())
+    }
+}
+
+impl<'a, T: Sample> From<ArrayView2<'a, T>> for Samples<'a> {
+    fn from(view: ArrayView2<'a, T>) -> Self {
+        Self::of(Layout::Views(vec![view]))
+    }
+}
+
+impl<'a, T: Sample> From<&'a Array2<T>> for Samples<'a> {
+    fn from(array: &'a Array2<T>) -> Self {
+        Self::from(array.view())
+    }
+}
+
+impl<'a, T: Sample> From<ArrayView3<'a, T>> for Samples<'a> {
+    fn from(view: ArrayView3<'a, T>) -> Self {
+        let channels = 0..view.len_of(Axis(2));
+        let channel = |c| view.index_axis_move(Axis(2), c);
+        Self::of(Layout::Views(channels.map(channel).collect()))
+    }
+}
+
+impl<'a, T: Sample> From<&'a Array3<T>> for Samples<'a> {
+    fn from(array: &'a Array3<T>) -> Self {
+        Self::from(array.view())
+    }
+}

@@ -1,0 +1,139 @@
+//! How samples of normals and depth are stored, before they are turned to what a frame holds.
+
+use super::DepthKind;
+
+/// How a normal's components were stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalEncoding {
+    /// As they are, -1..1.
+    Signed,
+    /// As (n + 1) / 2, 0..1.
+    Unsigned,
+}
+
+/// Axes to be turned round, in the space the normals were stored in.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Flip {
+    /// Negate x.
+    pub x: bool,
+    /// Negate y: DirectX normal maps store green downward.
+    pub y: bool,
+    /// Negate z.
+    pub z: bool,
+}
+
+impl Flip {
+    /// No axis.
+    pub const NONE: Self = Self {
+        x: false,
+        y: false,
+        z: false,
+    };
+
+    /// Both flips, one after the other.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            x: self.x ^ other.x,
+            y: self.y ^ other.y,
+            z: self.z ^ other.z,
+        }
+    }
+}
+
+impl std::fmt::Display for Flip {
+    /// The axes, `xz`, or `none`: what `--normal-flip` takes.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let axes = [(self.x, "x"), (self.y, "y"), (self.z, "z")];
+        let turned: String = axes.iter().filter(|a| a.0).map(|a| a.1).collect();
+        f.write_str(if turned.is_empty() { "none" } else { &turned })
+    }
+}
+
+/// What a layer of depth holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StoredDepth {
+    /// Distance along the view axis.
+    Planar,
+    /// Distance along the sight line, from the eye.
+    Ray,
+    /// One over the distance along the view axis; 0 where nothing was seen.
+    Inverse,
+    /// Something that grows with distance, or a distance too coarse for more: 0 where nothing was seen.
+    Relative,
+    /// Distance mapped to 0..1, black near and white far, perhaps clamped. It does not show where nothing was
+    /// seen.
+    WhiteFar,
+    /// The same the other way round, white near and black far.
+    WhiteNear,
+}
+
+impl StoredDepth {
+    /// All of them, with the names that `--depth-kind` gives them.
+    pub const ALL: [(Self, &'static str); 6] = [
+        (Self::Planar, "z"),
+        (Self::Ray, "distance"),
+        (Self::Inverse, "inverse"),
+        (Self::Relative, "relative"),
+        (Self::WhiteFar, "white-far"),
+        (Self::WhiteNear, "white-near"),
+    ];
+
+    /// The name that `--depth-kind` gives it.
+    pub fn name(self) -> &'static str {
+        let named = Self::ALL.iter().find(|(kind, _)| *kind == self);
+        named.expect("every kind has a name").1
+    }
+
+    /// What the depth of a frame measures that was made of it.
+    pub fn kind(self) -> DepthKind {
+        match self {
+            Self::Planar | Self::Inverse => DepthKind::Planar,
+            Self::Ray => DepthKind::Ray,
+            Self::Relative | Self::WhiteFar | Self::WhiteNear => DepthKind::Relative,
+        }
+    }
+
+    /// The same of samples that may be half floats: one over them is too coarse for a distance.
+    pub(crate) fn kind_of(self, is_half: bool) -> DepthKind {
+        match self {
+            Self::Inverse if is_half => DepthKind::Relative,
+            _ => self.kind(),
+        }
+    }
+
+    /// Whether the layer shows where nothing was seen.
+    pub(crate) fn shows_coverage(self) -> bool {
+        !matches!(self, Self::WhiteFar | Self::WhiteNear)
+    }
+}
+
+impl std::fmt::Display for StoredDepth {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Planar | Self::Ray | Self::Relative => self.kind().fmt(f),
+            Self::Inverse => f.write_str("one over the depth along the view axis"),
+            Self::WhiteFar => f.write_str("relative depth, white far"),
+            Self::WhiteNear => f.write_str("relative depth, white near"),
+        }
+    }
+}
+
+impl std::str::FromStr for Flip {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut flip = Self::default();
+        if text == "none" {
+            return Ok(flip);
+        }
+        for axis in text.chars().filter(|&c| c != ',') {
+            match axis.to_ascii_lowercase() {
+                'x' => flip.x = true,
+                'y' => flip.y = true,
+                'z' => flip.z = true,
+                _ => return Err("expected axes out of x, y and z, as in y or xz".into()),
+            }
+        }
+        Ok(flip)
+    }
+}

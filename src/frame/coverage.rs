@@ -1,0 +1,111 @@
+//! Where a surface was seen: backgrounds and missing samples become the mask, and nothing else.
+
+use super::depth::{HALF_INFINITY, is_distance, to_distances};
+use super::normals::{MIN_LENGTH, normalise};
+use super::{Mask, Plane, StoredDepth, Vector3Planes};
+use glam::Vec3;
+
+/// Where decoded normals have a direction, and mask and alpha, where they are given, are above one half.
+pub(crate) fn of_normals(
+    normal: &Vector3Planes,
+    alpha: Option<&Plane>,
+    mask: Option<&Plane>,
+) -> Mask {
+    let half = |plane: Option<&Plane>, x, y| plane.is_none_or(|p| p.at(x, y) > 0.5);
+    let (width, height) = (normal.x.width(), normal.x.height());
+    Mask::new(Plane::from_fn(width, height, |x, y| {
+        let n = Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
+        n.is_finite()
+            && n.length_squared() > MIN_LENGTH * MIN_LENGTH
+            && n.length_squared().is_finite()
+            && half(mask, x, y)
+            && half(alpha, x, y)
+    }))
+}
+
+/// Finds where a surface was seen, and makes normals and depth there what a frame holds: unit normals, and values that
+/// grow with distance; both 0 elsewhere. Depth of which it is not known what was stored is taken as it is. Returns the
+/// mask and the lengths that the normals had.
+pub(crate) fn cover(
+    normal: &mut Vector3Planes,
+    mut depth: Option<(&mut Plane, Option<StoredDepth>)>,
+    alpha: Option<&Plane>,
+    mask: Option<&Plane>,
+) -> (Mask, Plane) {
+    if let Some((depth, Some(stored))) = &mut depth {
+        to_distances(depth, *stored);
+    }
+    let stored = depth.as_ref().and_then(|(_, stored)| *stored);
+    let depth_shows_coverage = depth.is_some() && stored.is_none_or(StoredDepth::shows_coverage);
+    // Alpha decides only where nothing else does.
+    let alpha = alpha.filter(|_| !depth_shows_coverage && mask.is_none());
+    let mut mask = of_normals(normal, alpha, mask);
+    if let Some((depth, _)) = depth {
+        narrow_to(&mut mask, depth);
+    }
+    let lengths = normalise(normal, mask.plane());
+    (mask, lengths)
+}
+
+/// Takes from the mask where depth is no distance, and makes depth 0 outside it: no NaN and no sentinel travels on.
+pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
+    *mask = Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
+        mask.at(x, y) && is_distance(depth.at(x, y))
+    }));
+    for (sample, &covered) in depth.samples_mut().iter_mut().zip(mask.plane().samples()) {
+        if !covered {
+            *sample = 0.0;
+        }
+    }
+}
+
+/// A plane that has more than one value: alpha that is 1 everywhere shows no edge.
+pub(crate) fn varying(plane: Option<&Plane>) -> Option<Plane> {
+    let plane = plane?;
+    let first = plane.at(0, 0);
+    let varies = plane.samples().iter().any(|&v| v != first);
+    varies.then(|| plane.clone())
+}
+
+/// Replaces what no picture can show: NaN by 0, infinities by the largest half float. Returns how
+/// many samples there were.
+pub(crate) fn sanitise(plane: &mut Plane) -> usize {
+    let mut replaced = 0;
+    for sample in plane.samples_mut().iter_mut().filter(|s| !s.is_finite()) {
+        *sample = if sample.is_nan() {
+            0.0
+        } else {
+            HALF_INFINITY.copysign(*sample)
+        };
+        replaced += 1;
+    }
+    replaced
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_without_direction_are_not_covered() {
+        let x = vec![0.0, f32::NAN, f32::INFINITY, 1e30, 1.0, 0.01];
+        let zero = Plane::filled(6, 1, 0.0);
+        let normal = Vector3Planes {
+            x: Plane::from_samples(6, 1, x),
+            y: zero.clone(),
+            z: zero,
+        };
+        assert_eq!(
+            of_normals(&normal, None, None).row(0),
+            [false, false, false, false, true, false]
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_shown_is_replaced() {
+        let mut plane =
+            Plane::from_samples(4, 1, vec![f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -2.0]);
+        assert_eq!(sanitise(&mut plane), 3);
+        assert_eq!(plane.row(0), [0.0, 65504.0, -65504.0, -2.0]);
+    }
+}

@@ -1,0 +1,68 @@
+//! From stored depth, or positions, to distances from the viewer.
+
+use super::{Camera, Plane, StoredDepth, Vector3Planes};
+
+/// Infinity clamped to a half float.
+pub(crate) const HALF_INFINITY: f32 = 65504.0;
+
+/// Renderers write distances from here on (1e10, 1e30, 1e38) where nothing was seen.
+const BACKGROUND_DEPTH: f32 = 1e9;
+
+/// Whether a depth sample is a distance rather than a background value: 0, negative, not finite,
+/// 65504 (infinity clamped to half float) or 1e9 and more.
+pub(crate) fn is_distance(depth: f32) -> bool {
+    depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
+}
+
+/// Distances along the view axis of positions in world space; 0 where there is none.
+pub(crate) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> Plane {
+    Plane::from_fn(position.x.width(), position.x.height(), |x, y| {
+        let view = camera.view_from_world.transform_point3(position.at(x, y));
+        let depth = -view.z as f32;
+        if depth.is_finite() { depth } else { 0.0 }
+    })
+}
+
+/// Stored depth to values that grow with distance, in place: positive, 0 where the layer says that nothing was seen.
+pub(crate) fn to_distances(depth: &mut Plane, stored: StoredDepth) {
+    // Between 1 and 2, so that the same share of the range is the same jump, roughly, near and far.
+    let normalized = |d: f32, from: f32, toward: f32| match d.is_nan() {
+        true => 0.0,
+        false => from + toward * d.clamp(0.0, 1.0),
+    };
+    for d in depth.samples_mut() {
+        *d = match stored {
+            StoredDepth::Planar | StoredDepth::Ray | StoredDepth::Relative => return,
+            StoredDepth::Inverse if *d > 0.0 => 1.0 / *d,
+            StoredDepth::Inverse => 0.0,
+            StoredDepth::WhiteFar => normalized(*d, 1.0, 1.0),
+            StoredDepth::WhiteNear => normalized(*d, 2.0, -1.0),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_known_background_is_no_distance() {
+        let sentinels = [
+            0.0,
+            -1.0,
+            1e10,
+            1e30,
+            1e38,
+            65504.0,
+            f32::INFINITY,
+            f32::NAN,
+            -0.0,
+        ];
+        assert!(sentinels.iter().all(|&depth| !is_distance(depth)));
+        assert!(
+            [1e-6, 1.0, 65503.0, 1e6]
+                .iter()
+                .all(|&depth| is_distance(depth))
+        );
+    }
+}

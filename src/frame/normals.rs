@@ -1,0 +1,106 @@
+//! From stored components to unit normals in view space: encoding, flipped axes, length, turn.
+
+use super::{Camera, Flip, NormalEncoding, NormalSpace, Plane, Vector3Planes};
+use glam::{Mat3, Vec3};
+
+/// Normals shorter than this before they are made unit length have no direction.
+pub(crate) const MIN_LENGTH: f32 = 0.05;
+
+/// Decodes components and flips axes, in place.
+pub(crate) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip: Flip) {
+    if encoding == NormalEncoding::Unsigned {
+        for components in stored.components_mut() {
+            // Black is a pixel that was never written, not the direction (-1, -1, -1).
+            let unwritten = components.iter().all(|v| **v == 0.0);
+            for v in components.into_iter().filter(|_| !unwritten) {
+                *v = 2.0 * *v - 1.0;
+            }
+        }
+    }
+    flip_axes(stored, flip);
+}
+
+/// Negates axes, in place.
+pub(crate) fn flip_axes(normal: &mut Vector3Planes, flip: Flip) {
+    let axes = [
+        (&mut normal.x, flip.x),
+        (&mut normal.y, flip.y),
+        (&mut normal.z, flip.z),
+    ];
+    for (plane, _) in axes.into_iter().filter(|(_, flipped)| *flipped) {
+        // A subtraction, so that 0 stays 0 and does not become -0.
+        plane.samples_mut().iter_mut().for_each(|v| *v = 0.0 - *v);
+    }
+}
+
+/// Makes every covered normal a unit vector and every other one zero. Returns the lengths that the covered ones had.
+pub(crate) fn normalise(normal: &mut Vector3Planes, covered: &Plane<bool>) -> Plane {
+    let mut lengths = Plane::filled(covered.width(), covered.height(), 0.0);
+    let pixels = lengths.samples_mut().iter_mut().zip(covered.samples());
+    for (components, (length, &covered)) in normal.components_mut().zip(pixels) {
+        let stored = Vec3::from(components.each_ref().map(|v| **v));
+        let unit = match covered {
+            true => stored.normalize_or_zero(),
+            false => Vec3::ZERO,
+        };
+        *length = if covered { stored.length() } else { 0.0 };
+        write(components, unit);
+    }
+    lengths
+}
+
+/// Turns normals of a space to view space, in place.
+pub(crate) fn turn_to_view(normal: &mut Vector3Planes, space: NormalSpace, camera: &Camera) {
+    if space == NormalSpace::View {
+        return;
+    }
+    let turn = camera.view_from_world.matrix3.to_cols_array();
+    let turn = Mat3::from_cols_array(&turn.map(|v| v as f32));
+    for components in normal.components_mut() {
+        let stored = Vec3::from(components.each_ref().map(|v| **v));
+        write(components, turn * stored);
+    }
+}
+
+fn write(components: [&mut f32; 3], vector: Vec3) {
+    for (component, value) in components.into_iter().zip(vector.to_array()) {
+        *component = value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn planes(normals: &[Vec3]) -> Vector3Planes {
+        let plane = |f: fn(&Vec3) -> f32| {
+            Plane::from_samples(normals.len(), 1, normals.iter().map(f).collect())
+        };
+        Vector3Planes {
+            x: plane(|n| n.x),
+            y: plane(|n| n.y),
+            z: plane(|n| n.z),
+        }
+    }
+
+    #[test]
+    fn decoding_flips_and_normalises() {
+        let mut stored = planes(&[Vec3::new(0.5, 0.75, 0.9), Vec3::ZERO, Vec3::splat(f32::NAN)]);
+        decode(
+            &mut stored,
+            NormalEncoding::Unsigned,
+            Flip {
+                y: true,
+                ..Flip::default()
+            },
+        );
+        let covered = Plane::from_samples(3, 1, vec![true, false, false]);
+        let length = normalise(&mut stored, &covered);
+        // (0, 0.5, 0.8) with y turned round, of length 0.9434.
+        assert!((length.at(0, 0) - 0.943_4).abs() < 1e-4);
+        assert!((stored.y.at(0, 0) + 0.53).abs() < 1e-3 && stored.x.at(0, 0).abs() < 1e-6);
+        for x in 1..3 {
+            assert_eq!((stored.x.at(x, 0), length.at(x, 0)), (0.0, 0.0));
+        }
+    }
+}

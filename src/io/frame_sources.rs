@@ -1,0 +1,183 @@
+//! The layers that a frame is made of: where they are, and what was read of them.
+
+use super::colorspace::ColorSpace;
+use super::inputs::{Inputs, Needs};
+use super::light_layers::LightSources;
+use super::opened::Opened;
+use super::role_planes::RolePlanes;
+use super::roles::Role;
+use super::sources::{RoleSource, missing, read_rows};
+use crate::error::{Error, Result};
+use crate::frame::{AWAY, ColorPlanes, Plane, Vector2Planes, Vector3Planes, Window};
+use std::rc::Rc;
+
+/// Silhouettes come from one map: an occlusion map that was asked for spares the depth.
+pub(super) fn only_occlusion(inputs: &Inputs) -> bool {
+    inputs.occlusion.is_some() && inputs.depth.is_none()
+}
+
+/// The sources of all roles that this run reads.
+pub(super) struct FrameSources {
+    /// Normals first.
+    pub(super) roles: Vec<RoleSource>,
+}
+
+impl FrameSources {
+    pub(super) fn resolve(
+        inputs: &Inputs,
+        main: &Rc<Opened>,
+        needs: Needs,
+        with_light: bool,
+    ) -> Result<Self> {
+        let find = |role, name: &Option<String>| RoleSource::resolve(role, name.as_deref(), main);
+        let normal = find(Role::Normal, &inputs.normal)?
+            .ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
+        let mut roles = vec![normal];
+        let depth = if only_occlusion(inputs) {
+            None
+        } else {
+            find(Role::Depth, &inputs.depth)?
+        };
+        if depth.is_none() {
+            roles.extend(find(Role::Occlusion, &inputs.occlusion)?);
+        }
+        roles.extend(depth);
+        if inputs.camera.is_none() || roles.iter().all(|s| s.role != Role::Depth) {
+            roles.extend(find(Role::Position, &inputs.position)?);
+        }
+        let color = find(Role::Color, &inputs.color)?;
+        if needs.color && color.is_none() {
+            return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
+        }
+        // Where depth does not show coverage, alpha does: the picture is read for it. Light is compared to it too.
+        let depth = roles.iter().find(|s| s.role == Role::Depth);
+        let implied = depth.and_then(|source| source.hint().0.depth);
+        let uncovering = inputs
+            .depth_kind
+            .or(implied)
+            .is_some_and(|d| !d.shows_coverage());
+        let with_color = needs.color || needs.color_if_any || with_light || uncovering;
+        if with_color || roles.iter().all(|s| s.role != Role::Depth) {
+            roles.extend(color);
+        }
+        if needs.albedo {
+            let albedo = find(Role::Albedo, &inputs.albedo)?;
+            let by_name = || RoleSource::resolve(Role::DiffuseColor, None, main);
+            roles.extend(albedo.map_or_else(by_name, |albedo| Ok(Some(albedo)))?);
+        }
+        roles.extend(find(Role::Mask, &inputs.mask)?);
+        if needs.motion {
+            roles.extend(find(Role::Motion, &inputs.motion)?);
+        }
+        if inputs.importance.is_some() {
+            roles.extend(find(Role::Importance, &inputs.importance)?);
+        }
+        Ok(Self { roles })
+    }
+
+    /// The window that the frame has: that of the picture, where one is read, else that of the normals.
+    ///
+    /// # Errors
+    /// [`Error::SizeMismatch`] where other windows cannot be brought to it: those of photos, and of files made
+    /// for other display windows.
+    pub(super) fn common_window(&self, light: &LightSources) -> Result<Window> {
+        let expected = self.get(Role::Color).unwrap_or(&self.roles[0]);
+        let window = expected.window();
+        for source in self.roles.iter().chain(light.sources()) {
+            let overlaps = source.display() == expected.display()
+                && source.window().common(&window).is_some()
+                && [source, expected].iter().all(|source| source.is_exr());
+            if source.window() != window && !overlaps {
+                return Err(Error::SizeMismatch {
+                    path: source.file.path().to_path_buf(),
+                    found: format!("{} ({})", source.window(), source.label()),
+                    expected: format!("{} has {window}", expected.label()),
+                });
+            }
+        }
+        Ok(window)
+    }
+
+    /// Reads the roles and the light layers, each file once.
+    /// Of a part of them only its rows are decoded.
+    pub(super) fn read(
+        &self,
+        light: &LightSources,
+        window: Window,
+        part: Option<Window>,
+        colorspace: Option<ColorSpace>,
+    ) -> Result<(Planes, Vec<RolePlanes>)> {
+        let all: Vec<_> = self.roles.iter().chain(light.sources()).cloned().collect();
+        let rows = part.map(|part| part.y0..part.y1);
+        let mut read = read_rows(&all, rows, colorspace)?;
+        for (source, read) in all.iter().zip(&mut read) {
+            read.fit_to(source.role, window);
+        }
+        let light = read.split_off(self.roles.len());
+        let roles = self.roles.iter().map(|s| s.role).zip(read).collect();
+        let planes = Planes {
+            roles,
+            warnings: Vec::new(),
+        };
+        Ok((planes, light))
+    }
+
+    /// What the file says that the colours of its picture mean.
+    pub(super) fn interop_space(&self) -> Option<ColorSpace> {
+        ColorSpace::of_interop_id(self.get(Role::Color)?.interop_id()?)
+    }
+
+    pub(super) fn get(&self, role: Role) -> Option<&RoleSource> {
+        self.roles.iter().find(|s| s.role == role)
+    }
+}
+
+/// The planes as read, taken out role by role.
+pub(super) struct Planes {
+    roles: Vec<(Role, RolePlanes)>,
+    /// What had to be replaced.
+    pub(super) warnings: Vec<String>,
+}
+
+impl Planes {
+    fn take(&mut self, role: Role) -> Option<RolePlanes> {
+        let index = self.roles.iter().position(|(r, _)| *r == role)?;
+        Some(self.roles.swap_remove(index).1)
+    }
+
+    pub(super) fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
+        self.take(role).map(RolePlanes::into_vector)
+    }
+
+    pub(super) fn scalar(&mut self, role: Role) -> Option<Plane> {
+        self.take(role).map(RolePlanes::into_scalar)
+    }
+
+    /// From previous minus current, as files have it, to how far the surface has come.
+    pub(super) fn motion(&mut self) -> Option<Vector2Planes> {
+        let planes = self.take(Role::Motion)?.planes;
+        let come = |plane: &Plane| plane.map(|back| if back.is_finite() { -back } else { AWAY });
+        // A file named for motion may hold a picture of one channel: no way along the other axis.
+        let x = come(&planes[0]);
+        let y = match planes.get(1) {
+            Some(plane) => come(plane),
+            None => x.map(|_| 0.0),
+        };
+        Some(Vector2Planes { x, y })
+    }
+
+    /// A picture and its coverage, without samples that are not finite.
+    pub(super) fn color(&mut self, role: Role) -> (Option<ColorPlanes>, Option<Plane>) {
+        let Some(mut read) = self.take(role) else {
+            return (None, None);
+        };
+        let replaced = read.sanitise();
+        let alpha = read.alpha.take();
+        if replaced > 0 {
+            self.warnings.push(format!(
+                "{replaced} colour samples were not finite: NaN became 0, infinity 65504"
+            ));
+        }
+        (Some(read.into_color()), alpha)
+    }
+}

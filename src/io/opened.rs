@@ -1,0 +1,210 @@
+//! Input files whose header has been read, and the files that go with them.
+
+use super::exr::{self, ExrFile, Limits};
+use super::open::open_input;
+use super::photo::StoredPhoto;
+use super::roles::{self, Layer};
+use super::views;
+use crate::error::{Error, Result};
+use crate::frame::Window;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// An input file of which the header has been read: an EXR's layers, or a photo.
+pub(super) enum Opened {
+    Exr {
+        file: Box<ExrFile>,
+        /// Its layers, of one view where there are several.
+        layers: Vec<Layer>,
+        /// All views, and the one whose layers are used.
+        views: Vec<String>,
+        view: Option<String>,
+        companions: Companions,
+    },
+    Photo {
+        photo: StoredPhoto,
+        companions: Companions,
+    },
+}
+
+/// Files that have been opened to go with another.
+pub(super) struct Companions {
+    files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
+    pub(super) holding: Holding,
+}
+
+/// How the samples of photos are held once they are decoded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Holding {
+    /// Most bytes of samples of one photo: of others rows alone are read.
+    pub(super) most_bytes: u64,
+    /// Whether they stay for the next rows to be read.
+    pub(super) stay: bool,
+}
+
+impl Default for Holding {
+    fn default() -> Self {
+        Self {
+            most_bytes: u64::MAX,
+            stay: false,
+        }
+    }
+}
+
+impl Companions {
+    fn held(holding: Holding) -> Self {
+        Self {
+            files: RefCell::default(),
+            holding,
+        }
+    }
+
+    fn find(&self, path: &Path) -> Option<Rc<Opened>> {
+        let files = self.files.borrow();
+        let (_, file) = files.iter().find(|(own, _)| own == path)?;
+        Some(file.clone())
+    }
+
+    fn keep(&self, path: &Path, file: &Rc<Opened>) {
+        self.files.borrow_mut().push((path.into(), file.clone()));
+    }
+}
+
+impl Opened {
+    pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
+        Self::open_view(path, None)
+    }
+
+    /// The file with the layers of one view: the one that is wanted, else the default.
+    pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
+        Self::open_held(path, wanted, Holding::default())
+    }
+
+    /// The same, and how samples of photos are held.
+    pub(super) fn open_held(
+        path: &Path,
+        wanted: Option<&str>,
+        holding: Holding,
+    ) -> Result<Rc<Self>> {
+        let companions = Companions::held(holding);
+        if !has_exr_magic(path)? {
+            let photo = StoredPhoto::open(path, holding.most_bytes)?;
+            return Ok(Rc::new(Self::Photo { photo, companions }));
+        }
+        let file = Box::new(ExrFile::open(path, &Limits::default())?);
+        let mut layers = layers_of(&file);
+        let all = views::mark(&file, &mut layers);
+        let view = views::keep(&file, &mut layers, &all, wanted)?;
+        Ok(Rc::new(Self::Exr {
+            file,
+            layers,
+            views: all,
+            view,
+            companions,
+        }))
+    }
+
+    /// A file that goes with this one: of the same view, if it has several. It is opened once.
+    pub(super) fn open_companion(&self, path: &Path) -> Result<Rc<Self>> {
+        let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
+        if let Some(file) = companions.find(path) {
+            return Ok(file);
+        }
+        let open = |view| Self::open_held(path, view, companions.holding);
+        let file = open(None)?;
+        let file = match (self, file.as_ref()) {
+            (
+                Self::Exr {
+                    view: Some(view), ..
+                },
+                Self::Exr { views, .. },
+            ) if !views.is_empty() => open(Some(view))?,
+            _ => file,
+        };
+        companions.keep(path, &file);
+        Ok(file)
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        match self {
+            Self::Exr { file, .. } => &file.path,
+            Self::Photo { photo, .. } => &photo.header.path,
+        }
+    }
+
+    /// Lets go of the samples of photos, its own and those of files that go with it.
+    pub(super) fn release(&self) {
+        let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
+        let files = companions.files.borrow();
+        files.iter().for_each(|(_, file)| file.release());
+        if let Self::Photo { photo, .. } = self {
+            photo.release();
+        }
+    }
+
+    /// What the file says about itself.
+    pub(super) fn attributes(&self) -> Option<&BTreeMap<String, String>> {
+        match self {
+            Self::Exr { file, .. } => Some(&file.attributes),
+            Self::Photo { .. } => None,
+        }
+    }
+
+    /// The pixels meant to be shown, and a pixel's width over its height. A photo shows the `window` of all that it holds.
+    pub(super) fn shown(&self, window: Window) -> (Window, f32) {
+        match self {
+            Self::Exr { file, .. } => (file.display_window, file.pixel_aspect),
+            Self::Photo { .. } => (window, 1.0),
+        }
+    }
+
+    /// The layers that messages list, or `otherwise` where there are none.
+    pub(super) fn found(&self, otherwise: &str) -> String {
+        match self.layer_names() {
+            names if names.is_empty() => otherwise.into(),
+            names => names.join(", "),
+        }
+    }
+
+    /// Names of the layers, for messages: a photo has none.
+    pub(super) fn layer_names(&self) -> Vec<String> {
+        match self {
+            Self::Exr { layers, .. } => layers.iter().map(layer_label).collect(),
+            Self::Photo { .. } => Vec::new(),
+        }
+    }
+}
+
+/// The layers of all parts and views of a file.
+pub(super) fn layers_of(file: &ExrFile) -> Vec<Layer> {
+    roles::layers(file.parts.iter().map(|part| {
+        let names = part.channels.iter().map(|c| c.name.as_str());
+        (part.name.as_deref(), names.collect())
+    }))
+}
+
+/// A layer's name, or its bare channels where it has none.
+fn layer_label(layer: &Layer) -> String {
+    if !layer.name.is_empty() {
+        return layer.name.clone();
+    }
+    layer
+        .components
+        .iter()
+        .map(|(c, _)| c.to_ascii_uppercase())
+        .collect::<Vec<_>>()
+        .join("")
+}
+
+fn has_exr_magic(path: &Path) -> Result<bool> {
+    use std::io::Read;
+    let mut file = open_input(path).map_err(Error::io(path, "read"))?;
+    let mut first = [0; 4];
+    match file.read_exact(&mut first) {
+        Ok(()) => Ok(first == exr::MAGIC),
+        Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
+        Err(e) => Err(Error::io(path, "read")(e)),
+    }
+}

@@ -1,0 +1,106 @@
+//! What the header of a picture says, and the samples of its rows.
+
+use super::decoder::{unsupported, with_decoder};
+use crate::error::{Error, Result};
+use image::{ColorType, ImageDecoder, ImageFormat};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The header of a picture.
+pub(in crate::io) struct PhotoHeader {
+    pub(in crate::io) path: PathBuf,
+    pub(in crate::io) width: usize,
+    pub(in crate::io) height: usize,
+    /// Bits per sample: 8, 16 or 32.
+    pub(in crate::io) bits: u8,
+    /// Whether samples are floating point, and linear.
+    pub(in crate::io) is_float: bool,
+    pub(super) format: ImageFormat,
+    pub(super) color: ColorType,
+}
+
+/// Samples of whole pixels, side by side.
+#[derive(Clone, Copy)]
+pub(super) enum Samples<'a> {
+    Narrow(&'a [u8]),
+    Wide(&'a [u16]),
+    Float(&'a [f32]),
+}
+
+impl PhotoHeader {
+    /// Reads the header of the picture at `path`; its kind is recognised by content, not by name.
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        with_decoder(path, |decoder, format| {
+            let color = decoder.color_type();
+            let (width, height) = decoder.dimensions();
+            let bits = 8 * (color.bytes_per_pixel() / color.channel_count());
+            if ![8, 16, 32].contains(&bits) {
+                return Err(unsupported(path, "has samples of an unknown kind"));
+            }
+            Ok(Self {
+                path: path.to_path_buf(),
+                width: width as usize,
+                height: height as usize,
+                bits,
+                is_float: bits == 32,
+                format,
+                color,
+            })
+        })
+    }
+
+    pub(in crate::io) fn has_alpha(&self) -> bool {
+        self.color.has_alpha()
+    }
+
+    /// Channels without alpha: 1 or 3.
+    pub(in crate::io) fn color_channels(&self) -> usize {
+        self.channels() - usize::from(self.has_alpha())
+    }
+
+    pub(super) fn channels(&self) -> usize {
+        usize::from(self.color.channel_count())
+    }
+
+    /// Bytes that all its samples take.
+    pub(in crate::io) fn bytes(&self) -> u64 {
+        let pixels = self.width as u64 * self.height as u64;
+        pixels.saturating_mul(self.color.bytes_per_pixel().into())
+    }
+
+    /// The refusal of a picture whose samples can only be decoded whole.
+    pub(super) fn too_large(&self, most_bytes: u64) -> Error {
+        let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+        Error::Unsupported {
+            path: self.path.clone(),
+            found: format!(
+                "is {}x{} and takes {} MiB, of which {} may be held; a picture of this kind is decoded whole",
+                self.width,
+                self.height,
+                mib(self.bytes()),
+                most_bytes >> 20,
+            ),
+            remedy: "allow more memory, make it smaller, or save it as PNG without interlacing or OpenEXR"
+                .into(),
+        }
+    }
+
+    pub(super) fn has_changed(&self) -> Error {
+        Error::Damaged {
+            path: self.path.clone(),
+            found: "has changed while it was read".into(),
+        }
+    }
+}
+
+impl<'a> Samples<'a> {
+    /// Those of some rows of `row` samples each.
+    pub(super) fn within(self, row: usize, rows: &Range<usize>) -> Self {
+        let range = rows.start * row..rows.end * row;
+        match self {
+            Self::Narrow(samples) => Self::Narrow(&samples[range]),
+            Self::Wide(samples) => Self::Wide(&samples[range]),
+            Self::Float(samples) => Self::Float(&samples[range]),
+        }
+    }
+}

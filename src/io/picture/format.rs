@@ -1,0 +1,67 @@
+//! What is written: a picture, its format, and how its values are encoded.
+
+use crate::frame::{ColorPlanes, Plane};
+use std::path::Path;
+
+/// The kinds of pictures that are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PictureFormat {
+    /// PNG, 8 or 16 bits, with alpha.
+    Png,
+    /// JPEG, 8 bits, over black.
+    Jpeg,
+    /// TIFF, 8 or 16 bits, with alpha.
+    Tiff,
+    /// Radiance HDR, linear, over black.
+    Hdr,
+}
+
+impl PictureFormat {
+    /// The format that the extension of `path` stands for.
+    pub fn of_path(path: &Path) -> Option<PictureFormat> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "png" => Some(PictureFormat::Png),
+            "jpg" | "jpeg" => Some(PictureFormat::Jpeg),
+            "tif" | "tiff" => Some(PictureFormat::Tiff),
+            "hdr" => Some(PictureFormat::Hdr),
+            _ => None,
+        }
+    }
+
+    pub(super) fn holds_alpha(self) -> bool {
+        matches!(self, PictureFormat::Png | PictureFormat::Tiff)
+    }
+}
+
+/// How linear values become stored ones in integer formats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ViewTransform {
+    /// The sRGB curve: for pictures to be looked at.
+    Srgb,
+    /// None: for normals, masks and other data.
+    None,
+}
+
+/// A picture to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// Linear colour, multiplied by alpha.
+    pub color: &'a ColorPlanes,
+    /// Coverage, 0..1.
+    pub alpha: Option<&'a Plane>,
+    /// Whether it is grey, its planes alike: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
+    pub grey: bool,
+    /// Bits per sample, 8 or 16; JPEG always has 8, HDR its own.
+    pub bits: u8,
+    /// How values are encoded; HDR is always linear.
+    pub transform: ViewTransform,
+}
+
+impl<'a> Picture<'a> {
+    /// Its planes: three of colour, and alpha where it has one.
+    pub fn planes(&self) -> Vec<&'a Plane> {
+        let ColorPlanes { r, g, b } = self.color;
+        [r, g, b].into_iter().chain(self.alpha).collect()
+    }
+}

@@ -1,0 +1,100 @@
+//! The planes of one role as they were read.
+
+use super::photo::StoredPhoto;
+use super::roles::Role;
+use super::srgb;
+use crate::frame::coverage::sanitise;
+use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
+
+/// The planes of one role: one or three, and the coverage stored with them.
+pub(super) struct RolePlanes {
+    pub(super) planes: Vec<Plane>,
+    pub(super) alpha: Option<Plane>,
+    /// The pixels they hold.
+    pub(super) window: Window,
+}
+
+impl RolePlanes {
+    /// The planes of a photo, of which the last one is alpha if it has any.
+    pub(super) fn of_photo(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) -> Self {
+        let alpha = photo.header.has_alpha().then(|| planes.pop()).flatten();
+        Self {
+            planes,
+            alpha,
+            window,
+        }
+    }
+
+    /// Multiplies colours by their coverage.
+    pub(super) fn premultiply(&mut self) {
+        let Some(alpha) = &self.alpha else {
+            return;
+        };
+        for plane in &mut self.planes {
+            let samples = plane.samples_mut().iter_mut().zip(alpha.samples());
+            samples.for_each(|(sample, alpha)| *sample *= alpha);
+        }
+    }
+
+    /// Makes colours linear that were encoded by the sRGB curve and then multiplied by their coverage.
+    pub(super) fn decode(&mut self) {
+        let decoded = |v: f32| srgb::decoded(v.into()) as f32;
+        for plane in &mut self.planes {
+            let samples = plane.samples_mut().iter_mut();
+            match &self.alpha {
+                None => samples.for_each(|v| *v = decoded(*v)),
+                Some(alpha) => samples.zip(alpha.samples()).for_each(|(v, &a)| {
+                    if a > 0.0 {
+                        *v = a * decoded(*v / a);
+                    }
+                }),
+            }
+        }
+    }
+
+    /// Cuts the planes of `role` to a window, or pads them: with NaN, as not covered, where coverage is read from the role, else with 0.
+    pub(super) fn fit_to(&mut self, role: Role, window: Window) {
+        if self.window == window {
+            return;
+        }
+        let outside = match role {
+            Role::Normal | Role::Depth | Role::Position => f32::NAN,
+            _ => 0.0,
+        };
+        for plane in self.planes.iter_mut().chain(&mut self.alpha) {
+            *plane = plane.moved(self.window, window, outside);
+        }
+    }
+
+    /// A vector of three components; those of one plane are alike.
+    pub(super) fn into_vector(self) -> Vector3Planes {
+        Vector3Planes::of(self.planes)
+    }
+
+    /// One plane: the mean of three.
+    pub(super) fn into_scalar(self) -> Plane {
+        grey(self.planes)
+    }
+
+    /// A picture; one plane makes a grey one.
+    pub(super) fn into_color(self) -> ColorPlanes {
+        ColorPlanes::of(self.planes)
+    }
+
+    /// Replaces samples that are not finite; returns how many there were.
+    pub(super) fn sanitise(&mut self) -> usize {
+        let planes = self.planes.iter_mut().chain(&mut self.alpha);
+        planes.map(sanitise).sum()
+    }
+}
+
+/// One plane of one or three: their mean.
+fn grey(mut planes: Vec<Plane>) -> Plane {
+    if planes.len() == 1 {
+        return planes.remove(0);
+    }
+    let ColorPlanes { r, g, b } = ColorPlanes::of(planes);
+    Plane::from_fn(r.width(), r.height(), |x, y| {
+        (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0
+    })
+}

@@ -1,0 +1,17 @@
+//! The surface that a camera, the space of normals and the sense of depth are judged from.
+
+use crate::frame::{Mask, Plane, Vector3Planes, Window};
+use std::collections::BTreeMap;
+
+/// What the camera and the space of the normals are judged from.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'a> {
+    pub(super) mask: &'a Mask,
+    pub(super) position: Option<&'a Vector3Planes>,
+    pub(super) depth: Option<&'a Plane>,
+    /// Attributes of the picture's file.
+    pub(super) attributes: Option<&'a BTreeMap<String, String>>,
+    pub(super) data_window: Window,
+    pub(super) display_window: Window,
+    pub(super) pixel_aspect: f32,
+}

@@ -1,0 +1,585 @@
+//! Frames of samples in memory: equal to those of files bit for bit, whatever the layout, and refused with a reason.
+
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use ndarray::{Array3, ArrayView3};
+use relievo::frame::{
+    Camera, ColorPlanes, DepthKind, Flip, Frame, FrameBuilder, LightLayers, Lobe, LobeLayer,
+    NormalSpace, Normals, Plane, Projection, Samples, StoredDepth, Strides, Window,
+};
+use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
+use relievo::io::inputs::{Inputs, KnownCamera, LightInputs, NormalEncoding};
+use relievo::io::{self, Needs};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The channels of the only part of a file, as they are stored.
+fn raw_channels(path: &Path) -> BTreeMap<String, FlatSamples> {
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_file(path)
+        .unwrap();
+    let layer = image.layer_data.into_iter().next().unwrap();
+    let channels = layer.channel_data.list.into_iter();
+    channels
+        .map(|channel| (channel.name.to_string(), channel.sample_data))
+        .collect()
+}
+
+/// The samples of some channels of one layer, side by side as planes.
+fn samples<'a>(
+    channels: &'a BTreeMap<String, FlatSamples>,
+    layer: &str,
+    components: [&str; 3],
+) -> Samples<'a> {
+    let channel = |component: &str| &channels[&format!("{layer}.{component}")];
+    match components.map(channel) {
+        [
+            FlatSamples::F32(x),
+            FlatSamples::F32(y),
+            FlatSamples::F32(z),
+        ] => [&x[..], &y[..], &z[..]].into(),
+        [
+            FlatSamples::F16(x),
+            FlatSamples::F16(y),
+            FlatSamples::F16(z),
+        ] => [&x[..], &y[..], &z[..]].into(),
+        _ => panic!("{layer} is of mixed types"),
+    }
+}
+
+fn sample<'a>(channels: &'a BTreeMap<String, FlatSamples>, name: &str) -> Samples<'a> {
+    match &channels[name] {
+        FlatSamples::F32(values) => values.into(),
+        FlatSamples::F16(values) => values.into(),
+        FlatSamples::U32(_) => panic!("{name} is of integers"),
+    }
+}
+
+/// All planes of a frame, by name.
+fn planes(frame: &Frame) -> Vec<(String, Plane)> {
+    let colors = |name: &str, color: &Option<ColorPlanes>| {
+        let planes = color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
+        planes
+            .enumerate()
+            .map(|(i, plane)| (format!("{name}.{i}"), plane.clone()))
+            .collect::<Vec<_>>()
+    };
+    let singles = [
+        ("normal.x", Some(&frame.normal.x)),
+        ("normal.y", Some(&frame.normal.y)),
+        ("normal.z", Some(&frame.normal.z)),
+        ("normal_length", frame.normal_length.as_ref()),
+        ("depth", frame.depth.as_ref()),
+        ("occlusion", frame.occlusion.as_ref()),
+        ("importance", frame.importance.as_ref()),
+        ("alpha", frame.alpha.as_ref()),
+        ("light.occlusion", frame.light.occlusion.as_ref()),
+    ];
+    let singles = singles.into_iter();
+    let mut all: Vec<_> = singles
+        .filter_map(|(name, plane)| Some((name.to_string(), plane?.clone())))
+        .collect();
+    all.push((
+        "mask".into(),
+        frame.mask.plane().map(|c| f32::from(u8::from(c))),
+    ));
+    all.extend(colors("color", &frame.color));
+    all.extend(colors("albedo", &frame.albedo));
+    for layers in &frame.light.lobes {
+        let name = |layer: &str| format!("{}.{layer}", layers.lobe.name());
+        all.extend(colors(&name("direct"), &layers.direct));
+        all.extend(colors(&name("indirect"), &layers.indirect));
+        all.extend(colors(&name("color"), &layers.color));
+        all.extend(colors(&name("albedo"), &layers.albedo));
+    }
+    for group in &frame.light.groups {
+        all.extend(colors(&group.name, &Some(group.light.clone())));
+    }
+    all
+}
+
+fn assert_same(built: &Frame, read: &Frame) {
+    let (built_planes, read_planes) = (planes(built), planes(read));
+    let names = |planes: &[(String, Plane)]| -> Vec<String> {
+        planes.iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(names(&built_planes), names(&read_planes));
+    for ((name, a), (_, b)) in built_planes.iter().zip(&read_planes) {
+        assert_eq!(a.width(), b.width(), "{name}");
+        let differ = a.samples().iter().zip(b.samples());
+        let differ = differ.filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+        assert_eq!(differ, 0, "{name} differs in {differ} samples");
+    }
+    assert_eq!(built.data_window, read.data_window);
+    assert_eq!(built.display_window, read.display_window);
+    assert_eq!(built.pixel_aspect, read.pixel_aspect);
+    assert_eq!(built.camera, read.camera);
+    assert_eq!(built.source.depth_kind, read.source.depth_kind);
+    assert_eq!(built.source.normal_rounding, read.source.normal_rounding);
+    assert_eq!(built.luminance_weights(), read.luminance_weights());
+}
+
+#[test]
+fn a_frame_of_memory_is_that_of_the_file() {
+    for name in ["bust", "gears", "mirror"] {
+        let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("fixtures/{name}.exr"));
+        let inputs = Inputs {
+            picture: picture.clone(),
+            ..Inputs::default()
+        };
+        let needs = Needs {
+            color: true,
+            projection: true,
+            ..Needs::default()
+        };
+        let read = io::load(&inputs, needs).unwrap();
+        let (conventions, frame) = (read.conventions, &read.frame);
+        assert_eq!(conventions.normal_space, NormalSpace::World);
+        assert_eq!(conventions.normal_encoding, NormalEncoding::Signed);
+
+        let channels = raw_channels(&picture);
+        let layer = |name: &str, components| samples(&channels, name, components);
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        let camera = frame.camera.unwrap();
+        let normals = layer("ViewLayer.Normal", ["X", "Y", "Z"]);
+        let built = Frame::builder(width, height)
+            .normals(Normals::world(normals, &camera).flipped(conventions.normal_flip))
+            .depth(
+                sample(&channels, "ViewLayer.Depth.Z"),
+                conventions.depth_kind.unwrap(),
+            )
+            .color(layer("ViewLayer.Combined", ["R", "G", "B"]))
+            .alpha(sample(&channels, "ViewLayer.Combined.A"))
+            .build()
+            .unwrap();
+        assert_same(&built, frame);
+    }
+}
+
+const WIDTH: usize = 37;
+const HEIGHT: usize = 23;
+
+/// A plane of values of no meaning, some of them not finite.
+fn hostile(seed: u32) -> Plane {
+    let mut state = seed;
+    Plane::from_fn(WIDTH, HEIGHT, |_, _| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        match (state >> 20) % 40 {
+            0 => f32::NAN,
+            1 => f32::INFINITY,
+            2 => f32::NEG_INFINITY,
+            3 => -0.0,
+            4 => 1e10,
+            5 => 65504.0,
+            _ => (state >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0,
+        }
+    })
+}
+
+fn camera() -> Camera {
+    let turn = DMat3::from_rotation_y(0.4) * DMat3::from_rotation_x(-0.7);
+    Camera {
+        view_from_world: DAffine3 {
+            matrix3: turn,
+            translation: DVec3::new(0.5, -0.25, -4.0),
+        },
+        projection: Projection::Perspective {
+            fx: 40.0,
+            fy: 40.0,
+            cx: 18.0,
+            cy: 11.0,
+        },
+    }
+}
+
+/// What a hostile file says, and how the same is built.
+struct Case {
+    layers: Vec<(&'static str, Plane)>,
+    sample_type: OutputType,
+    space: NormalSpace,
+    encoding: NormalEncoding,
+    flip: Flip,
+    depth: Option<StoredDepth>,
+}
+
+const ORIGIN: [i32; 2] = [-3, 5];
+
+fn display() -> Window {
+    Window::from_size(31, 31)
+}
+
+impl Case {
+    /// Writes the layers, and loads them.
+    fn read(&self, path: &Path) -> Frame {
+        let channels = self.layers.iter().map(|(name, plane)| OutputChannel {
+            name: (*name).into(),
+            plane,
+            sample_type: self.sample_type,
+        });
+        let part = OutputPart {
+            name: "main".into(),
+            data_window: Window::at(ORIGIN[0], ORIGIN[1], WIDTH, HEIGHT),
+            display_window: display(),
+            pixel_aspect: 1.25,
+            channels: channels.collect(),
+            attributes: Vec::new(),
+            chromaticities: None,
+            compression: Default::default(),
+        };
+        let mut file = std::fs::File::create(path).unwrap();
+        write_results(&mut file, path, &part).unwrap();
+        let inputs = Inputs {
+            picture: path.into(),
+            normal_space: Some(self.space),
+            normal_encoding: Some(self.encoding),
+            normal_flip: Some(self.flip),
+            depth_kind: self.depth,
+            importance: Some("importance".into()),
+            light: Some(LightInputs {
+                occlusion: true,
+                ..LightInputs::default()
+            }),
+            known_camera: Some(KnownCamera {
+                camera: camera(),
+                is_placed: true,
+            }),
+            ..Inputs::default()
+        };
+        let needs = Needs {
+            color: true,
+            albedo: true,
+            projection: true,
+            ..Needs::default()
+        };
+        io::load(&inputs, needs).unwrap().frame
+    }
+
+    /// Builds the same of what the file holds.
+    fn build(&self, path: &Path) -> Frame {
+        let channels = raw_channels(path);
+        let rgb = |name: &str| samples(&channels, name, ["R", "G", "B"]);
+        let normals = samples(&channels, "N", ["X", "Y", "Z"]);
+        let mut normals = match self.space {
+            NormalSpace::View => Normals::view(normals),
+            NormalSpace::World => Normals::world(normals, &camera()),
+        };
+        if self.encoding == NormalEncoding::Unsigned {
+            normals = normals.unsigned();
+        }
+        let mut builder = Frame::builder(WIDTH, HEIGHT)
+            .origin(ORIGIN[0], ORIGIN[1])
+            .display_window(display())
+            .pixel_aspect(1.25)
+            .camera(&camera())
+            .normals(normals.flipped(self.flip))
+            .color(rgb("C"))
+            .alpha(sample(&channels, "C.A"))
+            .albedo(rgb("albedo"))
+            .importance(sample(&channels, "importance"))
+            .lobe(Lobe::Diffuse, LobeLayer::Direct, rgb("diffuse_direct"))
+            .lobe(Lobe::Diffuse, LobeLayer::Indirect, rgb("diffuse_indirect"))
+            .lobe(Lobe::Diffuse, LobeLayer::Albedo, rgb("albedo"))
+            .lobe(Lobe::Specular, LobeLayer::Direct, rgb("specular"))
+            .light_occlusion(sample(&channels, "AO.R"));
+        builder = match self.depth {
+            Some(stored) => builder.depth(sample(&channels, "Z"), stored),
+            None => builder
+                .position(samples(&channels, "P", ["X", "Y", "Z"]))
+                .occlusion(sample(&channels, "AO.R")),
+        };
+        builder.build().unwrap()
+    }
+}
+
+fn cases() -> Vec<Case> {
+    let layers = |place: &[&'static str]| -> Vec<(&'static str, Plane)> {
+        let names = [
+            "AO.R",
+            "C.A",
+            "C.B",
+            "C.G",
+            "C.R",
+            "N.X",
+            "N.Y",
+            "N.Z",
+            "albedo.B",
+            "albedo.G",
+            "albedo.R",
+            "diffuse_direct.B",
+            "diffuse_direct.G",
+            "diffuse_direct.R",
+            "diffuse_indirect.B",
+            "diffuse_indirect.G",
+            "diffuse_indirect.R",
+            "importance",
+            "specular.B",
+            "specular.G",
+            "specular.R",
+        ];
+        let names = names.iter().chain(place);
+        let hostile = |(i, name): (usize, &&'static str)| (*name, hostile(i as u32 + 1));
+        names.enumerate().map(hostile).collect()
+    };
+    let kinds = StoredDepth::ALL.map(|(kind, _)| Some(kind)).into_iter();
+    let mut cases: Vec<Case> = kinds
+        .chain([None])
+        .enumerate()
+        .map(|(i, depth)| Case {
+            layers: layers(match depth {
+                Some(_) => &["Z"],
+                None => &["P.X", "P.Y", "P.Z"],
+            }),
+            sample_type: OutputType::Float,
+            space: [NormalSpace::View, NormalSpace::World][i % 2],
+            encoding: [NormalEncoding::Signed, NormalEncoding::Unsigned][i / 2 % 2],
+            flip: Flip {
+                x: i == 2,
+                y: i % 3 == 1,
+                z: i == 5,
+            },
+            depth,
+        })
+        .collect();
+    cases.push(Case {
+        layers: layers(&["Z"]),
+        sample_type: OutputType::Half,
+        space: NormalSpace::World,
+        encoding: NormalEncoding::Signed,
+        flip: Flip::NONE,
+        depth: Some(StoredDepth::Inverse),
+    });
+    cases
+}
+
+#[test]
+fn hostile_samples_are_sanitised_as_those_of_files() {
+    let desk = tempfile::tempdir().unwrap();
+    let path = desk.path().join("hostile.exr");
+    for case in cases() {
+        let read = case.read(&path);
+        assert!(read.mask.count() > WIDTH, "{}", read.mask.count());
+        let mut built = case.build(&path);
+        if case.depth.is_none() {
+            // Of a file the normals are asked whether positions are places; these are not.
+            assert_eq!(built.source.depth_kind, DepthKind::Planar);
+            built.source.depth_kind = read.source.depth_kind;
+        }
+        let all = planes(&built);
+        for (name, plane) in &all {
+            let is_given = ["occlusion", "importance"].contains(&name.as_str());
+            let all_finite = plane.samples().iter().all(|v| v.is_finite());
+            assert!(all_finite || is_given, "{name} is not finite");
+        }
+        assert_same(&built, &read);
+    }
+}
+
+/// A few normals and depths, to be laid out in every way.
+fn ramp() -> [Plane; 3] {
+    [0.25, 0.5, 1.0].map(|step| {
+        Plane::from_fn(5, 4, |x, y| {
+            ((1 + x + 5 * y) as f32 * step).rem_euclid(1.0) + 0.1
+        })
+    })
+}
+
+fn built<'a>(normals: impl Into<Samples<'a>>) -> Frame {
+    let builder = Frame::builder(5, 4).normals(Normals::view(normals));
+    builder.build().unwrap()
+}
+
+#[test]
+fn every_layout_makes_the_same_frame() {
+    let [x, y, z] = &ramp();
+    let expected = built([x, y, z]);
+    // Planar slices.
+    assert_same(&built([x.samples(), y.samples(), z.samples()]), &expected);
+    // Interleaved, of three channels and of four.
+    let interleaved = |channels: usize| -> Vec<f32> {
+        let pixels = 0..20;
+        let pixel = |i: usize| [x, y, z, x].map(|plane| plane.samples()[i]);
+        pixels
+            .flat_map(|i| pixel(i).into_iter().take(channels))
+            .collect()
+    };
+    assert_same(&built(&interleaved(3)), &expected);
+    assert_same(&built(&interleaved(4)), &expected);
+    // Rows of four channels that run up, with seven samples of padding.
+    let stride = 4 * 5 + 7;
+    let mut padded = vec![f32::NAN; 3 + stride * 4];
+    for (row, samples) in interleaved(4).chunks(20).rev().enumerate() {
+        padded[3 + row * stride..][..20].copy_from_slice(samples);
+    }
+    let strides = Strides {
+        first: 3 + 3 * stride,
+        row: -(stride as isize),
+        column: 4,
+        channel: 1,
+        channels: 3,
+    };
+    assert_same(&built(Samples::strided(&padded, strides)), &expected);
+    // Arrays: interleaved, stacked planes, columns before rows.
+    let array = Array3::from_shape_vec((4, 5, 3), interleaved(3)).unwrap();
+    assert_same(&built(&array), &expected);
+    let stacked: Vec<f32> = [x, y, z]
+        .iter()
+        .flat_map(|p| p.samples().to_vec())
+        .collect();
+    let stacked = ArrayView3::from_shape((3, 4, 5), &stacked).unwrap();
+    assert_same(&built(stacked.permuted_axes([1, 2, 0])), &expected);
+    let mut turned = array.clone();
+    turned.invert_axis(ndarray::Axis(0));
+    let mut reversed = turned.as_standard_layout().to_owned();
+    reversed.invert_axis(ndarray::Axis(0));
+    assert_same(&built(&reversed), &expected);
+}
+
+#[test]
+fn integers_are_read_as_those_of_photos() {
+    let photo = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/tablet.normal.png");
+    let color = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/tablet.color.jpg");
+    let inputs = Inputs {
+        picture: color,
+        normal: Some(photo.to_str().unwrap().into()),
+        ..Inputs::default()
+    };
+    let read = io::load(&inputs, Needs::default()).unwrap();
+    let stored = image::open(&photo).unwrap().into_rgb8();
+    let (width, height) = (stored.width() as usize, stored.height() as usize);
+    let normals = Normals::view(stored.as_raw()).unsigned();
+    let mut built = Frame::builder(width, height)
+        .normals(normals.flipped(read.conventions.normal_flip))
+        .build()
+        .unwrap();
+    // The file's picture is read for its coverage; memory has none.
+    built.color.clone_from(&read.frame.color);
+    assert_same(&built, &read.frame);
+    // 16 bits and half floats say the same, to their precision.
+    let wide: Vec<u16> = stored.iter().map(|&v| u16::from(v) * 257).collect();
+    let half: Vec<f16> = stored
+        .iter()
+        .map(|&v| f16::from_f32(f32::from(v) / 255.0))
+        .collect();
+    for normals in [Normals::view(&wide), Normals::view(&half)] {
+        let other = Frame::builder(width, height)
+            .normals(normals.unsigned().flipped(read.conventions.normal_flip))
+            .build()
+            .unwrap();
+        let (a, b) = (other.normal.x.samples(), built.normal.x.samples());
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-3));
+    }
+}
+
+/// The message of what cannot be built.
+fn refusal(builder: FrameBuilder) -> String {
+    builder.build().expect_err("refused").to_string()
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_name() {
+    let normals = [0.0_f32, 0.0, 1.0].repeat(20);
+    let (depth, bytes) = (vec![1.0_f32; 20], vec![1_u8; 60]);
+    let good = || Frame::builder(5, 4).normals(Normals::view(&normals));
+    assert!(good().build().is_ok());
+    let tilted = Camera {
+        view_from_world: DAffine3::from_scale(DVec3::splat(2.0)),
+        ..camera()
+    };
+    let flat = Camera {
+        projection: Projection::Perspective {
+            fx: 0.0,
+            fy: 1.0,
+            cx: 0.0,
+            cy: 0.0,
+        },
+        ..camera()
+    };
+    let outside = Strides {
+        first: 0,
+        row: -15,
+        column: 3,
+        channel: 1,
+        channels: 3,
+    };
+    let planar = StoredDepth::Planar;
+    let turned = Plane::filled(4, 5, 1.0_f32);
+    let refused = [
+        (
+            Frame::builder(5, 4),
+            "normals are missing; give them with normals()",
+        ),
+        (
+            Frame::builder(0, 4),
+            "a frame of 0x4 pixels from (0, 0) cannot be; give at least one pixel, and coordinates below 2^31",
+        ),
+        (
+            good().normals(Normals::view(&normals[1..])),
+            "normals holds 59 samples for 5x4 pixels; give 3 or 4 for each pixel, or Samples::strided where there are gaps",
+        ),
+        (
+            good().normals(Normals::view([&depth[..], &depth])),
+            "normals has 2 channels; give 3 or 4",
+        ),
+        (
+            good().normals(Normals::view(Samples::strided(&normals, outside))),
+            "normals has strides that leave its 60 samples, for 5x4 pixels; count strides in samples, from the first one",
+        ),
+        (
+            good().depth(&depth[..19], planar),
+            "depth holds 19 samples for 5x4 pixels; give 1 for each pixel, or Samples::strided where there are gaps",
+        ),
+        (
+            good().depth(&turned, planar),
+            "depth is 5 rows of 4, for 5x4 pixels; give an array indexed [row, column] of the frame's size",
+        ),
+        (
+            good().color(&bytes),
+            "color holds integers, which are rarely linear light; decode it, as with io::srgb::decoded, and give f32",
+        ),
+        (
+            good().position(&normals),
+            "position is in world space, and there is no camera; give one with camera(), or depth instead",
+        ),
+        (
+            good()
+                .camera(&camera())
+                .normals(Normals::world(&normals, &flat)),
+            "camera is another than that of the normals; give one of them",
+        ),
+        (
+            good().camera(&flat),
+            "camera cannot be used: its focal length is 0 px; give 0.01 to 1e9",
+        ),
+        (
+            good().camera(&tilted),
+            "camera cannot be used: its axes are not of unit length and square to each other; give a rotation and a \
+             translation without scale or shear",
+        ),
+        (
+            good().pixel_aspect(f32::NAN),
+            "pixel_aspect is NaN; give 0.001 to 1000",
+        ),
+        (
+            good().display_window(Window::from_size(0, 4)),
+            "display_window is 0x4 at (0, 0); give one that is at least a pixel wide and high",
+        ),
+        (
+            good().luminance_weights([1.0, 1.0, 1.0]),
+            "luminance_weights are [1.0, 1.0, 1.0]; give three that are not negative and add up to 1",
+        ),
+        (
+            good().light_group("key", &normals, [Vec3::splat(1.0)]),
+            "light_group key has no directions of unit length to its lights; give at least one, in view space",
+        ),
+    ];
+    for (builder, expected) in refused {
+        assert_eq!(refusal(builder), expected);
+    }
+    let empty = LightLayers::default();
+    assert_eq!(good().build().unwrap().light, empty);
+}
