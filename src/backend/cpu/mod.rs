@@ -38,9 +38,9 @@ use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use contours::{FoundCrack, FoundEdges, LEAST_STEP, Piece};
-pub use drawing::TextureCoordinates;
 #[cfg(feature = "gpu")]
-pub(in crate::backend) use drawing::{DEPTH_STEP, MOTION_STEP, Sheet};
+pub(in crate::backend) use drawing::Sheet;
+pub use drawing::TextureCoordinates;
 use edges::Weights;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use for_devices::{
@@ -58,6 +58,11 @@ pub(in crate::backend) use relight::{SHORTEST_TANGENT, light_rims};
 pub use runner::{DrawingInputs, Runner, SequenceInputs};
 use std::time::Instant;
 pub use strips::{StripChoice, StripSearch};
+#[cfg(all(test, feature = "gpu"))]
+pub(in crate::backend) use {
+    percentile::{key_of, value_of},
+    relight::premultiplied,
+};
 
 /// Rows that one task takes at the least: enough work to be worth handing out.
 const ROWS_PER_TASK: usize = 8;

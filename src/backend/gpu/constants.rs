@@ -1,7 +1,7 @@
 //! The numbers that Rust and WGSL share, each with its only value.
 
 use crate::backend::choice::MAX_GAIN;
-use crate::backend::cpu::{DEPTH_STEP, LEAST_STEP, MOTION_STEP, SHORTEST_TANGENT};
+use crate::backend::cpu::{LEAST_STEP, SHORTEST_TANGENT};
 use crate::backend::{palette, stroke_field, surface_rays};
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
@@ -17,7 +17,7 @@ use crate::line::contours::crack::KINK;
 use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::CROSSED_FROM;
 use crate::line::paper;
-use crate::line::texture_coordinates::JUMP;
+use crate::line::texture_coordinates::{DEPTH_STEP, JUMP, MOTION_STEP};
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY};
 use crate::line::{direction, direction_field, normal_rays};
 use crate::shape::curvature::UMBILIC;

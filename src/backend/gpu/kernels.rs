@@ -56,7 +56,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 36] = [
+    pub(super) const ALL: [Self; 36] = [
         Self::LogDepth,
         Self::Edges,
         Self::EdgeLists,
@@ -121,13 +121,20 @@ impl Kernel {
                     around,
                     covered,
                     wgsl!("soft_threshold"),
+                    wgsl!("facing"),
                     wgsl!("edges"),
                 ],
             ),
             Self::EdgeLists => (SizeParams::WGSL, &[index, wgsl!("edge_lists")]),
             Self::Cracks => (
                 CrackParams::WGSL,
-                &[index, covered, wgsl!("crack"), wgsl!("cracks")],
+                &[
+                    index,
+                    covered,
+                    wgsl!("facing"),
+                    wgsl!("crack"),
+                    wgsl!("cracks"),
+                ],
             ),
             Self::Diffusion => (
                 DiffusionParams::WGSL,
@@ -135,6 +142,7 @@ impl Kernel {
                     index,
                     covered,
                     wgsl!("face_conductance"),
+                    wgsl!("flux"),
                     wgsl!("diffusion"),
                 ],
             ),
@@ -142,7 +150,10 @@ impl Kernel {
                 SizeParams::WGSL,
                 &[index, wgsl!("face_conductance"), wgsl!("faces")],
             ),
-            Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
+            Self::Sweep => (
+                DiffusionParams::WGSL,
+                &[index, wgsl!("flux"), wgsl!("sweep")],
+            ),
             Self::Hessian => (
                 HessianParams::WGSL,
                 &[index, around, covered, plane_fit, wgsl!("hessian")],

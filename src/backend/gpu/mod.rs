@@ -36,6 +36,8 @@ mod sheets;
 mod sight;
 mod strips;
 mod surface;
+#[cfg(test)]
+mod twins;
 mod uniforms;
 mod wait;
 

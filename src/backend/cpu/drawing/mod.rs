@@ -9,8 +9,6 @@ mod tone;
 
 pub(super) use art_map::KeptArtMap;
 pub use coordinates::TextureCoordinates;
-#[cfg(feature = "gpu")]
-pub(in crate::backend) use coordinates::{DEPTH_STEP, MOTION_STEP};
 pub(super) use hatching::hatch_batch;
 #[cfg(feature = "gpu")]
 pub(super) use lines::lines;

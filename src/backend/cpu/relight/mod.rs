@@ -11,6 +11,8 @@ mod traced;
 pub(super) use albedo::AlbedoSearch;
 pub(super) use batch::Batch;
 pub(super) use shade::light_batch;
+#[cfg(all(test, feature = "gpu"))]
+pub(in crate::backend) use shade::premultiplied;
 #[cfg(feature = "gpu")]
 pub(in crate::backend) use {albedo::estimated, rim::light_rims, shade::SHORTEST_TANGENT};
 

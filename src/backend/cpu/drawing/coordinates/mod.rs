@@ -11,8 +11,6 @@ mod places;
 mod shares;
 mod step;
 
-#[cfg(feature = "gpu")]
-pub(in crate::backend) use places::{DEPTH_STEP, MOTION_STEP};
 pub(super) use places::{Surface, jacobian_at};
 
 use super::sheet::Sheet;

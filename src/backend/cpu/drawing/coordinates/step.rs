@@ -1,13 +1,13 @@
 //! From one frame to the next: where the surface of every pixel was, and the places it had there.
 
 use super::hidden::Hidden;
-use super::places::{Surface, calmed_at, is_one_depth, is_one_motion, jacobian_at, place_at};
+use super::places::{Surface, calmed_at, jacobian_at, place_at};
 use super::{PlaceMap, TextureCoordinates, origin_in};
 use crate::backend::cpu::ROWS_PER_TASK;
 use crate::backend::cpu::memory::Memory;
 use crate::backend::cpu::passes::map_rows;
 use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::line::texture_coordinates::{extrapolated, is_joined};
+use crate::line::texture_coordinates::{extrapolated, is_joined, is_one_depth, is_one_motion};
 use rayon::prelude::*;
 
 /// How often places are averaged with those around them in each frame. What that takes from the curvature of a
