@@ -1,5 +1,6 @@
 //! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
 
+use super::bindings;
 use super::constants::{SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
 use super::kernels::Kernel;
 use super::run::Run;
@@ -115,7 +116,14 @@ impl Searching {
             self.stage(),
             (Kernel::Count, &switches),
             &params,
-            &[&run.surface.covered, a, b, c, &self.state, &self.bins],
+            &bindings::Count {
+                covered: &run.surface.covered,
+                a,
+                b,
+                c,
+                search: &self.state,
+                bins: &self.bins,
+            },
             groups,
         );
     }
@@ -138,7 +146,11 @@ impl Searching {
             self.stage(),
             (Kernel::Narrow, &[("IS_GAIN", is_gain)]),
             &params,
-            &[&self.bins, &self.state, chosen],
+            &bindings::Narrow {
+                bins: &self.bins,
+                search: &self.state,
+                chosen,
+            },
             [1, 1],
         );
     }

@@ -1,5 +1,6 @@
 //! Edges as lists: of what is made per pixel only what lies along edges is read.
 
+use super::bindings;
 use super::constants::{CANDIDATES, CRACKS, CREASES};
 use super::kernels::Kernel;
 use super::recorder::Submitted;
@@ -65,7 +66,12 @@ impl<'a> Run<'a> {
                 &[("CREASES_WANTED", params.has_creases())],
             ),
             &SizeParams { width, height },
-            &[weights, &counts, &candidates, &creases],
+            &bindings::EdgeLists {
+                weights,
+                counts: &counts,
+                candidates: &candidates,
+                creases: &creases,
+            },
             [width, height],
         );
         let surface = &self.surface;
@@ -98,16 +104,16 @@ impl<'a> Run<'a> {
                 start_x_step: starts.step[0],
                 start_y_step: starts.step[1],
             },
-            &[
-                &surface.covered,
-                surface.map.as_ref().unwrap_or(x),
-                x,
-                y,
-                z,
-                &counts,
-                &candidates,
-                &cracks,
-            ],
+            &bindings::Cracks {
+                covered: &surface.covered,
+                silhouette_map: surface.map.as_ref().unwrap_or(x),
+                normal_x: x,
+                normal_y: y,
+                normal_z: z,
+                counts: &counts,
+                candidates: &candidates,
+                cracks: &cracks,
+            },
             [GROUPS, 1],
         );
         EdgeLists {

@@ -372,6 +372,22 @@ impl Kernel {
         }
         source
     }
+
+    /// The names of what is bound, in the order of their numbers.
+    pub(super) fn bindings(self) -> Vec<String> {
+        let source = self.source();
+        let mut bound: Vec<(u32, String)> = source.lines().filter_map(binding).collect();
+        bound.sort();
+        bound.into_iter().map(|(_, name)| name).collect()
+    }
+}
+
+/// The number and the name of the variable that a line of WGSL binds: `@group(0) @binding(1) var<storage> covered: array<u32>;`.
+fn binding(line: &str) -> Option<(u32, String)> {
+    let (number, variable) = line.strip_prefix("@group(0) @binding(")?.split_once(')')?;
+    let (_, named) = variable.split_once("> ")?;
+    let (name, _) = named.split_once(':')?;
+    Some((number.parse().ok()?, name.into()))
 }
 
 /// The name and the WGSL of every kernel, whole as a device is given it.

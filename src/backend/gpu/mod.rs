@@ -5,6 +5,7 @@
 //! told by differences here. Between the stages nothing is read back but lists of what lies along the edges of a drawing,
 //! and its tone where strokes are lines: lines are found on the CPU.
 
+mod bindings;
 mod buffers;
 mod choose;
 mod constants;
