@@ -10,9 +10,11 @@
 //!
 //! This runs under the feature `gpu` alone: naga, which reads WGSL, comes with it, and so do the kernels.
 
+mod arithmetic;
 mod domains;
 mod interpreter;
 mod table;
+mod twin;
 mod values;
 mod words;
 
@@ -20,7 +22,8 @@ use super::kernels::Kernel;
 use interpreter::{Machine, Program, Signature};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use table::{Tolerance, Twin, twins};
+use table::twins;
+use twin::{Tolerance, Twin};
 use values::Values;
 use wgpu::naga::ScalarKind;
 use words::UNSPECIFIED;

@@ -85,7 +85,7 @@ impl Values {
             2 if !self.thresholds.is_empty() => {
                 let chosen = self.below(self.thresholds.len());
                 let at = self.thresholds[chosen];
-                let at = if self.bits() % 4 == 0 { -at } else { at };
+                let at = if self.bits() & 3 == 0 { -at } else { at };
                 [at, at.next_up(), at.next_down()][self.below(3)].to_bits()
             }
             // Any exponent.
