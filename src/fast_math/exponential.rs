@@ -102,7 +102,7 @@ fn log2(x: f32) -> f64 {
 ///
 /// x = n ln 2 + r with |r| at most half of ln 2, and p = e^r - 1 = r + r^2 q(r).
 #[inline(always)]
-fn split_exp(x: f32) -> (i32, f32) {
+pub(crate) fn split_exp(x: f32) -> (i32, f32) {
     // Adding 1.5 * 2^23 rounds to a whole number, which then stands in the lowest bits.
     let shifted = x * std::f32::consts::LOG2_E + ROUNDING;
     let n = shifted - ROUNDING;

@@ -20,7 +20,7 @@ pub use rows::{Function, map_row};
 
 /// The polynomial with these coefficients, the constant first.
 #[inline(always)]
-fn polynomial<const N: usize>(x: f32, coefficients: [f32; N]) -> f32 {
+pub(crate) fn polynomial<const N: usize>(x: f32, coefficients: [f32; N]) -> f32 {
     let mut sum = 0.0;
     for i in (0..N).rev() {
         sum = sum * x + coefficients[i];
@@ -30,7 +30,7 @@ fn polynomial<const N: usize>(x: f32, coefficients: [f32; N]) -> f32 {
 
 /// 2^n for n from -126 to 127; no matter what outside.
 #[inline(always)]
-fn power_of_two(n: i32) -> f32 {
+pub(crate) fn power_of_two(n: i32) -> f32 {
     f32::from_bits((n.wrapping_add(127) << 23) as u32)
 }
 

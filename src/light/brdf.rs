@@ -55,7 +55,6 @@ impl AshikhminShirley {
     /// Its albedo toward the eye over all lights is `(1 - R_s)(1 - (1 - n.e/2)^5)`.
     #[inline(always)]
     pub fn diffuse(&self, nl: f32, ne: f32) -> f32 {
-        let passed = |cosine: f32| 1.0 - fifth_power(1.0 - 0.5 * cosine);
         BASE_SCALE * (1.0 - self.reflectance) * passed(nl) * passed(ne) * nl
     }
 
@@ -74,8 +73,14 @@ impl AshikhminShirley {
     }
 }
 
+/// Share of the light at an angle of this cosine that the coat lets pass, but for its reflectance.
 #[inline(always)]
-fn fifth_power(x: f32) -> f32 {
+pub(crate) fn passed(cosine: f32) -> f32 {
+    1.0 - fifth_power(1.0 - 0.5 * cosine)
+}
+
+#[inline(always)]
+pub(crate) fn fifth_power(x: f32) -> f32 {
     let square = x * x;
     square * square * x
 }

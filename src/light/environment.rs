@@ -104,13 +104,8 @@ impl Environment {
     /// Column and row of the map that `direction` falls on, whole numbers being pixel centres. Without a
     /// branch, so that a loop over directions vectorises.
     #[inline(always)]
-    pub fn position(&self, [x, y, z]: [f32; 3]) -> [f32; 2] {
-        use std::f32::consts::{PI, TAU};
-        let (width, height) = (self.width() as f32, self.height() as f32);
-        let across = atan2(x, -z) / TAU + 0.5 - self.turn;
-        let across = if across < 0.0 { across + 1.0 } else { across };
-        let down = 0.5 - atan2(y, (x * x + z * z).sqrt()) / PI;
-        [across * width - 0.5, down * height - 0.5]
+    pub fn position(&self, direction: [f32; 3]) -> [f32; 2] {
+        equirectangular_position([self.width(), self.height()], self.turn, direction)
     }
 
     /// The radiance at a position of the map, from -1 to `width` and `height`, whole numbers being pixel
@@ -236,6 +231,21 @@ fn overlaps(from: usize, to: usize, measure: impl Fn(f64, f64) -> f64) -> Vec<Ve
         (first..last).map(share).collect()
     };
     (0..to).map(shares).collect()
+}
+
+/// Column and row, whole numbers being pixel centres, of a map of columns and rows, rotated by `turn` turns, that a
+/// direction falls on.
+#[inline(always)]
+pub(crate) fn equirectangular_position(
+    [width, height]: [usize; 2],
+    turn: f32,
+    [x, y, z]: [f32; 3],
+) -> [f32; 2] {
+    use std::f32::consts::{PI, TAU};
+    let across = atan2(x, -z) / TAU + 0.5 - turn;
+    let across = if across < 0.0 { across + 1.0 } else { across };
+    let down = 0.5 - atan2(y, (x * x + z * z).sqrt()) / PI;
+    [across * width as f32 - 0.5, down * height as f32 - 0.5]
 }
 
 #[cfg(test)]

@@ -78,13 +78,7 @@ impl Warp {
     /// goes to 0 with q. Infinite curvatures count as very large ones, and what is no number as 0.
     #[inline(always)]
     pub fn of(hessian: [f32; 3], alpha: f32) -> Self {
-        let [xx, xy, yy] = hessian.map(|h| {
-            if h.is_nan() {
-                0.0
-            } else {
-                h.clamp(-LARGEST, LARGEST)
-            }
-        });
+        let [xx, xy, yy] = hessian.map(bounded_entry);
         // In units of the largest entry, so that no square overflows or vanishes.
         let size = xx.abs().max(xy.abs()).max(yy.abs());
         let unit = 1.0 / size.max(f32::MIN_POSITIVE);
@@ -126,7 +120,7 @@ impl Warp {
     /// Where the direction with half vector `half` goes: a unit vector. `half` may have any length.
     #[inline(always)]
     pub fn direction(self, half: [f32; 3]) -> [f32; 3] {
-        let [x, y, z] = self.of_half(half);
+        let ([x, y], z) = (self.apply(half), half[2]);
         let (across, along) = (x * x + y * y, z * z);
         let unit = 1.0 / (across + along);
         let twice = 2.0 * z * unit;
@@ -139,20 +133,30 @@ impl Warp {
     /// For [LW] equation 2 ask the [inverse](Warp::inverse) warping.
     #[inline(always)]
     pub fn jacobian(self, half: [f32; 3]) -> f32 {
-        let [x, y, z] = self.of_half(half);
+        let ([x, y], z) = (self.apply(half), half[2]);
         let squared = x * x + y * y + z * z;
         self.determinant() / (squared * squared)
     }
 
-    /// The half vector warped; its length is not 1.
+    /// x and y of a half vector warped; its z stays, and its length is not 1.
     #[inline(always)]
-    fn of_half(self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        [self.xx * x + self.xy * y, self.xy * x + self.yy * y, z]
+    pub(crate) fn apply(self, [x, y, _]: [f32; 3]) -> [f32; 2] {
+        [self.xx * x + self.xy * y, self.xy * x + self.yy * y]
     }
 }
 
 /// Largest entry of a Hessian told apart: its reciprocal is still a normal number.
 pub(crate) const LARGEST: f32 = 1e37;
+
+/// An entry of a Hessian at most that large; 0 for NaN.
+#[inline(always)]
+pub(crate) fn bounded_entry(h: f32) -> f32 {
+    if h.is_nan() {
+        0.0
+    } else {
+        h.clamp(-LARGEST, LARGEST)
+    }
+}
 
 /// Unit half vector between the unit `direction` and z; across z, along x, for -z itself. What is not
 /// finite counts as z.

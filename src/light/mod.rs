@@ -18,7 +18,7 @@ pub mod lit_sphere;
 pub mod median_cut;
 pub mod radiance_scaling;
 pub mod sum;
-mod texels;
+pub(crate) mod texels;
 pub mod tones;
 
 pub(crate) use texels::sane;

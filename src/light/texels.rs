@@ -10,7 +10,7 @@ const INFINITE: f32 = 65504.0;
 const MAX_SAMPLE: f32 = 1e30;
 
 /// A colour and one unused value, which make 16 bytes.
-pub(super) type Texel = [f32; 4];
+pub(crate) type Texel = [f32; 4];
 
 /// A picture of at least one pixel, with finite samples that are not negative.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,7 @@ pub(super) fn cell(position: f32) -> (i32, f32) {
 
 /// From `a` at 0 to `b` at 1, exact at both.
 #[inline(always)]
-pub(super) fn mixed(a: Texel, b: Texel, t: f32) -> Texel {
+pub(crate) fn mixed(a: Texel, b: Texel, t: f32) -> Texel {
     std::array::from_fn(|i| a[i] * (1.0 - t) + b[i] * t)
 }
 

@@ -71,7 +71,7 @@ pub(crate) fn spread_seed(seed: u64) -> u64 {
 pub(crate) const HASH_ROUNDS: u32 = 2;
 pub(crate) const HASH_FACTOR: u64 = 0xd6e8_feb8_6659_fd93;
 
-fn unit(bits: u64) -> f32 {
+pub(crate) fn unit(bits: u64) -> f32 {
     (bits >> 40) as f32 / (1 << 24) as f32
 }
 

@@ -59,15 +59,9 @@ impl SliceTexture {
 
     #[inline(always)]
     fn ink(&self, x: f32, y: f32, threshold: f32) -> f32 {
-        let within = |at: f32, size: usize| {
-            let at = at.rem_euclid(size as f32);
-            let first = (at as usize).min(size - 1);
-            (first, (first + 1) % size, at - first as f32)
-        };
         let (left, right, across) = within(x, self.width);
         let (top, bottom, down) = within(y, self.height);
         let slice = (threshold as usize).min(self.slices.len() - 2);
-        let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
         let of_slice = |slice: &[f32]| {
             let (top, bottom) = (top * self.width, bottom * self.width);
             let upper = mix(slice[top + left], slice[top + right], across);
@@ -93,6 +87,19 @@ impl SliceTexture {
         };
         (0..=steps * STEPS).map(at).collect()
     }
+}
+
+/// The texels before and after a place along a side of a texture that repeats, and how far it is from the one to the other.
+#[inline(always)]
+pub(crate) fn within(at: f32, size: usize) -> (usize, usize, f32) {
+    let at = at.rem_euclid(size as f32);
+    let first = (at as usize).min(size - 1);
+    (first, (first + 1) % size, at - first as f32)
+}
+
+#[inline(always)]
+pub(crate) fn mix(a: f32, b: f32, share: f32) -> f32 {
+    a + share * (b - a)
 }
 
 /// Steps from a slice to the next at which ink is told.

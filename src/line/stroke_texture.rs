@@ -152,13 +152,22 @@ impl Places {
     #[inline(always)]
     fn ramp(&self, i: usize) -> [f32; RAMP] {
         let (across, down) = (self.x[i], self.y[i]);
-        let byte = |pair: u32, k: usize| (pair >> (8 * k) & 0xff) as i32 as f32;
-        std::array::from_fn(|k| {
-            let (left, right) = (byte(self.upper[i], k), byte(self.upper[i], k + RAMP));
-            let upper = left + across * (right - left);
-            let (left, right) = (byte(self.lower[i], k), byte(self.lower[i], k + RAMP));
-            let lower = left + across * (right - left);
-            upper + down * (lower - upper)
-        })
+        let upper = ramp_between(self.upper[i], across);
+        let lower = ramp_between(self.lower[i], across);
+        std::array::from_fn(|k| upper[k] + down * (lower[k] - upper[k]))
     }
+}
+
+/// Where a texel begins to take ink and where it is full, of two bytes of a word.
+#[inline(always)]
+pub(crate) fn ramp_of(word: u32) -> [f32; RAMP] {
+    let byte = |k: usize| (word >> (8 * k) & 0xff) as i32 as f32;
+    [byte(0), byte(1)]
+}
+
+/// Between the two texels of a word.
+#[inline(always)]
+pub(crate) fn ramp_between(word: u32, across: f32) -> [f32; RAMP] {
+    let (left, right) = (ramp_of(word), ramp_of(word >> 16));
+    std::array::from_fn(|k| left[k] + across * (right[k] - left[k]))
 }

@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 /// floored at `min_nz` before the power, so a grazing surface gives a steep finite slope.
 #[inline(always)]
 pub fn depth_gradient(n: Vec3, to_eye: Vec2, params: &ShapeParams) -> Vec2 {
-    let facing = (n.z + n.truncate().dot(to_eye)).max(params.min_nz);
+    let facing = facing(n, to_eye).max(params.min_nz);
     let f = params.foreshortening;
     let steepness = if f == 0.0 {
         1.0
@@ -24,6 +24,12 @@ pub fn depth_gradient(n: Vec3, to_eye: Vec2, params: &ShapeParams) -> Vec2 {
         exp(-f * ln(facing))
     };
     -n.truncate() * steepness
+}
+
+/// `n . v` of a normal and the direction v to the eye, (`to_eye`, 1).
+#[inline(always)]
+pub(crate) fn facing(n: Vec3, to_eye: Vec2) -> f32 {
+    n.z + n.truncate().dot(to_eye)
 }
 
 /// [`depth_gradient`] of the pixels of a row, 0 where uncovered. The direction to the eye is given by

@@ -166,19 +166,17 @@ fn around(rows: &[Shifted; 3], i: usize) -> [[f32; 3]; 3] {
 
 /// The Hessian from 3x3 gradients that all are open.
 #[inline(always)]
-fn in_the_open(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3]) -> [f32; 3] {
+pub(crate) fn in_the_open(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3]) -> [f32; 3] {
     let ([xx, xy], [yx, yy]) = (sobel(gx), sobel(gy));
     [xx, 0.5 * (xy + yx), yy]
 }
 
 /// The Hessian from 3x3 samples of both components of the gradient and of the conductance.
 #[inline(always)]
-fn fitted(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) -> [f32; 3] {
+pub(crate) fn fitted(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) -> [f32; 3] {
     let plain = in_the_open(gx, gy);
-    let stencil = Stencil::new(open);
-    let ([xx, xy], [yx, yy]) = (stencil.slope(gx), stencil.slope(gy));
+    let fit = plane_fit(gx, gy, open);
     let c = open[1][1];
-    let fit = [c * xx, c * 0.5 * (xy + yx), c * yy];
     let is_open = open.iter().fold(true, |all, row| all & all_open(row));
     // Both are computed and one is taken: there is no branch in the way of whole vectors.
     let chosen = |i: usize| {
@@ -186,6 +184,15 @@ fn fitted(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) -> [f32; 3]
         if c == 0.0 { 0.0 } else { value }
     };
     [chosen(0), chosen(1), chosen(2)]
+}
+
+/// The Hessian by a fit of planes weighted by conductance.
+#[inline(always)]
+pub(crate) fn plane_fit(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) -> [f32; 3] {
+    let stencil = Stencil::new(open);
+    let ([xx, xy], [yx, yy]) = (stencil.slope(gx), stencil.slope(gy));
+    let c = open[1][1];
+    [c * xx, c * 0.5 * (xy + yx), c * yy]
 }
 
 /// Whether all conductances are 1.

@@ -31,7 +31,7 @@ pub fn silhouette_weight(
 
 /// The weight of the jump across the middle of `around`: twice the Sobel slope, the difference between the two sides.
 #[inline(always)]
-fn jump_weight(around: [[f32; 3]; 3], threshold: SoftThreshold) -> f32 {
+pub(crate) fn jump_weight(around: [[f32; 3]; 3], threshold: SoftThreshold) -> f32 {
     let [dx, dy] = sobel(around);
     threshold.weight(2.0 * (dx * dx + dy * dy).sqrt())
 }

@@ -52,7 +52,7 @@ impl PercentileSearch {
         rows: Range<usize>,
         row: impl Fn(usize) -> Values + Sync,
     ) {
-        let keys = |y| row(y).map(key);
+        let keys = |y| row(y).map(key_of);
         let counts = match (self.is_narrow, self.upper) {
             (false, _) => histogram(rows, |y| keys(y).map(|key| key >> 16)),
             (true, Some((upper, _))) => {
@@ -69,8 +69,8 @@ impl PercentileSearch {
     pub(crate) fn narrow(&mut self) {
         let upper = &mut self.counts;
         // Forgetting the bins of infinities and NaN is cheaper than looking for these among the values.
-        upper[..=key(f32::NEG_INFINITY) as usize >> 16].fill(0);
-        upper[key(f32::INFINITY) as usize >> 16..].fill(0);
+        upper[..=key_of(f32::NEG_INFINITY) as usize >> 16].fill(0);
+        upper[key_of(f32::INFINITY) as usize >> 16..].fill(0);
         let count: u64 = upper.iter().sum();
         self.upper = count.checked_sub(1).map(|last| {
             let rank = (f64::from(self.percent) / 100.0 * last as f64).round() as u64;
@@ -84,7 +84,7 @@ impl PercentileSearch {
     pub(crate) fn found(&self) -> Option<f32> {
         let (upper, rank) = self.upper?;
         let (lower, _) = bin_at(&self.counts, rank);
-        Some(value(upper << 16 | lower))
+        Some(value_of(upper << 16 | lower))
     }
 }
 
@@ -124,14 +124,14 @@ fn bin_at(counts: &[u64], mut rank: u64) -> (u32, u64) {
 
 /// Bits that are ordered as `f32::total_cmp` orders the values.
 #[inline(always)]
-fn key(value: f32) -> u32 {
+pub(crate) fn key_of(value: f32) -> u32 {
     let bits = value.to_bits();
     let negative = ((bits as i32) >> 31) as u32;
     bits ^ (negative | SIGN)
 }
 
 /// The value with this key.
-fn value(key: u32) -> f32 {
+pub(crate) fn value_of(key: u32) -> f32 {
     f32::from_bits(if key & SIGN == 0 { !key } else { key ^ SIGN })
 }
 
@@ -188,9 +188,13 @@ mod tests {
     #[test]
     fn keys_give_their_values_back_in_order() {
         let values = [-f32::MAX, -1.0, -1e-45, -0.0, 0.0, 1e-45, 1.0, f32::MAX];
-        assert!(values.windows(2).all(|pair| key(pair[0]) < key(pair[1])));
+        assert!(
+            values
+                .windows(2)
+                .all(|pair| key_of(pair[0]) < key_of(pair[1]))
+        );
         for v in values {
-            assert_eq!(value(key(v)).to_bits(), v.to_bits());
+            assert_eq!(value_of(key_of(v)).to_bits(), v.to_bits());
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::{SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
@@ -117,7 +118,14 @@ impl Searching {
             self.stage(),
             (Kernel::Count, &switches),
             &params,
-            &[&run.surface.covered, a, b, c, &self.state, &self.bins],
+            &bindings::Count {
+                covered: &run.surface.covered,
+                a,
+                b,
+                c,
+                search: &self.state,
+                bins: &self.bins,
+            },
             groups,
         );
     }
@@ -140,7 +148,11 @@ impl Searching {
             self.stage(),
             (Kernel::Narrow, &[("IS_GAIN", is_gain)]),
             &params,
-            &[&self.bins, &self.state, chosen],
+            &bindings::Narrow {
+                bins: &self.bins,
+                search: &self.state,
+                chosen,
+            },
             [1, 1],
         );
     }

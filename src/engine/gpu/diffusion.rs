@@ -1,5 +1,6 @@
 //! Diffusion of the gradient: several sweeps at a time in workgroup memory, or one by one.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::REGION;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::{NOWHERE, Run};
@@ -131,17 +132,17 @@ impl Run<'_> {
             let start = (pass == 0).then_some(sweeping.gradient);
             let before = start.or((!is_expansion).then_some(sweeping.gradient));
             let importance = self.surface.importance.as_ref();
-            let buffers = [
-                start.unwrap_or(&last[from]),
-                before.unwrap_or(&earlier[from]),
-                sweeping.conductance,
-                &sweeping.term_weights,
-                importance.map_or(&self.surface.covered, |i| &i.levels),
-                &self.surface.covered,
-                &last[to],
-                &earlier[to],
-                &sums,
-            ];
+            let buffers = bindings::Diffusion {
+                last: start.unwrap_or(&last[from]),
+                earlier: before.unwrap_or(&earlier[from]),
+                conductance: sweeping.conductance,
+                term_weights: &sweeping.term_weights,
+                levels: importance.map_or(&self.surface.covered, |i| &i.levels),
+                covered: &self.surface.covered,
+                next_last: &last[to],
+                next_earlier: &earlier[to],
+                sums: &sums,
+            };
             let switches = [
                 ("IS_EXPANSION", is_expansion),
                 ("BY_LEVEL", sweeping.by_level),
@@ -172,7 +173,10 @@ impl Run<'_> {
             "diffusion",
             (Kernel::Faces, &[]),
             &SizeParams { width, height },
-            &[sweeping.conductance, &faces],
+            &bindings::Faces {
+                conductance: sweeping.conductance,
+                faces: &faces,
+            },
             [width, height],
         );
         let terms = [(); 2].map(|()| self.take(bytes));
@@ -201,14 +205,14 @@ impl Run<'_> {
                 _ => &terms[(sweep + 1) % 2],
             };
             let importance = self.surface.importance.as_ref();
-            let buffers = [
+            let buffers = bindings::Sweep {
                 last,
-                &faces,
-                &sweeping.term_weights,
-                importance.map_or(&self.surface.covered, |i| &i.levels),
-                &terms[sweep % 2],
-                &sums,
-            ];
+                faces: &faces,
+                term_weights: &sweeping.term_weights,
+                levels: importance.map_or(&self.surface.covered, |i| &i.levels),
+                next: &terms[sweep % 2],
+                sums: &sums,
+            };
             let kernel: (Kernel, &[_]) = (Kernel::Sweep, &switches);
             self.recorder
                 .over_pixels("diffusion", kernel, &params, &buffers, [width, height]);

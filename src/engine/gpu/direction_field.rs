@@ -1,5 +1,6 @@
 //! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::RUN_CELLS;
 use crate::engine::gpu::direction_fill::{Gaps, OF_THE_REST, spread_params};
 use crate::engine::gpu::kernels::Kernel;
@@ -95,7 +96,12 @@ impl Run<'_> {
                 axis,
                 ..patches.params
             };
-            let buffers = [&patches.held, &patches.links, values, sums];
+            let buffers = bindings::SumRuns {
+                held: &patches.held,
+                links: &patches.links,
+                values,
+                sums,
+            };
             self.over_runs(Kernel::SumRuns, &along, &buffers);
         }
         let means = self.take(16 * patches.count());
@@ -111,20 +117,20 @@ impl Run<'_> {
                 reach,
                 ..patches.params
             },
-            &[
-                &patches.held,
-                &patches.further,
-                &patches.all,
-                &patches.links,
+            &bindings::ChainMeans {
+                held: &patches.held,
+                further: &patches.further,
+                patches: &patches.all,
+                links: &patches.links,
                 runs_across,
                 runs_down,
                 sums_across,
                 sums_down,
-                &patches.depths,
-                median.unwrap_or(&chosen),
+                depths: &patches.depths,
+                chosen: median.unwrap_or(&chosen),
                 values,
-                &means,
-            ],
+                means: &means,
+            },
         );
         means
     }
@@ -135,13 +141,13 @@ impl Run<'_> {
         self.over_cells(
             (Kernel::PatchForms, &[]),
             &patches.params,
-            &[
-                &patches.held,
-                &patches.further,
-                &patches.all,
-                &patches.links,
-                &forms,
-            ],
+            &bindings::PatchForms {
+                held: &patches.held,
+                further: &patches.further,
+                patches: &patches.all,
+                links: &patches.links,
+                forms: &forms,
+            },
         );
         let means = self.chain_means(patches, &forms, reach, false);
         self.buffers.take_back([forms]);
@@ -161,7 +167,13 @@ impl Run<'_> {
         self.over_cells(
             (Kernel::PatchDirections, &[]),
             params,
-            &[&patches.held, &patches.further, &patches.all, forms, &own],
+            &bindings::PatchDirections {
+                held: &patches.held,
+                further: &patches.further,
+                patches: &patches.all,
+                forms,
+                directions: &own,
+            },
         );
         let reach = field.radius_px * setting.cells;
         let averaged = |run: &mut Self, values: wgpu::Buffer, reach: f32| {
@@ -182,15 +194,15 @@ impl Run<'_> {
         self.over_cells(
             (Kernel::SettlePatches, &[("IS_CALMED", is_calmed)]),
             params,
-            &[
-                &patches.held,
-                &patches.further,
-                &patches.all,
-                &patches.links,
-                &own,
-                around.as_ref().unwrap_or(&own),
-                &settled,
-            ],
+            &bindings::SettlePatches {
+                held: &patches.held,
+                further: &patches.further,
+                patches: &patches.all,
+                links: &patches.links,
+                own: &own,
+                around: around.as_ref().unwrap_or(&own),
+                settled: &settled,
+            },
         );
         self.buffers.take_back(around.into_iter().chain([own]));
         settled
@@ -210,19 +222,19 @@ impl Run<'_> {
         self.over_cells(
             (Kernel::BetweenPatches, &[]),
             params,
-            &[
-                &covered,
-                &patches.held,
-                &patches.all,
-                &patches.links,
+            &bindings::BetweenPatches {
+                covered: &covered,
+                held: &patches.held,
+                patches: &patches.all,
+                links: &patches.links,
                 settled,
-                &x,
-                &y,
-                &filled,
-                &marks,
-                &lacking,
-                &counts,
-            ],
+                direction_x: &x,
+                direction_y: &y,
+                filled: &filled,
+                marks: &marks,
+                lacking: &lacking,
+                counts: &counts,
+            },
         );
         Gaps {
             directions: [x, y],

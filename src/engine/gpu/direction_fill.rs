@@ -1,5 +1,6 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::{CLOSED_COUNT, LIST_GROUPS, OPEN_COUNT};
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
@@ -142,19 +143,19 @@ impl Run<'_> {
                     stage,
                     (Kernel::SpreadDirections, &switches),
                     &params,
-                    &[
+                    &bindings::SpreadDirections {
                         conductance,
-                        &normal_x,
-                        &normal_y,
-                        &normal_z,
+                        normal_x: &normal_x,
+                        normal_y: &normal_y,
+                        normal_z: &normal_z,
                         list,
                         next,
-                        &counts,
-                        &x,
-                        &y,
-                        &filled,
-                        &marks,
-                    ],
+                        counts: &counts,
+                        direction_x: &x,
+                        direction_y: &y,
+                        filled: &filled,
+                        marks: &marks,
+                    },
                     [LIST_GROUPS, 1],
                 );
             }

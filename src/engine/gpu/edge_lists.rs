@@ -1,6 +1,7 @@
 //! Edges as lists: of what is made per pixel only what lies along edges is read.
 
 use crate::engine::cpu::for_devices::{contour_lines, contours_along};
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::{CANDIDATES, CRACKS, CREASES};
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::recorder::Submitted;
@@ -66,7 +67,12 @@ impl<'a> Run<'a> {
                 &[("CREASES_WANTED", params.has_creases())],
             ),
             &SizeParams { width, height },
-            &[weights, &counts, &candidates, &creases],
+            &bindings::EdgeLists {
+                weights,
+                counts: &counts,
+                candidates: &candidates,
+                creases: &creases,
+            },
             [width, height],
         );
         let surface = &self.surface;
@@ -99,16 +105,16 @@ impl<'a> Run<'a> {
                 start_x_step: starts.step[0],
                 start_y_step: starts.step[1],
             },
-            &[
-                &surface.covered,
-                surface.map.as_ref().unwrap_or(x),
-                x,
-                y,
-                z,
-                &counts,
-                &candidates,
-                &cracks,
-            ],
+            &bindings::Cracks {
+                covered: &surface.covered,
+                silhouette_map: surface.map.as_ref().unwrap_or(x),
+                normal_x: x,
+                normal_y: y,
+                normal_z: z,
+                counts: &counts,
+                candidates: &candidates,
+                cracks: &cracks,
+            },
             [GROUPS, 1],
         );
         EdgeLists {

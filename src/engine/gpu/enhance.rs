@@ -1,5 +1,6 @@
 //! Pictures: radiance scaling, and the curvature display.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
@@ -66,22 +67,29 @@ impl Run<'_> {
                 "radiance-scaling",
                 (Kernel::ScalePicture, &[]),
                 &params,
-                &[covered, &hessian.trace, chosen, red, green, blue],
+                &bindings::ScalePicture {
+                    covered,
+                    trace: &hessian.trace,
+                    chosen,
+                    red,
+                    green,
+                    blue,
+                },
                 size,
             ),
             None => self.recorder.over_rows(
                 "radiance-scaling",
                 (Kernel::ScaleByGradient, &[]),
                 &params,
-                &[
+                &bindings::ScaleByGradient {
                     covered,
-                    &shape.conductance,
-                    &shape.gradient,
+                    conductance: &shape.conductance,
+                    gradient: &shape.gradient,
                     chosen,
                     red,
                     green,
                     blue,
-                ],
+                },
                 size,
             ),
         }
@@ -101,15 +109,15 @@ impl Run<'_> {
             "display",
             (Kernel::CurvatureDisplay, &[]),
             &SizeParams { width, height },
-            &[
-                &self.surface.covered,
-                &shape.conductance,
+            &bindings::CurvatureDisplay {
+                covered: &self.surface.covered,
+                conductance: &shape.conductance,
                 trace,
-                &self.chosen,
+                chosen: &self.chosen,
                 red,
                 green,
                 blue,
-            ],
+            },
             [width, height],
         );
         picture

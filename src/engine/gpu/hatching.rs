@@ -1,5 +1,6 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::Kernel;
@@ -130,16 +131,16 @@ impl Run<'_> {
                 weight_g,
                 weight_b,
             },
-            &[
-                &self.surface.covered,
+            &bindings::Density {
+                covered: &self.surface.covered,
                 red,
                 green,
                 blue,
-                alpha.as_ref().unwrap_or(red),
+                alpha: alpha.as_ref().unwrap_or(red),
                 chosen,
-                &table,
-                &densities,
-            ],
+                density_table: &table,
+                densities: &densities,
+            },
             [width, height],
         );
         densities
@@ -189,22 +190,22 @@ impl Run<'_> {
                 "hatching",
                 (kernel, &switches),
                 &stroke_params(params, frame, texture, sheet.origin, [family, families]),
-                &[
-                    &self.surface.covered,
+                &bindings::Strokes {
+                    covered: &self.surface.covered,
                     densities,
-                    x,
-                    y,
-                    &texture.thresholds,
+                    direction_x: x,
+                    direction_y: y,
+                    thresholds: &texture.thresholds,
                     turned,
-                    &texture.texels,
-                    &paper,
+                    texels: &texture.texels,
+                    paper: &paper,
                     place_x,
                     place_y,
-                    sheets.depth.as_ref().unwrap_or(x),
+                    depth: sheets.depth.as_ref().unwrap_or(x),
                     motion_x,
                     motion_y,
-                    sheet.share.as_ref().unwrap_or(x),
-                ],
+                    shares: sheet.share.as_ref().unwrap_or(x),
+                },
                 self.surface.size,
             );
         }

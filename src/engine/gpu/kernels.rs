@@ -56,7 +56,7 @@ macro_rules! wgsl {
 
 impl Kernel {
     /// All there are.
-    const ALL: [Self; 36] = [
+    pub(super) const ALL: [Self; 36] = [
         Self::LogDepth,
         Self::Edges,
         Self::EdgeLists,
@@ -121,13 +121,20 @@ impl Kernel {
                     around,
                     covered,
                     wgsl!("soft_threshold"),
+                    wgsl!("facing"),
                     wgsl!("edges"),
                 ],
             ),
             Self::EdgeLists => (SizeParams::WGSL, &[index, wgsl!("edge_lists")]),
             Self::Cracks => (
                 CrackParams::WGSL,
-                &[index, covered, wgsl!("crack"), wgsl!("cracks")],
+                &[
+                    index,
+                    covered,
+                    wgsl!("facing"),
+                    wgsl!("crack"),
+                    wgsl!("cracks"),
+                ],
             ),
             Self::Diffusion => (
                 DiffusionParams::WGSL,
@@ -135,6 +142,7 @@ impl Kernel {
                     index,
                     covered,
                     wgsl!("face_conductance"),
+                    wgsl!("flux"),
                     wgsl!("diffusion"),
                 ],
             ),
@@ -142,7 +150,10 @@ impl Kernel {
                 SizeParams::WGSL,
                 &[index, wgsl!("face_conductance"), wgsl!("faces")],
             ),
-            Self::Sweep => (DiffusionParams::WGSL, &[index, wgsl!("sweep")]),
+            Self::Sweep => (
+                DiffusionParams::WGSL,
+                &[index, wgsl!("flux"), wgsl!("sweep")],
+            ),
             Self::Hessian => (
                 HessianParams::WGSL,
                 &[index, around, covered, plane_fit, wgsl!("hessian")],
@@ -361,6 +372,22 @@ impl Kernel {
         }
         source
     }
+
+    /// The names of what is bound, in the order of their numbers.
+    pub(super) fn bindings(self) -> Vec<String> {
+        let source = self.source();
+        let mut bound: Vec<(u32, String)> = source.lines().filter_map(binding).collect();
+        bound.sort();
+        bound.into_iter().map(|(_, name)| name).collect()
+    }
+}
+
+/// The number and the name of the variable that a line of WGSL binds: `@group(0) @binding(1) var<storage> covered: array<u32>;`.
+fn binding(line: &str) -> Option<(u32, String)> {
+    let (number, variable) = line.strip_prefix("@group(0) @binding(")?.split_once(')')?;
+    let (_, named) = variable.split_once("> ")?;
+    let (name, _) = named.split_once(':')?;
+    Some((number.parse().ok()?, name.into()))
 }
 
 /// The name and the WGSL of every kernel, whole as a device is given it.

@@ -1,5 +1,6 @@
 //! Radiance scaling of the light layers of a frame: what each term changes is summed, and the picture takes the sum.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::Kernel;
@@ -92,16 +93,16 @@ impl Run<'_> {
                 "light-lobes",
                 (Kernel::LobeSigma, &layers.lobe_switches()),
                 &params,
-                &[
-                    &self.surface.covered,
+                &bindings::LobeSigma {
+                    covered: &self.surface.covered,
                     direct,
                     indirect,
                     albedo,
-                    &hessian.trace,
-                    &self.chosen,
-                    &white,
-                    &sigma,
-                ],
+                    trace: &hessian.trace,
+                    chosen: &self.chosen,
+                    term_chosen: &white,
+                    sigma: &sigma,
+                },
                 self.surface.size,
             );
             self.add_changes("light-lobes", &mut changes, &sigma, &layers, &params);
@@ -134,18 +135,18 @@ impl Run<'_> {
                 "light-groups",
                 (Kernel::GroupSigma, &[("TOWARD_LIGHT", toward_light)]),
                 &params,
-                &[
-                    &self.surface.covered,
-                    x,
-                    y,
-                    z,
-                    xx,
-                    xy,
-                    yy,
-                    &self.chosen,
-                    &to_light,
-                    &sigma,
-                ],
+                &bindings::GroupSigma {
+                    covered: &self.surface.covered,
+                    normal_x: x,
+                    normal_y: y,
+                    normal_z: z,
+                    curvature_xx: xx,
+                    curvature_xy: xy,
+                    curvature_yy: yy,
+                    chosen: &self.chosen,
+                    to_light: &to_light,
+                    sigma: &sigma,
+                },
                 self.surface.size,
             );
             let layers = Layers {
@@ -174,15 +175,15 @@ impl Run<'_> {
             "ambient-occlusion",
             (Kernel::Occlude, &[]),
             &params,
-            &[
-                &self.surface.covered,
-                &hessian.trace,
-                &occlusion,
-                &self.chosen,
+            &bindings::Occlude {
+                covered: &self.surface.covered,
+                trace: &hessian.trace,
+                occlusion: &occlusion,
+                chosen: &self.chosen,
                 red,
                 green,
                 blue,
-            ],
+            },
             self.surface.size,
         );
     }
@@ -242,7 +243,13 @@ impl Run<'_> {
                 [&layers.direct, &layers.indirect, &layers.albedo],
                 &self.surface.covered,
             );
-            let buffers = [&self.surface.covered, direct, indirect, albedo, &luminance];
+            let buffers = bindings::LobeLuminance {
+                covered: &self.surface.covered,
+                direct,
+                indirect,
+                albedo,
+                luminance: &luminance,
+            };
             self.recorder.over_pixels(
                 "auto-white",
                 (Kernel::LobeLuminance, &layers.lobe_switches()),
@@ -287,14 +294,14 @@ impl Run<'_> {
             stage,
             (Kernel::AddChange, &switches),
             params,
-            &[
+            &bindings::AddChange {
                 sigma,
                 direct,
                 indirect,
                 color,
-                &changes.change,
-                &changes.told,
-            ],
+                change: &changes.change,
+                told: &changes.told,
+            },
             self.surface.size,
         );
         changes.is_empty = false;
@@ -309,14 +316,14 @@ impl Run<'_> {
                 "changes",
                 (Kernel::ChangePicture, &[]),
                 &SizeParams { width, height },
-                &[
-                    &self.surface.covered,
-                    &changes.change,
-                    &changes.told,
+                &bindings::ChangePicture {
+                    covered: &self.surface.covered,
+                    change: &changes.change,
+                    told: &changes.told,
                     red,
                     green,
                     blue,
-                ],
+                },
                 [width, height],
             );
         }

@@ -1,5 +1,6 @@
 //! What lines cover of every pixel: contours, and strokes that are lines.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::GROUP;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
@@ -112,14 +113,14 @@ impl Run<'_> {
                 seed_low: seed as u32,
                 seed_high: (seed >> 32) as u32,
             },
-            &[
-                &self.surface.covered,
-                &starts,
-                &by_tile,
-                &numbers,
-                &lines,
-                &covered,
-            ],
+            &bindings::LineCoverage {
+                covered: &self.surface.covered,
+                tile_starts: &starts,
+                tile_pieces: &by_tile,
+                pieces: &numbers,
+                lines: &lines,
+                covered_by_lines: &covered,
+            },
             [width, height],
         );
         covered

@@ -5,7 +5,8 @@
 //! told by differences here. Between the stages nothing is read back but lists of what lies along the edges of a drawing,
 //! and its tone where strokes are lines: lines are found on the CPU.
 
-pub(crate) mod buffers;
+pub(crate) mod bindings;
+mod buffers;
 pub(crate) mod choose;
 pub(crate) mod constants;
 pub(crate) mod device;
@@ -36,6 +37,8 @@ pub(crate) mod sheets;
 pub(crate) mod sight;
 pub(crate) mod strips;
 pub(crate) mod surface;
+#[cfg(test)]
+mod twins;
 pub(crate) mod uniforms;
 pub(crate) mod wait;
 

@@ -1,5 +1,6 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::direction_fill::{Gaps, OF_SURFACES, spread_params};
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
@@ -54,21 +55,21 @@ impl Run<'_> {
             STAGE,
             (Kernel::NormalRays, &switches),
             &ray_params(frame, setting),
-            &[
-                &covered,
+            &bindings::NormalRays {
+                covered: &covered,
                 conductance,
-                &normal_x,
-                &normal_y,
-                &normal_z,
-                depth.as_ref().unwrap_or(&normal_x),
-                &x,
-                &y,
-                &filled,
-                &marks,
-                &open,
-                &closed,
-                &counts,
-            ],
+                normal_x: &normal_x,
+                normal_y: &normal_y,
+                normal_z: &normal_z,
+                depth: depth.as_ref().unwrap_or(&normal_x),
+                direction_x: &x,
+                direction_y: &y,
+                filled: &filled,
+                marks: &marks,
+                open: &open,
+                closed: &closed,
+                counts: &counts,
+            },
             self.surface.size,
         );
         Gaps {

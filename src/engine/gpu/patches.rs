@@ -1,5 +1,7 @@
 //! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
 
+use crate::engine::gpu::bindings;
+use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::RUN_CELLS;
 use crate::engine::gpu::kernels::Kernel;
@@ -133,7 +135,7 @@ impl Run<'_> {
         &mut self,
         kernel: (Kernel, &[(&'static str, bool)]),
         params: &DirectionParams,
-        buffers: &[&wgpu::Buffer],
+        buffers: &impl Bindings,
     ) {
         let cells = [params.columns, params.rows];
         self.recorder
@@ -145,7 +147,7 @@ impl Run<'_> {
         &mut self,
         kernel: Kernel,
         params: &DirectionParams,
-        buffers: &[&wgpu::Buffer],
+        buffers: &impl Bindings,
     ) {
         let DirectionParams { columns, rows, .. } = *params;
         let runs = match params.axis {
@@ -193,26 +195,38 @@ impl Run<'_> {
         self.over_cells(
             (Kernel::FindPatches, &[("HAS_DEPTH", depth.is_some())]),
             &params,
-            &[
+            &bindings::FindPatches {
                 conductance,
-                &x,
-                &y,
-                &z,
-                depth.as_ref().unwrap_or(&x),
-                &found.held,
-                &found.all,
-                &found.depths,
-                &found.further,
-            ],
+                normal_x: &x,
+                normal_y: &y,
+                normal_z: &z,
+                depth: depth.as_ref().unwrap_or(&x),
+                held: &found.held,
+                patches: &found.all,
+                depths: &found.depths,
+                further: &found.further,
+            },
         );
         self.over_cells(
             (Kernel::LinkPatches, &[]),
             &params,
-            &[&found.held, &found.all, &found.links],
+            &bindings::LinkPatches {
+                held: &found.held,
+                patches: &found.all,
+                links: &found.links,
+            },
         );
         for (axis, runs) in (0..).zip(&found.runs) {
             let along = DirectionParams { axis, ..params };
-            self.over_runs(Kernel::FindRuns, &along, &[&found.held, &found.links, runs]);
+            self.over_runs(
+                Kernel::FindRuns,
+                &along,
+                &bindings::FindRuns {
+                    held: &found.held,
+                    links: &found.links,
+                    runs,
+                },
+            );
         }
         if let Some(median) = &found.median {
             let rows = count / u64::from(params.columns);

@@ -1,6 +1,7 @@
 //! Kernels in the order in which they run, and what they take.
 
 use crate::engine::device_times::{KERNELS, READ_BACK, RECORD};
+use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GROUP, STRIP_ROWS};
 use crate::engine::gpu::device::Device;
@@ -14,7 +15,14 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 /// A kernel with its switches, as it was compiled for the device.
-type Compiled = HashMap<(Kernel, Vec<(&'static str, bool)>), Arc<wgpu::ComputePipeline>>;
+type Compiled = HashMap<(Kernel, Vec<(&'static str, bool)>), Arc<Program>>;
+
+/// A pipeline, and the names of what it is given in the order of its bindings.
+#[derive(Debug)]
+struct Program {
+    pipeline: wgpu::ComputePipeline,
+    bindings: Vec<String>,
+}
 
 /// Kernels compiled so far.
 #[derive(Debug, Default)]
@@ -32,7 +40,7 @@ impl Programs {
         device: &wgpu::Device,
         kernel: Kernel,
         switches: &[(&'static str, bool)],
-    ) -> Arc<wgpu::ComputePipeline> {
+    ) -> Arc<Program> {
         let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (kernel, switches.to_vec());
         if let Some(program) = compiled.get(&key) {
@@ -47,7 +55,7 @@ impl Programs {
             .iter()
             .map(|&(name, on)| (name, f64::from(u8::from(on))))
             .collect();
-        let program = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(&label),
             layout: None,
             module: &module,
@@ -59,9 +67,22 @@ impl Programs {
             },
             cache: None,
         });
-        let program = Arc::new(program);
+        let program = Arc::new(Program {
+            pipeline,
+            bindings: kernel.bindings(),
+        });
         compiled.insert(key, program.clone());
         program
+    }
+}
+
+impl Program {
+    /// The number of the binding of this name.
+    fn binding(&self, name: &str) -> u32 {
+        let mut bindings = (0..).zip(&self.bindings);
+        let found = bindings.find(|(_, bound)| *bound == name);
+        let (number, _) = found.expect("a kernel is given the buffers of its own bindings");
+        number
     }
 }
 
@@ -106,13 +127,13 @@ impl<'d> Recorder<'d> {
         }
     }
 
-    /// Runs a kernel over as many workgroups, on buffers in the order of its bindings.
+    /// Runs a kernel over as many workgroups.
     pub(crate) fn dispatch<U: Uniforms>(
         &mut self,
         stage: &'static str,
         (kernel, switches): (Kernel, &[(&'static str, bool)]),
         uniforms: &U,
-        buffers: &[&wgpu::Buffer],
+        buffers: &impl Bindings,
         groups: [u32; 2],
     ) {
         let device = &self.device.device;
@@ -133,17 +154,16 @@ impl<'d> Recorder<'d> {
             }
         }
         told.unmap();
-        let bound = std::iter::once(&told).chain(buffers.iter().copied());
-        let entries: Vec<_> = (0..)
-            .zip(bound)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
+        let entries: Vec<_> = std::iter::once(("params", &told))
+            .chain(buffers.named())
+            .map(|(name, buffer)| wgpu::BindGroupEntry {
+                binding: program.binding(name),
                 resource: buffer.as_entire_binding(),
             })
             .collect();
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
-            layout: &program.get_bind_group_layout(0),
+            layout: &program.pipeline.get_bind_group_layout(0),
             entries: &entries,
         });
         // One kernel more than there are readings for, and none is told.
@@ -166,7 +186,7 @@ impl<'d> Recorder<'d> {
                 label: Some(stage),
                 timestamp_writes,
             });
-        pass.set_pipeline(&program);
+        pass.set_pipeline(&program.pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(groups[0], groups[1], 1);
     }
@@ -177,7 +197,7 @@ impl<'d> Recorder<'d> {
         stage: &'static str,
         kernel: (Kernel, &[(&'static str, bool)]),
         uniforms: &U,
-        buffers: &[&wgpu::Buffer],
+        buffers: &impl Bindings,
         [width, height]: [u32; 2],
     ) {
         let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
@@ -190,7 +210,7 @@ impl<'d> Recorder<'d> {
         stage: &'static str,
         kernel: (Kernel, &[(&'static str, bool)]),
         uniforms: &U,
-        buffers: &[&wgpu::Buffer],
+        buffers: &impl Bindings,
         [width, height]: [u32; 2],
     ) {
         let size = [width, height.div_ceil(STRIP_ROWS)];

@@ -1,5 +1,6 @@
 //! New light: every covered pixel by one kernel.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::light::{Light, relighting};
 use crate::engine::gpu::run::Run;
@@ -82,24 +83,24 @@ impl Run<'_> {
             "relight",
             (Kernel::Relight, &switches),
             &params,
-            &[
-                &self.surface.covered,
-                &normal_x,
-                &normal_y,
-                &normal_z,
-                xx,
-                xy,
-                yy,
-                &self.chosen,
-                occlusion.as_ref().unwrap_or(&normal_x),
-                alpha.as_ref().unwrap_or(&normal_x),
-                depth.as_ref().unwrap_or(&normal_x),
-                &light.lights,
-                &light.texels,
+            &bindings::Relight {
+                covered: &self.surface.covered,
+                normal_x: &normal_x,
+                normal_y: &normal_y,
+                normal_z: &normal_z,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+                chosen: &self.chosen,
+                occlusion: occlusion.as_ref().unwrap_or(&normal_x),
+                alpha: alpha.as_ref().unwrap_or(&normal_x),
+                depth: depth.as_ref().unwrap_or(&normal_x),
+                lights: &light.lights,
+                texels: &light.texels,
                 red,
                 green,
                 blue,
-            ],
+            },
             self.surface.size,
         );
         picture

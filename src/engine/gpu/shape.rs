@@ -1,5 +1,6 @@
 //! The shape of a surface: weights, gradient, diffusion, Hessian, curvature.
 
+use crate::engine::gpu::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::to_eye;
@@ -116,7 +117,11 @@ impl Run<'_> {
             let depth = self.surface.map.as_ref();
             let depth = depth.expect("the plan found it in the frame");
             let params = SizeParams { width, height };
-            let buffers = [&self.surface.covered, depth, &log_depth];
+            let buffers = bindings::LogDepth {
+                covered: &self.surface.covered,
+                depth,
+                log_depth: &log_depth,
+            };
             self.recorder.over_pixels(
                 "edges-and-gradient",
                 (Kernel::LogDepth, &[]),
@@ -137,17 +142,17 @@ impl Run<'_> {
             ("HAS_LENGTHS", surface.normal_length.is_some()),
             ("WEIGHTS_WANTED", keeps_weights),
         ];
-        let buffers = [
-            &surface.covered,
-            x,
-            y,
-            z,
-            map.unwrap_or(x),
-            surface.normal_length.as_ref().unwrap_or(x),
-            &conductance,
-            &gradient,
-            &weights,
-        ];
+        let buffers = bindings::Edges {
+            covered: &surface.covered,
+            normal_x: x,
+            normal_y: y,
+            normal_z: z,
+            silhouette_map: map.unwrap_or(x),
+            normal_length: surface.normal_length.as_ref().unwrap_or(x),
+            conductance: &conductance,
+            gradient: &gradient,
+            weights: &weights,
+        };
         self.recorder.over_rows(
             "edges-and-gradient",
             (Kernel::Edges, &switches),
@@ -192,15 +197,15 @@ impl Run<'_> {
             if entries_wanted { "hessian" } else { "trace" },
             (Kernel::Hessian, &[("ENTRIES_WANTED", entries_wanted)]),
             &params,
-            &[
-                &self.surface.covered,
+            &bindings::Hessian {
+                covered: &self.surface.covered,
                 conductance,
                 gradient,
-                &trace,
-                xx,
-                xy,
-                yy,
-            ],
+                trace: &trace,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+            },
             [width, height],
         );
         let entries = match entries_wanted {
@@ -223,15 +228,15 @@ impl Run<'_> {
             "curvatures",
             (Kernel::Curvatures, &[]),
             &SizeParams { width, height },
-            &[
-                &self.surface.covered,
-                xx,
-                xy,
-                yy,
-                &self.chosen,
-                &curvature,
-                &direction,
-            ],
+            &bindings::Curvatures {
+                covered: &self.surface.covered,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+                chosen: &self.chosen,
+                curvature: &curvature,
+                direction: &direction,
+            },
             [width, height],
         );
         Curvatures {

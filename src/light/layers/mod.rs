@@ -10,7 +10,7 @@
 pub(crate) mod cpu;
 pub(crate) mod terms;
 
-use super::radiance_scaling::scaling;
+use super::radiance_scaling::{scaled, scaling};
 use crate::engine::cpu::simd::widened;
 use crate::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
@@ -77,7 +77,7 @@ pub struct TermScaling {
 impl TermScaling {
     /// The scaling of a luminance.
     #[inline(always)]
-    fn sigma(&self, luminance: f32, kappa: f32) -> f32 {
+    pub(crate) fn sigma(&self, luminance: f32, kappa: f32) -> f32 {
         let intensity = limited(luminance / self.white, 1.0);
         scaling(intensity, self.magnitude * kappa, self.invariant_point)
     }
@@ -85,7 +85,7 @@ impl TermScaling {
 
 /// `value` between 0 and `most`; 0 for NaN.
 #[inline(always)]
-fn limited(value: f32, most: f32) -> f32 {
+pub(crate) fn limited(value: f32, most: f32) -> f32 {
     if value > 0.0 { value.min(most) } else { 0.0 }
 }
 
@@ -238,16 +238,21 @@ pub fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], told: &[f32], 
     let (from, covered) = (&from[..width], &covered[..width]);
     let (change, told) = (&change[..width], &told[..width]);
     for x in 0..width {
-        let c = from[x];
-        let share = (c.max(0.0) / told[x].max(f32::MIN_POSITIVE)).min(1.0);
-        let changed = (c + share * change[x]).clamp(-f32::MAX, f32::MAX);
-        let changes = covered[x] & (change[x] != 0.0);
-        out[x] = if changes { changed } else { c };
+        let changed = changed(from[x], change[x], told[x]);
+        out[x] = if covered[x] { changed } else { from[x] };
     }
 }
 
 widened! {
     fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], told: &[f32], covered: &[bool]);
+}
+
+/// The channel `c` of a picture with its share of a change that layers of the radiance `told` ask for.
+#[inline(always)]
+pub(crate) fn changed(c: f32, change: f32, told: f32) -> f32 {
+    let share = (c.max(0.0) / told.max(f32::MIN_POSITIVE)).min(1.0);
+    let changed = (c + share * change).clamp(-f32::MAX, f32::MAX);
+    if change != 0.0 { changed } else { c }
 }
 
 /// Scales a row of colours by ambient occlusion: the intensity of light from everywhere is the share of it
@@ -266,11 +271,8 @@ pub fn occlude_row(
     for x in 0..width {
         let sigma = by.sigma(occlusion[x], kappa[x]);
         let changes = covered[x] & (kappa[x] != 0.0);
-        let scaled = |c: f32| {
-            let scaled = (c * sigma).clamp(-f32::MAX, f32::MAX);
-            if changes { scaled } else { c }
-        };
-        (r[x], g[x], b[x]) = (scaled(r[x]), scaled(g[x]), scaled(b[x]));
+        let shown = |c: f32| if changes { scaled(c, sigma) } else { c };
+        (r[x], g[x], b[x]) = (shown(r[x]), shown(g[x]), shown(b[x]));
     }
 }
 

@@ -7,7 +7,7 @@ use crate::engine::cpu::simd::Simd;
 use crate::engine::cpu::simd::widened;
 use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Mask, Plane};
-use crate::light::radiance_scaling::scaling;
+use crate::light::radiance_scaling::{scaled, scaling};
 use crate::params::ScalingParams;
 use crate::shape::curvature::mapped_curvature;
 use crate::shape::curvature_display::palette;
@@ -85,13 +85,10 @@ pub(crate) fn scale_row(
         let rgb = [from_r[x], from_g[x], from_b[x]];
         let sigma = scaler.sigma(rgb, trace[x]);
         let changes = covered[x] & (trace[x] != 0.0);
-        let scaled = |c: f32| {
-            let scaled = (c * sigma).clamp(-f32::MAX, f32::MAX);
-            if changes { scaled } else { c }
-        };
-        r[x] = scaled(rgb[0]);
-        g[x] = scaled(rgb[1]);
-        b[x] = scaled(rgb[2]);
+        let shown = |c: f32| if changes { scaled(c, sigma) } else { c };
+        r[x] = shown(rgb[0]);
+        g[x] = shown(rgb[1]);
+        b[x] = shown(rgb[2]);
     }
 }
 

@@ -56,6 +56,12 @@ impl ScalingCurve {
     }
 }
 
+/// A channel times its scaling, finite unless it is no number.
+#[inline(always)]
+pub(crate) fn scaled(c: f32, sigma: f32) -> f32 {
+    (c * sigma).clamp(-f32::MAX, f32::MAX)
+}
+
 /// The largest gamma |kappa| for which `d * sigma(d)` still rises with d on concavities: past it a
 /// concavity can show a dark rim that the shading did not have.
 ///

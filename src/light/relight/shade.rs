@@ -403,10 +403,15 @@ fn keep_few_tones(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// Premultiplies, and keeps what no picture holds out of it.
 #[inline(always)]
 fn cover(lanes: &mut Lanes, alpha: &Lanes) {
     for i in 0..BATCH {
-        lanes[i] = (lanes[i] * alpha[i]).clamp(-f32::MAX, f32::MAX);
+        lanes[i] = premultiplied(lanes[i], alpha[i]);
     }
+}
+
+/// A channel times coverage, kept to what a picture holds.
+#[inline(always)]
+pub(crate) fn premultiplied(shown: f32, coverage: f32) -> f32 {
+    (shown * coverage).clamp(-f32::MAX, f32::MAX)
 }

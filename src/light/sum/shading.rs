@@ -114,7 +114,7 @@ impl Power {
 
     /// Raises numbers from 0 to 1 to this power; 0 stays 0.
     #[inline(always)]
-    pub(super) fn raise(self, base: &mut Lanes) {
+    pub(crate) fn raise(self, base: &mut Lanes) {
         match self {
             Self::Whole(exponent) => raise_to_whole(base, exponent),
             Self::Any(exponent) => {

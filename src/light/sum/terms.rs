@@ -35,17 +35,17 @@ pub(super) struct Scratch {
 }
 
 #[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub(crate) fn scalar_product(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-fn positive(x: f32) -> f32 {
+pub(crate) fn positive(x: f32) -> f32 {
     if x > 0.0 { x } else { 0.0 }
 }
 
 #[inline(always)]
-fn at_most_1(x: f32) -> f32 {
+pub(crate) fn at_most_1(x: f32) -> f32 {
     if x < 1.0 { x } else { 1.0 }
 }
 
@@ -69,15 +69,66 @@ impl Terms {
 }
 
 /// An unwarped light at one pixel.
-struct Unwarped {
+pub(crate) struct Unwarped {
     /// Jacobian, but for the pixel's share of it, and fall-off.
-    weight: f32,
+    pub(crate) weight: f32,
     /// n . l, at most [`MOST_BRIGHTENED`] times that of the light as it stands.
-    cosine: f32,
+    pub(crate) cosine: f32,
     /// 1 / |g|^2.
-    inverse: f32,
+    pub(crate) inverse: f32,
     /// The square of n . h for an eye on the axis: there g is the half vector, but for its length.
-    lobe: f32,
+    pub(crate) lobe: f32,
+}
+
+/// The light of the half vector [x, y, z], of which `share` arrives, unwarped at a pixel of the normal `n`, whose x and y under
+/// the inverse of Lambda are `g`; `squared` is the square of that inverse and `most` the largest cosine.
+#[inline(always)]
+pub(crate) fn arrive_unwarped(
+    [x, y, z]: [f32; 3],
+    share: f32,
+    (n, g): ([f32; 3], [f32; 2]),
+    squared: [f32; 3],
+    most: f32,
+) -> Unwarped {
+    let length = z * z + squared[0] * (x * x) + squared[1] * (x * y) + squared[2] * (y * y);
+    let inverse = 1.0 / length;
+    let twice = 2.0 * z;
+    let along = g[0] * (twice * x) + g[1] * (twice * y) + n[2] * (twice * z);
+    let cosine = inverse * along - n[2];
+    let half = positive(along) * (0.5 / z.max(SHORTEST));
+    Unwarped {
+        weight: share * (inverse * inverse),
+        cosine: if cosine < most { cosine } else { most },
+        inverse,
+        lobe: at_most_1(half * half * inverse),
+    }
+}
+
+/// The scalar product of a vector and the direction of light: as it stands, or that of a half vector unwarped, where
+/// `inverse` is [`Unwarped::inverse`] and `unwarped` the vector's x and y under the inverse of Lambda.
+#[inline(always)]
+pub(crate) fn product(
+    direction: [f32; 3],
+    half: Option<[f32; 3]>,
+    inverse: f32,
+    (vector, unwarped): ([f32; 3], [f32; 2]),
+) -> f32 {
+    match half {
+        None => scalar_product(vector, direction),
+        Some(h) => {
+            let along = unwarped[0] * h[0] + unwarped[1] * h[1] + vector[2] * h[2];
+            2.0 * h[2] * inverse * along - vector[2]
+        }
+    }
+}
+
+/// The square of n . h, h half-way between light and an eye that is not on the axis, from the scalar products of light,
+/// eye and normal.
+#[inline(always)]
+pub(crate) fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f32 {
+    let along = positive(light_normal + normal_eye);
+    let squared = 2.0 + 2.0 * light_eye;
+    at_most_1(along * along / squared.max(SHORTEST))
 }
 
 /// Calls `each` for every lane with the unwarped light there.
@@ -94,7 +145,7 @@ fn each_unwarped<D, H, S>(
     if light.everywhere {
         each_below(pixels, light, |_, _| f32::MAX, each);
     } else {
-        let most = |n, direction| MOST_BRIGHTENED * dot(n, direction);
+        let most = |n, direction| MOST_BRIGHTENED * scalar_product(n, direction);
         each_below(pixels, light, most, each);
     }
 }
@@ -116,21 +167,13 @@ fn each_below<D, H, S>(
     let [gx, gy] = &pixels.normal.unwarped;
     for i in 0..BATCH {
         let n = pixels.normal.at(i);
-        let [x, y, z] = (light.half)(i);
-        let length = z * z + xx[i] * (x * x) + xy[i] * (x * y) + yy[i] * (y * y);
-        let inverse = 1.0 / length;
-        let twice = 2.0 * z;
-        let along = gx[i] * (twice * x) + gy[i] * (twice * y) + n[2] * (twice * z);
-        let cosine = inverse * along - n[2];
         let most = most(n, (light.direction)(i));
-        let half = positive(along) * (0.5 / z.max(SHORTEST));
-        let unwarped = Unwarped {
-            weight: (light.share)(i) * (inverse * inverse),
-            cosine: if cosine < most { cosine } else { most },
-            inverse,
-            lobe: at_most_1(half * half * inverse),
-        };
-        each(i, unwarped);
+        let (g, squared) = ([gx[i], gy[i]], [xx[i], xy[i], yy[i]]);
+        let share = (light.share)(i);
+        each(
+            i,
+            arrive_unwarped((light.half)(i), share, (n, g), squared, most),
+        );
     }
 }
 
@@ -221,7 +264,7 @@ impl Scratch {
         S: Fn(usize) -> f32,
     {
         for i in 0..BATCH {
-            let cosine = dot(pixels.normal.at(i), (light.direction)(i));
+            let cosine = scalar_product(pixels.normal.at(i), (light.direction)(i));
             self.weight[i] = if cosine > 0.0 { (light.share)(i) } else { 0.0 };
             self.cosine[i] = cosine;
         }
@@ -231,7 +274,7 @@ impl Scratch {
     #[inline(always)]
     fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
         for i in 0..BATCH {
-            let along = positive(dot(pixels.normal.at(i), half(i)));
+            let along = positive(scalar_product(pixels.normal.at(i), half(i)));
             self.lobe[i] = at_most_1(along * along);
         }
     }
@@ -310,16 +353,14 @@ impl Scratch {
         match unwarped {
             None => {
                 for (i, out) in out.iter_mut().enumerate() {
-                    *out = dot(axis.at(i), direction(i));
+                    *out = product(direction(i), None, 1.0, (axis.at(i), [0.0; 2]));
                 }
             }
             Some(half) => {
                 let [gx, gy] = &axis.unwarped;
-                let z = &axis.vector[2];
                 for i in 0..BATCH {
-                    let h = half(i);
-                    let along = gx[i] * h[0] + gy[i] * h[1] + z[i] * h[2];
-                    out[i] = 2.0 * h[2] * self.inverse[i] * along - z[i];
+                    let axis = (axis.at(i), [gx[i], gy[i]]);
+                    out[i] = product([0.0; 3], Some(half(i)), self.inverse[i], axis);
                 }
             }
         }
@@ -337,10 +378,8 @@ impl Scratch {
         // The cosine may be held back, and is not here.
         self.product(&pixels.normal, unwarped, direction, 1);
         for i in 0..BATCH {
-            let eye = dot(pixels.normal.at(i), pixels.to_eye.at(i));
-            let along = positive(self.products[1][i] + eye);
-            let squared = 2.0 + 2.0 * self.products[0][i];
-            self.lobe[i] = at_most_1(along * along / squared.max(SHORTEST));
+            let eye = scalar_product(pixels.normal.at(i), pixels.to_eye.at(i));
+            self.lobe[i] = half_way(self.products[0][i], self.products[1][i], eye);
         }
     }
 
@@ -448,13 +487,13 @@ impl Scratch {
             let [le, lu, lv] = [0, 1, 2].map(|k| self.products[k][i]);
             // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e.
             let inverse = 1.0 / (2.0 + 2.0 * le).max(SHORTEST).sqrt();
-            let ne = positive(dot(pixels.normal.at(i), eye)).min(1.0);
+            let ne = positive(scalar_product(pixels.normal.at(i), eye)).min(1.0);
             let cosines = Cosines {
                 nl: positive(self.cosine[i]),
                 ne,
                 he: ((1.0 + le) * inverse).clamp(0.0, 1.0),
-                hu: (lu + dot(pixels.along.at(i), eye)) * inverse,
-                hv: (lv + dot(pixels.across.at(i), eye)) * inverse,
+                hu: (lu + scalar_product(pixels.along.at(i), eye)) * inverse,
+                hv: (lv + scalar_product(pixels.across.at(i), eye)) * inverse,
             };
             // n . h, of what h has beside its parts along and across the grain.
             let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;

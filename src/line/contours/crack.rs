@@ -18,27 +18,38 @@ pub const KINK: f32 = 2.5;
 /// it jump together counts.
 #[inline]
 pub fn unexplained_jump(a: &Across) -> f32 {
-    let difference = |i: usize, j: usize| Some(a[j]? - a[i]?);
-    let beyond = |jump: f32, times: f32, slopes: [Option<f32>; 2]| {
-        slopes
-            .into_iter()
-            .flatten()
-            .map(|slope| (jump - times * slope).abs())
-            .reduce(f32::min)
-    };
-    let Some(jump) = difference(2, 3) else {
+    let Some(jump) = difference(a[2], a[3]) else {
         return 0.0;
     };
-    let sharp = beyond(jump, 1.0, [difference(1, 2), difference(3, 4)]).unwrap_or(jump.abs());
-    let slopes = [difference(0, 1), difference(4, 5)];
-    let steepest = slopes
-        .into_iter()
-        .flatten()
-        .fold(0.0, |a: f32, b| a.max(b.abs()));
-    let spread = difference(1, 4)
-        .and_then(|jump| beyond(jump, 3.0, slopes))
+    let beside = [difference(a[1], a[2]), difference(a[3], a[4])];
+    let sharp = beyond_slopes(jump, 1.0, beside).unwrap_or(jump.abs());
+    let slopes = [difference(a[0], a[1]), difference(a[4], a[5])];
+    let steepest = steepness(slopes[0]).max(steepness(slopes[1]));
+    let spread = difference(a[1], a[4])
+        .and_then(|jump| beyond_slopes(jump, 3.0, slopes))
         .filter(|&spread| spread > KINK * steepest);
     sharp.max(spread.unwrap_or(0.0))
+}
+
+/// From one sample to another.
+#[inline]
+pub(crate) fn difference(a: Option<f32>, b: Option<f32>) -> Option<f32> {
+    Some(b? - a?)
+}
+
+/// What a jump is beyond so many times the slope to either side, where one is known.
+#[inline]
+pub(crate) fn beyond_slopes(jump: f32, times: f32, slopes: [Option<f32>; 2]) -> Option<f32> {
+    slopes
+        .into_iter()
+        .flatten()
+        .map(|slope| (jump - times * slope).abs())
+        .reduce(f32::min)
+}
+
+#[inline]
+pub(crate) fn steepness(slope: Option<f32>) -> f32 {
+    slope.map_or(0.0, f32::abs)
 }
 
 /// Where the edge of coverage lies along the way from a covered pixel to an uncovered one, in pixels beyond
@@ -71,6 +82,12 @@ pub fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
     let (least, greatest) = around.fold((value, value), |(least, greatest), v| {
         (least.min(v), greatest.max(v))
     });
+    nearer_extreme(value, least, greatest)
+}
+
+/// The one of two values that a value between them is nearer to; the greatest where they are as near.
+#[inline]
+pub(crate) fn nearer_extreme(value: f32, least: f32, greatest: f32) -> f32 {
     if value - least < greatest - value {
         least
     } else {

@@ -51,6 +51,20 @@ impl RoundStroke {
         ]
     }
 
+    /// The piece of these [numbers](Self::numbers).
+    #[cfg(all(test, feature = "gpu"))]
+    pub(crate) fn of_numbers(numbers: [f32; 8]) -> Self {
+        let [x, y, dx, dy, per_square, radius, growth, half_pixel] = numbers;
+        Self {
+            from: Vec2::new(x, y),
+            along: Vec2::new(dx, dy),
+            per_square,
+            radius,
+            growth,
+            half_pixel,
+        }
+    }
+
     /// How far from the line it covers anything.
     fn reach(&self) -> f32 {
         self.radius.max(self.radius + self.growth) + self.half_pixel
@@ -99,7 +113,7 @@ impl RoundStroke {
     /// The share of a pixel with its middle at `p` that it covers, as if the pixel were turned along the line, as
     /// wide across it as it is.
     #[inline]
-    fn coverage(&self, p: Vec2) -> f32 {
+    pub(crate) fn coverage(&self, p: Vec2) -> f32 {
         let offset = p - self.from;
         let t = (offset.dot(self.along) * self.per_square).clamp(0.0, 1.0);
         let radius = self.radius + t * self.growth;

@@ -15,6 +15,12 @@ pub fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Opti
         doubled += weight * Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y);
         weights += weight;
     }
+    clear_direction(doubled, weights)
+}
+
+/// The direction at half the angle of a sum of so much weight; `None` where it cancels.
+#[inline]
+pub(crate) fn clear_direction(doubled: Vec2, weights: f32) -> Option<Vec2> {
     let length = doubled.length();
     let axis = if doubled.x >= 0.0 {
         Vec2::new(doubled.x + length, doubled.y)

@@ -4,7 +4,6 @@
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::direction::fill::fill_rest;
-use crate::line::direction::{fixed_direction, fixed_second_direction};
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::Cross;
 use crate::line::direction_field::patches::{Patch, Patches};
@@ -45,7 +44,7 @@ pub(crate) fn stroke_fields(
             if let Some(given) = given {
                 field.follow(&mut led, &given[order]);
             }
-            let fallback = |x: f64, y: f64, n: DVec3| field.fallback(x, y, n, order);
+            let fallback = |x: f64, y: f64, n: DVec3| field.setting.fallback(x, y, n, order);
             field.settle(&mut led, fallback);
             let between = BetweenPatches {
                 patches: &patches,
@@ -156,7 +155,9 @@ impl<'a> Field<'a> {
                     mean: mean.into(),
                 };
                 let own = self.direction(patch, &form, family).unwrap_or_default();
-                let fallback = self.fallback(patch.at.x, patch.at.y, patch.normal, order);
+                let fallback = self
+                    .setting
+                    .fallback(patch.at.x, patch.at.y, patch.normal, order);
                 let (sure, flat) = (own.length(), form.flatness(self.setting.doubt) as f32);
                 let sum = own + flat * doubled(fallback);
                 [sum.x, sum.y, sure + flat, 1.0]
@@ -213,15 +214,6 @@ impl<'a> Field<'a> {
             if sum.z > 0.0 {
                 *own = (sum.truncate() / sum.z).to_array();
             }
-        }
-    }
-
-    /// The fallback at a place, of the first field made or the second.
-    fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
-        match (self.setting.fixed, order) {
-            (Some(fixed), _) => fixed[order],
-            (None, 0) => fixed_direction(normal, &self.setting.sight, x, y),
-            (None, _) => fixed_second_direction(normal, &self.setting.sight, x, y),
         }
     }
 

@@ -1,10 +1,11 @@
 //! What the field of stroke directions is made by, the same on every backend.
 
 use crate::frame::{DepthKind, Frame, Projection, SightLines};
+use crate::line::direction::{fixed_direction, fixed_second_direction};
 use crate::line::normal_rays::ROUNDING_DEVIATION;
 use crate::params::{Fallback, FieldParams};
 use crate::plan::Plan;
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 
 /// Conductance from which on a pixel is open: the middle of the soft steps of silhouettes and creases.
 pub(crate) const OPEN: f32 = 0.5;
@@ -82,6 +83,15 @@ impl FieldSetting {
             doubt: noise.hypot(FLAT_TURN / factor),
             is_by_depth: !projection.is_some_and(is_parallel)
                 && frame.source.depth_kind != DepthKind::Relative,
+        }
+    }
+
+    /// The fallback at a place, of the first field made or the second.
+    pub(crate) fn fallback(&self, x: f64, y: f64, normal: DVec3, order: usize) -> Vec2 {
+        match (self.fixed, order) {
+            (Some(fixed), _) => fixed[order],
+            (None, 0) => fixed_direction(normal, &self.sight, x, y),
+            (None, _) => fixed_second_direction(normal, &self.sight, x, y),
         }
     }
 }

@@ -195,17 +195,17 @@ pub fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
 }
 
 /// M, made symmetric, and negated: its eigenvalues are the curvatures.
-struct Slopes {
-    mean: f64,
-    half_difference: f64,
-    off: f64,
+pub(crate) struct Slopes {
+    pub(crate) mean: f64,
+    pub(crate) half_difference: f64,
+    pub(crate) off: f64,
     /// Of the feet: the area between them and the sum of their squares.
-    area: f64,
-    spread: f64,
+    pub(crate) area: f64,
+    pub(crate) spread: f64,
 }
 
 impl Slopes {
-    fn of(x: &Difference, y: &Difference) -> Option<Self> {
+    pub(crate) fn of(x: &Difference, y: &Difference) -> Option<Self> {
         let (u, v) = (x.foot, y.foot);
         let area = u.perp_dot(v);
         let spread = u.length_squared() + v.length_squared();
@@ -228,16 +228,16 @@ impl Slopes {
 }
 
 /// The frame of a point: two tangents and the normal.
-struct Local {
-    tangents: [DVec3; 2],
-    normal: DVec3,
+pub(crate) struct Local {
+    pub(crate) tangents: [DVec3; 2],
+    pub(crate) normal: DVec3,
 }
 
 /// Feet and slopes of two rays, one less the other, or of one ray in the point's own frame.
-struct Difference {
-    foot: DVec2,
-    slope: DVec2,
-    samples: f64,
+pub(crate) struct Difference {
+    pub(crate) foot: DVec2,
+    pub(crate) slope: DVec2,
+    pub(crate) samples: f64,
 }
 
 impl Local {
@@ -251,7 +251,7 @@ impl Local {
     }
 
     /// Foot and slope of a ray; `None` where it leans too far.
-    fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
+    pub(crate) fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
         let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
         let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));
         let lean = along(ray.normal);

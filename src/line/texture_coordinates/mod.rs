@@ -44,6 +44,30 @@ pub fn is_joined(a: [f32; 2], b: [f32; 2]) -> bool {
     x * x + y * y < JUMP * JUMP
 }
 
+/// Largest step of depth, as a share of it, between pixels of one surface, and between frames, once the
+/// median of all is taken out. A surface that comes nearer by more in a frame is laid anew; behind an edge
+/// that is nearer than this to its background the background keeps strokes of what covered it.
+pub(crate) const DEPTH_STEP: f32 = 0.08;
+
+/// Without depth: largest difference of their motions, in pixels and as a share of the lesser.
+pub(crate) const MOTION_STEP: [f32; 2] = [1.5, 0.5];
+
+/// Whether two depths, of neighbours or of one pixel in two frames, can be of one surface.
+#[inline(always)]
+pub(crate) fn is_one_depth(a: f32, b: f32) -> bool {
+    // Depths that are no numbers part nothing.
+    let parted = (a - b).abs() > DEPTH_STEP * a.abs().min(b.abs());
+    !parted
+}
+
+/// Whether two motions, of neighbours or of one pixel in two frames, can be of one surface.
+#[inline(always)]
+pub(crate) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
+    let length = |x: f32, y: f32| (x * x + y * y).sqrt();
+    let change = length(a[0] - b[0], a[1] - b[1]);
+    change <= MOTION_STEP[0] + MOTION_STEP[1] * length(a[0], a[1]).min(length(b[0], b[1]))
+}
+
 /// The Jacobian at the place `here`, from those to the left and right, and those above and below where there
 /// are any. Places that do not belong to the same surface are left out; a derivative that is then missing
 /// is taken for a turn of the other.
@@ -53,21 +77,24 @@ pub fn jacobian(
     beside: [Option<[f32; 2]>; 2],
     over: [Option<[f32; 2]>; 2],
 ) -> Jacobian {
-    let joined = |place: Option<[f32; 2]>| place.filter(|&place| is_joined(here, place));
-    let slope = |[before, after]: [Option<[f32; 2]>; 2]| {
-        let between = |a: [f32; 2], b: [f32; 2], by: f32| [by * (b[0] - a[0]), by * (b[1] - a[1])];
-        match (joined(before), joined(after)) {
-            (Some(before), Some(after)) => Some(between(before, after, 0.5)),
-            (Some(before), None) => Some(between(before, here, 1.0)),
-            (None, Some(after)) => Some(between(here, after, 1.0)),
-            (None, None) => None,
-        }
-    };
-    match (slope(beside), slope(over)) {
+    match (slope(here, beside), slope(here, over)) {
         (Some(dx), Some(dy)) => [dx, dy],
         (Some([x, y]), None) => [[x, y], [-y, x]],
         (None, Some([x, y])) => [[y, -x], [x, y]],
         (None, None) => STILL,
+    }
+}
+
+/// The derivative of the place along one axis, from those before and after `here` that belong to the same surface.
+#[inline(always)]
+pub(crate) fn slope(here: [f32; 2], [before, after]: [Option<[f32; 2]>; 2]) -> Option<[f32; 2]> {
+    let joined = |place: Option<[f32; 2]>| place.filter(|&place| is_joined(here, place));
+    let between = |a: [f32; 2], b: [f32; 2], by: f32| [by * (b[0] - a[0]), by * (b[1] - a[1])];
+    match (joined(before), joined(after)) {
+        (Some(before), Some(after)) => Some(between(before, after, 0.5)),
+        (Some(before), None) => Some(between(before, here, 1.0)),
+        (None, Some(after)) => Some(between(here, after, 1.0)),
+        (None, None) => None,
     }
 }
 

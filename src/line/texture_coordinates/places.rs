@@ -1,15 +1,7 @@
 //! Maps of places: what lies next to what in them.
 
 use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::line::texture_coordinates::{Jacobian, calmed, jacobian};
-
-/// Largest step of depth, as a share of it, between pixels of one surface, and between frames, once the
-/// median of all is taken out. A surface that comes nearer by more in a frame is laid anew; behind an edge
-/// that is nearer than this to its background the background keeps strokes of what covered it.
-pub(crate) const DEPTH_STEP: f32 = 0.08;
-
-/// Without depth: largest difference of their motions, in pixels and as a share of the lesser.
-pub(crate) const MOTION_STEP: [f32; 2] = [1.5, 0.5];
+use crate::line::texture_coordinates::{Jacobian, calmed, is_one_depth, is_one_motion, jacobian};
 
 /// The place that a map gives the pixel of an index.
 #[inline(always)]
@@ -93,20 +85,4 @@ pub(crate) fn calmed_at(map: &Vector2Planes, surface: &Surface, x: usize, y: usi
         true => pairs(2),
         false => [None; 4],
     })
-}
-
-/// Whether two depths, of neighbours or of one pixel in two frames, can be of one surface.
-#[inline(always)]
-pub(crate) fn is_one_depth(a: f32, b: f32) -> bool {
-    // Depths that are no numbers part nothing.
-    let parted = (a - b).abs() > DEPTH_STEP * a.abs().min(b.abs());
-    !parted
-}
-
-/// Whether two motions, of neighbours or of one pixel in two frames, can be of one surface.
-#[inline(always)]
-pub(crate) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
-    let length = |x: f32, y: f32| (x * x + y * y).sqrt();
-    let change = length(a[0] - b[0], a[1] - b[1]);
-    change <= MOTION_STEP[0] + MOTION_STEP[1] * length(a[0], a[1]).min(length(b[0], b[1]))
 }

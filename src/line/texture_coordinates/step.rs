@@ -6,9 +6,9 @@ use crate::engine::cpu::rows::map_rows;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::texture_coordinates::cpu::{PlaceMap, TextureCoordinates, origin_in};
 use crate::line::texture_coordinates::hidden::Hidden;
-use crate::line::texture_coordinates::places::{
-    Surface, calmed_at, is_one_depth, is_one_motion, jacobian_at, place_at,
-};
+use crate::line::texture_coordinates::is_one_depth;
+use crate::line::texture_coordinates::is_one_motion;
+use crate::line::texture_coordinates::places::{Surface, calmed_at, jacobian_at, place_at};
 use crate::line::texture_coordinates::{extrapolated, is_joined};
 use crate::quantile::quantile;
 use rayon::prelude::*;

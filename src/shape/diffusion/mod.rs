@@ -38,6 +38,18 @@ pub enum Update {
     Next,
 }
 
+impl Update {
+    /// What becomes of a sample g with the flux `lg` into it.
+    #[inline(always)]
+    pub(crate) fn updated(self, g: f32, lg: f32, earlier: f32) -> f32 {
+        match self {
+            Self::Step(dt) => g + dt * lg,
+            Self::First => -0.25 * lg - g,
+            Self::Next => -0.5 * lg - (2.0 * g + earlier),
+        }
+    }
+}
+
 /// The rows of a field that a sweep reads.
 #[derive(Debug, Clone, Copy)]
 pub struct Stencil<'a> {
@@ -56,24 +68,18 @@ pub struct Stencil<'a> {
 #[inline(always)]
 pub fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
     match update {
-        Update::Step(dt) => sweep(out, g, faces, |g, lg, _| g + dt * lg),
-        Update::First => sweep(out, g, faces, first_term),
-        Update::Next => sweep(out, g, faces, next_term),
+        Update::Step(dt) => sweep(out, g, faces, |g, lg, _| {
+            Update::Step(dt).updated(g, lg, 0.0)
+        }),
+        Update::First => sweep(out, g, faces, |g, lg, _| Update::First.updated(g, lg, 0.0)),
+        Update::Next => sweep(out, g, faces, |g, lg, earlier| {
+            Update::Next.updated(g, lg, earlier)
+        }),
     }
 }
 
 widened! {
     fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update);
-}
-
-#[inline(always)]
-fn first_term(g: f32, lg: f32, _: f32) -> f32 {
-    -0.25 * lg - g
-}
-
-#[inline(always)]
-fn next_term(g: f32, lg: f32, earlier: f32) -> f32 {
-    -0.5 * lg - (2.0 * g + earlier)
 }
 
 #[inline(always)]
@@ -146,7 +152,7 @@ impl<'a> Around<'a> {
 /// conductances. Opposite neighbours are summed first: a mirrored or turned picture gives the same
 /// bits.
 #[inline(always)]
-fn flux(g: f32, sides: [f32; 4], joined: [f32; 4]) -> f32 {
+pub(crate) fn flux(g: f32, sides: [f32; 4], joined: [f32; 4]) -> f32 {
     let through = |i: usize| joined[i] * (sides[i] - g);
     (through(0) + through(1)) + (through(2) + through(3))
 }

@@ -19,18 +19,18 @@ fn passed(cosine: f32) -> f32 {
 }
 
 // The base under the coat, of albedo 1.
-fn base_of(nl: f32, ne: f32) -> f32 {
+fn ashikhmin_shirley_diffuse(nl: f32, ne: f32) -> f32 {
     return BASE_SCALE * (1.0 - params.reflectance) * passed(nl) * passed(ne) * nl;
 }
 
 // The coat.
-fn coat_of(c: Cosines) -> f32 {
+fn ashikhmin_shirley_specular(c: Cosines) -> f32 {
     let uu = c.hu * c.hu;
     let vv = c.hv * c.hv;
     // n.h to the power (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
     let aside = clamp(uu + vv, MIN_POSITIVE, 1.0);
     let exponent = 0.5 * (params.coat_along * uu + params.coat_across * vv) / aside;
-    let logarithm = select(-F32_MAX, ln_of(1.0 - aside), aside < 1.0);
+    let logarithm = select(-F32_MAX, ln(1.0 - aside), aside < 1.0);
     let lobe = exp_of(exponent * logarithm);
     let reflected = params.reflectance + (1.0 - params.reflectance) * fifth_power(1.0 - c.he);
     let seen = c.nl / (max(c.he, GRAZING) * max(max(c.nl, c.ne), GRAZING));

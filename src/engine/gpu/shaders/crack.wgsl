@@ -51,6 +51,6 @@ fn spread_offset(raw: vec2<f32>, sharp: vec2<f32>) -> f32 {
 }
 
 // The nearer of the least and the greatest value around a pixel.
-fn sharpened(value: f32, least: f32, greatest: f32) -> f32 {
+fn nearer_extreme(value: f32, least: f32, greatest: f32) -> f32 {
     return select(greatest, least, value - least < greatest - value);
 }

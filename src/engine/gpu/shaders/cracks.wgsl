@@ -43,7 +43,7 @@ fn sample_at(pixel: vec2<i32>) -> Sample {
     }
     // A negative number has the highest bit set.
     let is_distance = bitcast<u32>(value) - 1u < 0x7f7fffffu;
-    return Sample(ln_of(value), is_distance);
+    return Sample(ln(value), is_distance);
 }
 
 fn sharpened_at(pixel: vec2<i32>, value: f32) -> f32 {
@@ -54,7 +54,7 @@ fn sharpened_at(pixel: vec2<i32>, value: f32) -> f32 {
         least = select(least, min(least, beside.value), beside.is_known);
         greatest = select(greatest, max(greatest, beside.value), beside.is_known);
     }
-    return sharpened(value, least, greatest);
+    return nearer_extreme(value, least, greatest);
 }
 
 fn normal_at(pixel: vec2<i32>) -> vec3<f32> {
@@ -62,21 +62,14 @@ fn normal_at(pixel: vec2<i32>) -> vec3<f32> {
     return vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
 }
 
-// How far a normal leans to the eye along the sight line through a pixel whose direction has z = -1.
-fn toward_eye(normal: vec3<f32>, pixel: vec2<i32>) -> f32 {
-    let to_eye = vec2<f32>(
-        params.to_eye_x + params.to_eye_x_step * f32(pixel.x),
-        params.to_eye_y + params.to_eye_y_step * f32(pixel.y),
-    );
-    return normal.z + dot(normal.xy, to_eye);
-}
-
 // By how much the logarithm of depth steps between pixels beyond what a smooth surface with the normals to either side
 // would.
 fn unexplained_by_normals(before: vec2<i32>, behind: vec2<i32>, step_of_log: f32) -> f32 {
     let normal = normal_at(before) + normal_at(behind);
-    let here = toward_eye(normal, before);
-    let there = toward_eye(normal, behind);
+    let eye = vec2<f32>(params.to_eye_x, params.to_eye_y);
+    let eye_step = vec2<f32>(params.to_eye_x_step, params.to_eye_y_step);
+    let here = facing(normal, eye + eye_step * vec2<f32>(before));
+    let there = facing(normal, eye + eye_step * vec2<f32>(behind));
     if !(HAS_SIGHT && here > 0.0 && there > 0.0) {
         return abs(step_of_log);
     }
@@ -88,7 +81,7 @@ fn unexplained_by_normals(before: vec2<i32>, behind: vec2<i32>, step_of_log: f32
     if !(ratio > 0.0 && is_finite(ratio)) {
         return abs(step_of_log);
     }
-    return abs(step_of_log - ln_of(ratio));
+    return abs(step_of_log - ln(ratio));
 }
 
 fn is_bare(pixel: vec2<i32>) -> bool {

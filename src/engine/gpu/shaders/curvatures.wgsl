@@ -21,9 +21,19 @@ fn hypot(a: f32, b: f32) -> f32 {
     return large * sqrt(1.0 + ratio * ratio);
 }
 
-// Unit direction at half the angle of (half_difference, xy), or at right angles to it where the mean is below 0; 0 where
-// both curvatures are alike.
-fn principal_direction(half_difference: f32, xy: f32, mean: f32, spread: f32) -> vec2<f32> {
+// Principal curvatures, the larger first, of the Hessian [xx, xy, yy].
+fn principal_curvatures(hessian: vec3<f32>) -> vec2<f32> {
+    let mean = 0.5 * (hessian.x + hessian.z);
+    let spread = hypot(0.5 * (hessian.x - hessian.z), hessian.y);
+    return vec2<f32>(mean + spread, mean - spread);
+}
+
+// Unit direction of the curvature larger in size; 0 where both are alike.
+fn principal_direction(hessian: vec3<f32>) -> vec2<f32> {
+    let half_difference = 0.5 * (hessian.x - hessian.z);
+    let mean = 0.5 * (hessian.x + hessian.z);
+    let xy = hessian.y;
+    let spread = hypot(half_difference, xy);
     if spread <= UMBILIC * abs(mean) || spread == 0.0 {
         return vec2<f32>(0.0);
     }
@@ -53,13 +63,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         direction[i] = vec2<f32>(0.0);
         return;
     }
-    let xx = hessian_xx[i];
-    let xy = hessian_xy[i];
-    let yy = hessian_yy[i];
-    let mean = 0.5 * (xx + yy);
-    let half_difference = 0.5 * (xx - yy);
-    let spread = hypot(half_difference, xy);
+    let hessian = vec3<f32>(hessian_xx[i], hessian_xy[i], hessian_yy[i]);
+    let mean = 0.5 * (hessian.x + hessian.z);
     let kappa = mapped_curvature(2.0 * mean, chosen[GAIN]);
-    curvature[i] = vec4<f32>(mean + spread, mean - spread, mean, kappa);
-    direction[i] = principal_direction(half_difference, xy, mean, spread);
+    curvature[i] = vec4<f32>(principal_curvatures(hessian), mean, kappa);
+    direction[i] = principal_direction(hessian);
 }

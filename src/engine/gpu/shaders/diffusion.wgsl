@@ -64,17 +64,6 @@ fn conductance_at(x: i32, y: i32) -> f32 {
     return conductance[index_of(u32(x), u32(y))];
 }
 
-// What becomes of a value g with the flux lg into it.
-fn updated(g: vec2<f32>, lg: vec2<f32>, before: vec2<f32>, term: u32) -> vec2<f32> {
-    if !IS_EXPANSION {
-        return g + params.time_step * lg;
-    }
-    if term == 1u {
-        return -0.25 * lg - g;
-    }
-    return -0.5 * lg - (2.0 * g + before);
-}
-
 // Hands a pixel's terms and sum to the next pass, as far as it takes them.
 fn give_out(i: u32, g: vec2<f32>, before: vec2<f32>, sum: vec2<f32>) {
     if IS_EXPANSION || BY_LEVEL {
@@ -166,10 +155,8 @@ fn main(
             let right = region[at + select(0, 1, column + 1 < i32(REGION_COLUMNS))];
             let up = region[at - select(0, i32(REGION_COLUMNS), row > 0)];
             let down = region[at + select(0, i32(REGION_COLUMNS), row + 1 < i32(REGION_ROWS))];
-            // Opposite neighbours are summed first, as on the CPU.
-            let along_x = west[k] * (left - g) + east[k] * (right - g);
-            let along_y = north[k] * (up - g) + north[k + 1u] * (down - g);
-            made[k] = updated(g, along_x + along_y, before[k], term);
+            let joined = vec4<f32>(west[k], east[k], north[k], north[k + 1u]);
+            made[k] = updated(g, flux(g, left, right, up, down, joined), before[k], term);
         }
         workgroupBarrier();
         let is_odd = term % 2u == 1u;

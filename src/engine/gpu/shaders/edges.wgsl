@@ -34,25 +34,26 @@ fn map_around(columns: vec3<u32>, row: u32) -> vec3<f32> {
     );
 }
 
-// The jump of the map across the pixel is twice the Sobel slope: the difference between the two sides.
-fn silhouette_weight(above: vec3<f32>, here: vec3<f32>, below: vec3<f32>) -> f32 {
-    if !HAS_MAP {
-        return 0.0;
-    }
+// Derivatives of a 3x3 neighbourhood, y up.
+fn sobel(above: vec3<f32>, here: vec3<f32>, below: vec3<f32>) -> vec2<f32> {
     let west = (above.x + below.x) + 2.0 * here.x;
     let east = (above.z + below.z) + 2.0 * here.z;
     let north = (above.x + above.z) + 2.0 * above.y;
     let south = (below.x + below.z) + 2.0 * below.y;
-    let dx = (east - west) / 8.0;
-    let dy = (north - south) / 8.0;
-    return soft_weight(2.0 * sqrt(dx * dx + dy * dy), params.silhouette_lo, params.silhouette_hi);
+    return vec2<f32>((east - west) / 8.0, (north - south) / 8.0);
 }
 
-// The squared distance between the tips of two unit normals that are there: it grows as the angle does, and loses
-// nothing where that is small.
-fn squared_chord(are_there: bool, a: vec3<f32>, b: vec3<f32>) -> f32 {
-    let difference = a - b;
-    return select(0.0, dot(difference, difference), are_there);
+// The weight of the jump across the middle: twice the Sobel slope, the difference between the two sides.
+fn jump_weight(above: vec3<f32>, here: vec3<f32>, below: vec3<f32>) -> f32 {
+    let slope = sobel(above, here, below);
+    let jump = 2.0 * sqrt(slope.x * slope.x + slope.y * slope.y);
+    return soft_threshold_weight(jump, params.silhouette_lo, params.silhouette_hi);
+}
+
+// Angle in radians between two unit normals whose mean has the given length.
+fn angle_within(length: f32) -> f32 {
+    let cosine = clamp(length, 0.0, 1.0);
+    return 2.0 * atan2_of(sqrt(1.0 - cosine * cosine), cosine);
 }
 
 // A normal and its four neighbours.
@@ -64,33 +65,41 @@ struct Cross {
     below: vec3<f32>,
 }
 
-// The largest angle counts: to a neighbour, and across the pixel from one side to the other.
-fn crease_weight(n: Cross, above: vec3<bool>, here: vec3<bool>, below: vec3<bool>, i: u32) -> f32 {
-    let to_sides = max(squared_chord(here.x, n.own, n.left), squared_chord(here.z, n.own, n.right));
-    let to_rows = max(squared_chord(above.y, n.own, n.above), squared_chord(below.y, n.own, n.below));
-    let along_x = squared_chord(here.x && here.z, n.left, n.right);
-    let along_y = squared_chord(above.y && below.y, n.above, n.below);
-    let squared = max(max(to_sides, to_rows), max(along_x, along_y));
+// Crease weight of a pixel with the normals `n`, whose filtered normal had the length `length`, where the neighbours left,
+// right, above and below are there. The largest angle counts: to a neighbour, and across the pixel from one side to the
+// other.
+fn crease_detector_weight(n: Cross, length: f32, there: vec4<bool>) -> f32 {
+    // The squared distance between the tips of unit vectors grows as the angle does, and loses nothing where that is small.
+    let left = n.own - n.left;
+    let right = n.own - n.right;
+    let above = n.own - n.above;
+    let below = n.own - n.below;
+    let along_x = n.left - n.right;
+    let along_y = n.above - n.below;
+    let to_sides = max(select(0.0, dot(left, left), there.x), select(0.0, dot(right, right), there.y));
+    let to_rows = max(select(0.0, dot(above, above), there.z), select(0.0, dot(below, below), there.w));
+    let across = max(
+        select(0.0, dot(along_x, along_x), there.x && there.y),
+        select(0.0, dot(along_y, along_y), there.z && there.w),
+    );
+    let squared = max(max(to_sides, to_rows), across);
     let sine = sqrt(squared * max(1.0 - 0.25 * squared, 0.0));
     var angle = atan2_of(sine, 1.0 - 0.5 * squared);
-    if HAS_LENGTHS {
-        let mean_length = normal_length[i];
-        let cosine = clamp(mean_length, 0.0, 1.0);
-        let spread = 2.0 * atan2_of(sqrt(1.0 - cosine * cosine), cosine);
-        angle = select(angle, max(angle, spread), mean_length < params.flat_length);
+    if length < params.flat_length {
+        angle = max(angle, angle_within(length));
     }
-    return soft_weight(angle, params.crease_lo, params.crease_hi);
+    return soft_threshold_weight(angle, params.crease_lo, params.crease_hi);
 }
 
 // g = -n_xy / (n . v)^f, the direction v to the eye scaled to z = 1.
 fn depth_gradient(n: vec3<f32>, to_eye: vec2<f32>) -> vec2<f32> {
-    let facing = max(n.z + dot(n.xy, to_eye), params.min_nz);
+    let facing = max(facing(n, to_eye), params.min_nz);
     let f = params.foreshortening;
     var steepness = 1.0;
     if f == 1.0 {
         steepness = 1.0 / facing;
     } else if f != 0.0 {
-        steepness = exp_of(-f * ln_of(facing));
+        steepness = exp_of(-f * ln(facing));
     }
     return -n.xy * steepness;
 }
@@ -134,11 +143,20 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let i = row + id.x;
 
         let is_inside = all(covered_above) && all(covered_here) && all(covered_below);
-        let silhouette = select(1.0, silhouette_weight(map_above, map_here, map_below), is_inside);
+        var silhouette = 0.0;
+        if HAS_MAP {
+            silhouette = jump_weight(map_above, map_here, map_below);
+        }
+        silhouette = select(1.0, silhouette, is_inside);
         let left = normal_at(columns.x, row);
         let right = normal_at(columns.z, row);
         let around = Cross(normal, left, right, normal_above, normal_below);
-        let crease = crease_weight(around, covered_above, covered_here, covered_below, i);
+        let there = vec4<bool>(covered_here.x, covered_here.z, covered_above.y, covered_below.y);
+        var length = 1.0;
+        if HAS_LENGTHS {
+            length = normal_length[i];
+        }
+        let crease = crease_detector_weight(around, length, there);
         let to_eye = vec2<f32>(to_eye_x, params.to_eye_y + params.to_eye_y_step * f32(y));
         let g = depth_gradient(normal, to_eye);
 

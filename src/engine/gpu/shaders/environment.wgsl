@@ -33,15 +33,14 @@ fn mixed(a: vec3<f32>, b: vec3<f32>, t: f32) -> vec3<f32> {
 }
 
 // Column and row of an environment that a direction falls on, whole numbers being pixel centres.
-fn position_of(map: Map, d: vec3<f32>) -> vec2<f32> {
+fn equirectangular_position(map: Map, d: vec3<f32>) -> vec2<f32> {
     let turned = atan2_of(d.x, -d.z) / (2.0 * PI) + 0.5 - map.turn;
     let across = select(turned, turned + 1.0, turned < 0.0);
     let down = 0.5 - atan2_of(d.y, sqrt(d.x * d.x + d.z * d.z)) / PI;
     return vec2<f32>(across * f32(map.width) - 0.5, down * f32(map.height) - 0.5);
 }
 
-fn wrapped(map: Map, x: i32) -> i32 {
-    let width = i32(map.width);
+fn wrapped(width: i32, x: i32) -> i32 {
     let from_left = select(x, x + width, x < 0);
     // A single column is its own neighbour, twice over.
     return clamp(select(from_left, from_left - width, from_left >= width), 0, width - 1);
@@ -54,14 +53,14 @@ fn on_row(map: Map, column: f32, y: i32) -> vec3<f32> {
     let place = column + select(0.0, f32(map.width) / 2.0, beyond_pole);
     let left = floor(place);
     let row = clamp(y, 0, last);
-    let a = texel(map, wrapped(map, i32(left)), row);
-    let b = texel(map, wrapped(map, i32(left) + 1), row);
+    let a = texel(map, wrapped(i32(map.width), i32(left)), row);
+    let b = texel(map, wrapped(i32(map.width), i32(left) + 1), row);
     return mixed(a, b, place - left);
 }
 
 // The radiance that comes from a direction.
 fn radiance(map: Map, direction: vec3<f32>) -> vec3<f32> {
-    let position = position_of(map, direction);
+    let position = equirectangular_position(map, direction);
     let top = floor(position.y);
     let upper = on_row(map, position.x, i32(top));
     let lower = on_row(map, position.x, i32(top) + 1);

@@ -39,7 +39,7 @@ fn exp_of(x: f32) -> f32 {
 }
 
 // The natural logarithm of a positive, finite and normal x.
-fn ln_of(x: f32) -> f32 {
+fn ln(x: f32) -> f32 {
     let bits = bitcast<u32>(x);
     // x = 2^e m with m from sqrt(1/2) to sqrt(2), both around 1.
     let e = bitcast<i32>(bits - FRAC_1_SQRT_2_BITS) >> 23u;
@@ -84,9 +84,11 @@ fn atan2_of(y: f32, x: f32) -> f32 {
     let ax = abs(x);
     let ay = abs(y);
     let steep = ay > ax;
-    let large = max(ax, ay);
-    let ratio = min(ax, ay) / select(1.0, large, large > 0.0);
-    let small = atan_of(ratio);
-    let angle = select(small, FRAC_PI_2 - small, steep);
+    let small = select(ay, ax, steep);
+    let large = select(ax, ay, steep);
+    let ratio = small / select(1.0, large, large > 0.0);
+    // NaN fails the comparison: infinite on both sides is half way between them.
+    let to_axis = atan_of(select(1.0, ratio, ratio < 1.0));
+    let angle = select(to_axis, FRAC_PI_2 - to_axis, steep);
     return copysign(select(angle, PI - angle, x < 0.0), y);
 }

@@ -38,7 +38,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             let facing = max(normal_x[i] * light.x + normal_y[i] * light.y + normal_z[i] * light.z, 0.0);
             plain += facing;
             // What arrives is a share of 1.
-            scaled += facing * term_sigma(facing, 1.0, kappa_toward(i, light));
+            scaled += facing * term_scaling_sigma(facing, 1.0, kappa_toward(i, light));
         }
     }
     sigma[i] = select(1.0, scaled / max(plain, MIN_POSITIVE), plain > 0.0);

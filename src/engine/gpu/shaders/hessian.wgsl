@@ -43,7 +43,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var here = row_around(columns, first);
     for (var y = first; y < end; y++) {
         let below = row_around(columns, row_below(y));
-        let entries = select(vec3<f32>(0.0), entries_of(above, here, below), is_covered(id.x, y));
+        let entries = select(vec3<f32>(0.0), fitted(above, here, below), is_covered(id.x, y));
         write(index_of(id.x, y), entries);
         above = here;
         here = below;

@@ -3,21 +3,22 @@
 
 // The factor by which a principal curvature k scales stereographic coordinates along its direction.
 fn scale_factor(k: f32, alpha: f32) -> f32 {
-    let x = clamp(alpha * k, -F32_MAX, F32_MAX);
+    let product = alpha * k;
+    let x = select(clamp(product, -F32_MAX, F32_MAX), 0.0, is_nan(product));
     // The tangent of a sum, as tan(pi/4) is 1.
     let t = tan_to_eighth_turn(atan_of(x) * (1.0 / 6.0));
     return (1.0 + t) / (1.0 - t);
 }
 
-fn large_at_most(entry: f32) -> f32 {
+fn bounded_entry(entry: f32) -> f32 {
     return select(clamp(entry, -LARGEST_ENTRY, LARGEST_ENTRY), 0.0, is_nan(entry));
 }
 
 // The warp of strength alpha where the Hessian is (xx, xy, yy).
 fn warp_of(hessian: vec3<f32>, alpha: f32) -> vec3<f32> {
-    let xx = large_at_most(hessian.x);
-    let xy = large_at_most(hessian.y);
-    let yy = large_at_most(hessian.z);
+    let xx = bounded_entry(hessian.x);
+    let xy = bounded_entry(hessian.y);
+    let yy = bounded_entry(hessian.z);
     // In units of the largest entry, so that no square overflows or vanishes.
     let size = max(max(abs(xx), abs(xy)), abs(yy));
     let unit = 1.0 / max(size, MIN_POSITIVE);
@@ -38,19 +39,19 @@ fn warp_determinant(warp: vec3<f32>) -> f32 {
     return warp.x * warp.z - warp.y * warp.y;
 }
 
-fn inverse_warp(warp: vec3<f32>) -> vec3<f32> {
+fn warp_inverse(warp: vec3<f32>) -> vec3<f32> {
     let unit = 1.0 / warp_determinant(warp);
     return vec3<f32>(warp.z * unit, -warp.y * unit, warp.x * unit);
 }
 
-// x and y of a vector under a warp.
-fn under_warp(warp: vec3<f32>, v: vec3<f32>) -> vec2<f32> {
+// x and y of a half vector under a warp.
+fn warp_apply(warp: vec3<f32>, v: vec3<f32>) -> vec2<f32> {
     return vec2<f32>(warp.x * v.x + warp.y * v.y, warp.y * v.x + warp.z * v.y);
 }
 
 // Where the direction with half vector `half` goes: a unit vector.
-fn warped_direction(warp: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
-    let xy = under_warp(warp, half);
+fn warp_direction(warp: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
+    let xy = warp_apply(warp, half);
     let across = xy.x * xy.x + xy.y * xy.y;
     let along = half.z * half.z;
     let unit = 1.0 / (across + along);
@@ -75,10 +76,11 @@ fn half_vector(direction: vec3<f32>) -> vec3<f32> {
         }
     }
     let length_squared = along * along + squared;
-    return half * (1.0 / sqrt(length_squared));
+    // What is not finite counts as z.
+    return select(vec3<f32>(0.0, 0.0, 1.0), half * (1.0 / sqrt(length_squared)), is_finite(length_squared));
 }
 
 // Factor of the light reflected where the warp is `warp`: its determinant to the power gamma.
 fn contrast(warp: vec3<f32>, gamma: f32) -> f32 {
-    return exp_of(clamp(gamma * ln_of(warp_determinant(warp)), -MAX_CONTRAST_EXPONENT, MAX_CONTRAST_EXPONENT));
+    return exp_of(clamp(gamma * ln(warp_determinant(warp)), -MAX_CONTRAST_EXPONENT, MAX_CONTRAST_EXPONENT));
 }

@@ -41,7 +41,7 @@ fn main(
             own = 0.0;
             line = lines[piece];
         }
-        own = max(own, coverage_by(pieces[piece], middle));
+        own = max(own, round_stroke_coverage(pieces[piece], middle));
     }
     sum = min(sum + own, 1.0);
     if IN_GRAPHITE && sum > 0.0 {

@@ -12,6 +12,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let i = index_of(id.x, id.y);
     let kappa = mapped_curvature(trace[i], chosen[GAIN]);
-    let scaled = term_sigma(lobe_luminance(i), term_chosen[WHITE], kappa);
+    let scaled = term_scaling_sigma(lobe_luminance(i), term_chosen[WHITE], kappa);
     sigma[i] = select(1.0, scaled, is_covered(id.x, id.y));
 }

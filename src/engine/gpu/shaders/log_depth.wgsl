@@ -13,7 +13,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = index_of(id.x, id.y);
     var log = 0.0;
     if is_covered(id.x, id.y) {
-        log = ln_of(depth[i]);
+        log = ln(depth[i]);
     }
     log_depth[i] = log;
 }

@@ -20,7 +20,7 @@ struct Step {
 
 // The step square to the sum of both normals, from one sight line to one beside it; `apart` is how far points at a depth
 // of 1 on them are apart.
-fn square_step(normals: vec3<f32>, line: vec3<f32>, line_there: vec3<f32>, apart: vec3<f32>) -> Step {
+fn sight_lines_step(normals: vec3<f32>, line: vec3<f32>, line_there: vec3<f32>, apart: vec3<f32>) -> Step {
     let facing = dot(normals, line_there);
     let offset = apart - dot(normals, apart) / facing * line_there;
     return Step(dot(normals, line) < 0.0 && facing < 0.0, offset);
@@ -28,7 +28,7 @@ fn square_step(normals: vec3<f32>, line: vec3<f32>, line_there: vec3<f32>, apart
 
 // The ray of the normal `there`, a step from the point with the unit normal `normal`, on the plane of two tangents; `turn`
 // is the one normal less the other.
-fn ray_after(step: Step, there: vec3<f32>, turn: vec3<f32>, normal: vec3<f32>, tangents: array<vec3<f32>, 2>) -> Ray {
+fn local_ray(step: Step, there: vec3<f32>, turn: vec3<f32>, normal: vec3<f32>, tangents: array<vec3<f32>, 2>) -> Ray {
     // What the normals have in common lies along the own one.
     let lean = vec2<f32>(dot(tangents[0], turn), dot(tangents[1], turn));
     let up = dot(normal, there);
@@ -48,7 +48,7 @@ fn ray_after(step: Step, there: vec3<f32>, turn: vec3<f32>, normal: vec3<f32>, t
 }
 
 // The curvatures of a surface: their mean, and half their difference toward twice the angle of the larger one.
-struct Form {
+struct Slopes {
     is_there: bool,
     mean: f32,
     deviator: vec2<f32>,
@@ -58,7 +58,7 @@ struct Form {
 }
 
 // Differences of rays across a point; the own ray, all 0, stands in for one that is missing.
-fn form_between(left: Ray, right: Ray, below: Ray, above: Ray) -> Form {
+fn slopes_of(left: Ray, right: Ray, below: Ray, above: Ray) -> Slopes {
     let are_there = (left.is_there || right.is_there) && (above.is_there || below.is_there);
     let u = right.foot - left.foot;
     let v = above.foot - below.foot;
@@ -68,7 +68,7 @@ fn form_between(left: Ray, right: Ray, below: Ray, above: Ray) -> Form {
     let spread = dot(u, u) + dot(v, v);
     let column_x = (slope_y * u.y - slope_x * v.y) / area;
     let column_y = (slope_x * v.x - slope_y * u.x) / area;
-    return Form(
+    return Slopes(
         are_there && abs(area) > MIN_SINE * spread,
         0.5 * (column_x.x + column_y.y),
         0.5 * vec2<f32>(column_x.x - column_y.y, column_x.y + column_y.x),

@@ -47,7 +47,7 @@ fn normal_at(i: u32) -> vec3<f32> {
 }
 
 // Two tangents at right angles: which is nothing that directions depend on.
-fn tangents_at(normal: vec3<f32>) -> array<vec3<f32>, 2> {
+fn any_orthonormal_pair(normal: vec3<f32>) -> array<vec3<f32>, 2> {
     let side = copysign(1.0, normal.z);
     let a = -1.0 / (side + normal.z);
     let b = normal.x * normal.y * a;
@@ -66,7 +66,7 @@ fn point_at(x: u32, y: u32) -> Point {
     if HAS_DEPTH && !IS_PARALLEL {
         unit = depth[i];
     }
-    return Point(i, place, line_at(place), stored, normal, tangents_at(normal), unit);
+    return Point(i, place, line(place), stored, normal, any_orthonormal_pair(normal), unit);
 }
 
 // A step to the point that depth tells of, `away` in pixels.
@@ -92,15 +92,15 @@ fn ray_at(here: Point, away: vec2<i32>) -> Ray {
     let i = u32(i32(here.i) + away.y * i32(width()) + away.x);
     let there = normal_at(i);
     let pixels = vec2<f32>(away);
-    let line_there = line_at(here.place + pixels);
+    let line_there = line(here.place + pixels);
     var step = Step(false, vec3<f32>(0.0));
     if HAS_DEPTH {
         step = step_by_depth(here, i, pixels, line_there);
     } else {
         let apart = vec3<f32>(pixels * vec2<f32>(params.apart_x_step, params.apart_y_step), 0.0);
-        step = square_step(here.stored + there, here.line, line_there, apart);
+        step = sight_lines_step(here.stored + there, here.line, line_there, apart);
     }
-    return ray_after(step, there, there - here.stored, here.normal, here.tangents);
+    return local_ray(step, there, there - here.stored, here.normal, here.tangents);
 }
 
 // How many pixels are open one after the other from the next one on, of `most`.
@@ -141,11 +141,6 @@ fn sides(here: Point, ahead: vec2<i32>, most: i32) -> Sides {
     return rays;
 }
 
-fn turn_of(rays: Sides) -> f32 {
-    let slope = rays.after.slope - rays.before.slope;
-    return sqrt(dot(slope, slope)) / rays.samples;
-}
-
 // The curvature larger in size, and where it leads on the plane of the tangents: 0 for no direction.
 struct Larger {
     is_there: bool,
@@ -157,7 +152,10 @@ fn larger_curvature(here: Point, step: i32) -> Larger {
     let along_x = sides(here, vec2<i32>(1, 0), step);
     // y points up, rows run down.
     let along_y = sides(here, vec2<i32>(0, -1), step);
-    let form = form_between(along_x.before, along_x.after, along_y.before, along_y.after);
+    let form = slopes_of(along_x.before, along_x.after, along_y.before, along_y.after);
+    let slope_x = along_x.after.slope - along_x.before.slope;
+    let slope_y = along_y.after.slope - along_y.before.slope;
+    let turn = max(sqrt(dot(slope_x, slope_x)) / along_x.samples, sqrt(dot(slope_y, slope_y)) / along_y.samples);
     let half_spread = sqrt(dot(form.deviator, form.deviator));
     let larger = abs(form.mean) + half_spread;
     var noise = params.normal_noise;
@@ -165,7 +163,7 @@ fn larger_curvature(here: Point, step: i32) -> Larger {
         noise += larger * params.offset_noise * (depth[here.i] / here.unit);
     }
     let error = CERTAINTY * noise * sqrt(0.5 * form.spread) / abs(form.area);
-    let is_flat = max(turn_of(along_x), turn_of(along_y)) < PLANAR_TURN || larger <= error;
+    let is_flat = turn < PLANAR_TURN || larger <= error;
     let is_round = half_spread <= max(ALIKE * abs(form.mean), error);
     let d = select(-form.deviator, form.deviator, form.mean >= 0.0);
     let axis = select(vec2<f32>(d.y, half_spread - d.x), vec2<f32>(d.x + half_spread, d.y), d.x >= 0.0);

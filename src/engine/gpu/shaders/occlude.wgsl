@@ -9,10 +9,6 @@
 @group(0) @binding(6) var<storage, read_write> green: array<f32>;
 @group(0) @binding(7) var<storage, read_write> blue: array<f32>;
 
-fn scaled(c: f32, sigma: f32) -> f32 {
-    return select(clamp(c * sigma, -F32_MAX, F32_MAX), c, is_nan(c));
-}
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {
@@ -21,7 +17,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = index_of(id.x, id.y);
     let kappa = mapped_curvature(trace[i], chosen[GAIN]);
     if is_covered(id.x, id.y) && kappa != 0.0 {
-        let sigma = term_sigma(occlusion[i], 1.0, kappa);
+        let sigma = term_scaling_sigma(occlusion[i], 1.0, kappa);
         red[i] = scaled(red[i], sigma);
         green[i] = scaled(green[i], sigma);
         blue[i] = scaled(blue[i], sigma);

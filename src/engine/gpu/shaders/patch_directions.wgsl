@@ -9,7 +9,7 @@
 @group(0) @binding(5) var<storage, read_write> directions: array<vec4<f32>>;
 
 // The unit direction of the curvature larger in size, in the frame of the tensor; 0 where there is none.
-fn larger(form: vec4<f32>) -> vec2<f32> {
+fn form_larger(form: vec4<f32>) -> vec2<f32> {
     let d = select(-form.xy, form.xy, form.z >= 0.0);
     let length = sqrt(dot(d, d));
     let axis = select(vec2<f32>(d.y, length - d.x), vec2<f32>(d.x + length, d.y), d.x >= 0.0);
@@ -18,7 +18,7 @@ fn larger(form: vec4<f32>) -> vec2<f32> {
 }
 
 // How sure directions are, 0..1.
-fn confidence(form: vec4<f32>) -> f32 {
+fn form_confidence(form: vec4<f32>) -> f32 {
     let difference = sqrt(dot(form.xy, form.xy));
     let mean = abs(form.z);
     let lesser = min(difference, mean);
@@ -31,7 +31,7 @@ fn confidence(form: vec4<f32>) -> f32 {
 }
 
 // How much the surface is a plane, 0..1.
-fn flatness(form: vec4<f32>) -> f32 {
+fn form_flatness(form: vec4<f32>) -> f32 {
     let curvature = sqrt(dot(form.xy, form.xy)) + abs(form.z);
     let square = params.doubt * params.doubt;
     let share = square / (square + curvature * curvature);
@@ -39,25 +39,25 @@ fn flatness(form: vec4<f32>) -> f32 {
 }
 
 // Twice the angle of the own direction, as long as it is sure.
-fn own_direction(form: vec4<f32>, line: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
-    let most = larger(form);
+fn own_direction(i: u32, line: vec3<f32>) -> vec2<f32> {
+    let form = forms[i];
+    let normal = patches[i].normal;
+    let most = form_larger(form);
     let axis = select(vec2<f32>(-most.y, most.x), most, params.family == 0u);
     let tangents = upright_tangents(normal);
     if all(axis == vec2<f32>(0.0)) || !tangents.are_there {
         return vec2<f32>(0.0);
     }
     let seen = picture_direction(line, axis.x * tangents.x + axis.y * tangents.y);
-    let facing = clamp(-dot(normal, line) / (sqrt(dot(line, line)) * FACING), 0.0, 1.0);
-    return confidence(form) * facing * facing * doubled(seen);
+    let facing = clamp(sight_lines_facing(line, normal) / FACING, 0.0, 1.0);
+    return form_confidence(form) * facing * facing * doubled(seen);
 }
 
 fn visit(i: u32) {
-    let here = patches[i];
-    let line = line_at(middle_of(here.cell, here.offset));
-    let form = forms[i];
-    let own = own_direction(form, line, here.normal);
+    let line = line(middle_of(i));
+    let own = own_direction(i, line);
     let sure = sqrt(dot(own, own));
-    let flat_share = flatness(form);
-    let sum = own + flat_share * doubled(fallback(line, here.normal));
+    let flat_share = form_flatness(forms[i]);
+    let sum = own + flat_share * doubled(fallback(line, patches[i].normal));
     directions[i] = vec4<f32>(sum, sure + flat_share, 1.0);
 }

@@ -9,34 +9,34 @@
 @group(0) @binding(5) var<storage, read_write> forms: array<vec4<f32>>;
 
 // From a patch to where it goes on, in pixels, x right and y down.
-fn step_between(here: Patch, there: Patch) -> vec2<f32> {
+fn step_between(from_patch: u32, to_patch: u32) -> vec2<f32> {
+    let here = patches[from_patch];
+    let there = patches[to_patch];
     let cells = vec2<i32>(column_and_row(there.cell)) - vec2<i32>(column_and_row(here.cell));
     return vec2<f32>(cells * i32(params.cell_px)) + (there.offset - here.offset);
 }
 
-fn ray_of(here: Patch, tangents: Tangents, i: u32) -> Ray {
+// The ray of the patch `i`, beside the patch `own`.
+fn ray_of(own: u32, tangents: Tangents, i: u32) -> Ray {
     if i == NO_PATCH {
         return no_ray();
     }
-    let there = patches[i];
-    let line = line_at(middle_of(here.cell, here.offset));
-    let line_there = line_at(middle_of(there.cell, there.offset));
-    let apart = vec3<f32>(step_between(here, there) * vec2<f32>(params.apart_x_step, params.apart_y_step), 0.0);
-    let step = square_step(here.normal + there.normal, line, line_there, apart);
-    let turn = there.normal - here.normal;
-    return ray_after(step, there.normal, turn, here.normal, array(tangents.x, tangents.y));
+    let here = patches[own].normal;
+    let there = patches[i].normal;
+    let apart = vec3<f32>(step_between(own, i) * vec2<f32>(params.apart_x_step, params.apart_y_step), 0.0);
+    let step = sight_lines_step(here + there, line(middle_of(own)), line(middle_of(i)), apart);
+    return local_ray(step, there, there - here, here, array(tangents.x, tangents.y));
 }
 
 // The tensor; its last component is 0 where there is none.
 fn form_of(i: u32) -> vec4<f32> {
-    let here = patches[i];
-    let tangents = upright_tangents(here.normal);
+    let tangents = upright_tangents(patches[i].normal);
     let around = links[i];
-    let form = form_between(
-        ray_of(here, tangents, around.x),
-        ray_of(here, tangents, around.y),
-        ray_of(here, tangents, around.w),
-        ray_of(here, tangents, around.z),
+    let form = slopes_of(
+        ray_of(i, tangents, around.x),
+        ray_of(i, tangents, around.y),
+        ray_of(i, tangents, around.w),
+        ray_of(i, tangents, around.z),
     );
     if !tangents.are_there || !form.is_there {
         return vec4<f32>(0.0);

@@ -1,6 +1,6 @@
 // Where a patch lies: columns and rows from the corner of the picture.
-fn middle_of(cell: u32, offset: vec2<f32>) -> vec2<f32> {
-    return vec2<f32>(corner_of(cell)) + 0.5 * f32(params.cell_px) + offset;
+fn middle_of(i: u32) -> vec2<f32> {
+    return vec2<f32>(corner_of(patches[i].cell)) + 0.5 * f32(params.cell_px) + patches[i].offset;
 }
 
 // The tangents that become the picture's x and y when the unit normal is turned to the viewer by the shortest way,

@@ -49,5 +49,5 @@ fn scalar_product(a: vec3<f32>, b: vec3<f32>) -> f32 {
 }
 
 fn unwarped(vector: vec3<f32>) -> Axis {
-    return Axis(vector, under_warp(pixel.unwarp, vector));
+    return Axis(vector, warp_apply(pixel.unwarp, vector));
 }

@@ -26,8 +26,10 @@ fn is_one_depth(a: f32, b: f32) -> bool {
 
 // Whether two motions, of neighbours, can be of one surface.
 fn is_one_motion(a: vec2<f32>, b: vec2<f32>) -> bool {
-    let change = length(a - b);
-    return !is_nan(change) && change <= MOTION_STEP_PX + MOTION_STEP_SHARE * min(length(a), length(b));
+    let apart = a - b;
+    let change = sqrt(apart.x * apart.x + apart.y * apart.y);
+    let least = min(sqrt(a.x * a.x + a.y * a.y), sqrt(b.x * b.x + b.y * b.y));
+    return !is_nan(change) && change <= MOTION_STEP_PX + MOTION_STEP_SHARE * least;
 }
 
 // The pixel next to the one at `at`, where it is one of the picture.

@@ -30,7 +30,7 @@ fn in_the_open(above: Row, here: Row, below: Row) -> vec3<f32> {
 }
 
 // [xx, xy, yy] of the fit.
-fn fitted(above: Row, here: Row, below: Row) -> vec3<f32> {
+fn plane_fit(above: Row, here: Row, below: Row) -> vec3<f32> {
     let w_above = vec3<f32>(above.open.x, 2.0 * above.open.y, above.open.z);
     let w_left = 2.0 * here.open.x;
     let w_right = 2.0 * here.open.z;
@@ -56,8 +56,9 @@ fn fitted(above: Row, here: Row, below: Row) -> vec3<f32> {
     return vec3<f32>(c * slope_x.x, c * 0.5 * (slope_y.x + slope_x.y), c * slope_y.y);
 }
 
-fn entries_of(above: Row, here: Row, below: Row) -> vec3<f32> {
+// [xx, xy, yy]: the fit, or Sobel's derivative, which it is where all is open; 0 on edges.
+fn fitted(above: Row, here: Row, below: Row) -> vec3<f32> {
     let least = min(min(above.open, here.open), below.open);
-    let of_edges = select(vec3<f32>(0.0), fitted(above, here, below), here.open.y != 0.0);
+    let of_edges = select(vec3<f32>(0.0), plane_fit(above, here, below), here.open.y != 0.0);
     return select(of_edges, in_the_open(above, here, below), all(least == vec3<f32>(1.0)));
 }

@@ -1,13 +1,13 @@
 // sigma as a function of intensity alone, for the exponent x = gamma * kappa: weights of the darkest intensity and of
 // the brightest.
-fn scaling_curve(x: f32) -> vec2<f32> {
+fn scaling_curve_of(x: f32) -> vec2<f32> {
     let e = exp_of(-min(abs(x), MAX_EXPONENT));
     let convex = x >= 0.0;
     return vec2<f32>(select(1.0, e, convex), select(e, 1.0, convex));
 }
 
 // sigma of an intensity, clamped to 0..1, for the invariant point alpha.
-fn scaling_at(curve: vec2<f32>, intensity: f32, alpha: f32) -> f32 {
+fn scaling_curve_at(curve: vec2<f32>, intensity: f32, alpha: f32) -> f32 {
     let d = clamp(intensity, 0.0, 1.0);
     let a = clamp(alpha, INVARIANT_MARGIN, 1.0 - INVARIANT_MARGIN);
     let low = a * (1.0 - d);
@@ -16,5 +16,10 @@ fn scaling_at(curve: vec2<f32>, intensity: f32, alpha: f32) -> f32 {
 }
 
 fn scaling(intensity: f32, x: f32, alpha: f32) -> f32 {
-    return scaling_at(scaling_curve(x), intensity, alpha);
+    return scaling_curve_at(scaling_curve_of(x), intensity, alpha);
+}
+
+// A channel times its scaling, finite unless it is no number.
+fn scaled(c: f32, sigma: f32) -> f32 {
+    return select(clamp(c * sigma, -F32_MAX, F32_MAX), c, is_nan(c));
 }

@@ -110,7 +110,7 @@ fn prepare(i: u32, column: u32, row: u32) {
         pixel.hessian = vec3<f32>(hessian_xx[i], hessian_xy[i], hessian_yy[i]);
     }
     if WARPS {
-        pixel.unwarp = inverse_warp(warp_of(pixel.hessian, params.warp * chosen[GAIN]));
+        pixel.unwarp = warp_inverse(warp_of(pixel.hessian, params.warp * chosen[GAIN]));
         let xx = pixel.unwarp.x;
         let xy = pixel.unwarp.y;
         let yy = pixel.unwarp.z;
@@ -126,9 +126,9 @@ fn prepare(i: u32, column: u32, row: u32) {
         find_kappa(i);
     }
     if SCALES {
-        pixel.ambient_curve = scaling_curve(params.ambient_magnitude * pixel.kappa);
-        pixel.diffuse_curve = scaling_curve(params.diffuse_magnitude * pixel.kappa);
-        pixel.specular_curve = scaling_curve(params.specular_magnitude * pixel.kappa);
+        pixel.ambient_curve = scaling_curve_of(params.ambient_magnitude * pixel.kappa);
+        pixel.diffuse_curve = scaling_curve_of(params.diffuse_magnitude * pixel.kappa);
+        pixel.specular_curve = scaling_curve_of(params.specular_magnitude * pixel.kappa);
     }
 }
 
@@ -168,7 +168,7 @@ fn warped_lookup(toward: vec3<f32>) -> vec3<f32> {
     if !WARPS {
         return toward;
     }
-    return warped_direction(inverse_warp(pixel.unwarp), half_vector(toward));
+    return warp_direction(warp_inverse(pixel.unwarp), half_vector(toward));
 }
 
 // The intensity of one of the even directions, looked up where it is warped to, and held back there as MOST_BRIGHTENED
@@ -218,7 +218,7 @@ fn seen(map: Map, direction: vec3<f32>, share: f32, curve: vec2<f32>) -> vec3<f3
     let found = radiance(map, warped_lookup(direction));
     var counts = share;
     if SCALES {
-        counts *= scaling_at(curve, luminance(found) / map.largest, params.invariant_point);
+        counts *= scaling_curve_at(curve, luminance(found) / map.largest, params.invariant_point);
     }
     return found * counts;
 }
@@ -259,7 +259,7 @@ fn add_spheres() {
     }
     var sigma = 1.0;
     if SCALES {
-        sigma = scaling_at(pixel.diffuse_curve, luminance(color) / map.largest, params.invariant_point);
+        sigma = scaling_curve_at(pixel.diffuse_curve, luminance(color) / map.largest, params.invariant_point);
     }
     diffuse += color * sigma * own;
 }
@@ -287,7 +287,7 @@ fn add_lookups() {
 }
 
 // Premultiplies, and keeps what no picture holds out of it.
-fn cover(shown: f32, coverage: f32) -> f32 {
+fn premultiplied(shown: f32, coverage: f32) -> f32 {
     let covering = shown * coverage;
     if is_nan(covering) {
         return bitcast<f32>(params.nan_bits);
@@ -301,7 +301,7 @@ fn compose(i: u32) {
     // Ambient light is 1 in the open, and occlusion where there is any.
     var ambient = params.ambient * pixel.occlusion;
     if SCALES {
-        ambient *= scaling_at(pixel.ambient_curve, pixel.occlusion, params.invariant_point);
+        ambient *= scaling_curve_at(pixel.ambient_curve, pixel.occlusion, params.invariant_point);
     }
     var shown = ambient + params.diffuse_gain * diffuse;
     if HAS_CONTRAST {
@@ -330,9 +330,9 @@ fn compose(i: u32) {
     if FEW_TONES && !TOON {
         shown *= tone_factor(luminance(shown));
     }
-    red[i] = cover(shown.x, coverage);
-    green[i] = cover(shown.y, coverage);
-    blue[i] = cover(shown.z, coverage);
+    red[i] = premultiplied(shown.x, coverage);
+    green[i] = premultiplied(shown.y, coverage);
+    blue[i] = premultiplied(shown.z, coverage);
 }
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)

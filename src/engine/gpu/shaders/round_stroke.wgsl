@@ -10,7 +10,7 @@ struct Piece {
 }
 
 // The share of a pixel with its middle at p that a piece covers, as if the pixel were turned along the line.
-fn coverage_by(piece: Piece, p: vec2<f32>) -> f32 {
+fn round_stroke_coverage(piece: Piece, p: vec2<f32>) -> f32 {
     let along = piece.from_along.zw;
     let offset = p - piece.from_along.xy;
     let t = clamp((offset.x * along.x + offset.y * along.y) * piece.per_square, 0.0, 1.0);

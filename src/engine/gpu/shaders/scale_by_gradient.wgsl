@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var here = row_around(columns, first);
     for (var y = first; y < end; y++) {
         let below = row_around(columns, row_below(y));
-        let entries = entries_of(above, here, below);
+        let entries = fitted(above, here, below);
         let trace = params.resolution_factor * (entries.x + entries.z);
         if is_covered(id.x, y) && trace != 0.0 {
             scale_pixel(index_of(id.x, y), trace);

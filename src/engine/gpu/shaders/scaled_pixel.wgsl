@@ -1,9 +1,5 @@
 // Radiance scaling of a pixel of a finished picture: intensity is its luminance over the white level.
 
-fn scaled(c: f32, sigma: f32) -> f32 {
-    return clamp(c * sigma, -F32_MAX, F32_MAX);
-}
-
 fn scale_pixel(i: u32, trace: f32) {
     let rgb = vec3<f32>(red[i], green[i], blue[i]);
     let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;

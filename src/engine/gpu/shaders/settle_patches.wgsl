@@ -27,7 +27,7 @@ fn visit(i: u32) {
     if IS_CALMED {
         led = calm(own[i], around[i]);
     }
-    let last = doubled(fallback(line_at(middle_of(here.cell, here.offset)), here.normal));
+    let last = doubled(fallback(line(middle_of(i)), here.normal));
     let sure = sqrt(dot(led, led));
     let sum = led + FALLBACK * max(1.0 - sure / FREE, 0.0) * last;
     let length = sqrt(dot(sum, sum));

@@ -7,7 +7,9 @@ struct Within {
 }
 
 fn within(at: f32, size: u32) -> Within {
-    let inside = max(at - f32(size) * floor(at / f32(size)), 0.0);
+    // Below 0 where the quotient was rounded up to a whole number.
+    let rest = at - f32(size) * floor(at / f32(size));
+    let inside = select(rest, rest + f32(size), rest < 0.0);
     let first = min(u32(inside), size - 1u);
     return Within(first, (first + 1u) % size, inside - f32(first));
 }

@@ -37,10 +37,10 @@ fn neighbour(i: u32, next_to: u32) -> vec3<f32> {
 // The direction at half the angle of a sum, of so much weight; 0 where it cancels.
 fn clear_direction(sum: vec2<f32>, weight: f32) -> vec2<f32> {
     let length = sqrt(dot(sum, sum));
-    if !(length > CANCELLED * weight) {
-        return vec2<f32>(0.0);
-    }
-    return halved(sum / weight);
+    let axis = select(vec2<f32>(sum.y, length - sum.x), vec2<f32>(sum.x + length, sum.y), sum.x >= 0.0);
+    let unit = 1.0 / sqrt(dot(axis, axis));
+    let is_clear = length > CANCELLED * weight && is_finite(unit) && unit > 0.0;
+    return select(vec2<f32>(0.0), axis * unit, is_clear);
 }
 
 fn mean_around(i: u32) -> vec2<f32> {
@@ -64,7 +64,7 @@ fn mean_around(i: u32) -> vec2<f32> {
 
 fn fallback_at(i: u32) -> vec2<f32> {
     let place = vec2<f32>(f32(i % width()), f32(i / width())) + 0.5;
-    return fallback(line_at(place), vec3<f32>(normal_x[i], normal_y[i], normal_z[i]));
+    return fallback(line(place), vec3<f32>(normal_x[i], normal_y[i], normal_z[i]));
 }
 
 // A share of the way to the fallback.

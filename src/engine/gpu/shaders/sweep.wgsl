@@ -32,19 +32,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let own = faces[i];
     let east = select(faces[right].x, 0.0, is_right);
     let south = select(faces[down].y, 0.0, is_bottom);
-    // Opposite neighbours are summed first, as on the CPU.
-    let along_x = own.x * (last[select(i - 1u, i, id.x == 0u)] - g) + east * (last[right] - g);
-    let along_y = own.y * (last[select(i - width(), i, id.y == 0u)] - g) + south * (last[down] - g);
-    let lg = along_x + along_y;
+    let left = select(i - 1u, i, id.x == 0u);
+    let up = select(i - width(), i, id.y == 0u);
+    let lg = flux(g, last[left], last[right], last[up], last[down], vec4<f32>(own.x, east, own.y, south));
     let term = params.first_term + 1u;
-    var made = g + params.time_step * lg;
-    if IS_EXPANSION {
-        if term == 1u {
-            made = -0.25 * lg - g;
-        } else {
-            made = -0.5 * lg - (2.0 * g + next[i]);
-        }
+    var earlier = vec2<f32>(0.0);
+    if IS_EXPANSION && term > 1u {
+        earlier = next[i];
     }
+    let made = updated(g, lg, earlier, term);
     next[i] = made;
     if ADDS_TWO || ADDS_OWN {
         var level = 0u;

@@ -5,7 +5,7 @@ fn limited(value: f32, most: f32) -> f32 {
     return select(0.0, min(value, most), value > 0.0 && !is_nan(value));
 }
 
-fn term_sigma(luminance: f32, white: f32, kappa: f32) -> f32 {
+fn term_scaling_sigma(luminance: f32, white: f32, kappa: f32) -> f32 {
     let intensity = limited(luminance / white, 1.0);
     return scaling(intensity, params.magnitude * kappa, params.invariant_point);
 }

@@ -48,11 +48,11 @@ fn arrive(light: Arriving) -> Incidence {
     return Incidence(light.share, cosine, 1.0, lobe);
 }
 
-// The same of a light whose direction is unwarped, with its Jacobian.
-fn arrive_unwarped(light: Arriving) -> Incidence {
-    let n = pixel.normal.vector;
-    let g = pixel.normal.unwarped;
-    let squared = pixel.unwarp_squared;
+// The same of a light whose direction is unwarped, with its Jacobian, where the normal and the square of the inverse of
+// Lambda (xx, twice xy, yy) are given.
+fn arrive_unwarped(light: Arriving, normal: Axis, squared: vec3<f32>) -> Incidence {
+    let n = normal.vector;
+    let g = normal.unwarped;
     let x = light.half.x;
     let y = light.half.y;
     let z = light.half.z;
@@ -82,20 +82,16 @@ fn product(light: Arriving, inverse: f32, axis: Axis) -> f32 {
 }
 
 // The square of n . h, h half-way between light and an eye that is not on the axis.
-fn half_way(light: Arriving, inverse: f32) -> f32 {
-    let light_eye = product(light, inverse, pixel.to_eye);
-    // The cosine may be held back, and is not here.
-    let light_normal = product(light, inverse, pixel.normal);
-    let eye = scalar_product(pixel.normal.vector, pixel.to_eye.vector);
-    let along = positive(light_normal + eye);
+fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f32 {
+    let along = positive(light_normal + normal_eye);
     let squared = 2.0 + 2.0 * light_eye;
     return at_most_1(along * along / max(squared, SHORTEST));
 }
 
 // The power of the lobe of numbers from 0 to 1; 0 stays 0.
-fn raised(x: f32) -> f32 {
+fn power_raise(x: f32) -> f32 {
     if params.whole_power == 0u {
-        let power = exp_of(params.power * ln_of(max(x, MIN_POSITIVE)));
+        let power = exp_of(params.power * ln(max(x, MIN_POSITIVE)));
         return select(0.0, power, x > 0.0);
     }
     // From the highest digit of the exponent on.
@@ -114,7 +110,7 @@ fn kappa_toward(light: Arriving, inverse: f32) -> f32 {
     var l = light.direction.xy;
     if HAS_JACOBIAN {
         let twice = 2.0 * light.half.z * inverse;
-        l = twice * under_warp(pixel.unwarp, light.half);
+        l = twice * warp_apply(pixel.unwarp, light.half);
     }
     return mapped_curvature_toward(pixel.hessian, l, chosen[GAIN], params.anisotropy);
 }
@@ -123,7 +119,7 @@ fn kappa_toward(light: Arriving, inverse: f32) -> f32 {
 fn reflect_light(light: Arriving) -> Terms {
     var arrived: Incidence;
     if HAS_JACOBIAN {
-        arrived = arrive_unwarped(light);
+        arrived = arrive_unwarped(light, pixel.normal, pixel.unwarp_squared);
     } else {
         arrived = arrive(light);
     }
@@ -134,8 +130,8 @@ fn reflect_light(light: Arriving) -> Terms {
     var specular_curve = pixel.specular_curve;
     if TOWARD_LIGHT {
         let kappa = kappa_toward(light, arrived.inverse);
-        diffuse_curve = scaling_curve(params.diffuse_magnitude * kappa);
-        specular_curve = scaling_curve(params.specular_magnitude * kappa);
+        diffuse_curve = scaling_curve_of(params.diffuse_magnitude * kappa);
+        specular_curve = scaling_curve_of(params.specular_magnitude * kappa);
     }
     var cosine = arrived.cosine;
     var lobe = arrived.lobe;
@@ -159,26 +155,29 @@ fn reflect_light(light: Arriving) -> Terms {
         // n . h, of what h has beside its parts along and across the grain.
         let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
         lobe = sqrt(positive(1.0 - aside));
-        diffuse = arrived.weight * base_of(cosines.nl, ne);
-        specular = arrived.weight * coat_of(cosines);
+        diffuse = arrived.weight * ashikhmin_shirley_diffuse(cosines.nl, ne);
+        specular = arrived.weight * ashikhmin_shirley_specular(cosines);
     } else if PHONG {
-        lobe = raised(at_most_1(positive(product(light, arrived.inverse, pixel.mirrored))));
+        lobe = power_raise(at_most_1(positive(product(light, arrived.inverse, pixel.mirrored))));
         diffuse = arrived.weight * cosine;
         specular = arrived.weight * lobe;
     } else if BLINN_PHONG {
         if !FAR_EYE {
-            lobe = half_way(light, arrived.inverse);
+            let light_eye = product(light, arrived.inverse, pixel.to_eye);
+            // The cosine may be held back, and is not here.
+            let light_normal = product(light, arrived.inverse, pixel.normal);
+            lobe = half_way(light_eye, light_normal, scalar_product(pixel.normal.vector, pixel.to_eye.vector));
         }
-        lobe = raised(lobe);
+        lobe = power_raise(lobe);
         diffuse = arrived.weight * cosine;
         specular = arrived.weight * cosine * lobe;
     } else {
-        cosine = raised(cosine);
+        cosine = power_raise(cosine);
         diffuse = arrived.weight * cosine;
     }
     if SCALES {
-        diffuse *= scaling_at(diffuse_curve, cosine, params.invariant_point);
-        specular *= scaling_at(specular_curve, lobe, params.invariant_point);
+        diffuse *= scaling_curve_at(diffuse_curve, cosine, params.invariant_point);
+        specular *= scaling_curve_at(specular_curve, lobe, params.invariant_point);
     }
     return Terms(diffuse, specular);
 }

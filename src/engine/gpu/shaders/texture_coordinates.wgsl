@@ -33,7 +33,10 @@ fn slope(here: vec2<f32>, before: Neighbour, after: Neighbour) -> Slope {
     if has_before {
         return Slope(here - before.place, true);
     }
-    return Slope(after.place - here, has_after);
+    if has_after {
+        return Slope(after.place - here, true);
+    }
+    return Slope(vec2<f32>(0.0), false);
 }
 
 // The Jacobian at the place `here`, from those beside, above and below. A derivative that is missing is taken for a turn

@@ -1,0 +1,68 @@
+//! The pairs.
+
+use super::super::kernels::Kernel;
+use super::domains::*;
+use super::twin::{Tolerance, Twin};
+use super::words::UNSPECIFIED;
+use crate::engine::cpu::percentile::{key_of, value_of};
+use crate::fast_math::circular::{ATAN, TAN};
+use crate::fast_math::exponential::{EXP, LN, split_exp};
+use crate::fast_math::{self, polynomial, power_of_two};
+use crate::frame::luminance;
+use crate::frame::{Projection, SightLines};
+use crate::light::batch::BATCH;
+use crate::light::brdf::{self, AshikhminShirley, Cosines, fifth_power, passed};
+use crate::light::environment::equirectangular_position;
+use crate::light::layers::{TermScaling, changed, limited};
+use crate::light::light_warping::{
+    MOST_BRIGHTENED, Warp, bounded_entry, contrast, half_vector, scale_factor,
+};
+use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
+use crate::light::relight::shade::premultiplied;
+use crate::light::sum::Power;
+use crate::light::sum::terms::{self, at_most_1, positive, scalar_product};
+use crate::light::texels::mixed;
+use crate::light::tones::tone_factor;
+use crate::line::contours::crack;
+use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::direction::{clear_direction, fixed_direction, fixed_second_direction};
+use crate::line::direction_field::setting::FieldSetting;
+use crate::line::direction_field::{Form, calm, doubled, halved};
+use crate::line::hatching::share;
+use crate::line::normal_rays::{Difference, Local, NormalRay, Slopes, upright_tangents};
+use crate::line::paper::{grain, graphite, unit};
+use crate::line::slice_texture::{mix, within};
+use crate::line::stroke_texture::{ramp_between, ramp_of};
+use crate::line::texture_coordinates::{
+    in_texture, is_joined, is_one_depth, is_one_motion, jacobian, slope,
+};
+use crate::params::{Quantisation, ShapeParams, SoftThreshold};
+use crate::shape::conductance::face_conductance;
+use crate::shape::crease::{CreaseDetector, angle_within};
+use crate::shape::curvature::{
+    mapped_curvature, mapped_curvature_toward, principal_curvatures, principal_direction,
+};
+use crate::shape::diffusion::{Update, flux};
+use crate::shape::gradient::{depth_gradient, facing};
+use crate::shape::hessian::{fitted, in_the_open, plane_fit};
+use crate::shape::silhouette::jump_weight;
+use crate::shape::sobel;
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+/// A pair: the name in WGSL, the path of the Rust function, which the compiler has to know, and a kernel that has the other.
+macro_rules! twin {
+    ($name:ident, $path:path, $kernel:ident, $rust:expr) => {{
+        let _ = $path;
+        Twin::new(stringify!($name), stringify!($path), Kernel::$kernel, $rust)
+    }};
+}
+
+mod light;
+mod line;
+mod shape;
+
+/// All pairs.
+pub(super) fn twins() -> Vec<Twin> {
+    let rooms = [shape::twins(), light::twins(), line::twins()];
+    rooms.into_iter().flatten().collect()
+}

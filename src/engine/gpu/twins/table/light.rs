@@ -1,0 +1,322 @@
+//! Light.
+
+use super::*;
+
+pub(super) fn twins() -> Vec<Twin> {
+    [
+        scaling_of_light(),
+        terms_of_light(),
+        reflectance(),
+        warping(),
+        lights(),
+        look_ups(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn scaling_of_light() -> Vec<Twin> {
+    vec![
+        twin!(scaling_curve_of, ScalingCurve::of, Relight, |x: f32| {
+            let curve = ScalingCurve::of(x);
+            [curve.dark, curve.bright]
+        }),
+        twin!(
+            scaling_curve_at,
+            ScalingCurve::at,
+            Relight,
+            |curve: [f32; 2], d: f32, alpha: f32| {
+                let [dark, bright] = curve;
+                ScalingCurve { dark, bright }.at(d, alpha)
+            }
+        )
+        .on(no_nan),
+        twin!(scaling, scaling, Relight, |d: f32, x: f32, alpha: f32| {
+            scaling(d, x, alpha)
+        })
+        .on(no_nan),
+        // A scaling is positive and finite.
+        twin!(scaled, scaled, Occlude, |c: f32, sigma: f32| scaled(
+            c, sigma
+        ))
+        .on(|words| within_range(&mut words[1..], 1e-27, 1e27)),
+        twin!(limited, limited, Occlude, |value: f32, most: f32| limited(
+            value, most
+        )),
+    ]
+}
+
+fn terms_of_light() -> Vec<Twin> {
+    vec![
+        twin!(
+            term_scaling_sigma,
+            TermScaling::sigma,
+            Occlude,
+            |luminance: f32, white: f32, kappa: f32, magnitude: f32, invariant_point: f32| {
+                let scaling = TermScaling {
+                    magnitude,
+                    invariant_point,
+                    white,
+                    weights: [0.0; 3],
+                };
+                scaling.sigma(luminance, kappa)
+            }
+        )
+        .with(&["magnitude", "invariant_point"])
+        .on(no_nan),
+        // What terms change and hold is finite.
+        twin!(
+            changed,
+            changed,
+            ChangePicture,
+            |c: f32, change: f32, told: f32| { changed(c, change, told) }
+        )
+        .on(|words| bounded(&mut words[1..])),
+        twin!(
+            luminance,
+            luminance,
+            Relight,
+            |rgb: [f32; 3], weights: [f32; 3]| { luminance(rgb, weights) }
+        )
+        .with(&["weight_r", "weight_g", "weight_b"]),
+        twin!(
+            premultiplied,
+            premultiplied,
+            Relight,
+            |shown: f32, coverage: f32, _: u32| { premultiplied(shown, coverage) }
+        )
+        .with(&["nan_bits"])
+        .on(|words| words[2] = f32::NAN.to_bits()),
+        twin!(
+            tone_factor,
+            tone_factor,
+            Relight,
+            |y: f32, levels: f32, softness: f32| {
+                let levels = levels as u32;
+                tone_factor(y, Quantisation { levels, softness })
+            }
+        )
+        .with(&["tone_levels", "tone_softness"])
+        .on(|words| {
+            within_range(&mut words[1..2], 1.0, 64.0);
+            each(&mut words[1..2], f32::floor);
+            within_range(&mut words[2..3], 0.0, 1.0);
+        }),
+    ]
+}
+
+fn reflectance() -> Vec<Twin> {
+    vec![
+        twin!(fifth_power, fifth_power, Relight, |x: f32| fifth_power(x)),
+        twin!(passed, passed, Relight, |cosine: f32| passed(cosine)),
+        twin!(
+            ashikhmin_shirley_diffuse,
+            AshikhminShirley::diffuse,
+            Relight,
+            |nl: f32, ne: f32, reflectance: f32| {
+                let model = AshikhminShirley {
+                    coat: [0.0; 2],
+                    reflectance,
+                    normalisation: 0.0,
+                };
+                model.diffuse(nl, ne)
+            }
+        )
+        .with(&["reflectance"]),
+        twin!(
+            ashikhmin_shirley_specular,
+            AshikhminShirley::specular,
+            Relight,
+            |cosines: [f32; 5], coat: [f32; 2], reflectance: f32, normalisation: f32| {
+                let [nl, ne, he, hu, hv] = cosines;
+                let model = AshikhminShirley {
+                    coat,
+                    reflectance,
+                    normalisation,
+                };
+                model.specular(Cosines { nl, ne, he, hu, hv })
+            }
+        )
+        .with(&[
+            "coat_along",
+            "coat_across",
+            "reflectance",
+            "coat_normalisation",
+        ])
+        .on(|words| {
+            within_range(&mut words[..5], -2.0, 2.0);
+            within_range(&mut words[5..], 0.0, 1e6);
+        }),
+        twin!(fresnel, brdf::fresnel, Relight, |cosine: f32, ior: f32| {
+            brdf::fresnel(cosine, ior)
+        })
+        .on(no_nan),
+        twin!(
+            mirrored,
+            brdf::mirrored,
+            Relight,
+            |n: [f32; 3], eye: [f32; 3]| { brdf::mirrored(n, eye) }
+        ),
+        twin!(thin_sheet, brdf::thin_sheet, Relight, |r: f32| {
+            brdf::thin_sheet(r)
+        }),
+    ]
+}
+
+fn warp([xx, xy, yy]: [f32; 3]) -> Warp {
+    Warp { xx, xy, yy }
+}
+
+fn entries(warp: Warp) -> [f32; 3] {
+    [warp.xx, warp.xy, warp.yy]
+}
+
+fn warping() -> Vec<Twin> {
+    vec![
+        twin!(scale_factor, scale_factor, Relight, |k: f32, alpha: f32| {
+            scale_factor(k, alpha)
+        }),
+        twin!(bounded_entry, bounded_entry, Relight, |h: f32| {
+            bounded_entry(h)
+        }),
+        // The gain times the strength asked for.
+        twin!(warp_of, Warp::of, Relight, |h: [f32; 3], alpha: f32| {
+            entries(Warp::of(h, alpha))
+        })
+        .on(|words| within_range(&mut words[3..], -10.0, 10.0)),
+        twin!(
+            warp_determinant,
+            Warp::determinant,
+            Relight,
+            |w: [f32; 3]| warp(w).determinant()
+        ),
+        twin!(warp_inverse, Warp::inverse, Relight, |w: [f32; 3]| entries(
+            warp(w).inverse()
+        )),
+        twin!(
+            warp_apply,
+            Warp::apply,
+            Relight,
+            |w: [f32; 3], half: [f32; 3]| warp(w).apply(half)
+        ),
+        twin!(
+            warp_direction,
+            Warp::direction,
+            Relight,
+            |w: [f32; 3], half: [f32; 3]| { warp(w).direction(half) }
+        ),
+        twin!(half_vector, half_vector, Relight, |direction: [f32; 3]| {
+            half_vector(direction)
+        }),
+        twin!(contrast, contrast, Relight, |w: [f32; 3], gamma: f32| {
+            contrast(warp(w), gamma)
+        })
+        .on(|words| {
+            // A warp's determinant is 1/3 to 3.
+            for (i, (from, to)) in [(0.5, 2.0), (-0.4, 0.4), (0.5, 2.0)]
+                .into_iter()
+                .enumerate()
+            {
+                within_range(&mut words[i..=i], from, to);
+            }
+            bounded(&mut words[3..]);
+        }),
+    ]
+}
+
+fn lights() -> Vec<Twin> {
+    vec![
+        twin!(
+            scalar_product,
+            scalar_product,
+            Relight,
+            |a: [f32; 3], b: [f32; 3]| { scalar_product(a, b) }
+        ),
+        twin!(positive, positive, Relight, |x: f32| positive(x)),
+        twin!(at_most_1, at_most_1, Relight, |x: f32| at_most_1(x)),
+        twin!(
+            arrive_unwarped,
+            terms::arrive_unwarped,
+            Relight,
+            |direction: [f32; 3],
+             half: [f32; 3],
+             share: f32,
+             axis: ([f32; 3], [f32; 2]),
+             squared: [f32; 3]| {
+                let most = MOST_BRIGHTENED * scalar_product(axis.0, direction);
+                let arrived = terms::arrive_unwarped(half, share, axis, squared, most);
+                [
+                    arrived.weight,
+                    arrived.cosine,
+                    arrived.inverse,
+                    arrived.lobe,
+                ]
+            }
+        ),
+        twin!(
+            product,
+            terms::product,
+            Relight,
+            |direction: [f32; 3],
+             half: [f32; 3],
+             _: f32,
+             inverse: f32,
+             axis: ([f32; 3], [f32; 2]),
+             is_warped: bool| {
+                terms::product(direction, is_warped.then_some(half), inverse, axis)
+            }
+        )
+        .with(&["HAS_JACOBIAN"]),
+        twin!(
+            half_way,
+            terms::half_way,
+            Relight,
+            |le: f32, ln: f32, ne: f32| { terms::half_way(le, ln, ne) }
+        ),
+        twin!(
+            power_raise,
+            Power::raise,
+            Relight,
+            |x: f32, whole: u32, power: f32| {
+                let mut lanes = [x; BATCH];
+                let power = match whole {
+                    0 => Power::Any(power),
+                    whole => Power::Whole(whole),
+                };
+                power.raise(&mut lanes);
+                lanes[0]
+            }
+        )
+        .with(&["whole_power", "power"])
+        .on(|words| {
+            within_range(&mut words[..1], 0.0, 1.0);
+            words[1] %= 1025;
+            within_range(&mut words[2..], 0.0, 1e6);
+        }),
+    ]
+}
+
+fn look_ups() -> Vec<Twin> {
+    vec![
+        twin!(
+            equirectangular_position,
+            equirectangular_position,
+            Relight,
+            |_: u32, size: [u32; 2], turn: f32, _: f32, direction: [f32; 3]| {
+                equirectangular_position(size.map(|v| v as usize), turn, direction)
+            }
+        )
+        .on(|words| {
+            words[1..3]
+                .iter_mut()
+                .for_each(|size| *size = *size % 16384 + 1);
+            within_range(&mut words[3..4], -2.0, 2.0);
+        }),
+        twin!(mixed, mixed, Relight, |a: [f32; 3], b: [f32; 3], t: f32| {
+            let texel = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+            let [x, y, z, _] = mixed(texel(a), texel(b), t);
+            [x, y, z]
+        }),
+    ]
+}

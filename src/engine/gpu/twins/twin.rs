@@ -1,0 +1,93 @@
+//! A scalar function of WGSL and its namesake in Rust.
+
+use super::super::kernels::Kernel;
+use super::words::Namesake;
+
+/// A function from words to words.
+type FromWords = Box<dyn Fn(&[u32], &mut Vec<u32>) + Send + Sync>;
+
+/// A scalar function of WGSL with its namesake.
+pub(super) struct Twin {
+    pub(super) name: &'static str,
+    /// A kernel that has it.
+    pub(super) kernel: Kernel,
+    /// The namesake, from words to words.
+    pub(super) rust: FromWords,
+    /// Fields of the uniform block and switches that follow after the arguments.
+    pub(super) with: &'static [&'static str],
+    /// Brings inputs to where the function is asked.
+    pub(super) domain: fn(&mut [u32]),
+    pub(super) tolerance: Tolerance,
+}
+
+/// How far twins may differ.
+#[derive(Clone, Copy)]
+pub(super) enum Tolerance {
+    /// Not at all: both do the same operations of f32 in the same order.
+    Exact,
+    /// As many f32 lie between them at the most.
+    Ulps(u32),
+    Absolute(f32),
+}
+
+impl Twin {
+    pub(super) fn new<A>(
+        name: &'static str,
+        path: &str,
+        kernel: Kernel,
+        rust: impl Namesake<A> + Send + Sync + 'static,
+    ) -> Self {
+        assert!(is_namesake(name, path), "{name} is no name for {path}");
+        Self {
+            name,
+            kernel,
+            rust: Box::new(move |words, out| rust.run(&mut words.iter().copied(), out)),
+            with: &[],
+            domain: |_| {},
+            tolerance: Tolerance::Exact,
+        }
+    }
+
+    /// Adds fields of the uniform block and switches to what both are given.
+    pub(super) fn with(mut self, names: &'static [&'static str]) -> Self {
+        self.with = names;
+        self
+    }
+
+    pub(super) fn on(mut self, domain: fn(&mut [u32])) -> Self {
+        self.domain = domain;
+        self
+    }
+
+    pub(super) fn within(mut self, tolerance: Tolerance) -> Self {
+        self.tolerance = tolerance;
+        self
+    }
+}
+
+/// Functions of which WGSL has its own, which a device computes as it likes: the twin's name ends in `_of`.
+const BUILT_IN: [&str; 5] = ["exp", "tanh", "atan", "atan2", "mix"];
+
+/// Whether a WGSL function has the name of the Rust function of a path.
+fn is_namesake(wgsl: &str, path: &str) -> bool {
+    let path = path.replace(' ', "").replace("::<", "<");
+    let mut parts = path.rsplit("::");
+    let name = parts.next().unwrap_or_default();
+    if let Some((name, _)) = name.split_once('<') {
+        // Generic over coefficients, which the name ends with.
+        return wgsl
+            .strip_prefix(name)
+            .is_some_and(|rest| rest.starts_with('_'));
+    }
+    if BUILT_IN.contains(&name) {
+        return wgsl.strip_suffix("_of") == Some(name);
+    }
+    let mut with_type = String::new();
+    for c in parts.next().unwrap_or_default().chars() {
+        if c.is_uppercase() && !with_type.is_empty() {
+            with_type.push('_');
+        }
+        with_type.extend(c.to_lowercase());
+    }
+    wgsl == name || wgsl == format!("{with_type}_{name}")
+}
