@@ -43,8 +43,8 @@ fn strokes_go_around_a_cylinder_or_along_it_as_asked() {
             (StrokeDirections::Max, angle + 90.0),
             (StrokeDirections::Min, angle),
         ] {
-            let drawn = drawing(&frame, along(directions));
-            let found = stroke_angle(&drawn.hatching, middle);
+            let hatching = blurred(&drawing(&frame, along(directions)).hatching);
+            let found = stroke_angle(&hatching, middle);
             assert!(
                 apart(found, expected) < 1.0,
                 "{axis} {directions:?}: {found:.2} for {expected}"
@@ -67,14 +67,14 @@ fn strokes_follow_both_families_of_a_torus() {
         (x.hypot(y), y.atan2(x).to_degrees())
     };
     for (directions, turn) in [(StrokeDirections::Max, 0.0), (StrokeDirections::Min, 90.0)] {
-        let drawn = drawing(&frame, along(directions));
+        let hatching = blurred(&drawing(&frame, along(directions)).hatching);
         let errors = (0..360).step_by(30).map(f64::from).map(|sector| {
             let inside = |x, y| {
                 let (radius, angle) = polar(x, y);
                 let off = (angle - sector + 180.0).rem_euclid(360.0) - 180.0;
                 (radius - ring).abs() < 60.0 && off.abs() < 10.0
             };
-            let found = stroke_angle(&drawn.hatching, inside);
+            let found = stroke_angle(&hatching, inside);
             (found - sector - turn + 90.0).rem_euclid(180.0) - 90.0
         });
         let errors: Vec<f64> = errors.collect();
@@ -96,13 +96,13 @@ fn a_ball_is_hatched_in_parallel_and_as_asked() {
     for angle in [45.0_f32, 120.0] {
         let mut line = along(StrokeDirections::Max);
         line.field.fallback = Fallback::Angle(angle);
-        let drawn = drawing(&frame, line);
+        let hatching = blurred(&drawing(&frame, line).hatching);
         // Everywhere on it: no swirl.
         for (left, top) in [(130, 130), (250, 250), (370, 130), (130, 370), (370, 370)] {
             let part = |x: usize, y: usize| {
                 (left..left + 140).contains(&x) && (top..top + 140).contains(&y)
             };
-            let found = stroke_angle(&drawn.hatching, part);
+            let found = stroke_angle(&hatching, part);
             assert!(
                 apart(found, f64::from(angle)) < 2.0,
                 "({left}, {top}): {found:.1}"

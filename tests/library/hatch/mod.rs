@@ -48,11 +48,10 @@ fn hatched(
     white
 }
 
-/// The direction, in degrees from the right counterclockwise, 0..180, along which `plane` changes least,
-/// over the pixels of `part`: strokes run along it. From the sum of squared differences, of a blurred plane:
-/// between next neighbours differences of thin lines favour some angles.
+/// The direction, in degrees from the right counterclockwise, 0..180, along which a [`blurred`] plane changes least,
+/// over the pixels of `part`: strokes run along it. From the sum of squared differences; of a plane that is not blurred
+/// those between next neighbours favour some angles of thin lines.
 fn stroke_angle(plane: &Plane, part: impl Fn(usize, usize) -> bool) -> f64 {
-    let plane = &blurred(plane);
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     // Of fourth order: the plain difference falls short by a tenth where lines are six pixels apart.
     let slope =
