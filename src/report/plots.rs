@@ -276,8 +276,10 @@ fn strokes_by_levels(sweep: &strokes::Sweep) -> String {
     figure(&title, &legend, ["levels", ""], panels)
 }
 
-/// Errors of a mirror's sight lines.
-const SIGHT_LINES: [(&str, fn(&MirrorRow) -> f64); 3] = [
+type SightLineError = fn(&MirrorRow) -> f64;
+
+/// Errors of a mirror's sight lines, by the names of their plots.
+const SIGHT_LINES: [(&str, SightLineError); 3] = [
     ("astray, share of pixels", MirrorRow::astray),
     ("points, 95 %", |row| row.position.p95),
     ("points, median", |row| row.position.median),

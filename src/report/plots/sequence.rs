@@ -4,8 +4,10 @@ use super::figure::{FAINT, GRID, INK, SERIES, svg, text};
 use crate::report::coherence::{Coherence, Row};
 use plotters::prelude::*;
 
+type Difference = fn(&Row) -> f64;
+
 /// Differences of a row, and what the plot calls them.
-const LINES: [(&str, fn(&Row) -> f64); 3] = [
+const LINES: [(&str, Difference); 3] = [
     ("still in the picture", |row| row.still),
     ("carried", |row| row.carried),
     ("floor", |row| row.floor),
