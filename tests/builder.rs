@@ -130,6 +130,7 @@ fn a_frame_of_memory_is_that_of_the_file() {
         let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("fixtures/{name}.exr"));
         let inputs = Inputs {
             picture: picture.clone(),
+            camera: Some(picture.with_extension("camera.json")),
             ..Inputs::default()
         };
         let needs = Needs {
