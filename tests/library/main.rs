@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod builder;
 mod camera;
 mod contours;
 mod conventions;
