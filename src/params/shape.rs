@@ -46,8 +46,9 @@ impl Value for SoftThreshold {
         Some(format!("{},{}", self.lo, self.hi))
     }
 
+    /// The upper end is held to the lower one, by the struct that it is of.
     fn outside(&self, row: &Param) -> Option<String> {
-        [self.lo, self.hi].outside(row)
+        self.lo.outside(row)
     }
 }
 
@@ -155,7 +156,8 @@ params! {
         /// Length of one explicit step.
         ///
         /// Above 1/4 the scheme is unstable; at exactly 1/4 a checkerboard never decays.
-        time_step: f32 = 0.2, valid: 0.001..=0.25;
+        time_step: f32 = 0.2, valid: 0.001..=0.25,
+            why: Some("explicit diffusion is stable only up to there");
         /// Jump of depth, as a share of the distance, that makes a silhouette.
         ///
         /// It is a jump across a pixel. Lower values cut steep slopes apart; higher ones let curvature leak between

@@ -22,6 +22,8 @@ pub struct Param {
     pub form: &'static str,
     /// Numbers outside are refused.
     pub valid: RangeInclusive<f32>,
+    /// Why the range ends where it does, where a refusal says so.
+    pub why: Option<&'static str>,
     /// How far a slider reaches; values beyond can be typed.
     pub useful: Option<Useful>,
     /// The parameter that cannot be given beside it.
@@ -196,6 +198,7 @@ impl Param {
             unit: Unit::One,
             form: "",
             valid: f32::NEG_INFINITY..=f32::INFINITY,
+            why: None,
             useful: None,
             rival: None,
             doc,
@@ -256,10 +259,11 @@ impl Param {
             ),
             _ => format!("give {from} to {}", short(to)),
         };
+        let why = self.why.map_or(String::new(), |why| format!(": {why}"));
         Error::BadParameter {
             name: self.flag,
             found: format!("is {number}"),
-            remedy,
+            remedy: remedy + &why,
         }
     }
 }

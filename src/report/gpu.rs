@@ -392,7 +392,8 @@ mod tests {
         let frames = [("waves", &frame, ShapeParams::default())];
         let same = Gpu::new("test".into(), true, true, &device);
         let rows = same.products(&frames).unwrap();
-        assert_eq!(rows.len(), Product::all().count());
+        // The trace is a step on the way to others: a run that ends in layers has the Hessian.
+        assert_eq!(rows.len(), Product::all().count() - 1);
         assert!(
             rows.iter()
                 .all(|row| row.is_within && row.difference == 0.0)
