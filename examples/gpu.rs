@@ -170,7 +170,7 @@ fn measure(
     let mut processor = f64::INFINITY;
     for _ in 0..RUNS {
         let start = Instant::now();
-        on_cpu.take_back(by_cpu());
+        on_cpu.recycle(by_cpu());
         whole[0] = whole[0].min(start.elapsed());
         let (start, before) = (Instant::now(), processor_seconds());
         let timings = by_device()?.timings;

@@ -290,7 +290,7 @@ impl Lighting<'_> {
         let mut outcome = runner.relight(&plan, frame, &self.light);
         let (mut times, mut once) = (Vec::new(), Vec::new());
         for _ in 0..repeats {
-            runner.take_back(outcome);
+            runner.recycle(outcome);
             runner.forget_environment();
             outcome = runner.relight(&plan, frame, &self.light);
             let stage = |name: &str| {

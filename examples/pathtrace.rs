@@ -80,7 +80,7 @@ enum Command {
     /// Render a scene to an EXR file that relievo reads.
     Render(RenderArguments),
     /// Render the pictures of the README as one.
-    Sheet {
+    PlacedTexture {
         /// A JPEG or PNG file.
         output: PathBuf,
         /// Paths per pixel; twice as many where there are mirrors.
@@ -143,7 +143,7 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     match arguments.command {
         Command::Render(arguments) => render(&arguments),
-        Command::Sheet {
+        Command::PlacedTexture {
             output,
             samples,
             width,

@@ -66,7 +66,7 @@ fn write_turns(w: impl Write, frame: &Frame, count: u16) -> Result<(), Box<dyn E
         let outcome = runner.relight(&plan, frame, &common::light_from(azimuth, ELEVATION));
         let color = outcome.color.as_ref().expect("light makes a picture");
         writer.write_image_data(&common::codes(&common::over_backdrop(color, frame)))?;
-        runner.take_back(outcome);
+        runner.recycle(outcome);
     }
     writer.finish()?;
     Ok(())

@@ -65,7 +65,7 @@ impl FrameCommand for EnhanceArgs {
             read,
         };
         let chosen = job.write_color(&done, made(&done.loaded.frame, &done.outcome))?;
-        engine.cpu.take_back(done.outcome);
+        engine.cpu.recycle(done.outcome);
         Ok(chosen)
     }
 }

@@ -9,10 +9,10 @@ use super::message;
 use super::panics::caught;
 use super::progress::{Progress, Status};
 use super::recipe::{RecipeText, SAMPLE_FRAMES};
+use super::run_log::RunLog;
 use super::sequence::MissingArg;
 use super::stop::{self, First};
 use super::threads::{Lanes, on_threads};
-use super::told::Told;
 use crate::error::Result;
 use crate::io::output::{is_whole, write_text};
 use clap::FromArgMatches;
@@ -90,7 +90,7 @@ fn single<C: FrameCommand>(
     check(command, invocation.recipe(), &[None], work)?;
     files::sweep(work, &mut BTreeSet::new());
     let kit = command.prepare()?;
-    let told = Told::default();
+    let told = RunLog::default();
     let job = Job::new(work.clone(), &told, &recipe);
     let chosen = command.make(&kit, &job)?;
     save_recipe(work, &recipe.with(&chosen))?;
@@ -157,7 +157,7 @@ fn sequence<C: FrameCommand>(
     drop(kit);
     let kit = command.prepare()?;
     let progress = Progress::begin(command.work().run.progress, quiet, frames.len());
-    let told = Told::of_sequence(progress);
+    let told = RunLog::of_sequence(progress);
     let run = Sequence {
         command: &command,
         kit: &kit,
@@ -190,7 +190,7 @@ fn choose<C: FrameCommand>(
     recipe: &RecipeText,
     samples: &[i32],
 ) -> Result<Chosen> {
-    let told = Told::default();
+    let told = RunLog::default();
     let mut each = Vec::new();
     let mut first_error = None;
     for &frame in samples {
@@ -237,7 +237,7 @@ struct Sequence<'a, C: FrameCommand> {
     command: &'a C,
     kit: &'a C::Kit,
     recipe: &'a RecipeText,
-    told: &'a Told,
+    told: &'a RunLog,
     frames: &'a [i32],
     next: AtomicUsize,
     failed: AtomicBool,

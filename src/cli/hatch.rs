@@ -34,19 +34,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// What all frames that are drawn have in common.
-pub(super) struct HatchKit {
+pub(super) struct HatchInputs {
     art_map: Option<TonalArtMap>,
     illumination: Illumination,
     engine: Engine,
     looks: Looks,
     /// The surroundings of a frame before, and their file.
     surroundings: Mutex<Option<(PathBuf, Arc<Surroundings>)>>,
-    course: Mutex<Course>,
+    course: Mutex<SequenceState>,
 }
 
 /// What a frame takes from the one before.
 #[derive(Default)]
-struct Course {
+struct SequenceState {
     steps: Steps,
     /// Where the texture of strokes lay.
     coordinates: Option<TextureCoordinates>,
@@ -61,7 +61,7 @@ pub(super) struct Looks {
 }
 
 impl FrameCommand for HatchArgs {
-    type Kit = HatchKit;
+    type Kit = HatchInputs;
 
     fn work(&self) -> &WorkArgs {
         &self.relight.work
@@ -89,9 +89,9 @@ impl FrameCommand for HatchArgs {
         self.looks().map(|_| ())
     }
 
-    fn prepare(&self) -> Result<HatchKit> {
+    fn prepare(&self) -> Result<HatchInputs> {
         let looks = self.looks()?;
-        Ok(HatchKit {
+        Ok(HatchInputs {
             art_map: self.art_map(&looks)?,
             illumination: illumination(
                 &self.relight,
@@ -104,7 +104,7 @@ impl FrameCommand for HatchArgs {
         })
     }
 
-    fn make(&self, kit: &HatchKit, job: &Job) -> Result<Chosen> {
+    fn make(&self, kit: &HatchInputs, job: &Job) -> Result<Chosen> {
         let (mut loaded, read) = self.load(kit, job)?;
         let scene = self.specular_scene(kit, job, &mut loaded)?;
         let moves = job.is_in_sequence() && self.motion.moves();
@@ -150,7 +150,7 @@ impl FrameCommand for HatchArgs {
             read,
         };
         let chosen = write(job, &done, kit.looks.line.strokes.dpi)?;
-        kit.engine.cpu.take_back(done.outcome);
+        kit.engine.cpu.recycle(done.outcome);
         Ok(chosen)
     }
 }
@@ -196,7 +196,7 @@ impl HatchArgs {
         (self.relight.inputs(job), needs)
     }
 
-    fn load(&self, kit: &HatchKit, job: &Job) -> Result<(Loaded, Duration)> {
+    fn load(&self, kit: &HatchInputs, job: &Job) -> Result<(Loaded, Duration)> {
         refuse_too_large(job)?;
         let (mut inputs, mut needs) = self.reading(&kit.looks, &kit.illumination, job);
         if let Some(frame) = job.frame.filter(|_| job.follows()) {
@@ -209,7 +209,7 @@ impl HatchArgs {
     /// What mirrors and lenses show, if anything is named; what lies behind fills the frame where it is empty.
     fn specular_scene(
         &self,
-        kit: &HatchKit,
+        kit: &HatchInputs,
         job: &Job,
         loaded: &mut Loaded,
     ) -> Result<Option<SpecularScene>> {

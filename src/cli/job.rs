@@ -5,7 +5,7 @@ use super::chosen::Chosen;
 use super::message;
 use super::output::{Kind, ReadyOutput, color_channels};
 use super::recipe::RecipeText;
-use super::told::Told;
+use super::run_log::RunLog;
 use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
@@ -28,7 +28,7 @@ pub(super) struct Job<'a> {
     /// Its place among the frames of the run.
     index: Option<usize>,
     writes: bool,
-    told: &'a Told,
+    told: &'a RunLog,
     recipe: &'a RecipeText,
     started: Instant,
 }
@@ -65,7 +65,7 @@ impl<'a> From<Picture<'a>> for MadePicture<'a> {
 
 impl<'a> Job<'a> {
     /// A single picture.
-    pub(super) fn new(work: WorkArgs, told: &'a Told, recipe: &'a RecipeText) -> Self {
+    pub(super) fn new(work: WorkArgs, told: &'a RunLog, recipe: &'a RecipeText) -> Self {
         Self {
             writes: work.output.output.is_some(),
             work,
@@ -82,7 +82,7 @@ impl<'a> Job<'a> {
         work: WorkArgs,
         frame: i32,
         index: usize,
-        told: &'a Told,
+        told: &'a RunLog,
         recipe: &'a RecipeText,
     ) -> Self {
         Self {
@@ -104,7 +104,7 @@ impl<'a> Job<'a> {
     pub(super) fn to_choose(
         work: WorkArgs,
         frame: i32,
-        told: &'a Told,
+        told: &'a RunLog,
         recipe: &'a RecipeText,
     ) -> Self {
         Self {

@@ -27,6 +27,7 @@ mod relight_args;
 mod report;
 mod report_device;
 mod role_args;
+mod run_log;
 mod sequence;
 mod shape;
 mod specular_args;
@@ -34,7 +35,6 @@ mod still_camera;
 mod stop;
 mod strips;
 mod threads;
-mod told;
 
 use crate::error::Result;
 use args::{Command, EnhanceArgs, WorkArgs};

@@ -31,13 +31,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What all frames that are lit anew have in common.
-pub(super) struct RelightKit {
+pub(super) struct RelightInputs {
     illumination: Illumination,
     engine: Engine,
 }
 
 impl FrameCommand for RelightArgs {
-    type Kit = RelightKit;
+    type Kit = RelightInputs;
 
     fn work(&self) -> &WorkArgs {
         &self.work
@@ -53,14 +53,14 @@ impl FrameCommand for RelightArgs {
         work.flags.refuse_more_scales()
     }
 
-    fn prepare(&self) -> Result<RelightKit> {
-        Ok(RelightKit {
+    fn prepare(&self) -> Result<RelightInputs> {
+        Ok(RelightInputs {
             illumination: illumination(self, self.work.run.max_memory.for_light())?,
             engine: Engine::new(self.work.run.backend)?,
         })
     }
 
-    fn make(&self, kit: &RelightKit, job: &Job) -> Result<Chosen> {
+    fn make(&self, kit: &RelightInputs, job: &Job) -> Result<Chosen> {
         let Params { shape, scaling, .. } = self.work.flags.params;
         let needs = needs(&self.params(), shape.foreshortening, &kit.illumination);
         let specular = self.specular.of_frame(job.frame).inputs();
@@ -85,7 +85,7 @@ impl FrameCommand for RelightArgs {
         }
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let RelightKit {
+        let RelightInputs {
             illumination,
             engine,
         } = kit;
@@ -98,7 +98,7 @@ impl FrameCommand for RelightArgs {
             read,
         };
         let chosen = job.write_color(&done, lit(&done.outcome))?;
-        engine.cpu.take_back(done.outcome);
+        engine.cpu.recycle(done.outcome);
         Ok(chosen)
     }
 }
@@ -106,7 +106,7 @@ impl FrameCommand for RelightArgs {
 /// How `relight` makes its pictures.
 struct Relight<'a> {
     args: &'a RelightArgs,
-    kit: &'a RelightKit,
+    kit: &'a RelightInputs,
     /// What mirrors and lenses show.
     scene: Option<SpecularScene>,
 }

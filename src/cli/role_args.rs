@@ -40,20 +40,20 @@ pub(super) struct RoleArgs {
     mask: Option<String>,
     /// Space of the normals.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(NORMAL_SPACES))]
-    normal_space: Told<NormalSpace>,
+    normal_space: RunLog<NormalSpace>,
     /// Encoding of the normals.
     #[arg(long, value_name = "ENCODING", default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS))]
-    normal_encoding: Told<NormalEncoding>,
+    normal_encoding: RunLog<NormalEncoding>,
     /// Axes of the normals that point the wrong way: y for DirectX normal maps, none, or auto.
     #[arg(long, value_name = "AXES", default_value = "auto")]
     normal_flip: FlipArg,
     /// What depth measures.
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = auto_or(StoredDepth::ALL))]
-    depth_kind: Told<StoredDepth>,
+    depth_kind: RunLog<StoredDepth>,
     /// What the colours of the inputs mean: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos
     /// are srgb and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(ColorSpace::ALL))]
-    colorspace: Told<ColorSpace>,
+    colorspace: RunLog<ColorSpace>,
     /// The camera of all frames of a sequence, as --save-recipe writes it where it was recovered and stands still.
     #[arg(long, value_name = "JSON", conflicts_with = "camera")]
     still_camera: Option<StillCamera>,
@@ -91,14 +91,14 @@ impl std::str::FromStr for FlipArg {
 
 /// One of several that was told, or `auto`.
 #[derive(Debug, Clone, Copy)]
-struct Told<T>(Option<T>);
+struct RunLog<T>(Option<T>);
 
 /// Offers `auto` and the names of `all`.
 fn auto_or<T: Copy + Send + Sync + 'static>(
     all: impl IntoIterator<Item = (T, &'static str)>,
-) -> impl TypedValueParser<Value = Told<T>> {
+) -> impl TypedValueParser<Value = RunLog<T>> {
     let all = all.into_iter().map(|(value, name)| (Some(value), name));
-    one_of(std::iter::once((None, "auto")).chain(all)).map(Told)
+    one_of(std::iter::once((None, "auto")).chain(all)).map(RunLog)
 }
 
 /// The flags by which layers are read in the same way.

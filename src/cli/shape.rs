@@ -64,7 +64,7 @@ impl FrameCommand for WorkArgs {
             read,
         };
         let chosen = work.write(job, &done)?;
-        engine.cpu.take_back(done.outcome);
+        engine.cpu.recycle(done.outcome);
         Ok(chosen)
     }
 }

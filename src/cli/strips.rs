@@ -417,7 +417,7 @@ fn each_made<W: StripWork>(
             timings.add_all(&outcome);
         }
         source.timed("write", || take((&plan, &loaded, &outcome), rows))?;
-        source.work.runner().take_back(outcome);
+        source.work.runner().recycle(outcome);
         bar.inc(1);
     }
     bar.finish_and_clear();

@@ -64,7 +64,7 @@ pub enum StoredDepth {
     /// seen.
     WhiteFar,
     /// The same the other way round, white near and black far.
-    WhiteNear,
+    NormalizedNearIsOne,
 }
 
 impl StoredDepth {
@@ -75,7 +75,7 @@ impl StoredDepth {
         (Self::Inverse, "inverse"),
         (Self::Relative, "relative"),
         (Self::WhiteFar, "white-far"),
-        (Self::WhiteNear, "white-near"),
+        (Self::NormalizedNearIsOne, "white-near"),
     ];
 
     /// The name that `--depth-kind` gives it.
@@ -89,7 +89,7 @@ impl StoredDepth {
         match self {
             Self::Planar | Self::Inverse => DepthKind::Planar,
             Self::Ray => DepthKind::Ray,
-            Self::Relative | Self::WhiteFar | Self::WhiteNear => DepthKind::Relative,
+            Self::Relative | Self::WhiteFar | Self::NormalizedNearIsOne => DepthKind::Relative,
         }
     }
 
@@ -103,7 +103,7 @@ impl StoredDepth {
 
     /// Whether the layer shows where nothing was seen.
     pub(crate) fn shows_coverage(self) -> bool {
-        !matches!(self, Self::WhiteFar | Self::WhiteNear)
+        !matches!(self, Self::WhiteFar | Self::NormalizedNearIsOne)
     }
 }
 
@@ -113,7 +113,7 @@ impl std::fmt::Display for StoredDepth {
             Self::Planar | Self::Ray | Self::Relative => self.kind().fmt(f),
             Self::Inverse => f.write_str("one over the depth along the view axis"),
             Self::WhiteFar => f.write_str("relative depth, white far"),
-            Self::WhiteNear => f.write_str("relative depth, white near"),
+            Self::NormalizedNearIsOne => f.write_str("relative depth, white near"),
         }
     }
 }

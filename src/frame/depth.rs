@@ -36,7 +36,7 @@ pub(crate) fn to_distances(depth: &mut Plane, stored: StoredDepth) {
             StoredDepth::Inverse if *d > 0.0 => 1.0 / *d,
             StoredDepth::Inverse => 0.0,
             StoredDepth::WhiteFar => normalized(*d, 1.0, 1.0),
-            StoredDepth::WhiteNear => normalized(*d, 2.0, -1.0),
+            StoredDepth::NormalizedNearIsOne => normalized(*d, 2.0, -1.0),
         };
     }
 }

@@ -87,7 +87,7 @@ pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
         return Ok(None);
     };
     let hinted = hint.depth.filter(|stored| match stored {
-        StoredDepth::WhiteFar | StoredDepth::WhiteNear => range.is_unit(),
+        StoredDepth::WhiteFar | StoredDepth::NormalizedNearIsOne => range.is_unit(),
         _ => true,
     });
     if range.is_open() {
@@ -99,18 +99,21 @@ pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
         covered: &covered,
         raw: &raw,
     };
-    let toward = matches!(hinted, Some(StoredDepth::Inverse | StoredDepth::WhiteNear));
+    let toward = matches!(
+        hinted,
+        Some(StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne)
+    );
     let (way, why, camera) = judged.way(toward)?;
     Ok(match way {
         Some(Way::Toward) => {
             let stored = match hinted {
-                Some(stored @ (StoredDepth::Inverse | StoredDepth::WhiteNear)) => stored,
+                Some(stored @ (StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne)) => stored,
                 _ if !range.is_unit() => StoredDepth::Inverse,
-                _ if range.looks_mapped() => StoredDepth::WhiteNear,
+                _ if range.looks_mapped() => StoredDepth::NormalizedNearIsOne,
                 _ if judged.is_distance(StoredDepth::Inverse, camera.as_ref()) => {
                     StoredDepth::Inverse
                 }
-                _ => StoredDepth::WhiteNear,
+                _ => StoredDepth::NormalizedNearIsOne,
             };
             Some((stored, format!("it falls where {why}")))
         }

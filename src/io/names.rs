@@ -221,8 +221,8 @@ const IMPLIED: &[(&str, Hint)] = &[
     ("distance", depth(StoredDepth::Ray)),
     ("rayhitdist", depth(StoredDepth::Ray)),
     ("hitdist", depth(StoredDepth::Ray)),
-    ("zdepth", depth(StoredDepth::WhiteNear)),
-    ("vrayzdepth", depth(StoredDepth::WhiteNear)),
+    ("zdepth", depth(StoredDepth::NormalizedNearIsOne)),
+    ("vrayzdepth", depth(StoredDepth::NormalizedNearIsOne)),
 ];
 
 /// A program that writes layers, how its files are known, and what their layers hold unless a name says more.
@@ -267,7 +267,7 @@ const RENDERERS: &[Renderer] = &[
         "V-Ray",
         &["vray", "camerafov"],
         "v-ray",
-        VIEW.and(StoredDepth::WhiteNear),
+        VIEW.and(StoredDepth::NormalizedNearIsOne),
     ),
     marked(
         "RenderMan",

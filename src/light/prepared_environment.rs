@@ -21,14 +21,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 const GLOSSY_WIDTH: usize = 512;
 
 /// The surroundings as one plan uses them.
-pub(crate) struct Around<'a> {
-    pub(crate) ready: Arc<Ready>,
+pub(crate) struct Illuminants<'a> {
+    pub(crate) ready: Arc<PreparedEnvironment>,
     pub(crate) spheres: &'a [LitSphere],
 }
 
 /// What is made of an environment once, for all frames that it lights.
 #[derive(Debug)]
-pub(crate) struct Ready {
+pub(crate) struct PreparedEnvironment {
     /// Factor of radiance; `None` without an environment.
     gain: Option<f32>,
     pub(crate) used: Used,
@@ -62,31 +62,40 @@ struct Purpose {
 
 /// The environment of the last run, made ready.
 #[derive(Debug, Default)]
-pub(crate) struct KeptEnvironment(Mutex<Option<Kept>>);
+pub(crate) struct EnvironmentCache(Mutex<Option<FrameCache>>);
 
 #[derive(Debug)]
-struct Kept {
+struct FrameCache {
     environment: Arc<Environment>,
     purpose: Purpose,
-    ready: Arc<Ready>,
+    ready: Arc<PreparedEnvironment>,
 }
 
-impl KeptEnvironment {
+impl EnvironmentCache {
     /// Forgets it.
     pub(crate) fn forget(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
     /// What is kept for `purpose`, where it was made of the very same environment.
-    fn ready(&self, environment: &Arc<Environment>, purpose: &Purpose) -> Option<Arc<Ready>> {
+    fn ready(
+        &self,
+        environment: &Arc<Environment>,
+        purpose: &Purpose,
+    ) -> Option<Arc<PreparedEnvironment>> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let kept = kept.as_ref()?;
         let same = Arc::ptr_eq(&kept.environment, environment) && kept.purpose == *purpose;
         same.then(|| kept.ready.clone())
     }
 
-    fn keep(&self, environment: &Arc<Environment>, purpose: &Purpose, ready: &Arc<Ready>) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Kept {
+    fn keep(
+        &self,
+        environment: &Arc<Environment>,
+        purpose: &Purpose,
+        ready: &Arc<PreparedEnvironment>,
+    ) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(FrameCache {
             environment: environment.clone(),
             purpose: purpose.clone(),
             ready: ready.clone(),
@@ -101,7 +110,7 @@ pub(crate) struct Map {
     pub(crate) largest: f32,
 }
 
-impl<'a> Around<'a> {
+impl<'a> Illuminants<'a> {
     /// No environment; a lit sphere perhaps.
     fn nothing(illumination: &'a Illumination, weights: [f32; 3]) -> Self {
         let spheres = &illumination.lit_spheres;
@@ -111,7 +120,7 @@ impl<'a> Around<'a> {
             let largest = spheres.iter().map(|s| s.largest_luminance(weights));
             Used::LitSpheres(largest.fold(f32::MIN_POSITIVE, f32::max))
         };
-        let ready = Arc::new(Ready { gain: None, used });
+        let ready = Arc::new(PreparedEnvironment { gain: None, used });
         Self { ready, spheres }
     }
 
@@ -120,7 +129,7 @@ impl<'a> Around<'a> {
         illumination: &'a Illumination,
         relighting: &Relighting,
         weights: [f32; 3],
-        kept: &KeptEnvironment,
+        kept: &EnvironmentCache,
         making: impl FnOnce(&dyn Fn() -> Self) -> Self,
     ) -> Self {
         if relighting.environment == EnvironmentUse::None {
@@ -143,7 +152,7 @@ impl<'a> Around<'a> {
             return Self { ready, spheres };
         }
         making(&|| {
-            let ready = Arc::new(Ready::of(environment, &purpose));
+            let ready = Arc::new(PreparedEnvironment::of(environment, &purpose));
             kept.keep(environment, &purpose, &ready);
             Self { ready, spheres }
         })
@@ -204,7 +213,7 @@ impl<'a> Around<'a> {
     }
 }
 
-impl Ready {
+impl PreparedEnvironment {
     fn of(environment: &Environment, purpose: &Purpose) -> Self {
         let weights = purpose.weights;
         let prefiltered = purpose.used == EnvironmentUse::Prefiltered;

@@ -1,7 +1,7 @@
 //! Drawings: the tone of a picture in strokes along the curvature, and lines along its edges.
 
 use crate::engine::cpu::Run;
-use crate::engine::cpu::kept::Kept;
+use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::outcome::Drawing;
 use crate::frame::{Frame, Plane};
@@ -81,13 +81,13 @@ impl Run<'_> {
             (covered, lines)
         });
         if luminance.is_some() {
-            memory.take_back(own.silhouette.take().into_iter().chain(own.crease.take()));
+            memory.recycle(own.silhouette.take().into_iter().chain(own.crease.take()));
         }
         let conductance = match &through {
             Some(edges) => &edges.conductance,
             None => own.conductance.as_ref().expect(WITH_EDGES),
         };
-        let kept = |kept: &mut Kept| kept.field.take();
+        let kept = |kept: &mut FrameCache| kept.field.take();
         let directions = self.kept_or(kept, "direction-field", || {
             let given = seen.as_ref().map(|seen| &seen.directions[..]);
             let (field, wanted) = (&params.field, params.directions);
@@ -150,7 +150,7 @@ impl Run<'_> {
         };
         match self.kept.as_deref_mut().filter(|_| seen.is_none()) {
             Some(kept) => kept.field.put(directions),
-            None => memory.take_back(directions.into_iter().flat_map(|d| [d.x, d.y])),
+            None => memory.recycle(directions.into_iter().flat_map(|d| [d.x, d.y])),
         }
         let (contours, contour_lines) = contours.unzip();
         self.outcome.color = made;

@@ -6,7 +6,7 @@ use crate::params::{
     Adaptive, Bend, LineParams, ScalingParams, ShapeParams, SpecularParams, Style,
 };
 use crate::plan::relight::Relighting;
-use crate::shape::diffusion::sweeps::Sweeps;
+use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 
 /// Whether a stage runs, and why.
@@ -89,7 +89,7 @@ pub(super) struct Request<'a> {
     pub(super) goal: Goal,
     pub(super) available: Available,
     pub(super) shape: &'a ShapeParams,
-    pub(super) sweeps: &'a Sweeps,
+    pub(super) sweeps: &'a DiffusionSchedule,
     pub(super) rays: (Points, [usize; 2]),
     pub(super) scaling: &'a ScalingParams,
     pub(super) relighting: Option<&'a Relighting>,

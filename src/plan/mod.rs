@@ -5,7 +5,7 @@ mod enhancement;
 mod explain;
 mod relight;
 
-pub use crate::shape::diffusion::sweeps::{Importance, Readout, Recurrence, Sweeps};
+pub use crate::shape::diffusion::sweeps::{DiffusionSchedule, Importance, Readout, Recurrence};
 pub use enhancement::LightAvailable;
 pub use explain::Decision;
 pub use relight::{Albedo, EnvironmentUse, LightKinds, Relighting};
@@ -200,7 +200,7 @@ pub struct Plan {
     /// How specular pixels are traced, if they are.
     pub specular: Option<SpecularParams>,
     /// How the gradient is diffused.
-    pub sweeps: Sweeps,
+    pub sweeps: DiffusionSchedule,
     /// Sigmas of further scales, in pixels of the reference.
     pub more_px: Vec<f32>,
     /// How many pixels of the frame stand for one of the reference, in which curvature is told; 1 without
@@ -333,7 +333,7 @@ impl Plan {
             at_scale.validate_for(available.image_height)?;
         }
         let by_importance = available.importance;
-        let sweeps = Sweeps::new(&shape, resolution_factor, more_px, by_importance);
+        let sweeps = DiffusionSchedule::new(&shape, resolution_factor, more_px, by_importance);
         let points = match available.positions {
             true => Points::Depth,
             false => Points::Normals,

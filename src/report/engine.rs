@@ -95,7 +95,7 @@ impl Session {
 
     /// Gives the memory of an outcome to the next run.
     pub(super) fn recycle(&self, outcome: Outcome) {
-        self.0.take_back(outcome);
+        self.0.recycle(outcome);
     }
 
     /// The directions that strokes follow along the larger curvature.

@@ -173,7 +173,7 @@ pub fn measure_runs(
     effort: Effort,
     run: impl Fn() -> Outcome,
 ) -> (Outcome, Timed) {
-    runner.take_back(run());
+    runner.recycle(run());
     let mut runs: Vec<Timings> = Vec::new();
     let start = Instant::now();
     loop {
@@ -183,7 +183,7 @@ pub fn measure_runs(
         if enough && runs.len() >= 2 {
             return (outcome, Timed::of(&runs));
         }
-        runner.take_back(outcome);
+        runner.recycle(outcome);
     }
 }
 

@@ -6,7 +6,7 @@
 //! as one operation, divisions as one, and a logarithm, power, sine or arc tangent as twenty.
 
 use crate::params::ShapeParams;
-use crate::plan::{Recurrence, Sweeps};
+use crate::plan::{DiffusionSchedule, Recurrence};
 
 /// Bytes and operations per covered pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ const SOBEL: f64 = 16.0;
 const FLUX: f64 = 11.0;
 
 /// The work of the stage that the backend times under `name`; `None` for one without a model.
-pub fn of_stage(name: &str, shape: &ShapeParams, sweeps: &Sweeps) -> Option<Work> {
+pub fn of_stage(name: &str, shape: &ShapeParams, sweeps: &DiffusionSchedule) -> Option<Work> {
     let planes = |read: u32, written: u32, operations: f64| Work {
         bytes: SAMPLE * f64::from(read + written),
         operations,
@@ -67,7 +67,7 @@ pub fn of_stage(name: &str, shape: &ShapeParams, sweeps: &Sweeps) -> Option<Work
 
 /// Gradient and conductance are read and the result is written once, whatever the number of sweeps:
 /// the rows in flight are in the cache. A link of the recurrence adds its term to the sum.
-fn of_diffusion(sweeps: &Sweeps) -> Work {
+fn of_diffusion(sweeps: &DiffusionSchedule) -> Work {
     let operations = match sweeps.recurrence {
         Recurrence::Explicit(_) => FLUX + 2.0,
         Recurrence::Chebyshev => FLUX + 6.0,

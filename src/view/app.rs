@@ -22,7 +22,7 @@ const SURROUND: Color32 = Color32::from_gray(38);
 
 /// A line for the user.
 #[derive(Debug, Clone)]
-pub(super) struct Told {
+pub(super) struct RunLog {
     pub(super) text: String,
     pub(super) is_error: bool,
 }
@@ -55,7 +55,7 @@ pub struct View {
     pub(super) frames: Option<Vec<i32>>,
     pub(super) frame_index: usize,
     pub(super) shown: Option<Box<Shown>>,
-    pub(super) said: Option<Told>,
+    pub(super) said: Option<RunLog>,
     pub(super) zoom: f32,
     input: Option<PathBuf>,
     controls: Controls,
@@ -146,7 +146,7 @@ impl View {
     /// Shows the window's content, and asks for what it lacks.
     pub fn show(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
-        self.hear(&context);
+        self.on_message(&context);
         self.take_files(&context);
         for action in shortcuts::asked(&context) {
             self.act(&context, action);
@@ -254,7 +254,7 @@ impl View {
     }
 
     /// Hears what the thread has made.
-    fn hear(&mut self, context: &Context) {
+    fn on_message(&mut self, context: &Context) {
         let replies: Vec<Reply> = self.worker.replies().collect();
         for reply in replies {
             match reply {
@@ -360,7 +360,7 @@ impl View {
 
     pub(super) fn say(&mut self, text: String, is_error: bool) {
         let text = text.replace('\n', " ");
-        self.said = Some(Told { text, is_error });
+        self.said = Some(RunLog { text, is_error });
     }
 
     pub(super) fn input(&self) -> Option<&Path> {

@@ -3,7 +3,7 @@
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
 use super::probe::{self, Value};
-use crate::cli::look::{Engine, Look, Pixels, Reading, Said, Studio, What};
+use crate::cli::look::{Engine, Look, Pixels, Reading, Said, ViewSession, What};
 use crate::io::output::{Replace, write_text};
 use std::collections::{BTreeMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -107,7 +107,7 @@ impl Worker {
         let theirs = shared.clone();
         std::thread::spawn(move || {
             let bench = Bench {
-                studio: Studio::new(engine.clone()),
+                studio: ViewSession::new(engine.clone()),
                 engine,
                 times: BTreeMap::new(),
                 replies: sender,
@@ -147,7 +147,7 @@ impl Drop for Worker {
 
 /// The thread, from its own side.
 struct Bench {
-    studio: Studio,
+    studio: ViewSession,
     engine: Arc<Engine>,
     /// How long whole pictures took, in seconds, by the setting that was changed.
     times: BTreeMap<Option<String>, f64>,
@@ -166,7 +166,7 @@ impl Bench {
             let tried = catch_unwind(AssertUnwindSafe(|| self.reply(&task)));
             let reply = tried.unwrap_or_else(|_| {
                 // Whatever it had in hand may be half made.
-                self.studio = Studio::new(self.engine.clone());
+                self.studio = ViewSession::new(self.engine.clone());
                 let said = "this is a mistake of relievo's own, told on stderr; please report it";
                 match &task {
                     Task::Show(order) => Some(Reply::Failed(order.number, said.into())),

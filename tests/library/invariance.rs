@@ -180,7 +180,7 @@ fn memory_used_again_leaves_no_trace() {
     for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
         let again = runner.run(&plan(case, frame), frame);
         assert_same_bits(&run(case, frame), &again);
-        runner.take_back(again);
+        runner.recycle(again);
     }
 }
 

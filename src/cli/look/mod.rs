@@ -6,7 +6,7 @@ mod studio;
 
 pub(crate) use super::engine::Engine;
 pub(crate) use setting::{Kind, Setting, settings_of};
-pub(crate) use studio::{Pixels, Reading, Studio, What};
+pub(crate) use studio::{Pixels, Reading, ViewSession, What};
 
 use super::args::ViewArgs;
 use super::chosen::{Chosen, Flag};

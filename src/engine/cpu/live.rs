@@ -1,6 +1,6 @@
 //! One frame, run again and again with other parameters: only what they touch is made anew.
 
-use crate::engine::cpu::kept::Kept;
+use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::runner::{DrawingInputs, Runner};
 use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, SpecularScene};
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 pub struct LiveRunner<F> {
     held: F,
     runner: Runner,
-    kept: Kept,
+    kept: FrameCache,
     outcome: Outcome,
     counts: BTreeMap<&'static str, u32>,
 }
@@ -27,7 +27,7 @@ impl<F: AsRef<Frame>> LiveRunner<F> {
         Self {
             held,
             runner: Runner::default(),
-            kept: Kept::default(),
+            kept: FrameCache::default(),
             outcome: Outcome::default(),
             counts: BTreeMap::new(),
         }
@@ -86,12 +86,12 @@ impl<F: AsRef<Frame>> LiveRunner<F> {
     fn go(
         &mut self,
         plan: &Plan,
-        run: impl FnOnce(&Runner, &Frame, &mut Kept) -> Outcome,
+        run: impl FnOnce(&Runner, &Frame, &mut FrameCache) -> Outcome,
     ) -> &Outcome {
         let mut last = std::mem::take(&mut self.outcome);
-        self.kept.take_back(&mut last);
-        self.runner.take_back(last);
-        self.kept.meet(plan);
+        self.kept.recycle(&mut last);
+        self.runner.recycle(last);
+        self.kept.invalidate_for(plan);
         self.outcome = run(&self.runner, self.held.as_ref(), &mut self.kept);
         for (pass, _) in &self.outcome.timings {
             *self.counts.entry(pass).or_default() += 1;

@@ -52,7 +52,7 @@ impl Memory {
     }
 
     /// Takes planes whose samples are no longer needed.
-    pub(crate) fn take_back(&self, planes: impl IntoIterator<Item = Plane>) {
+    pub(crate) fn recycle(&self, planes: impl IntoIterator<Item = Plane>) {
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
         spare.extend(planes.into_iter().map(Plane::into_samples));
     }

@@ -1,8 +1,8 @@
 //! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
 
+pub(crate) mod frame_cache;
 #[cfg(feature = "gpu")]
-pub(crate) mod for_devices;
-pub(crate) mod kept;
+pub(crate) mod gpu_support;
 pub(crate) mod live;
 pub(crate) mod memory;
 pub(crate) mod percentile;
@@ -12,7 +12,7 @@ pub(crate) mod simd;
 pub(crate) mod sparing;
 pub(crate) mod strips;
 
-use crate::engine::cpu::kept::Kept;
+use crate::engine::cpu::frame_cache::FrameCache;
 pub use crate::engine::cpu::live::LiveRunner;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
 pub use crate::engine::cpu::runner::{DrawingInputs, Runner, SequenceInputs};
@@ -84,7 +84,7 @@ pub(crate) struct Run<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) runner: &'a Runner,
     /// What earlier runs of this frame have left, where any is kept.
-    pub(crate) kept: Option<&'a mut Kept>,
+    pub(crate) kept: Option<&'a mut FrameCache>,
     pub(crate) outcome: Outcome,
 }
 
@@ -99,7 +99,7 @@ impl Run<'_> {
     /// What is kept, by `take`; else what `pass` makes.
     pub(crate) fn kept_or<T>(
         &mut self,
-        take: impl FnOnce(&mut Kept) -> Option<T>,
+        take: impl FnOnce(&mut FrameCache) -> Option<T>,
         name: &'static str,
         pass: impl FnOnce() -> T,
     ) -> T {
@@ -204,7 +204,7 @@ impl Run<'_> {
     /// The sum of the curvatures, and its gain.
     pub(crate) fn find_trace(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let (plan, mask, memory) = (self.plan, &self.frame.mask, &self.runner.memory);
-        let kept = |kept: &mut Kept| kept.trace.take();
+        let kept = |kept: &mut FrameCache| kept.trace.take();
         let trace = self.kept_or(kept, "trace", || {
             let trace = passes::trace(gradient, conductance, mask, memory);
             per_reference_pixel(trace, plan.resolution_factor)
@@ -216,7 +216,7 @@ impl Run<'_> {
     /// The Hessian where the direction of light counts, and its trace for the gain.
     pub(crate) fn find_hessian(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let kept = |kept: &mut Kept| kept.hessian.take().zip(kept.trace.take());
+        let kept = |kept: &mut FrameCache| kept.hessian.take().zip(kept.trace.take());
         let (hessian, trace) = self.kept_or(kept, "hessian", || {
             let hessian = passes::hessian(gradient, conductance, &frame.mask, memory);
             let hessian = hessian_at(plan.resolution_factor, hessian);
@@ -232,19 +232,19 @@ impl Run<'_> {
     pub(crate) fn describe(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
         let (mask, factor) = (&frame.mask, plan.resolution_factor);
-        let kept = |kept: &mut Kept| kept.hessian.take();
+        let kept = |kept: &mut FrameCache| kept.hessian.take();
         let hessian = self.kept_or(kept, "hessian", || {
             hessian_at(factor, passes::hessian(gradient, conductance, mask, memory))
         });
-        let kept = |kept: &mut Kept| kept.curvatures.take();
+        let kept = |kept: &mut FrameCache| kept.curvatures.take();
         let curvatures = self.kept_or(kept, "curvatures", || {
             passes::curvatures(&hessian, mask, memory)
         });
-        let kept = |kept: &mut Kept| kept.direction_view.take();
+        let kept = |kept: &mut FrameCache| kept.direction_view.take();
         let direction_view = self.kept_or(kept, "directions", || {
             passes::directions(&hessian, mask, memory)
         });
-        let kept = |kept: &mut Kept| kept.rays.take();
+        let kept = |kept: &mut FrameCache| kept.rays.take();
         let direction = plan.has(Stage::NormalRays).then(|| {
             self.kept_or(kept, "normal-rays", || {
                 normal_rays::directions(plan, frame, conductance, memory)
@@ -290,7 +290,7 @@ impl Run<'_> {
         let gain = match self.plan.scaling.curvature_gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => {
-                let kept = |kept: &mut Kept| kept.gain.get().copied();
+                let kept = |kept: &mut FrameCache| kept.gain.get().copied();
                 let gain = self.kept_or(kept, "auto-gain", || {
                     statistics::curvature_gain(trace, conductance, factor)
                 });
@@ -342,7 +342,7 @@ impl Run<'_> {
             // What arrives of ambient light is a share of 1.
             Adaptive::Auto if is_occlusion => 1.0,
             Adaptive::Auto => {
-                let kept = |kept: &mut Kept| kept.white;
+                let kept = |kept: &mut FrameCache| kept.white;
                 let white = self.kept_or(kept, "auto-white", || {
                     statistics::white_level(color, weights, &frame.mask)
                 });

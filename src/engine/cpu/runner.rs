@@ -1,18 +1,18 @@
 //! The CPU as a caller sees it: plans run one after another, in memory that is kept.
 
 use crate::engine::cpu::Run;
-use crate::engine::cpu::kept::Kept;
+use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, SpecularScene, Vector2Planes};
 use crate::light::lights::Illumination;
-use crate::light::prepared_environment::KeptEnvironment;
+use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::specular;
-use crate::line::specular::map_directions::KeptDirections;
+use crate::line::specular::map_directions::DirectionCache;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::line::tonal_art_map::cached::KeptArtMap;
+use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{FieldParams, LineParams, RunOptions, StrokeDirections};
 use crate::plan::{Goal, Plan, Stage};
 use crate::shape::edges::cpu as edges;
@@ -24,9 +24,9 @@ use crate::shape::edges::cpu as edges;
 pub struct Runner {
     pub(crate) options: RunOptions,
     pub(crate) memory: Memory,
-    pub(crate) environment: KeptEnvironment,
-    pub(crate) art_map: KeptArtMap,
-    pub(crate) map_directions: KeptDirections,
+    pub(crate) environment: EnvironmentCache,
+    pub(crate) art_map: ArtMapCache,
+    pub(crate) map_directions: DirectionCache,
 }
 
 /// What a drawing takes beside the frame.
@@ -70,7 +70,12 @@ impl Runner {
     }
 
     /// [`Runner::run`] with what was kept of the frame.
-    pub(crate) fn run_kept(&self, plan: &Plan, frame: &Frame, kept: Option<&mut Kept>) -> Outcome {
+    pub(crate) fn run_kept(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        kept: Option<&mut FrameCache>,
+    ) -> Outcome {
         assert!(
             plan.goal != Goal::Relight,
             "new light is run by Runner::relight"
@@ -157,7 +162,7 @@ impl Runner {
         frame: &Frame,
         illumination: &Illumination,
         scene: Option<&SpecularScene>,
-        kept: Option<&mut Kept>,
+        kept: Option<&mut FrameCache>,
     ) -> Outcome {
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
         self.start(plan, frame, kept, |run| run.relight(illumination, scene))
@@ -177,7 +182,7 @@ impl Runner {
         plan: &Plan,
         frame: &Frame,
         inputs: DrawingInputs,
-        kept: Option<&mut Kept>,
+        kept: Option<&mut FrameCache>,
     ) -> Outcome {
         let params = plan.drawing.as_ref().expect("a drawing is planned");
         self.start(plan, frame, kept, |run| {
@@ -201,7 +206,7 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
-        kept: Option<&mut Kept>,
+        kept: Option<&mut FrameCache>,
         light: impl FnOnce(&mut Run),
     ) -> Outcome {
         let mut run = Run {
@@ -224,7 +229,7 @@ impl Runner {
     }
 
     /// Takes an outcome that is no longer needed.
-    pub fn take_back(&self, outcome: Outcome) {
-        self.memory.take_back(outcome.into_planes());
+    pub fn recycle(&self, outcome: Outcome) {
+        self.memory.recycle(outcome.into_planes());
     }
 }

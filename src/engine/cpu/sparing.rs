@@ -98,7 +98,7 @@ impl Runner {
                     None => outcome.timings.push((name, took)),
                 }
             }
-            self.take_back(made);
+            self.recycle(made);
         }
         run
     }
@@ -172,7 +172,7 @@ fn luminance_in_bands(
         for (to, ((&r, &g), &b)) in r.samples_mut()[samples].iter_mut().zip(colors) {
             *to = crate::frame::luminance([r, g, b], scaler.weights);
         }
-        runner.memory.take_back([scaled.r, scaled.g, scaled.b]);
+        runner.memory.recycle([scaled.r, scaled.g, scaled.b]);
     }
     r
 }

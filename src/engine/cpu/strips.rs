@@ -95,7 +95,7 @@ impl StripSearch {
             let conductance = conductance.as_ref();
             let conductance = conductance.expect("the trace takes the conductance");
             search.add(rows.clone(), trace, conductance);
-            runner.take_back(outcome);
+            runner.recycle(outcome);
         }
         if let (Some(search), Some(color)) = (&mut self.white, &strip.color) {
             let weights = strip.luminance_weights();

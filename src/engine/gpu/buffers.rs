@@ -41,18 +41,18 @@ impl Buffers {
     }
 
     /// Takes buffers that [`Buffers::take`] gave and that no kernel recorded later needs.
-    pub(crate) fn take_back(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
-        self.work.take_back(buffers);
+    pub(crate) fn recycle(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
+        self.work.recycle(buffers);
     }
 
     /// Takes buffers that [`Buffers::take_to_copy`] gave, after the run.
     pub(crate) fn take_back_copied(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
-        self.copied.take_back(buffers);
+        self.copied.recycle(buffers);
     }
 
     /// Takes buffers that [`Buffers::take_to_read`] gave, read and unmapped.
     pub(crate) fn take_back_read(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
-        self.readable.take_back(buffers);
+        self.readable.recycle(buffers);
     }
 
     /// Forgets all: what a run that failed gave back may be no buffers.
@@ -103,7 +103,7 @@ impl Pool {
     }
 
     /// One that several hands held is kept only once.
-    fn take_back(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
+    fn recycle(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
         let mut spare = self.spare();
         for buffer in buffers {
             if !spare.iter().any(|spare| spare.buffer == buffer) {

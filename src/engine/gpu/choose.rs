@@ -164,7 +164,7 @@ impl Searching {
             self.count(run, pass, planes, rows.clone());
             self.narrow(run, pass, chosen);
         }
-        run.buffers.take_back(self.into_buffers());
+        run.buffers.recycle(self.into_buffers());
     }
 
     /// Its buffers.

@@ -67,7 +67,7 @@ impl Run<'_> {
             _ => self.swept(plan, [&gradient, conductance], count, weights),
         });
         let diffused = diffused.collect();
-        self.buffers.take_back([gradient]);
+        self.buffers.recycle([gradient]);
         diffused
     }
 
@@ -159,8 +159,8 @@ impl Run<'_> {
             (false, true) => (first, [second, sums]),
             (false, false) => (second, [first, sums]),
         };
-        self.buffers.take_back(other);
-        self.buffers.take_back(earlier);
+        self.buffers.recycle(other);
+        self.buffers.recycle(earlier);
         result
     }
 
@@ -227,8 +227,8 @@ impl Run<'_> {
             (false, true) => (even, [odd, sums]),
             (false, false) => (odd, [even, sums]),
         };
-        self.buffers.take_back(other);
-        self.buffers.take_back([faces]);
+        self.buffers.recycle(other);
+        self.buffers.recycle([faces]);
         result
     }
 }

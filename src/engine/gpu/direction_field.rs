@@ -58,7 +58,7 @@ impl Run<'_> {
             }
             let settled = self.settled(&patches, &of_family, params, &setting, &forms);
             let gaps = self.between_patches(&patches, &of_family, &settled);
-            self.buffers.take_back([settled]);
+            self.buffers.recycle([settled]);
             let told = SpreadParams {
                 order,
                 is_fixed: of_family.is_fixed,
@@ -70,8 +70,7 @@ impl Run<'_> {
         });
         let directions = directions.collect();
         let (further, room) = (patches.further.clone(), patches.params.room);
-        self.buffers
-            .take_back(patches.into_buffers().chain([forms]));
+        self.buffers.recycle(patches.into_buffers().chain([forms]));
         StrokeFields {
             directions,
             further,
@@ -150,7 +149,7 @@ impl Run<'_> {
             },
         );
         let means = self.chain_means(patches, &forms, reach, false);
-        self.buffers.take_back([forms]);
+        self.buffers.recycle([forms]);
         means
     }
 
@@ -178,7 +177,7 @@ impl Run<'_> {
         let reach = field.radius_px * setting.cells;
         let averaged = |run: &mut Self, values: wgpu::Buffer, reach: f32| {
             let means = run.chain_means(patches, &values, reach, true);
-            run.buffers.take_back([values]);
+            run.buffers.recycle([values]);
             means
         };
         for _ in 0..field.passes {
@@ -204,7 +203,7 @@ impl Run<'_> {
                 settled: &settled,
             },
         );
-        self.buffers.take_back(around.into_iter().chain([own]));
+        self.buffers.recycle(around.into_iter().chain([own]));
         settled
     }
 

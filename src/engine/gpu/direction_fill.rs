@@ -161,7 +161,7 @@ impl Run<'_> {
             }
         }
         let used = [filled, marks, counts].into_iter();
-        self.buffers.take_back(used.chain(lacking).chain(fronts));
+        self.buffers.recycle(used.chain(lacking).chain(fronts));
         [x, y]
     }
 }

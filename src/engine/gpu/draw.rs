@@ -1,11 +1,11 @@
 //! Drawings. Edges, directions, strokes, and what lines cover, are made on the device; lines, which follow edges from
 //! pixel to pixel, are found on the CPU while the device makes the strokes.
 
-use crate::engine::cpu::for_devices::contour_pieces;
+use crate::engine::cpu::gpu_support::contour_pieces;
 use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::engine::gpu::constants::{GAIN, WHITE};
-use crate::engine::gpu::edge_lists::Coming;
+use crate::engine::gpu::edge_lists::PendingReadback;
 use crate::engine::gpu::hatching::{Strokes, Texture};
 use crate::engine::gpu::light::Light;
 use crate::engine::gpu::light_layers::{TermWhites, levels_of};
@@ -71,7 +71,7 @@ impl Runner {
         let (read, times) = of_edges.read()?;
         add_timings(&mut outcome.timings, &times.unwrap_or_default());
         let listed = lists.zip(edges.weights.as_ref()).zip(read.first());
-        let listed = listed.map(|((lists, weights), counts)| run.hand_out(lists, counts, weights));
+        let listed = listed.map(|((lists, weights), counts)| run.dispatch(lists, counts, weights));
 
         // Strokes, while the CPU follows lines.
         let fields = run.stroke_fields(
@@ -147,16 +147,16 @@ impl Runner {
         }
         outcome.term_white_levels = levels_of(&term_whites, read);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        self.buffers.take_back(
+        self.buffers.recycle(
             contours
                 .into_iter()
                 .chain([densities, ink])
                 .chain(fields.into_buffers()),
         );
-        self.buffers.take_back(shape.into_buffers());
+        self.buffers.recycle(shape.into_buffers());
         match is_copied {
             true => self.buffers.take_back_copied(picture),
-            false => self.buffers.take_back(picture),
+            false => self.buffers.recycle(picture),
         }
         Ok(Some(outcome))
     }
@@ -207,7 +207,7 @@ impl Runner {
 
 /// The lines along edges.
 fn lines_along(
-    edges: Coming,
+    edges: PendingReadback,
     plan: &Plan,
     frame: &Frame,
     params: &ContourParams,

@@ -1,7 +1,7 @@
 //! Drawings strip by strip, with what is chosen from all of the picture and what the CPU finds on all of it: those of
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
-use crate::engine::cpu::for_devices::{contour_lines, contour_pieces, streamline_pieces};
+use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};
 use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::gpu::choose::Search;
 use crate::engine::gpu::constants::WHITE;
@@ -144,7 +144,7 @@ impl Runner {
         };
         put_edges(&mut outcome.shape, read, strip);
         let buffers = [edges.conductance, edges.gradient].into_iter();
-        self.buffers.take_back(buffers.chain(edges.weights));
+        self.buffers.recycle(buffers.chain(edges.weights));
         Ok(outcome)
     }
 
@@ -256,7 +256,7 @@ impl Runner {
             white_point: drawn.white_point,
             coordinates: None,
         };
-        self.buffers.take_back(contours.into_iter().chain([ink]));
+        self.buffers.recycle(contours.into_iter().chain([ink]));
         Ok(Outcome {
             drawing: Some(drawing),
             timings,
@@ -294,7 +294,7 @@ impl Run<'_> {
         let fields: Vec<_> = fields.map(|field| self.hold_field(field, rows)).collect();
         let sheets = self.sheets(drawn.coordinates.as_ref(), rows);
         let ink = self.hatched(params, strip, &densities, &fields, strokes, &sheets);
-        self.buffers.take_back([densities]);
+        self.buffers.recycle([densities]);
         ink
     }
 }

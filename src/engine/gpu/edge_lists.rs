@@ -1,6 +1,6 @@
 //! Edges as lists: of what is made per pixel only what lies along edges is read.
 
-use crate::engine::cpu::for_devices::{contour_lines, contours_along};
+use crate::engine::cpu::gpu_support::{contour_lines, contours_along};
 use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::{CANDIDATES, CRACKS, CREASES};
 use crate::engine::gpu::kernels::Kernel;
@@ -36,7 +36,7 @@ pub(crate) struct EdgeLists {
 }
 
 /// Edges on their way from the device.
-pub(crate) enum Coming<'d> {
+pub(crate) enum PendingReadback<'d> {
     /// In lists, of which so many are cracks and creases.
     Listed(Submitted<'d>, [usize; 2]),
     /// As planes of weights: there are too many for lists.
@@ -127,12 +127,12 @@ impl<'a> Run<'a> {
 
     /// Has the device hand out the edges whose numbers were read from `lists`; where there was no room for all, their
     /// weights.
-    pub(crate) fn hand_out(
+    pub(crate) fn dispatch(
         &mut self,
         lists: EdgeLists,
         counts: &[f32],
         weights: &wgpu::Buffer,
-    ) -> Coming<'a> {
+    ) -> PendingReadback<'a> {
         let EdgeLists {
             counts: counted,
             candidates,
@@ -155,17 +155,16 @@ impl<'a> Run<'a> {
         let coming = match parts.collect::<Option<Vec<_>>>() {
             Some(parts) => {
                 let submitted = self.recorder.submit_for_parts(parts);
-                Coming::Listed(submitted, counts.map(|count| count as usize))
+                PendingReadback::Listed(submitted, counts.map(|count| count as usize))
             }
-            None => Coming::InPlanes(self.recorder.submit(&[weights])),
+            None => PendingReadback::InPlanes(self.recorder.submit(&[weights])),
         };
-        self.buffers
-            .take_back([counted, candidates, cracks, creases]);
+        self.buffers.recycle([counted, candidates, cracks, creases]);
         coming
     }
 }
 
-impl Coming<'_> {
+impl PendingReadback<'_> {
     /// The lines along these edges, once they are here.
     ///
     /// # Errors

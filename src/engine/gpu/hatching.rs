@@ -67,9 +67,9 @@ impl Strokes {
 
 /// The texture of the last drawing, with what it was copied of.
 #[derive(Debug, Default)]
-pub(crate) struct KeptTexture(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
+pub(crate) struct TextureCache(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
 
-impl KeptTexture {
+impl TextureCache {
     /// Forgets it: what was copied in a run that failed may be nothing.
     pub(crate) fn forget(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;

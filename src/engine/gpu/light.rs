@@ -1,6 +1,6 @@
 //! New light on the device: lights, and what is looked up.
 
-use crate::engine::cpu::for_devices::estimated_albedo;
+use crate::engine::cpu::gpu_support::estimated_albedo;
 use crate::engine::gpu::runner::Runner;
 use crate::engine::gpu::surface::Upload;
 use crate::error::Result;
@@ -8,7 +8,7 @@ use crate::frame::{ColorPlanes, Frame};
 use crate::light::environment::Environment;
 use crate::light::light_warping::half_vector;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
-use crate::light::prepared_environment::{Around, Map, Ready, Used};
+use crate::light::prepared_environment::{Illuminants, Map, PreparedEnvironment, Used};
 use crate::plan::Plan;
 use crate::plan::{Albedo, Relighting};
 use std::ops::Range;
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 /// The light of a frame, and what is made of it once for all of its strips.
 pub(crate) struct Light<'a> {
-    pub(crate) around: Around<'a>,
+    pub(crate) around: Illuminants<'a>,
     /// The albedo of the frame, where it was estimated.
     estimate: Option<ColorPlanes>,
     pub(crate) counts: Counts,
@@ -50,10 +50,10 @@ pub(crate) struct Placed {
 
 /// The maps of the environment of the last run, on the device.
 #[derive(Debug, Default)]
-pub(crate) struct KeptMaps(Mutex<Option<(Arc<Ready>, wgpu::Buffer)>>);
+pub(crate) struct MapCache(Mutex<Option<(Arc<PreparedEnvironment>, wgpu::Buffer)>>);
 
-impl KeptMaps {
-    fn of(&self, ready: &Arc<Ready>) -> Option<wgpu::Buffer> {
+impl MapCache {
+    fn of(&self, ready: &Arc<PreparedEnvironment>) -> Option<wgpu::Buffer> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let (of, buffer) = kept.as_ref()?;
         Arc::ptr_eq(of, ready).then(|| buffer.clone())
@@ -64,7 +64,7 @@ impl KeptMaps {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    fn keep(&self, ready: &Arc<Ready>, buffer: &wgpu::Buffer) {
+    fn keep(&self, ready: &Arc<PreparedEnvironment>, buffer: &wgpu::Buffer) {
         let kept = Some((ready.clone(), buffer.clone()));
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = kept;
     }
@@ -81,7 +81,7 @@ impl Runner {
         let relighting = relighting(plan);
         let mut timings = Vec::new();
         let weights = frame.luminance_weights();
-        let around = Around::new(
+        let around = Illuminants::new(
             illumination,
             relighting,
             weights,
@@ -107,7 +107,7 @@ impl Runner {
     }
 
     /// What is looked up, on the device.
-    fn texels(&self, around: &Around) -> Result<(wgpu::Buffer, [Placed; 2])> {
+    fn texels(&self, around: &Illuminants) -> Result<(wgpu::Buffer, [Placed; 2])> {
         let map = |map: &Map| Placed::of(&map.environment, map.largest);
         let nothing = Placed::default();
         let ready = &around.ready;
@@ -229,7 +229,7 @@ fn timed<T>(
 }
 
 /// The vectors of all lights, in the order that `relight.wgsl` tells.
-fn vectors_of(illumination: &Illumination, around: &Around) -> (Vec<[f32; 4]>, Counts) {
+fn vectors_of(illumination: &Illumination, around: &Illuminants) -> (Vec<[f32; 4]>, Counts) {
     let [lights, even] = [around.lights().len(), around.even_directions().len()];
     let counts = Counts {
         around: lights as u32,

@@ -109,7 +109,7 @@ impl Run<'_> {
             whites.push((term.name, white));
         }
         self.change(picture, changes);
-        self.buffers.take_back([sigma]);
+        self.buffers.recycle([sigma]);
         whites
     }
 
@@ -158,7 +158,7 @@ impl Run<'_> {
             self.add_changes("light-groups", &mut changes, &sigma, &layers, &params);
         }
         self.change(picture, changes);
-        self.buffers.take_back([sigma]);
+        self.buffers.recycle([sigma]);
     }
 
     fn scale_by_occlusion(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
@@ -259,7 +259,7 @@ impl Run<'_> {
             );
             let search = Searching::new(self, Search::TermWhite);
             search.choose(self, [&luminance; 3], &white);
-            self.buffers.take_back([luminance]);
+            self.buffers.recycle([luminance]);
         }
         white
     }
@@ -327,7 +327,7 @@ impl Run<'_> {
                 [width, height],
             );
         }
-        self.buffers.take_back([changes.change, changes.told]);
+        self.buffers.recycle([changes.change, changes.told]);
     }
 }
 

@@ -8,8 +8,8 @@ use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::enhance::known_white_level;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
-use crate::engine::gpu::hatching::KeptTexture;
-use crate::engine::gpu::light::{KeptMaps, Light};
+use crate::engine::gpu::hatching::TextureCache;
+use crate::engine::gpu::light::{Light, MapCache};
 use crate::engine::gpu::light_layers::{TermWhites, levels_of};
 use crate::engine::gpu::patches::largest_buffer;
 use crate::engine::gpu::recorder::{Programs, add_timings};
@@ -23,7 +23,7 @@ use crate::engine::outcome::{CurvaturePlanes, Outcome, ScaleShape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
-use crate::light::prepared_environment::KeptEnvironment;
+use crate::light::prepared_environment::EnvironmentCache;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 use rayon::prelude::*;
@@ -48,11 +48,11 @@ pub struct Runner {
     programs: Programs,
     pub(crate) buffers: Buffers,
     /// The texture of strokes.
-    pub(crate) texture: KeptTexture,
+    pub(crate) texture: TextureCache,
     /// What makes the parts of drawings that have no kernels.
     pub(crate) host: cpu::Runner,
-    pub(crate) environment: KeptEnvironment,
-    pub(crate) maps: KeptMaps,
+    pub(crate) environment: EnvironmentCache,
+    pub(crate) maps: MapCache,
 }
 
 impl Runner {
@@ -62,10 +62,10 @@ impl Runner {
             device,
             programs: Programs::default(),
             buffers: Buffers::default(),
-            texture: KeptTexture::default(),
+            texture: TextureCache::default(),
             host: cpu::Runner::default(),
-            environment: KeptEnvironment::default(),
-            maps: KeptMaps::default(),
+            environment: EnvironmentCache::default(),
+            maps: MapCache::default(),
         }
     }
 
@@ -349,11 +349,11 @@ impl Runner {
         let picture = picture.into_iter().flatten();
         match is_copied {
             true => self.buffers.take_back_copied(picture),
-            false => self.buffers.take_back(picture),
+            false => self.buffers.recycle(picture),
         }
-        self.buffers.take_back(layers);
+        self.buffers.recycle(layers);
         if let Some(shape) = shape {
-            self.buffers.take_back(shape.into_buffers());
+            self.buffers.recycle(shape.into_buffers());
         }
         Ok(outcome)
     }

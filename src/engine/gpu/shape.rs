@@ -160,11 +160,11 @@ impl Run<'_> {
             &buffers,
             [width, height],
         );
-        self.buffers.take_back(log_depth);
+        self.buffers.recycle(log_depth);
         let weights = match keeps_weights {
             true => Some(weights),
             false => {
-                self.buffers.take_back([weights]);
+                self.buffers.recycle([weights]);
                 None
             }
         };
@@ -211,7 +211,7 @@ impl Run<'_> {
         let entries = match entries_wanted {
             true => Some(entries),
             false => {
-                self.buffers.take_back(entries);
+                self.buffers.recycle(entries);
                 None
             }
         };

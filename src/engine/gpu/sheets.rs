@@ -2,19 +2,19 @@
 
 use crate::engine::gpu::run::Run;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::line::texture_coordinates::sheet::Sheet;
+use crate::line::texture_coordinates::sheet::PlacedTexture;
 use std::ops::Range;
 
 /// The drawings that share a hatching.
 pub(crate) struct Sheets {
-    pub(crate) each: Vec<LaidSheet>,
+    pub(crate) each: Vec<BoundTexture>,
     /// What tells surfaces apart where they move.
     pub(crate) depth: Option<wgpu::Buffer>,
     pub(crate) motion: Option<[wgpu::Buffer; 2]>,
 }
 
-/// A [`Sheet`] on the device.
-pub(crate) struct LaidSheet {
+/// A [`PlacedTexture`] on the device.
+pub(crate) struct BoundTexture {
     pub(crate) place: Option<[wgpu::Buffer; 2]>,
     pub(crate) origin: [f32; 2],
     pub(crate) share: Option<wgpu::Buffer>,
@@ -27,7 +27,7 @@ impl Run<'_> {
         coordinates: Option<&TextureCoordinates>,
         rows: &Range<usize>,
     ) -> Sheets {
-        let sheets = coordinates.map_or(vec![Sheet::STILL], TextureCoordinates::sheets);
+        let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
         let surface = sheets.iter().find_map(|sheet| sheet.place);
         let surface = surface.map(|(_, surface)| surface);
         let depth = surface.and_then(|surface| surface.depth);
@@ -39,8 +39,8 @@ impl Run<'_> {
         }
     }
 
-    fn laid(&mut self, sheet: &Sheet, rows: &Range<usize>) -> LaidSheet {
-        LaidSheet {
+    fn laid(&mut self, sheet: &PlacedTexture, rows: &Range<usize>) -> BoundTexture {
+        BoundTexture {
             place: sheet.place.map(|(place, _)| self.hold_field(place, rows)),
             origin: sheet.origin,
             share: sheet.share.map(|share| self.hold_rows(share, rows)),

@@ -1,6 +1,6 @@
 //! Pictures whose planes are larger than a device takes: strip by strip.
 
-use crate::engine::cpu::for_devices::term_white_levels;
+use crate::engine::cpu::gpu_support::term_white_levels;
 use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::{GAIN, SEARCH_PASSES, WHITE};
 use crate::engine::gpu::enhance::known_white_level;
@@ -181,13 +181,13 @@ impl Runner {
                 let (read, _) = run.finish(&[&chosen])?;
                 found = read.into_iter().next().expect("what was chosen is read");
                 let shape = shape.into_iter().flat_map(|shape| shape.into_buffers());
-                self.buffers.take_back(shape);
+                self.buffers.recycle(shape);
                 self.buffers.take_back_copied(picture.into_iter().flatten());
             }
         }
         let searching = searching.into_iter();
         self.buffers
-            .take_back(searching.flat_map(Searching::into_buffers));
+            .recycle(searching.flat_map(Searching::into_buffers));
         Ok([found[GAIN as usize], found[WHITE as usize]])
     }
 }

@@ -5,7 +5,7 @@ use crate::engine::gpu::device::Device;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::plan::{Plan, Stage};
 use crate::shape::diffusion::importance::Levels;
-use crate::shape::diffusion::sweeps::Sweeps;
+use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use std::ops::Range;
 
 /// A picture on the device: red, green and blue.
@@ -83,7 +83,7 @@ impl Upload<'_> {
         self.bytes(bytemuck::cast_slice(&words))
     }
 
-    fn importance(self, frame: &Frame, sweeps: &Sweeps) -> Option<Importance> {
+    fn importance(self, frame: &Frame, sweeps: &DiffusionSchedule) -> Option<Importance> {
         let levels = Levels::of(frame, sweeps)?;
         let numbers = levels.plane.map(u32::from);
         let kept = levels

@@ -135,7 +135,7 @@ impl<'a> FrameBuilder<'a> {
     }
 
     /// Depth of any kind, 1 channel, in scene units where it is a distance. Outside the surface it is 0, negative,
-    /// 65504, 1e9 or more, or not finite; [`StoredDepth::WhiteFar`] and [`StoredDepth::WhiteNear`] do not mark it, so that
+    /// 65504, 1e9 or more, or not finite; [`StoredDepth::WhiteFar`] and [`StoredDepth::NormalizedNearIsOne`] do not mark it, so that
     /// the mask or alpha has to. An inverse of half floats is too coarse for distances and taken as relative.
     pub fn depth(self, samples: impl Into<Samples<'a>>, stored: StoredDepth) -> Self {
         Self {

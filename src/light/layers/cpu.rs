@@ -56,7 +56,7 @@ impl LightTerm<'_> {
         let luminance = self.luminance(weights, mask, absent, memory);
         let lit = |y| lit(&luminance, mask, y);
         let white = percentile(mask.height(), WHITE_PERCENT, lit).unwrap_or(1.0);
-        memory.take_back([luminance]);
+        memory.recycle([luminance]);
         white
     }
 
@@ -96,7 +96,7 @@ pub(crate) fn add_to_searches(
         });
         let values = |y| lit(&luminance, &frame.mask, y);
         searches[index].1.add(rows.clone(), values);
-        memory.take_back([luminance]);
+        memory.recycle([luminance]);
     }
 }
 

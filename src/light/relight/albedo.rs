@@ -65,7 +65,7 @@ impl AlbedoSearch {
                 search.add(rows, |y| {
                     statistics::luminances(&albedo, weights, &strip.mask, y)
                 });
-                memory.take_back([albedo.r, albedo.g, albedo.b]);
+                memory.recycle([albedo.r, albedo.g, albedo.b]);
             }
         }
     }

@@ -9,7 +9,7 @@ pub(crate) mod shade;
 pub(crate) mod traced;
 
 use crate::engine::cpu::Run;
-use crate::engine::cpu::kept::Kept;
+use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
 use crate::engine::outcome::Shape;
@@ -17,7 +17,7 @@ use crate::frame::{
     ColorPlanes, Frame, Mask, Plane, Projection, SightLines, SpecularScene, Vector2Planes,
 };
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
-use crate::light::prepared_environment::Around;
+use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Kind};
 use crate::light::relight::traced::Mirrors;
@@ -52,7 +52,7 @@ pub(crate) struct Scene<'a> {
     lights: &'a [DirectionalLight],
     points: &'a [PointLight],
     sight: SightLines,
-    around: Around<'a>,
+    around: Illuminants<'a>,
     /// What mirrors and lenses show, where that is more than the environment.
     mirrors: Option<Mirrors<'a>>,
     /// The pixels that are lit.
@@ -82,12 +82,12 @@ impl Run<'_> {
             .expect("the plan says how to light");
         let weights = frame.luminance_weights();
         let kept = &self.runner.environment;
-        let around = Around::new(illumination, relighting, weights, kept, |make| {
+        let around = Illuminants::new(illumination, relighting, weights, kept, |make| {
             self.timed("environment", make)
         });
         self.outcome.environment_gain = around.gain();
         let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
-            let kept = |kept: &mut Kept| kept.albedo.take();
+            let kept = |kept: &mut FrameCache| kept.albedo.take();
             self.kept_or(kept, "albedo-estimate", || match &relighting.estimate {
                 Some(found) => albedo::by_estimate(frame, found, memory),
                 None => albedo::estimated(frame, weights, memory),
@@ -136,7 +136,7 @@ impl Run<'_> {
         drop(scene);
         match (estimate, &mut self.kept) {
             (Some(estimate), Some(kept)) => kept.albedo = Some(estimate),
-            (Some(ColorPlanes { r, g, b }), None) => memory.take_back([r, g, b]),
+            (Some(ColorPlanes { r, g, b }), None) => memory.recycle([r, g, b]),
             (None, _) => {}
         }
         self.outcome.shape = shape;
@@ -193,7 +193,7 @@ impl Run<'_> {
         }
         let has_grain = plan.relighting.is_some_and(|relighting| relighting.grain);
         if has_grain && plan.has(Stage::NormalRays) {
-            let kept = |kept: &mut Kept| kept.rays.take();
+            let kept = |kept: &mut FrameCache| kept.rays.take();
             let direction = self.kept_or(kept, "normal-rays", || {
                 normal_rays::directions(plan, frame, conductance, memory)
             });

@@ -53,7 +53,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
         normalise_eyes(batch);
     }
     if scene.frame.alpha.is_some() && matches!(relighting.albedo, Albedo::Layer | Albedo::Picture) {
-        bare_albedo(batch);
+        demodulate(batch);
     }
     let lobes = scene.shading.map(|shading| shading.lobes);
     let phong = relighting.params.material.material == Material::Phong;
@@ -152,7 +152,7 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
 
 /// Layers are multiplied by coverage, as what is shown will be once more.
 #[inline(always)]
-fn bare_albedo(batch: &mut Batch) {
+fn demodulate(batch: &mut Batch) {
     for i in 0..BATCH {
         let covered = batch.alpha[i] > 0.0;
         batch.share[i] = if covered { 1.0 / batch.alpha[i] } else { 1.0 };
@@ -350,7 +350,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     // A cartoon has few tones of light; other few tones are of what is seen.
     let is_toon = material.material == Material::Toon;
     if is_toon {
-        keep_few_tones(batch, scene);
+        quantize_tones(batch, scene);
     }
     for k in 0..3 {
         for i in 0..BATCH {
@@ -359,7 +359,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
         }
     }
     if !is_toon {
-        keep_few_tones(batch, scene);
+        quantize_tones(batch, scene);
     }
     for lanes in &mut batch.shown {
         cover(lanes, &batch.alpha);
@@ -389,7 +389,7 @@ fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
 
 /// Quantises what is shown so far, where few tones are asked for.
 #[inline(always)]
-fn keep_few_tones(batch: &mut Batch, scene: &Scene) {
+fn quantize_tones(batch: &mut Batch, scene: &Scene) {
     let Some(tones) = scene.tones else {
         return;
     };

@@ -206,7 +206,7 @@ impl Scratch {
         let unwarped = shading.warped.then_some(half);
         if shading.warped
             && shading.scaled.is_none()
-            && self.reflect_at_once(terms, pixels, shading, light)
+            && self.reflect_batched(terms, pixels, shading, light)
         {
             return;
         }
@@ -305,7 +305,7 @@ impl Scratch {
     /// [`Scratch::reflect`] in fewer steps, for lobes that take no further vector, of light that is warped
     /// and not scaled. Whether that is the case.
     #[inline(always)]
-    fn reflect_at_once<D, H, S>(
+    fn reflect_batched<D, H, S>(
         &mut self,
         terms: &mut Terms,
         pixels: &Pixels,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// All patches in the order of their chains along one axis.
-struct Chains {
+struct PatchChains {
     order: Vec<u32>,
     /// Where in that order a patch is.
     place: Vec<u32>,
@@ -18,7 +18,7 @@ struct Chains {
 /// Patches that one task takes at the least.
 const PATCHES_PER_TASK: usize = 2048;
 
-impl Chains {
+impl PatchChains {
     fn new(links: &Links) -> Self {
         let count = links.after.len();
         let mut order = Vec::with_capacity(count);
@@ -82,16 +82,16 @@ impl Chains {
 }
 
 /// The cross-shaped kernel over patches.
-pub(crate) struct Cross {
-    across: Chains,
-    down: Chains,
+pub(crate) struct CrossKernel {
+    across: PatchChains,
+    down: PatchChains,
 }
 
-impl Cross {
+impl CrossKernel {
     pub(crate) fn new(patches: &Patches) -> Self {
         let (across, down) = rayon::join(
-            || Chains::new(&patches.across),
-            || Chains::new(&patches.down),
+            || PatchChains::new(&patches.across),
+            || PatchChains::new(&patches.down),
         );
         Self { across, down }
     }

@@ -5,7 +5,7 @@ use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
-use crate::line::direction_field::chains::Cross;
+use crate::line::direction_field::chains::CrossKernel;
 use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
     FACING, FALLBACK, FAR, FORM_REACH, FREE, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
@@ -31,7 +31,7 @@ pub(crate) fn stroke_fields(
 ) -> Vec<Vector2Planes> {
     let patches = Patches::new(frame, conductance, params.cell_px as usize);
     let field = Field::new(plan, params, frame, &patches);
-    let cross = Cross::new(&patches);
+    let cross = CrossKernel::new(&patches);
     let forms = field.forms(&cross);
     let reach = field.reach();
     let wanted = directions.wanted();
@@ -103,7 +103,7 @@ impl<'a> Field<'a> {
     }
 
     /// The curvature of every patch, averaged nearby.
-    fn forms(&self, cross: &Cross) -> Vec<Weighted> {
+    fn forms(&self, cross: &CrossKernel) -> Vec<Weighted> {
         let all = &self.patches.all;
         let forms: Vec<Weighted> = (0..all.len())
             .into_par_iter()
@@ -179,7 +179,12 @@ impl<'a> Field<'a> {
     }
 
     /// Directions averaged, pass after pass; where they disagree, their surroundings lead.
-    fn calmed(&self, mut found: Vec<Weighted>, cross: &Cross, reach: &[f32]) -> Vec<[f32; 2]> {
+    fn calmed(
+        &self,
+        mut found: Vec<Weighted>,
+        cross: &CrossKernel,
+        reach: &[f32],
+    ) -> Vec<[f32; 2]> {
         for _ in 0..self.params.passes {
             found = cross.mean(&found, reach);
         }

@@ -9,7 +9,7 @@ use crate::frame::Plane;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::hatching::{BATCH, Hatching, Pixels};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::line::texture_coordinates::sheet::{Lie, Sheet};
+use crate::line::texture_coordinates::sheet::{PlacedTexture, TexturePlacement};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::line::tone::Densities;
 use crate::params::StrokeParams;
@@ -30,11 +30,11 @@ pub(crate) fn hatched(
     let families: Vec<_> = families
         .map(|(family, direction)| (Hatching::new(map, params, family), direction))
         .collect();
-    let sheets = coordinates.map_or(vec![Sheet::STILL], TextureCoordinates::sheets);
+    let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
     let simd = Simd::widest();
     let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
         let mut pixels = Pixels::default();
-        let mut lie = Lie::default();
+        let mut lie = TexturePlacement::default();
         for run in frame.mask.runs(y) {
             for from in run.clone().step_by(BATCH) {
                 let columns = from..(from + BATCH).min(run.end);

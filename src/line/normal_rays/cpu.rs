@@ -6,7 +6,7 @@ use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::direction::fill::{Parts, fill};
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::line::normal_rays::{
-    Form, Noise, NormalRay, PrincipalCurvatures, Sides, principal_curvatures,
+    LocalShape, Noise, NormalRay, PrincipalCurvatures, Sides, principal_curvatures,
 };
 use crate::plan::Plan;
 use glam::{DVec2, DVec3, Vec2};
@@ -73,7 +73,7 @@ impl<'a> Surface<'a> {
         let at = self.position(x, y);
         let seen = |tangent| self.setting.sight.picture_direction(at.x, at.y, tangent);
         match (curvatures.form, curvatures.direction().and_then(seen)) {
-            (Form::Planar, _) => Found::Plane,
+            (LocalShape::Planar, _) => Found::Plane,
             (_, Some(direction)) => Found::Direction(direction.as_vec2()),
             (_, None) => Found::Nothing,
         }

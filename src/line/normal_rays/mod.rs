@@ -49,7 +49,7 @@ pub struct Noise {
 
 /// What kind of point the surface has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum LocalShape {
     /// The normal does not turn, as far as can be told: no direction.
     Planar,
     /// It turns alike every way, likewise: no direction.
@@ -64,7 +64,7 @@ pub enum Form {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrincipalCurvatures {
     /// What kind of point it is; where it has no direction, those given are arbitrary.
-    pub form: Form,
+    pub form: LocalShape,
     /// Curvatures per unit of length; convex is negative.
     pub curvatures: [f64; 2],
     /// Unit directions in view space, tangent to the surface, each equal to its opposite.
@@ -75,8 +75,8 @@ impl PrincipalCurvatures {
     /// The direction of the curvature larger in size, if the point has one.
     pub fn direction(&self) -> Option<DVec3> {
         match self.form {
-            Form::Planar | Form::Umbilic => None,
-            Form::Parabolic | Form::General => Some(self.directions[0]),
+            LocalShape::Planar | LocalShape::Umbilic => None,
+            LocalShape::Parabolic | LocalShape::General => Some(self.directions[0]),
         }
     }
 }
@@ -143,15 +143,19 @@ pub fn principal_curvatures(
     let error = CERTAINTY * sample_error * (0.5 * spread).sqrt() / area.abs();
     let [larger, lesser] = curvatures;
     let form = if turn < PLANAR_TURN || larger.abs() <= error {
-        Form::Planar
+        LocalShape::Planar
     } else if half_spread <= (UMBILIC * mean.abs()).max(error) {
-        Form::Umbilic
+        LocalShape::Umbilic
     } else if lesser.abs() < PARABOLIC * larger.abs() {
-        Form::Parabolic
+        LocalShape::Parabolic
     } else {
-        Form::General
+        LocalShape::General
     };
-    let lesser = if form == Form::Parabolic { 0.0 } else { lesser };
+    let lesser = if form == LocalShape::Parabolic {
+        0.0
+    } else {
+        lesser
+    };
     Some(PrincipalCurvatures {
         form,
         curvatures: [larger, lesser],
@@ -334,7 +338,7 @@ mod tests {
             (u - v) * c * s,
             u * s * s + v * c * c,
         ]);
-        assert_eq!(found.form, Form::General);
+        assert_eq!(found.form, LocalShape::General);
         assert!((found.curvatures[0] / u - 1.0).abs() < 1e-4, "{found:?}");
         assert!((found.curvatures[1] / v - 1.0).abs() < 1e-4, "{found:?}");
         assert!(found.directions[0].cross(DVec3::new(c, s, 0.0)).length() < 1e-4);
@@ -355,7 +359,7 @@ mod tests {
         };
         let found = principal_curvatures(DVec3::Z, [sides(DVec3::X), sides(DVec3::Y)], EXACT);
         let found = found.unwrap();
-        assert_eq!(found.form, Form::Umbilic);
+        assert_eq!(found.form, LocalShape::Umbilic);
         assert!(
             found.curvatures.iter().all(|k| (k + 0.5).abs() < 1e-12),
             "{found:?}"
@@ -366,12 +370,12 @@ mod tests {
     #[test]
     fn every_degenerate_form_is_told_in_any_unit_of_length() {
         let forms = [
-            ([0.0, 0.0, 0.0], Form::Planar),
-            ([-0.02, 0.0, -0.02], Form::Umbilic),
-            ([0.0, 0.0, -0.02], Form::Parabolic),
-            ([0.03, 0.0, -0.02], Form::General),
+            ([0.0, 0.0, 0.0], LocalShape::Planar),
+            ([-0.02, 0.0, -0.02], LocalShape::Umbilic),
+            ([0.0, 0.0, -0.02], LocalShape::Parabolic),
+            ([0.03, 0.0, -0.02], LocalShape::General),
             // Curvatures of one size and opposite signs are no umbilic.
-            ([0.02, 0.0, -0.02], Form::General),
+            ([0.02, 0.0, -0.02], LocalShape::General),
         ];
         for (height, form) in forms {
             let (normal, plain) = sides_of(height, glam::DMat3::IDENTITY);
@@ -405,11 +409,11 @@ mod tests {
             };
             principal_curvatures(normal, sides, noise).unwrap().form
         };
-        assert_eq!(form(1e-4), Form::General);
-        assert_eq!(form(4e-4), Form::General);
-        assert_eq!(form(6e-4), Form::Umbilic);
-        assert_eq!(form(1.9e-3), Form::Umbilic);
-        assert_eq!(form(2.1e-3), Form::Planar);
+        assert_eq!(form(1e-4), LocalShape::General);
+        assert_eq!(form(4e-4), LocalShape::General);
+        assert_eq!(form(6e-4), LocalShape::Umbilic);
+        assert_eq!(form(1.9e-3), LocalShape::Umbilic);
+        assert_eq!(form(2.1e-3), LocalShape::Planar);
     }
 
     #[test]

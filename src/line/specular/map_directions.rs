@@ -8,15 +8,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The directions on the surroundings of the last run: a sequence has the same ones all along.
 #[derive(Debug, Default)]
-pub(crate) struct KeptDirections(Mutex<Option<Kept>>);
+pub(crate) struct DirectionCache(Mutex<Option<FrameCache>>);
 
 #[derive(Debug)]
-struct Kept {
+struct FrameCache {
     surroundings: Arc<Surroundings>,
     directions: Arc<Vector3Planes>,
 }
 
-impl KeptDirections {
+impl DirectionCache {
     /// The directions on these surroundings, made unless they are kept.
     pub(crate) fn of(&self, surroundings: &Arc<Surroundings>) -> Arc<Vector3Planes> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -26,7 +26,7 @@ impl KeptDirections {
             return kept.directions.clone();
         }
         let directions = Arc::new(directions(surroundings));
-        *kept = Some(Kept {
+        *kept = Some(FrameCache {
             surroundings: surroundings.clone(),
             directions: directions.clone(),
         });

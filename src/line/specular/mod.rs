@@ -5,7 +5,7 @@ pub(crate) mod met_points;
 pub(crate) mod seen;
 pub(crate) mod tangents;
 
-pub(crate) use crate::line::specular::map_directions::KeptDirections;
+pub(crate) use crate::line::specular::map_directions::DirectionCache;
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
@@ -35,7 +35,7 @@ pub(crate) fn seen_through(
     scene: &SpecularScene,
     specular: &SpecularParams,
     params: &LineParams,
-    kept: &KeptDirections,
+    kept: &DirectionCache,
     memory: &Memory,
 ) -> Option<SeenThrough> {
     let camera = frame.camera?;

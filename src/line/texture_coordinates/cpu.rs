@@ -13,7 +13,7 @@ use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::origin;
 use crate::line::texture_coordinates::places::Surface;
 use crate::line::texture_coordinates::shares::Weighed;
-use crate::line::texture_coordinates::sheet::Sheet;
+use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::step::Step;
 
 /// Maps that are kept at once, beside the next.
@@ -133,14 +133,14 @@ impl TextureCoordinates {
     }
 
     /// What the drawing is made of.
-    pub(crate) fn sheets(&self) -> Vec<Sheet<'_>> {
+    pub(crate) fn sheets(&self) -> Vec<PlacedTexture<'_>> {
         let surface = self.surface();
-        let moving = self.maps.iter().map(|map| Sheet {
+        let moving = self.maps.iter().map(|map| PlacedTexture {
             place: Some((&map.place, surface)),
             origin: [0.0; 2],
             share: map.share.as_ref(),
         });
-        let next = self.next.as_ref().map(|share| Sheet {
+        let next = self.next.as_ref().map(|share| PlacedTexture {
             place: None,
             origin: origin(self.born),
             share: Some(share),

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// A map of places and its share of the drawing.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sheet<'a> {
+pub(crate) struct PlacedTexture<'a> {
     /// Places, and the surface that has them; `None` lies still in the picture.
     pub(crate) place: Option<(&'a Vector2Planes, Surface<'a>)>,
     /// Where in the texture what lies still is laid.
@@ -18,12 +18,12 @@ pub(crate) struct Sheet<'a> {
 }
 
 /// How the texture came to lie at the pixels of a batch.
-pub(crate) struct Lie {
+pub(crate) struct TexturePlacement {
     by: [Jacobian; BATCH],
     direction: [[f32; BATCH]; 2],
 }
 
-impl Default for Lie {
+impl Default for TexturePlacement {
     fn default() -> Self {
         Self {
             by: [STILL; BATCH],
@@ -32,7 +32,7 @@ impl Default for Lie {
     }
 }
 
-impl Sheet<'_> {
+impl PlacedTexture<'_> {
     /// All of a drawing that lies still in the picture.
     pub(crate) const STILL: Self = Self {
         place: None,
@@ -50,7 +50,7 @@ impl Sheet<'_> {
     pub(crate) fn lay(
         &self,
         pixels: &mut Pixels,
-        lie: &mut Lie,
+        lie: &mut TexturePlacement,
         frame: &Frame,
         y: usize,
         columns: Range<usize>,
@@ -86,7 +86,7 @@ impl Sheet<'_> {
     pub(crate) fn in_texture<'b>(
         &self,
         direction: [&'b [f32]; 2],
-        lie: &'b mut Lie,
+        lie: &'b mut TexturePlacement,
     ) -> [&'b [f32]; 2] {
         if self.place.is_none() {
             return direction;

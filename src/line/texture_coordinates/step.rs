@@ -226,7 +226,7 @@ impl<'a> Step<'a> {
                 }
             });
             let rough = std::mem::replace(&mut moved, Vector2Planes { x, y });
-            memory.take_back([rough.x, rough.y]);
+            memory.recycle([rough.x, rough.y]);
         }
         moved
     }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The texture of the last drawing.
 #[derive(Debug, Default)]
-pub(crate) struct KeptArtMap(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
+pub(crate) struct ArtMapCache(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
 
 /// What a texture was made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,7 +16,7 @@ struct Made {
     seed: u64,
 }
 
-impl KeptArtMap {
+impl ArtMapCache {
     /// The texture for strokes in a picture of which `resolution_factor` pixels stand for one of the
     /// reference; `timed` has it made where it is another one.
     pub(crate) fn of(

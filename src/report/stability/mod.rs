@@ -75,7 +75,7 @@ pub enum Verdict {
     },
     /// A picture within its bound, and the user is told something.
     #[serde(rename = "warned")]
-    Told {
+    RunLog {
         /// What the user is told.
         message: String,
         /// The largest value.
@@ -109,7 +109,7 @@ impl Verdict {
             Self::Bounded(_) => expected == Expected::Bounded,
             Self::Lit { .. } => expected == Expected::Lit,
             Self::Drawn { .. } => expected == Expected::Drawn,
-            Self::Told { .. } | Self::Warned { .. } => expected == Expected::Warned,
+            Self::RunLog { .. } | Self::Warned { .. } => expected == Expected::Warned,
             Self::Refused { .. } => expected == Expected::Refused,
             Self::Failed { .. } => false,
         }

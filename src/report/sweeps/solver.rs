@@ -5,7 +5,7 @@ use crate::Result;
 use crate::frame::{Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
-use crate::plan::{Goal, Plan, Recurrence, Sweeps};
+use crate::plan::{DiffusionSchedule, Goal, Plan, Recurrence};
 use crate::report::On;
 use crate::report::compare::{Errors, Tally, compare, pixels};
 use crate::report::engine::{self, Layers};
@@ -255,7 +255,7 @@ impl Truth<'_> {
     fn on_gpu(&self, gpu: &Gpu, shape: &ShapeParams, effort: Effort) -> Result<Vec<GpuRow>> {
         let frame = self.measuring.frame;
         let mut rows: Vec<GpuRow> = Vec::new();
-        let mut tried: Vec<Sweeps> = Vec::new();
+        let mut tried: Vec<DiffusionSchedule> = Vec::new();
         for solver in by_turns(shape.solver) {
             let shape = ShapeParams { solver, ..*shape };
             let layers = timing::plan(Goal::Layers, frame, shape)?;
@@ -338,7 +338,7 @@ impl Truth<'_> {
     }
 }
 
-fn described(shape: &ShapeParams, sweeps: &Sweeps) -> String {
+fn described(shape: &ShapeParams, sweeps: &DiffusionSchedule) -> String {
     match sweeps.recurrence {
         Recurrence::Explicit(time_step) => {
             format!("step {}", (f64::from(time_step) * 1e4).round() / 1e4)

@@ -5,9 +5,9 @@ use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::RunOptions;
 use crate::shape::diffusion::importance::Levels;
-use crate::shape::diffusion::sweeps::{Readout, Recurrence, Sweeps};
+use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout, Recurrence};
 use crate::shape::diffusion::tiles::{Tiling, even_tiles};
-use crate::shape::diffusion::wavefront::{Pass, Results, VectorRows, Wave, Weights};
+use crate::shape::diffusion::wavefront::{Pass, Results, VectorRows, WavefrontTile, Weights};
 use crate::shape::diffusion::{FEW_LEVELS, Update};
 use rayon::prelude::*;
 
@@ -19,7 +19,7 @@ pub(crate) fn diffusion(
     gradient: Vector2Planes,
     conductance: &Plane,
     frame: &Frame,
-    sweeps: &Sweeps,
+    sweeps: &DiffusionSchedule,
     options: &RunOptions,
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
@@ -78,11 +78,11 @@ pub(crate) fn diffusion(
     if sums.is_empty() {
         sums.push(terms.last);
     } else {
-        memory.take_back([terms.last.x, terms.last.y]);
+        memory.recycle([terms.last.x, terms.last.y]);
     }
     let (last, earlier) = spare.map_or((None, None), Terms::into_parts);
     let left = [last, earlier, terms.earlier].into_iter().flatten();
-    memory.take_back(left.flat_map(|Vector2Planes { x, y }| [x, y]));
+    memory.recycle(left.flat_map(|Vector2Planes { x, y }| [x, y]));
     sums
 }
 
@@ -99,7 +99,7 @@ impl Terms {
 }
 
 /// How every sweep makes its term.
-fn updates(sweeps: &Sweeps) -> Vec<Update> {
+fn updates(sweeps: &DiffusionSchedule) -> Vec<Update> {
     match sweeps.recurrence {
         Recurrence::Explicit(time_step) => vec![Update::Step(time_step); sweeps.count()],
         Recurrence::Chebyshev => {
@@ -134,7 +134,7 @@ fn run_pass(pass: &Pass, tiling: &Tiling, sums: &mut [Vector2Planes], next: Opti
         .tiles()
         .par_iter()
         .zip(results)
-        .for_each_init(Wave::default, |wave, (tile, mut results)| {
+        .for_each_init(WavefrontTile::default, |wave, (tile, mut results)| {
             wave.run(pass, tile, &mut results)
         });
 }

@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Plane};
 use crate::shape::diffusion::LEVELS;
-use crate::shape::diffusion::sweeps::{Readout, Sweeps};
+use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout};
 use rayon::prelude::*;
 
 /// Importance in whole levels, and the weights of every level that occurs.
@@ -16,7 +16,7 @@ pub(crate) struct Levels {
 
 impl Levels {
     /// The levels of a frame, if the sweeps are read out by importance.
-    pub(crate) fn of(frame: &Frame, sweeps: &Sweeps) -> Option<Self> {
+    pub(crate) fn of(frame: &Frame, sweeps: &DiffusionSchedule) -> Option<Self> {
         let Readout::ByImportance(_) = sweeps.readout else {
             return None;
         };

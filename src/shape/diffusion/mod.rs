@@ -92,7 +92,7 @@ fn sweep(
     let [out_x, out_y] = out;
     let n = out_x.len();
     let out_y = &mut out_y[..n];
-    let (gx, gy) = (Around::new(g[0], n), Around::new(g[1], n));
+    let (gx, gy) = (Neighbours::new(g[0], n), Neighbours::new(g[1], n));
     let faces = faces.of(n);
     for x in 0..n {
         let joined = faces.around(x);
@@ -120,7 +120,7 @@ impl<'a> Faces<'a> {
 }
 
 /// The neighbours of a row's samples, in slices of one length.
-struct Around<'a> {
+struct Neighbours<'a> {
     at: &'a [f32],
     west: &'a [f32],
     east: &'a [f32],
@@ -128,7 +128,7 @@ struct Around<'a> {
     south: &'a [f32],
 }
 
-impl<'a> Around<'a> {
+impl<'a> Neighbours<'a> {
     #[inline(always)]
     fn new(g: Stencil<'a>, n: usize) -> Self {
         Self {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// The sweeps over the frame that diffuse its gradient, and what is read out of them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sweeps {
+pub struct DiffusionSchedule {
     /// How a sweep makes the next term.
     pub recurrence: Recurrence,
     /// How the result is made of the terms.
@@ -43,7 +43,7 @@ pub struct Importance {
     tolerance: f64,
 }
 
-impl Sweeps {
+impl DiffusionSchedule {
     /// The sweeps that `params` ask for where `factor` pixels stand for one of the reference; the fewer
     /// ones where both solvers give the same answer.
     ///
@@ -182,7 +182,7 @@ fn steps(params: &ShapeParams, factor: f64, time: f64) -> (u32, f64) {
 mod tests {
     use super::*;
 
-    fn sweeps(scale: Scale, solver: Solver) -> Sweeps {
+    fn sweeps(scale: Scale, solver: Solver) -> DiffusionSchedule {
         let params = ShapeParams {
             scale,
             solver,
@@ -191,8 +191,8 @@ mod tests {
         of(&params, 1.0)
     }
 
-    fn of(params: &ShapeParams, factor: f64) -> Sweeps {
-        Sweeps::new(params, factor, &[], false)
+    fn of(params: &ShapeParams, factor: f64) -> DiffusionSchedule {
+        DiffusionSchedule::new(params, factor, &[], false)
     }
 
     #[test]

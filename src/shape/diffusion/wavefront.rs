@@ -125,7 +125,7 @@ pub(crate) struct Results<'a> {
 
 /// The rows in flight, kept in rings.
 #[derive(Debug, Default)]
-pub(crate) struct Wave {
+pub(crate) struct WavefrontTile {
     /// Columns left of the tile, and of a whole row.
     pad: usize,
     stride: usize,
@@ -143,7 +143,7 @@ pub(crate) struct Wave {
     sums: Vec<[Vec<f32>; 2]>,
 }
 
-impl Wave {
+impl WavefrontTile {
     /// Runs `pass` over `tile`.
     pub(crate) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
         let sweeps = pass.updates.len();

@@ -63,7 +63,7 @@ const KINDS: [(StoredDepth, Value, &[f64]); 5] = [
         &[0.0, 1.0],
     ),
     (
-        StoredDepth::WhiteNear,
+        StoredDepth::NormalizedNearIsOne,
         |z, _| ((7.8 - z) / 4.0).clamp(0.0, 1.0),
         &[0.0, 1.0],
     ),

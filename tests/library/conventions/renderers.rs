@@ -381,7 +381,7 @@ fn flipped(axis: char, read_as: ReadAs) -> ReadAs {
 
 use NormalSpace::{View, World};
 use Stored::{Float, Half};
-use StoredDepth::{Inverse, Planar, Ray, Relative, WhiteFar, WhiteNear};
+use StoredDepth::{Inverse, NormalizedNearIsOne, Planar, Ray, Relative, WhiteFar};
 
 #[rustfmt::skip]
 fn files() -> Vec<File> {
@@ -420,7 +420,7 @@ fn files() -> Vec<File> {
         file("pbrt, world", ("Ns", XYZ, Half), Y_UP, None,
             read_as(World, Planar, HALF_DEG)).with(pbrt_camera).with_position("P", XYZ),
         file("V-Ray", ("normals", XYZ, Float), Space::Seen(x_left), Some((&["zDepth.Z"], Float, 0.0, vray)),
-            flipped('x', read_as(View, WhiteNear, FLOAT_DEG))).with(vray_camera),
+            flipped('x', read_as(View, NormalizedNearIsOne, FLOAT_DEG))).with(vray_camera),
         file("Redshift", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 0.0, PLANAR)),
             read_as(World, Planar, FLOAT_DEG)).with(redshift_camera),
         file("Karma", ("ray:hitN", RGB_LOWER, Float), Y_UP, Some((&["ray:hitPz"], Float, 0.0, PLANAR)),

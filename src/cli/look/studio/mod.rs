@@ -24,7 +24,7 @@ use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::LightKinds;
 use crate::plan::{Goal, Plan};
-use reading::{Around, Source};
+use reading::{Source, SurroundingFiles};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -84,7 +84,7 @@ impl AsRef<Frame> for Held {
 }
 
 /// The frame in hand.
-struct Sitter {
+struct OpenFrame {
     source: Source,
     /// What mirrors and lenses show.
     scene: Option<SpecularScene>,
@@ -92,7 +92,7 @@ struct Sitter {
     runners: BTreeMap<usize, LiveRunner<Held>>,
 }
 
-impl Sitter {
+impl OpenFrame {
     fn runner(&mut self, step: usize) -> &mut LiveRunner<Held> {
         if !self.runners.contains_key(&step) {
             let reduced = self.loaded().frame.reduced(step);
@@ -120,12 +120,12 @@ struct Made {
 }
 
 /// Makes pictures of one frame, and keeps what the next ones can use.
-pub(crate) struct Studio {
+pub(crate) struct ViewSession {
     engine: Arc<Engine>,
     /// What was said of devices.
     said: RefCell<BTreeSet<String>>,
-    sitter: Option<Sitter>,
-    around: Around,
+    sitter: Option<OpenFrame>,
+    around: SurroundingFiles,
     /// The texture of strokes that a folder holds.
     art_map: Option<(PathBuf, crate::params::StrokeScale, TonalArtMap)>,
     made: Option<Made>,
@@ -134,20 +134,20 @@ pub(crate) struct Studio {
 const A_COMMAND: &str = "a look is one of the commands of recipes";
 const IN_HAND: &str = "a frame has been read";
 
-impl Studio {
+impl ViewSession {
     /// An empty one that works by `engine`.
     pub(crate) fn new(engine: Arc<Engine>) -> Self {
         Self {
             engine,
             said: RefCell::default(),
             sitter: None,
-            around: Around::default(),
+            around: SurroundingFiles::default(),
             art_map: None,
             made: None,
         }
     }
 
-    /// Makes `what` of a frame by `look`, of every `step`th pixel: [`Studio::outcome`] then holds it. Only what changed is
+    /// Makes `what` of a frame by `look`, of every `step`th pixel: [`ViewSession::outcome`] then holds it. Only what changed is
     /// read or made anew.
     ///
     /// # Errors
@@ -417,7 +417,7 @@ mod tests {
     use std::path::Path;
 
     /// The picture of each command, as it is shown.
-    fn pictures(studio: &mut Studio) -> Vec<Pixels> {
+    fn pictures(studio: &mut ViewSession) -> Vec<Pixels> {
         let reading = Reading {
             input: Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr"),
             frame: None,
@@ -437,8 +437,8 @@ mod tests {
         let Some(engine) = to_test_on(opened) else {
             return;
         };
-        let expected = pictures(&mut Studio::new(Arc::default()));
-        let mut studio = Studio::new(engine.into());
+        let expected = pictures(&mut ViewSession::new(Arc::default()));
+        let mut studio = ViewSession::new(engine.into());
         let found = pictures(&mut studio);
         // The device did it: no pass has run on the CPU.
         assert_eq!(studio.counts().map(BTreeMap::len), Some(0));

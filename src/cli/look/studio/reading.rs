@@ -1,6 +1,6 @@
 //! What a look is made of: files, read again only when others are named.
 
-use super::{A_COMMAND, Held, Reading, Sitter, Studio, work_of};
+use super::{A_COMMAND, Held, OpenFrame, Reading, ViewSession, work_of};
 use crate::cli::args::Command;
 use crate::cli::hatch;
 use crate::cli::job::Job;
@@ -9,8 +9,8 @@ use crate::cli::memory::MaxMemory;
 use crate::cli::recipe::RecipeText;
 use crate::cli::relight;
 use crate::cli::relight_args::RelightArgs;
+use crate::cli::run_log::RunLog;
 use crate::cli::strips::refuse_too_large;
-use crate::cli::told::Told;
 use crate::engine::cpu::live::LiveRunner;
 use crate::error::Result;
 use crate::io::inputs::Inputs;
@@ -33,13 +33,13 @@ pub(super) struct Source {
 
 /// Light that comes from files, and which.
 #[derive(Default)]
-pub(super) struct Around {
+pub(super) struct SurroundingFiles {
     files: (Option<PathBuf>, f32, Vec<PathBuf>),
     environment: Option<Arc<Environment>>,
     lit_spheres: Vec<LitSphere>,
 }
 
-impl Studio {
+impl ViewSession {
     /// Reads what the command takes, unless it is in hand.
     pub(super) fn read(
         &mut self,
@@ -47,7 +47,7 @@ impl Studio {
         recipe: &RecipeText,
         reading: &Reading,
     ) -> Result<()> {
-        let told = Told::default();
+        let told = RunLog::default();
         let work = work_of(command);
         work.flags.validate()?;
         work.flags.refuse_more_scales()?;
@@ -76,7 +76,7 @@ impl Studio {
             (None, _) => None,
         };
         let whole = LiveRunner::new(Held::Whole(Box::new(loaded)));
-        self.sitter = Some(Sitter {
+        self.sitter = Some(OpenFrame {
             source,
             scene,
             runners: [(1, whole)].into(),
@@ -121,7 +121,7 @@ impl Studio {
             args.light.lit_sphere.clone(),
         );
         if self.around.files != files {
-            self.around = Around {
+            self.around = SurroundingFiles {
                 environment: relight::environment(args, MaxMemory::Auto.for_light())?,
                 lit_spheres: relight::lit_spheres(&args.light, MaxMemory::Auto.for_light())?,
                 files,

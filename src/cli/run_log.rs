@@ -9,13 +9,13 @@ use std::time::Duration;
 
 /// The one voice of all frames of a run.
 #[derive(Default)]
-pub(super) struct Told {
+pub(super) struct RunLog {
     progress: Option<Progress>,
     said: Mutex<BTreeSet<String>>,
     pub(super) turns: Turns,
 }
 
-impl Told {
+impl RunLog {
     pub(super) fn of_sequence(progress: Progress) -> Self {
         Self {
             progress: Some(progress),

@@ -8,7 +8,7 @@ use crate::params::{
     SoftThreshold, StrokeDirections, TermWhiteLevels,
 };
 use crate::plan::{Goal, Plan, Points, Stage};
-use crate::shape::diffusion::sweeps::Sweeps;
+use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::shape::edges::cpu::Weights;
 
 /// What edges and the gradient depend on.
@@ -42,7 +42,7 @@ impl EdgesKey {
 
 /// What the diffused gradient depends on: edges, and sweeps where there are any.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct GradientKey(EdgesKey, Option<Sweeps>);
+pub(crate) struct GradientKey(EdgesKey, Option<DiffusionSchedule>);
 
 /// What curvature depends on: the gradient, and the factor of resolution.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,7 +127,7 @@ impl<K, T> Default for Slot<K, T> {
 
 impl<K: PartialEq, T> Slot<K, T> {
     /// Drops the result unless it is made of `key`, as the next one will be.
-    fn meet(&mut self, key: K) {
+    fn invalidate_unless(&mut self, key: K) {
         if self.key.as_ref() != Some(&key) {
             *self = Self {
                 key: Some(key),
@@ -158,7 +158,7 @@ impl<K: PartialEq, T> Slot<K, T> {
 /// What was made of a frame. A run takes what it can use and moves it into its outcome; when that is given back it is
 /// kept again.
 #[derive(Debug, Default)]
-pub(crate) struct Kept {
+pub(crate) struct FrameCache {
     silhouette: Slot<EdgesKey, Plane>,
     crease: Slot<EdgesKey, Plane>,
     conductance: Slot<EdgesKey, Plane>,
@@ -180,49 +180,51 @@ pub(crate) struct Kept {
     pub(crate) albedo: Option<ColorPlanes>,
 }
 
-impl Kept {
+impl FrameCache {
     /// Drops what is not of use to `plan`. What it does not ask for stays.
-    pub(crate) fn meet(&mut self, plan: &Plan) {
-        self.term_whites.meet(TermsKey::of(&plan.scaling));
+    pub(crate) fn invalidate_for(&mut self, plan: &Plan) {
+        self.term_whites
+            .invalidate_unless(TermsKey::of(&plan.scaling));
         if !plan.has(Stage::Conductance) {
             return;
         }
         let edges = EdgesKey::of(plan);
-        self.silhouette.meet(edges);
-        self.crease.meet(edges);
-        self.conductance.meet(edges);
-        self.undiffused.meet(edges);
+        self.silhouette.invalidate_unless(edges);
+        self.crease.invalidate_unless(edges);
+        self.conductance.invalidate_unless(edges);
+        self.undiffused.invalidate_unless(edges);
         let sweeps = plan.has(Stage::Diffusion).then(|| plan.sweeps.clone());
         let gradient = GradientKey(edges, sweeps);
         let curvature = CurvatureKey(gradient.clone(), plan.resolution_factor);
-        self.gradient.meet(gradient);
+        self.gradient.invalidate_unless(gradient);
         if !plan.more_px.is_empty() {
             // Only that of the first scale is kept.
             self.gradient.take();
         }
-        self.hessian.meet(curvature.clone());
-        self.curvatures.meet(curvature.clone());
-        self.direction_view.meet(curvature.clone());
+        self.hessian.invalidate_unless(curvature.clone());
+        self.curvatures.invalidate_unless(curvature.clone());
+        self.direction_view.invalidate_unless(curvature.clone());
         let trace = TraceKey(curvature, TraceOf::in_plan(plan));
-        self.gain.meet(trace.clone());
-        self.trace.meet(trace);
+        self.gain.invalidate_unless(trace.clone());
+        self.trace.invalidate_unless(trace);
         self.rays
-            .meet(RaysKey(edges, plan.points, plan.direction_steps_px));
+            .invalidate_unless(RaysKey(edges, plan.points, plan.direction_steps_px));
         if let Some(drawing) = &plan.drawing {
-            self.meet_drawing(plan, edges, drawing);
+            self.invalidate_drawing(plan, edges, drawing);
         }
     }
 
-    fn meet_drawing(&mut self, plan: &Plan, edges: EdgesKey, drawing: &LineParams) {
+    fn invalidate_drawing(&mut self, plan: &Plan, edges: EdgesKey, drawing: &LineParams) {
         let factor = plan.resolution_factor;
         let LineParams {
             field, directions, ..
         } = *drawing;
-        self.field.meet(FieldKey(edges, factor, field, directions));
+        self.field
+            .invalidate_unless(FieldKey(edges, factor, field, directions));
         if let Some(contours) = &drawing.contours {
             let scale = drawing.strokes.factor(factor as f32);
             self.contours
-                .meet(ContoursKey(edges, contours.scaled(scale)));
+                .invalidate_unless(ContoursKey(edges, contours.scaled(scale)));
         }
         if plan.specular.is_some() {
             // They go through mirrors and lenses, of which nothing is known here.
@@ -255,7 +257,7 @@ impl Kept {
     }
 
     /// Takes back what the last run made, or took, from its outcome.
-    pub(crate) fn take_back(&mut self, outcome: &mut Outcome) {
+    pub(crate) fn recycle(&mut self, outcome: &mut Outcome) {
         let shape = &mut outcome.shape;
         self.silhouette.put_any(shape.silhouette.take());
         self.crease.put_any(shape.crease.take());

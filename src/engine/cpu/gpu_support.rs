@@ -142,6 +142,6 @@ impl Runner {
 
     /// Takes planes that are no longer needed.
     pub(crate) fn take_back_planes(&self, planes: impl IntoIterator<Item = Plane>) {
-        self.memory.take_back(planes);
+        self.memory.recycle(planes);
     }
 }
