@@ -10,7 +10,7 @@ use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
 use super::strips::{refuse_large_surroundings, refuse_too_large};
-use crate::engine::cpu::runner::{DrawingInputs, SequenceInputs};
+use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::outcome::Drawing;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
@@ -21,6 +21,7 @@ use crate::io::svg;
 use crate::io::{self, Loaded, Needs, load_specular};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::line::paper::on_paper;
+use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{

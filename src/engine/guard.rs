@@ -4,7 +4,8 @@
 //! pictures of 1e38 that are brightened, is found here, before anything is written.
 
 use crate::engine::cpu;
-use crate::engine::outcome::{CurvaturePlanes, Outcome, Shape};
+use crate::engine::outcome::{Outcome, Shape};
+use crate::frame::CurvaturePlanes;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan, Stage};

@@ -1,6 +1,6 @@
 //! What a run gives: planes of the descriptor, a picture, a drawing, by name and by product.
 
-use crate::frame::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::line::contours::Contour;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
@@ -49,24 +49,6 @@ pub struct ScaleShape {
     pub curvatures: CurvaturePlanes,
     /// Mapped curvature, by the gain of the first scale.
     pub kappa: Plane,
-}
-
-/// Principal curvatures `u >= v` and their mean, per pixel; convex is negative.
-#[derive(Debug, Clone)]
-pub struct CurvaturePlanes {
-    /// The larger principal curvature.
-    pub u: Plane,
-    /// The smaller principal curvature.
-    pub v: Plane,
-    /// Their mean.
-    pub mean: Plane,
-}
-
-impl CurvaturePlanes {
-    /// The trace of the Hessian, twice the mean.
-    pub(crate) fn trace(&self) -> Plane {
-        self.mean.map(|mean| 2.0 * mean)
-    }
 }
 
 /// A drawing in layers: how much of the paper each covers, 0..1; 0 outside the mask.

@@ -26,7 +26,8 @@ pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::{
-    ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
+    ColorPlanes, CurvaturePlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes,
+    Vector3Planes,
 };
 pub use ray::Ray;
 #[cfg(feature = "gpu")]

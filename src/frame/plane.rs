@@ -228,6 +228,24 @@ pub struct SymmetricPlanes {
     pub yy: Plane,
 }
 
+/// Principal curvatures `u >= v` and their mean, per pixel; convex is negative.
+#[derive(Debug, Clone)]
+pub struct CurvaturePlanes {
+    /// The larger principal curvature.
+    pub u: Plane,
+    /// The smaller principal curvature.
+    pub v: Plane,
+    /// Their mean.
+    pub mean: Plane,
+}
+
+impl CurvaturePlanes {
+    /// The trace of the Hessian, twice the mean.
+    pub(crate) fn trace(&self) -> Plane {
+        self.mean.map(|mean| 2.0 * mean)
+    }
+}
+
 /// Weights of linear red, green and blue in luminance, Rec. 709: where a file names no primaries.
 pub const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 

@@ -1,8 +1,8 @@
 //! A tonal art map of pictures, from the lightest to the darkest.
 
-use super::hatching::BATCH;
 use super::stroke_texture::Places;
 use crate::frame::Plane;
+use crate::line::stroke_texture::BATCH;
 
 /// Pictures of one texture at several tones: rectangles that repeat, paper first and ink last.
 #[derive(Debug, Clone)]

@@ -1,8 +1,10 @@
 //! A tonal art map of strokes, told by where each texel turns from paper to ink.
 
-use super::hatching::BATCH;
 use super::random::Random;
 use super::stroke_synthesis::Canvas;
+
+/// Pixels that are worked on together.
+pub const BATCH: usize = 64;
 
 /// Texels by the thresholds between which they take ink: a square that repeats.
 #[derive(Debug, Clone)]

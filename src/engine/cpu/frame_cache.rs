@@ -1,6 +1,7 @@
 //! What a run of a frame leaves to the next one of the same frame.
 
-use crate::engine::outcome::{CurvaturePlanes, Outcome};
+use crate::engine::outcome::Outcome;
+use crate::frame::CurvaturePlanes;
 use crate::frame::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::line::contours::Contour;
 use crate::params::{

@@ -10,7 +10,7 @@ use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::specular;
 use crate::line::specular::map_directions::DirectionCache;
-use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{FieldParams, LineParams, RunOptions, StrokeDirections};
@@ -41,15 +41,6 @@ pub struct DrawingInputs<'a> {
     /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
     /// nothing of it.
     pub sequence: Option<SequenceInputs<'a>>,
-}
-
-/// What a frame of a sequence takes of the one before; of the first there is nothing.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct SequenceInputs<'a> {
-    /// Where the texture of strokes lay.
-    pub before: Option<&'a TextureCoordinates>,
-    /// How far, in pixels, the surface seen at each pixel has come since: x right, y up.
-    pub motion: Option<&'a Vector2Planes>,
 }
 
 impl Runner {

@@ -15,14 +15,12 @@
 pub(crate) mod cpu;
 
 use super::random::Random;
+pub use super::stroke_texture::BATCH;
 use super::stroke_texture::Places;
 use super::tonal_art_map::{MAX_DENSITY, TonalArtMap};
 use crate::params::StrokeParams;
 use glam::Vec2;
 use std::f32::consts::PI;
-
-/// Pixels that are worked on together.
-pub const BATCH: usize = 64;
 
 /// Pixels to be hatched: the first `count` of each array.
 #[derive(Debug)]

@@ -7,7 +7,6 @@
 //! is drawn far from its size, and where maps take turns, they do so smoothly over time and picture.
 
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::runner::SequenceInputs;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::origin;
@@ -28,6 +27,15 @@ const URGENT: f64 = 0.1;
 
 /// Frames over which a map fades that has to make room.
 const FADE_FRAMES: f32 = 6.0;
+
+/// What a frame of a sequence takes of the one before; of the first there is nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SequenceInputs<'a> {
+    /// Where the texture of strokes lay.
+    pub before: Option<&'a TextureCoordinates>,
+    /// How far, in pixels, the surface seen at each pixel has come since: x right, y up.
+    pub motion: Option<&'a Vector2Planes>,
+}
 
 /// Where the texture of strokes lies still, for every pixel of a frame: what a sequence hands on from one
 /// frame to the next.

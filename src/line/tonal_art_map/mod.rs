@@ -17,13 +17,13 @@ pub(crate) mod cached;
 pub(crate) use super::response::ENTRIES;
 pub use super::response::MAX_DENSITY;
 
-use super::hatching::BATCH;
 use super::random::Random;
 use super::response::Response;
 use super::slice_texture::SliceTexture;
 use super::stroke_synthesis::Canvas;
 use super::stroke_texture::{Places, STEPS, StrokeTexture};
 use crate::frame::Plane;
+use crate::line::stroke_texture::BATCH;
 use crate::params::{Stroke, Style};
 
 /// How much ink a place of the paper takes at each tone: a rectangle that repeats.

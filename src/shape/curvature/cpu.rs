@@ -3,7 +3,7 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::{map_covered, map_rows};
 use crate::engine::cpu::simd::Simd;
-use crate::engine::outcome::CurvaturePlanes;
+use crate::frame::CurvaturePlanes;
 use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
 use crate::shape::Rows;
 use crate::shape::curvature::{
