@@ -1,6 +1,6 @@
 //! Errors of a result, counted in every pixel.
 
-use super::advice::scientific;
+use super::numbers::scientific;
 use crate::frame::{Mask, Plane, Window};
 use crate::quantile;
 use serde::Serialize;

@@ -8,8 +8,9 @@ mod sequence;
 mod stability;
 
 use super::Report;
-use super::advice::{BUDGETS, cheapest, milliseconds, rounded, scientific, sentence};
+use super::advice::{BUDGETS, cheapest, sentence};
 use super::compare::Errors;
+use super::numbers::{milliseconds, rounded, scientific};
 use super::plots::{self, DIRECTIONS, RIM};
 use super::sweeps::rim::{BANDS, FORESHORTENINGS};
 use super::sweeps::solver::{Row, ScaleSweep, SceneSweep};

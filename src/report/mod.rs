@@ -5,6 +5,7 @@
 //! diffusion; times are of the stages, without reading and writing.
 
 pub(crate) mod advice;
+mod asked;
 pub mod coherence;
 pub mod compare;
 mod drawing;
@@ -15,6 +16,7 @@ pub mod light_reference;
 mod machine;
 pub(crate) mod markdown;
 mod mirrors;
+mod numbers;
 pub mod pareto;
 mod pictures;
 pub(crate) mod plots;
@@ -25,8 +27,9 @@ pub mod sweeps;
 pub mod timing;
 pub mod work;
 
+pub(crate) use self::asked::{Asked, Extent};
 use crate::Result;
-use crate::frame::{Frame, Mask};
+use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams};
 use crate::plan::{Decision, Goal};
 use gpu::{Device, GpuReport};
@@ -34,47 +37,9 @@ use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
 use stability::CaseResult;
-use std::fmt::{self, Display};
 use sweeps::solver::{SceneSweep, Subject};
 use sweeps::{directions, precision, rim, run, solver};
-use timing::{Effort, Times, Utilisation};
-
-/// How much is tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Extent {
-    /// All scales, scenes of 480x360.
-    Full,
-    /// The scale asked for and one more, scenes of 320x240, fewer runs.
-    Quick,
-}
-
-/// A frame that rows are measured on, or the part of it.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct On {
-    pub name: String,
-    pub width: usize,
-    pub height: usize,
-    /// Pixels that show a surface.
-    pub covered: usize,
-}
-
-impl On {
-    fn new(name: &str, mask: &Mask) -> Self {
-        Self {
-            name: name.into(),
-            width: mask.width(),
-            height: mask.height(),
-            covered: mask.count(),
-        }
-    }
-}
-
-/// Name and size.
-impl Display for On {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, {}x{}", self.name, self.width, self.height)
-    }
-}
+use timing::{Times, Utilisation};
 
 /// A stage of the whole descriptor.
 #[derive(Debug, Clone, Serialize)]
@@ -118,31 +83,6 @@ pub(crate) struct Report {
     /// Drawings of a sequence, where the report is of one; [`run`] leaves it open.
     pub coherence: Option<coherence::Coherence>,
     pub stability: Vec<CaseResult>,
-}
-
-/// The frame of a report, and how it is measured.
-#[derive(Clone, Copy)]
-pub(crate) struct Asked<'a> {
-    pub(crate) name: &'a str,
-    pub(crate) frame: &'a Frame,
-    pub(crate) shape: ShapeParams,
-    pub(crate) extent: Extent,
-    /// Hears what is measured next.
-    pub(crate) progress: &'a dyn Fn(&str),
-}
-
-impl Asked<'_> {
-    fn progress(&self, next: &str) {
-        (self.progress)(&format!("{}: {next}", self.name));
-    }
-
-    /// Runs of each measurement.
-    fn effort(&self) -> Effort {
-        match self.extent {
-            Extent::Full => Effort::new(7, 250),
-            Extent::Quick => Effort::new(5, 150),
-        }
-    }
 }
 
 /// Measures everything on the frame and on exact scenes, a device beside the CPU where there is one.

@@ -3,9 +3,9 @@
 //! Runs follow one another in the memory of those before: times are those of the second and later frames of
 //! a sequence. The first of a program takes longer, as the system has to hand out its memory.
 
-use super::advice::milliseconds;
 use super::engine::{Inputs, Outcome, Runner, Session};
 use super::machine::Machine;
+use super::numbers::milliseconds;
 use super::work::Work;
 use crate::Result;
 use crate::frame::Frame;

@@ -4,7 +4,7 @@ use super::{Angles, Card};
 use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{FieldParams, LineParams, MAX_FIELD_PASSES};
-use crate::report::On;
+use crate::report::asked::On;
 use crate::report::compare::{Tally, covered};
 use crate::report::pareto;
 use crate::report::scenes::Scene;

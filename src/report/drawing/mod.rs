@@ -6,13 +6,13 @@ pub(super) mod field;
 pub(super) mod strokes;
 pub(super) mod tone;
 
-use super::advice::rounded as rounded_number;
+use super::asked::{Asked, Extent};
 use super::engine::{Inputs, Outcome, Session, hatch_plan, painted};
 use super::light::middle;
+use super::numbers::rounded as rounded_number;
 use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
 use super::timing::{Effort, Timed};
-use super::{Asked, Extent};
 use crate::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::params::{FieldParams, LineParams, ShapeParams};

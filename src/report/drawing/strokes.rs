@@ -5,7 +5,7 @@ use super::{Angles, Card, HALF};
 use crate::Result;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::{LineParams, MAX_LEVELS, StrokeParams};
-use crate::report::On;
+use crate::report::asked::On;
 use crate::report::compare::{Tally, covered};
 use crate::report::scenes::Scene;
 use crate::report::scenes::angle_deg;

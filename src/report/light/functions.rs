@@ -5,8 +5,9 @@
 //! are calls, one number at a time, whatever the vectors.
 
 use crate::fast_math::Function;
+use crate::report::asked::Extent;
 use crate::report::compare::larger;
-use crate::report::{Extent, engine};
+use crate::report::engine;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -10,10 +10,10 @@ pub(crate) mod functions;
 pub mod lit;
 pub(crate) mod samples;
 
+use super::asked::{Asked, Extent, On};
 use super::compare::covered;
 use super::scenes::Scene;
 use super::timing::Effort;
-use super::{Asked, Extent, On};
 use crate::Result;
 use crate::frame::{Frame, Window};
 use crate::light::environment::Environment;

@@ -2,8 +2,8 @@
 
 use super::{bold_if, percent, percent_to_a_tenth, table};
 use crate::params::{FieldParams, MAX_LEVELS, StrokeParams};
-use crate::report::advice::rounded;
 use crate::report::drawing::{DrawingReport, field, strokes, tone};
+use crate::report::numbers::rounded;
 use crate::report::plots::{FIELDS, STROKES};
 
 pub(super) fn section(drawing: &DrawingReport) -> String {

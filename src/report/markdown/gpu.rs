@@ -2,8 +2,8 @@
 
 use super::{or_blank, place, table, yes_or};
 use crate::report::Report;
-use crate::report::advice::scientific;
 use crate::report::gpu::{GpuReport, GpuRow, ProductRow};
+use crate::report::numbers::scientific;
 use crate::report::pictures::{COMPARED, PictureRow, Reference};
 use crate::report::plots::PICTURES;
 

@@ -1,11 +1,12 @@
 //! Light on the page.
 
 use super::{bold_if, percent, place, table, yes_or};
-use crate::report::advice::{altered, milliseconds, noun, of_light, rounded, scientific};
+use crate::report::advice::{altered, noun, of_light};
 use crate::report::light::cost::Cost;
 use crate::report::light::functions::{self, Measured};
 use crate::report::light::samples::Sample;
 use crate::report::light::{LightReport, REFERENCE_LIGHTS, Subject};
+use crate::report::numbers::{milliseconds, rounded, scientific};
 use crate::report::plots::of_light as plot_names;
 
 pub(super) fn section(light: &LightReport) -> String {

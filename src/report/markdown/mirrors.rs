@@ -1,8 +1,9 @@
 //! Mirrors on the page.
 
 use super::{percent_to_a_tenth, table};
-use crate::report::advice::{of_mirrors, rounded, scientific};
+use crate::report::advice::of_mirrors;
 use crate::report::mirrors::{EDGE_PX, FACING, MirrorReport, Setting, Spread, Varied};
+use crate::report::numbers::{rounded, scientific};
 use crate::report::plots::MIRRORS;
 
 pub(super) fn section(mirrors: &MirrorReport) -> String {

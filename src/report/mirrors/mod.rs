@@ -11,7 +11,7 @@ mod room;
 pub(super) use ball::{EDGE_PX, FACING};
 pub(super) use room::ABOUT;
 
-use super::Extent;
+use super::asked::Extent;
 use super::compare::Tally;
 use super::timing::{Effort, Times};
 use crate::Result;

@@ -1,6 +1,6 @@
 //! A figure: a title, a legend, and panels of points over logarithmic axes, as SVG.
 
-use crate::report::advice::scientific;
+use crate::report::numbers::scientific;
 use plotters::coord::Shift;
 use plotters::coord::combinators::{LogCoord, WithKeyPoints};
 use plotters::prelude::*;

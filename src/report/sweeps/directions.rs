@@ -6,7 +6,7 @@ use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{Adaptive, Scale, ShapeParams};
 use crate::plan::Goal;
-use crate::report::On;
+use crate::report::asked::On;
 use crate::report::compare::{Tally, pixels};
 use crate::report::drawing::Angles;
 use crate::report::engine::Layers;

@@ -6,7 +6,7 @@ use crate::frame::{Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::{DiffusionSchedule, Goal, Plan, Recurrence};
-use crate::report::On;
+use crate::report::asked::On;
 use crate::report::compare::{Errors, Tally, compare, pixels};
 use crate::report::engine::{self, Layers};
 use crate::report::gpu::{Gpu, GpuRow};

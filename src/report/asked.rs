@@ -1,0 +1,69 @@
+//! What a report is asked for: a frame, and how much is tried on it.
+
+use crate::frame::{Frame, Mask};
+use crate::params::ShapeParams;
+use crate::report::timing::Effort;
+use serde::Serialize;
+use std::fmt::{self, Display};
+
+/// How much is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// All scales, scenes of 480x360.
+    Full,
+    /// The scale asked for and one more, scenes of 320x240, fewer runs.
+    Quick,
+}
+
+/// A frame that rows are measured on, or the part of it.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct On {
+    pub name: String,
+    pub width: usize,
+    pub height: usize,
+    /// Pixels that show a surface.
+    pub covered: usize,
+}
+
+impl On {
+    pub(super) fn new(name: &str, mask: &Mask) -> Self {
+        Self {
+            name: name.into(),
+            width: mask.width(),
+            height: mask.height(),
+            covered: mask.count(),
+        }
+    }
+}
+
+/// Name and size.
+impl Display for On {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}x{}", self.name, self.width, self.height)
+    }
+}
+
+/// The frame of a report, and how it is measured.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) frame: &'a Frame,
+    pub(crate) shape: ShapeParams,
+    pub(crate) extent: Extent,
+    /// Hears what is measured next.
+    pub(crate) progress: &'a dyn Fn(&str),
+}
+
+impl Asked<'_> {
+    pub(super) fn progress(&self, next: &str) {
+        (self.progress)(&format!("{}: {next}", self.name));
+    }
+
+    /// Runs of each measurement.
+    pub(super) fn effort(&self) -> Effort {
+        match self.extent {
+            Extent::Full => Effort::new(7, 250),
+            Extent::Quick => Effort::new(5, 150),
+        }
+    }
+}
