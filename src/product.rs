@@ -72,7 +72,7 @@ pub struct Row {
     pub at_scales: bool,
     /// How backends are compared.
     pub compared: Compared,
-    /// How far a backend may be from the CPU; see [`crate::engine::tolerances`] for where the numbers come from.
+    /// How far a backend may be from the CPU; see [`Product::tolerance`] for where the numbers come from.
     pub tolerance: f64,
     /// A grey picture of it, 0 black and 1 white, in the viewer.
     pub shown: Option<Shown>,

@@ -238,7 +238,7 @@ impl ScaleShape {
     }
 
     /// The channels of an EXR that hold it, with their planes.
-    pub(crate) fn channels(&self) -> impl Iterator<Item = (String, &Plane)> {
+    pub fn channels(&self) -> impl Iterator<Item = (String, &Plane)> {
         Product::all()
             .flat_map(|product| product.channels_at(self.sigma_px).zip(self.planes(product)))
     }

@@ -268,7 +268,7 @@ impl ColorPlanes {
     }
 
     /// One plane as all three channels.
-    pub(crate) fn grey(plane: Plane) -> Self {
+    pub fn grey(plane: Plane) -> Self {
         Self {
             r: plane.clone(),
             g: plane.clone(),

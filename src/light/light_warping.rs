@@ -145,7 +145,7 @@ impl Warp {
     }
 }
 
-/// Largest entry of a Hessian told apart: its reciprocal is still a normal number.
+/// Entries of a Hessian are clamped to this size: its reciprocal is still a normal number.
 pub(crate) const LARGEST: f32 = 1e37;
 
 /// An entry of a Hessian at most that large; 0 for NaN.
@@ -191,7 +191,7 @@ pub fn warped(direction: [f32; 3], warp: Warp) -> [f32; 3] {
     warp.direction(half_vector(direction))
 }
 
-/// Largest exponent of the contrast told apart: e^60 is far past any picture, and its square still finite.
+/// The exponent of the contrast is clamped to this size: e^60 is far past any picture, and its square still finite.
 pub(crate) const MAX_EXPONENT: f32 = 60.0;
 
 /// Factor of the light reflected where the warping is `warp`: `(lambda_u lambda_v)^gamma`, 3^-|gamma| to

@@ -20,7 +20,7 @@ pub struct DirectionalLight {
 
 impl DirectionalLight {
     /// White light of 1 from this azimuth and elevation, in degrees.
-    pub(crate) fn white([azimuth, elevation]: [f32; 2]) -> Self {
+    pub fn white([azimuth, elevation]: [f32; 2]) -> Self {
         Self {
             to_light: direction_of(azimuth, elevation),
             intensity: [1.0; 3],

@@ -102,7 +102,7 @@ pub(crate) fn mix(a: f32, b: f32, share: f32) -> f32 {
     a + share * (b - a)
 }
 
-/// Steps from a slice to the next at which ink is told.
+/// Steps of ink from a slice to the next.
 const STEPS: usize = 64;
 
 fn mean(slice: &[f32]) -> f64 {

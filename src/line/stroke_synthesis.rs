@@ -314,5 +314,5 @@ fn rank(ramps: &mut [[f32; 2]]) {
     }
 }
 
-/// Steps that ranks are told in.
+/// Steps of ranks.
 const RANKS: usize = 1 << 14;

@@ -1,4 +1,4 @@
-//! A tonal art map of strokes, told by where each texel turns from paper to ink.
+//! A tonal art map of strokes: the thresholds between which each texel turns from paper to ink.
 
 use super::random::Random;
 use super::stroke_synthesis::Canvas;

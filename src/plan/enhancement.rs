@@ -8,7 +8,7 @@ use crate::params::ScalingParams;
 pub struct LightAvailable {
     /// Lobes of diffuse light.
     pub diffuse: bool,
-    /// Whether some diffuse light from other surfaces is told apart.
+    /// Whether some diffuse light from other surfaces has a layer of its own.
     pub diffuse_indirect: bool,
     /// Lobes of specular light.
     pub specular: bool,

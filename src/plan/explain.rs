@@ -321,7 +321,7 @@ fn scale(shape: &ShapeParams, factor: f64) -> String {
     }
 }
 
-/// In which unit curvature is told, where it is not the picture's own.
+/// The unit of curvature, where it is not the picture's own.
 fn unit(shape: &ShapeParams, factor: f64) -> String {
     match shape.reference_height {
         None => String::new(),

@@ -203,7 +203,7 @@ pub struct Plan {
     pub sweeps: DiffusionSchedule,
     /// Sigmas of further scales, in pixels of the reference.
     pub more_px: Vec<f32>,
-    /// How many pixels of the frame stand for one of the reference, in which curvature is told; 1 without
+    /// How many pixels of the frame stand for one of the reference, in which curvature is measured; 1 without
     /// a [reference height](ShapeParams::reference_height).
     pub resolution_factor: f64,
     /// How the points of neighbouring pixels are found for [`Stage::NormalRays`].

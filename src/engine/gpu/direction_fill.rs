@@ -88,7 +88,7 @@ impl Run<'_> {
         counts
     }
 
-    /// The directions that were found, and others where there was none; `told` tells of sight lines and the fallback.
+    /// The directions that were found, and others where there was none; `told` holds the uniforms of sight lines and the fallback.
     pub(crate) fn fill_gaps(
         &mut self,
         stage: &'static str,
@@ -166,7 +166,7 @@ impl Run<'_> {
     }
 }
 
-/// What waves are told of a frame's sight lines; the fallback is that of the surface.
+/// The uniforms of a frame's sight lines for waves; the fallback is that of the surface.
 pub(crate) fn spread_params(frame: &Frame, sight: &SightLines) -> SpreadParams {
     let line = lines(frame, sight);
     SpreadParams {

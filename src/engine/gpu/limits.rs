@@ -9,7 +9,7 @@ use crate::engine::gpu::diffusion::SWEEPS_PER_PASS;
 /// Storage buffers that a kernel takes at the most.
 const STORAGE_BUFFERS: u32 = 16;
 
-/// Bytes that a kernel is told at the most.
+/// Largest size of a uniform block, in bytes.
 const TOLD_BYTES: u32 = 256;
 
 /// Bytes of the region that a workgroup of the diffusion holds: vectors of two.

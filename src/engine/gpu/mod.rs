@@ -1,8 +1,8 @@
 //! The plan on a device of Vulkan, Metal or DirectX 12, as compute passes over storage buffers.
 //!
 //! A kernel in `shaders` does what the file of the same name in [`crate::shape`], [`crate::light`] or [`crate::line`] does,
-//! by the same statements in the same order; numbers and structs come from Rust. What takes double precision there is
-//! told by differences here. Between the stages nothing is read back but lists of what lies along the edges of a drawing,
+//! by the same statements in the same order; numbers and structs come from Rust. Where the CPU uses
+//! double precision, devices work on differences. Between the stages nothing is read back but lists of what lies along the edges of a drawing,
 //! and its tone where strokes are lines: lines are found on the CPU.
 
 pub(crate) mod bindings;

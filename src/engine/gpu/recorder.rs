@@ -166,7 +166,7 @@ impl<'d> Recorder<'d> {
             layout: &program.pipeline.get_bind_group_layout(0),
             entries: &entries,
         });
-        // One kernel more than there are readings for, and none is told.
+        // Out of timestamp slots: report no timings.
         self.clock = self
             .clock
             .take()
@@ -371,13 +371,13 @@ fn wait(
         buffer
             .slice(..)
             .map_async(wgpu::MapMode::Read, move |mapped| {
-                // Where nobody waits any more nothing is to be told.
+                // The receiver is gone: nobody waits for the result.
                 let _ = sender.send(mapped);
             });
     }
     wait_for(&device.device, Some(submission)).map_err(|error| device.error(error))?;
     for _ in buffers {
-        // All that there is to be told was told while it was waited for.
+        // Errors were reported while waiting.
         let mapped = receiver.try_recv().map_err(|error| device.error(error))?;
         mapped.map_err(|error| device.error(error))?;
     }

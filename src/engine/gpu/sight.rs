@@ -1,4 +1,4 @@
-//! Sight lines as kernels are told of them.
+//! Sight lines as uniforms.
 
 use crate::frame::{Frame, Projection, SightLines};
 use glam::{DVec2, DVec3};

@@ -1,4 +1,4 @@
-//! What a kernel is told: structs that Rust and WGSL know by one definition.
+//! Uniform blocks shared by Rust and WGSL.
 
 /// A struct of numbers of 32 bits, in the order in which WGSL lays them out.
 pub(crate) trait Uniforms {

@@ -19,7 +19,7 @@ pub(crate) const MAX_EXPONENT: f32 = 60.0;
 /// the invariant point `alpha`.
 ///
 /// sigma(alpha) = 1, sigma(0) = e^-x, sigma(1) = e^x: a convexity (x > 0) brightens what is brighter
-/// than alpha and darkens what is darker. Source: [RS] equation 3, mended as told above.
+/// than alpha and darkens what is darker. Source: [RS] equation 3, with the correction derived above.
 #[inline(always)]
 pub fn scaling(d: f32, x: f32, alpha: f32) -> f32 {
     ScalingCurve::of(x).at(d, alpha)

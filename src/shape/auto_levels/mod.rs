@@ -25,7 +25,7 @@ pub(crate) fn typical_exponent() -> f32 {
     TYPICAL_KAPPA.atanh()
 }
 
-/// The curvature, told `factor` times what it is per pixel, up to which a surface is flat in a picture of this size.
+/// The curvature, `factor` times what it is per pixel, up to which a surface is flat in a picture of this size.
 pub(crate) fn flat_curvature(size: [usize; 2], factor: f32) -> f32 {
     factor * FLAT_TURN / (size[0] as f32).hypot(size[1] as f32)
 }

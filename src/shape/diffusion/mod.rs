@@ -171,7 +171,7 @@ widened! {
     fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]);
 }
 
-/// Levels of importance that are told apart.
+/// Levels that importance is quantised to.
 pub const LEVELS: usize = 1024;
 
 /// [`add_terms_row`] of both components, where the weights depend on the level of the pixel.
