@@ -1,6 +1,6 @@
 //! Error against run time of each setting, on a frame and on exact scenes.
 //!
-//! Everything is measured against a reference in double precision ([`mod@reference`]) that begins at the
+//! Everything is measured against a reference in double precision (`reference.rs`) that begins at the
 //! same input. Errors of slopes and of their derivatives are relative to the largest |g| before
 //! diffusion; times are of the stages, without reading and writing.
 

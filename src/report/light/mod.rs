@@ -2,7 +2,7 @@
 //! warping and for prefiltered maps; the errors and times of the elementary functions; cost by lights.
 //!
 //! Everything is seen under one environment that is a formula ([`environment`]), so that there is nothing to load
-//! and nothing random. The reference is a picture under [`REFERENCE_LIGHTS`] even lights
+//! and nothing random. The reference is a picture under `REFERENCE_LIGHTS` even lights
 //! ([LW] equation 2 where it is warped), itself held against double precision ([`super::light_reference`]).
 
 pub(crate) mod cost;
