@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 pub(crate) fn quantile<T: Copy>(
     values: &mut [T],
     share: f64,
-    order: fn(&T, &T) -> Ordering,
+    order: impl FnMut(&T, &T) -> Ordering,
 ) -> Option<T> {
     let last = values.len().checked_sub(1)?;
     let rank = (share * last as f64).round() as usize;

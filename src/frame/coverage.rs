@@ -5,9 +5,11 @@ use super::normals::{MIN_LENGTH, normalise};
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
 
-/// Where decoded normals have a direction, and mask and alpha, where they are given, are above one half.
+/// Where decoded normals have a direction, depth is a distance, and mask and alpha are above one half: of those that are
+/// given.
 pub(crate) fn of_normals(
     normal: &Vector3Planes,
+    depth: Option<&Plane>,
     alpha: Option<&Plane>,
     mask: Option<&Plane>,
 ) -> Mask {
@@ -18,6 +20,7 @@ pub(crate) fn of_normals(
         n.is_finite()
             && n.length_squared() > MIN_LENGTH * MIN_LENGTH
             && n.length_squared().is_finite()
+            && depth.is_none_or(|depth| is_distance(depth.at(x, y)))
             && half(mask, x, y)
             && half(alpha, x, y)
     }))
@@ -39,9 +42,10 @@ pub(crate) fn cover(
     let depth_shows_coverage = depth.is_some() && stored.is_none_or(StoredDepth::shows_coverage);
     // Alpha decides only where nothing else does.
     let alpha = alpha.filter(|_| !depth_shows_coverage && mask.is_none());
-    let mut mask = of_normals(normal, alpha, mask);
+    let distances = depth.as_ref().map(|(depth, _)| &**depth);
+    let mask = of_normals(normal, distances, alpha, mask);
     if let Some((depth, _)) = depth {
-        narrow_to(&mut mask, depth);
+        blank_outside(depth, &mask);
     }
     let lengths = normalise(normal, mask.plane());
     (mask, lengths)
@@ -52,6 +56,10 @@ pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
     *mask = Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
         mask.at(x, y) && is_distance(depth.at(x, y))
     }));
+    blank_outside(depth, mask);
+}
+
+fn blank_outside(depth: &mut Plane, mask: &Mask) {
     for (sample, &covered) in depth.samples_mut().iter_mut().zip(mask.plane().samples()) {
         if !covered {
             *sample = 0.0;
@@ -96,7 +104,7 @@ mod tests {
             z: zero,
         };
         assert_eq!(
-            of_normals(&normal, None, None).row(0),
+            of_normals(&normal, None, None, None).row(0),
             [false, false, false, false, true, false]
         );
     }

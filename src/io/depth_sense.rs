@@ -82,7 +82,7 @@ enum Way {
 /// Those of reading the camera's file.
 pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate::Result<Sense> {
     let alpha = layers.alpha.filter(|_| layers.mask.is_none());
-    let covered = coverage::of_normals(layers.normal, alpha, layers.mask);
+    let covered = coverage::of_normals(layers.normal, None, alpha, layers.mask);
     let Some(range) = range(layers.raw, &covered) else {
         return Ok(None);
     };

@@ -308,7 +308,7 @@ impl Layer<'_> {
             Projection::Perspective { .. } => -point,
             Projection::Orthographic { .. } => DVec3::Z,
         });
-        let mut mask = coverage::of_normals(&normal, None, None);
+        let mut mask = coverage::of_normals(&normal, None, None, None);
         coverage::narrow_to(&mut mask, depth);
         (mask, normal)
     }
