@@ -25,17 +25,9 @@ pub(super) fn judge_encoding(stored: &Vector3Planes) -> NormalEncoding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Plane;
 
     fn planes(normals: &[Vec3]) -> Vector3Planes {
-        let plane = |f: fn(&Vec3) -> f32| {
-            Plane::from_samples(normals.len(), 1, normals.iter().map(f).collect())
-        };
-        Vector3Planes {
-            x: plane(|n| n.x),
-            y: plane(|n| n.y),
-            z: plane(|n| n.z),
-        }
+        Vector3Planes::from_fn(normals.len(), 1, |x, _| normals[x].as_dvec3())
     }
 
     fn slopes() -> Vec<Vec3> {

@@ -1,8 +1,5 @@
 //! Light made to tell of shape: pure kernels per sample.
 
-pub(crate) mod prepared_environment;
-pub(crate) mod relight;
-
 pub mod albedo;
 pub mod batch;
 pub mod brdf;
@@ -16,7 +13,9 @@ pub mod light_warping;
 pub mod lights;
 pub mod lit_sphere;
 pub mod median_cut;
+pub(crate) mod prepared_environment;
 pub mod radiance_scaling;
+pub(crate) mod relight;
 pub mod sum;
 pub(crate) mod texels;
 pub mod tones;

@@ -1,14 +1,11 @@
 //! Lines along the surface: the directions they follow, the strokes drawn along them. Pure kernels, no
 //! files, threads or clock.
 
-pub(crate) mod drawing;
-pub(crate) mod specular;
-pub(crate) mod tone;
-
 pub mod contours;
 pub(crate) mod density;
 pub mod direction;
 pub mod direction_field;
+pub(crate) mod drawing;
 pub mod hatching;
 pub mod linear_camera;
 pub mod normal_rays;
@@ -18,8 +15,10 @@ pub mod propagation;
 mod random;
 mod response;
 pub(crate) mod slice_texture;
+pub(crate) mod specular;
 pub mod streamlines;
 mod stroke_synthesis;
 pub(crate) mod stroke_texture;
 pub mod texture_coordinates;
 pub mod tonal_art_map;
+pub(crate) mod tone;

@@ -33,6 +33,7 @@ use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
 use crate::shape::auto_levels::cpu as statistics;
 use crate::shape::curvature::cpu as passes;
+use crate::shape::curvature_display::curvature_display;
 use crate::shape::diffusion::cpu as diffusion;
 use crate::shape::edges::cpu as edges;
 use crate::shape::edges::cpu::Weights;
@@ -318,7 +319,7 @@ impl Run<'_> {
             .as_ref()
             .expect("the display needs the trace");
         let start = Instant::now();
-        let color = light::curvature_display(
+        let color = curvature_display(
             trace,
             conductance,
             &self.frame.mask,

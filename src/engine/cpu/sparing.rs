@@ -3,7 +3,7 @@
 use crate::engine::cpu::Run;
 use crate::engine::cpu::runner::{DrawingInputs, Runner};
 use crate::engine::outcome::{Outcome, Shape};
-use crate::frame::{ColorPlanes, Frame, Plane, Window};
+use crate::frame::{ColorPlanes, Frame, Plane, Window, luminance};
 use crate::light::radiance_scaling::cpu as light;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
@@ -170,7 +170,7 @@ fn luminance_in_bands(
         let colors = scaled.r.samples().iter().zip(scaled.g.samples());
         let colors = colors.zip(scaled.b.samples());
         for (to, ((&r, &g), &b)) in r.samples_mut()[samples].iter_mut().zip(colors) {
-            *to = crate::frame::luminance([r, g, b], scaler.weights);
+            *to = luminance([r, g, b], scaler.weights);
         }
         runner.memory.recycle([scaled.r, scaled.g, scaled.b]);
     }

@@ -2,7 +2,8 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::PercentileSearch;
-use crate::frame::{ColorPlanes, Frame};
+use crate::engine::cpu::rows::map_covered;
+use crate::frame::{ColorPlanes, Frame, luminance};
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use rayon::prelude::*;
@@ -114,10 +115,7 @@ fn fitted(fit: ShadingFit, frame: &Frame, weights: [f32; 3], rows: Range<usize>)
         let mut fit = ShadingFit::default();
         let covered = mask.row(y);
         for x in mask.span(y).filter(|&x| covered[x]) {
-            fit.add(
-                normal(frame, x, y),
-                crate::frame::luminance(bare(x, y), weights),
-            );
+            fit.add(normal(frame, x, y), luminance(bare(x, y), weights));
         }
         fit
     });
@@ -133,7 +131,7 @@ fn over_shading(frame: &Frame, shading: Option<FittedShading>, memory: &Memory) 
         let per_light = 1.0 / shading.at(normal(frame, x, y));
         bare(x, y).map(|channel| channel * per_light)
     };
-    let [r, g, b] = crate::engine::cpu::rows::map_covered(&frame.mask, memory, |y| {
+    let [r, g, b] = map_covered(&frame.mask, memory, |y| {
         let albedo = &albedo;
         move |x| match shading {
             Some(shading) => albedo(shading, x, y),

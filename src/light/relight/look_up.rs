@@ -1,5 +1,6 @@
 //! What is looked up once per pixel, in an environment or a lit sphere.
 
+use crate::frame::luminance;
 use crate::light::batch::{BATCH, Vectors};
 use crate::light::brdf::{fresnel, refracted, thin_sheet};
 use crate::light::environment::Environment;
@@ -149,7 +150,7 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest:
         };
         let sigma = match scene.relighting.scales {
             true => {
-                let luminance = crate::frame::luminance(color, scene.luminance);
+                let luminance = luminance(color, scene.luminance);
                 let curves = batch.pixels.curve(Term::Diffuse as usize);
                 curves.at(i).at(luminance / largest, scene.invariant_point)
             }

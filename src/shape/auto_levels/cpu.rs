@@ -1,7 +1,7 @@
 //! What is chosen from the whole frame: the gain of the curvature mapping and the white level.
 
 use crate::engine::cpu::percentile::{PercentileSearch, percentile};
-use crate::frame::{ColorPlanes, Mask, Plane};
+use crate::frame::{ColorPlanes, Mask, Plane, luminance};
 pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::{CURVATURE_PERCENT, MAX_GAIN, flat_curvature, typical_exponent};
 use std::ops::Range;
@@ -74,7 +74,7 @@ pub(crate) fn luminances(
     let covered = mask.row(y);
     mask.span(y)
         .filter(|&x| covered[x])
-        .map(move |x| crate::frame::luminance([r[x], g[x], b[x]], weights))
+        .map(move |x| luminance([r[x], g[x], b[x]], weights))
 }
 
 /// The white level that a percentile of the luminance gives.

@@ -1,4 +1,4 @@
-//! One function per pass over the frame: rows in parallel, columns that hold no surface skipped.
+//! Passes from the gradient to curvature and its directions.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::{map_covered, map_rows};

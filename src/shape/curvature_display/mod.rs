@@ -1,3 +1,42 @@
 //! The coloured curvature display of [LW] figure 6.
 
 pub(crate) mod palette;
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::rows::map_covered;
+use crate::frame::{ColorPlanes, Mask, Plane};
+use crate::shape::curvature::mapped_curvature;
+
+/// The curvature display: silhouettes and creases black, concave warm, convex cold, plane neutral,
+/// background white. Values are display-referred: to be written without a view transform.
+pub(crate) fn curvature_display(
+    trace: &Plane,
+    conductance: &Plane,
+    mask: &Mask,
+    gain: f32,
+    memory: &Memory,
+) -> ColorPlanes {
+    let [r, g, b] = map_covered(mask, memory, |y| {
+        let (trace, open) = (trace.row(y), conductance.row(y));
+        move |x| {
+            let kappa = mapped_curvature(trace[x], gain);
+            let toward = if kappa >= 0.0 {
+                palette::CONVEX
+            } else {
+                palette::CONCAVE
+            };
+            let blend = |neutral: f32, toward: f32| neutral + kappa.abs() * (toward - neutral);
+            std::array::from_fn(|i| open[x] * blend(palette::NEUTRAL[i], toward[i]))
+        }
+    });
+    let mut display = ColorPlanes { r, g, b };
+    let channels = [&mut display.r, &mut display.g, &mut display.b];
+    for (plane, background) in channels.into_iter().zip(palette::BACKGROUND) {
+        for (sample, &covered) in plane.samples_mut().iter_mut().zip(mask.plane().samples()) {
+            if !covered {
+                *sample = background;
+            }
+        }
+    }
+    display
+}
