@@ -3,7 +3,7 @@
 use super::args::BackendArg;
 use super::job::Job;
 use crate::engine::cpu;
-use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::cpu::DrawingInputs;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
 use crate::engine::outcome::Outcome;

@@ -10,7 +10,7 @@ use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
 use super::strips::{refuse_large_surroundings, refuse_too_large};
-use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::cpu::DrawingInputs;
 use crate::engine::outcome::Drawing;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};

@@ -2,7 +2,7 @@
 
 use super::args::BackendArg;
 #[cfg(feature = "gpu")]
-use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::cpu::DrawingInputs;
 use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::frame::Frame;
@@ -75,12 +75,13 @@ impl ReportDevice {
                 is_required,
             } => {
                 let device = runner.device();
-                let run = |plan: &Plan, frame: &Frame, light: &Illumination| match plan.goal {
+                let run = |plan: &Plan, frame: &Frame, light: &Illumination| match &plan.relighting
+                {
                     _ if plan.drawing.is_some() => {
                         runner.draw(plan, frame, DrawingInputs::default())
                     }
-                    Goal::Relight => runner.relight(plan, frame, light),
-                    _ => runner.run(plan, frame),
+                    Some(_) => runner.relight(plan, frame, light),
+                    None => runner.run(plan, frame),
                 };
                 measure(gpu::Device::Measured(gpu::Gpu::new(
                     device.name(),

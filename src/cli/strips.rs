@@ -6,7 +6,7 @@ use super::job::{Job, MadePicture, Timings};
 use super::memory::{MaxMemory, PHOTO_BYTES};
 use super::output::{Kind, ReadyOutput};
 use super::progress::strips_bar;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::guard::not_finite;
 use crate::engine::outcome::Outcome;

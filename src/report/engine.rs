@@ -68,13 +68,13 @@ impl Session {
     /// # Panics
     /// If it is for new light and `inputs` hold none.
     pub(super) fn run(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Outcome {
-        match plan.goal {
+        match &plan.relighting {
             _ if plan.drawing.is_some() => self.0.draw(plan, frame, inputs),
-            Goal::Relight => {
+            Some(_) => {
                 let light = inputs.illumination.expect("new light needs lights");
                 self.0.relight(plan, frame, light)
             }
-            _ => self.0.run(plan, frame),
+            None => self.0.run(plan, frame),
         }
     }
 

@@ -302,11 +302,11 @@ fn differences(
     found: &Outcome,
     expected: &Outcome,
 ) -> impl Iterator<Item = (Product, f64)> {
-    let (goal, is_drawn) = (plan.goal, plan.drawing.is_some());
+    let (is_drawn, of_layers) = (plan.drawing.is_some(), plan.wants(Product::MappedCurvature));
     let is_meant = move |product: &Product| match product {
         Product::Strokes | Product::Contours => is_drawn,
-        Product::Picture => !is_drawn && goal != Goal::Layers,
-        _ => goal == Goal::Layers,
+        Product::Picture => !is_drawn && !of_layers,
+        _ => of_layers,
     };
     let kinds = Product::all().filter(is_meant);
     kinds.filter_map(move |product| {

@@ -156,7 +156,7 @@ fn a_device_that_takes_small_planes_makes_strips() {
             ..ShapeParams::default()
         };
         let plan = plan(goal, &frame, shape, ScalingParams::default());
-        if plan.has(Stage::NormalRays) {
+        if plan.runs("normal-rays") {
             // Directions come from farther away than 50 rows.
             assert!(runner.run(&plan, &frame).is_err());
         } else {

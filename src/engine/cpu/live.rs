@@ -1,7 +1,7 @@
 //! One frame, run again and again with other parameters: only what they touch is made anew.
 
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::runner::{DrawingInputs, Runner};
+use crate::engine::cpu::run::{DrawingInputs, Runner};
 use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, SpecularScene};
 use crate::light::lights::Illumination;
@@ -53,9 +53,7 @@ impl<F: AsRef<Frame>> LiveRunner<F> {
     /// # Panics
     /// As [`Runner::run`] does.
     pub fn run(&mut self, plan: &Plan) -> &Outcome {
-        self.go(plan, |runner, frame, kept| {
-            runner.run_kept(plan, frame, Some(kept))
-        })
+        self.go(|runner, frame, kept| runner.run_kept(plan, frame, Some(kept)))
     }
 
     /// As [`Runner::relight`]; where mirrors and lenses show a `scene`, as [`Runner::relight_specular`].
@@ -68,7 +66,7 @@ impl<F: AsRef<Frame>> LiveRunner<F> {
         illumination: &Illumination,
         scene: Option<&SpecularScene>,
     ) -> &Outcome {
-        self.go(plan, |runner, frame, kept| {
+        self.go(|runner, frame, kept| {
             runner.relight_kept(plan, frame, illumination, scene, Some(kept))
         })
     }
@@ -78,20 +76,13 @@ impl<F: AsRef<Frame>> LiveRunner<F> {
     /// # Panics
     /// As [`Runner::draw`] does.
     pub fn draw(&mut self, plan: &Plan, inputs: DrawingInputs) -> &Outcome {
-        self.go(plan, |runner, frame, kept| {
-            runner.draw_kept(plan, frame, inputs, Some(kept))
-        })
+        self.go(|runner, frame, kept| runner.draw_kept(plan, frame, inputs, Some(kept)))
     }
 
-    fn go(
-        &mut self,
-        plan: &Plan,
-        run: impl FnOnce(&Runner, &Frame, &mut FrameCache) -> Outcome,
-    ) -> &Outcome {
+    fn go(&mut self, run: impl FnOnce(&Runner, &Frame, &mut FrameCache) -> Outcome) -> &Outcome {
         let mut last = std::mem::take(&mut self.outcome);
         self.kept.recycle(&mut last);
         self.runner.recycle(last);
-        self.kept.invalidate_for(plan);
         self.outcome = run(&self.runner, self.held.as_ref(), &mut self.kept);
         for (pass, _) in &self.outcome.timings {
             *self.counts.entry(pass).or_default() += 1;

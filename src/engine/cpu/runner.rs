@@ -1,47 +1,18 @@
 //! The CPU as a caller sees it: plans run one after another, in memory that is kept.
 
-use crate::engine::cpu::Run;
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::run::{DrawingInputs, Run, Runner};
 use crate::engine::outcome::Outcome;
 use crate::frame::{Frame, SpecularScene, Vector2Planes};
 use crate::light::lights::Illumination;
-use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::specular;
-use crate::line::specular::map_directions::DirectionCache;
-use crate::line::texture_coordinates::cpu::SequenceInputs;
-use crate::line::tonal_art_map::TonalArtMap;
-use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{FieldParams, LineParams, RunOptions, StrokeDirections};
-use crate::plan::{Goal, Plan, Stage};
+use crate::plan::Plan;
+use crate::plan::stage::Stage;
+use crate::plan::stages::{DRAWING, PICTURE, SHAPE};
+use crate::product::Product;
 use crate::shape::edges::cpu as edges;
-
-/// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
-/// and it keeps what it made of the last environment and the last texture of strokes; all are faster. None of
-/// its options changes a bit of the outcome.
-#[derive(Debug, Default)]
-pub struct Runner {
-    pub(crate) options: RunOptions,
-    pub(crate) memory: Memory,
-    pub(crate) environment: EnvironmentCache,
-    pub(crate) art_map: ArtMapCache,
-    pub(crate) map_directions: DirectionCache,
-}
-
-/// What a drawing takes beside the frame.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct DrawingInputs<'a> {
-    /// The light, for a tone in new light.
-    pub illumination: Option<&'a Illumination>,
-    /// The texture of strokes, for [`crate::params::Style::Pictures`].
-    pub art_map: Option<&'a TonalArtMap>,
-    /// What mirrors and lenses show, where the plan traces it.
-    pub specular: Option<&'a SpecularScene>,
-    /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
-    /// nothing of it.
-    pub sequence: Option<SequenceInputs<'a>>,
-}
 
 impl Runner {
     /// A runner with these options.
@@ -68,11 +39,11 @@ impl Runner {
         kept: Option<&mut FrameCache>,
     ) -> Outcome {
         assert!(
-            plan.goal != Goal::Relight,
+            plan.relighting.is_none(),
             "new light is run by Runner::relight"
         );
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, kept, |run| run.enhance())
+        self.go(plan, frame, DrawingInputs::default(), kept)
     }
 
     /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
@@ -87,7 +58,7 @@ impl Runner {
         params: &FieldParams,
         directions: StrokeDirections,
     ) -> Vec<Vector2Planes> {
-        assert!(plan.has(Stage::Conductance), "strokes stop at edges");
+        assert!(plan.wants(Product::Conductance), "strokes stop at edges");
         let (edges, _) = edges::edges_and_gradient(plan, frame, &self.memory);
         let memory = &self.memory;
         let conductance = &edges.conductance;
@@ -156,7 +127,12 @@ impl Runner {
         kept: Option<&mut FrameCache>,
     ) -> Outcome {
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, kept, |run| run.relight(illumination, scene))
+        let inputs = DrawingInputs {
+            illumination: Some(illumination),
+            specular: scene,
+            ..DrawingInputs::default()
+        };
+        self.go(plan, frame, inputs, kept)
     }
 
     /// Runs `plan`, made by [`Plan::hatch`], on `frame`.
@@ -175,42 +151,32 @@ impl Runner {
         inputs: DrawingInputs,
         kept: Option<&mut FrameCache>,
     ) -> Outcome {
-        let params = plan.drawing.as_ref().expect("a drawing is planned");
-        self.start(plan, frame, kept, |run| {
-            match plan.goal {
-                Goal::Relight => {
-                    let illumination = inputs.illumination.expect("new light has lights");
-                    run.relight(illumination, inputs.specular);
-                }
-                _ => run.enhance(),
-            }
-            run.draw(params, inputs);
-        })
+        assert!(plan.drawing.is_some(), "a drawing is planned");
+        self.go(plan, frame, inputs, kept)
     }
 
     /// The shape alone, whatever light `plan` is for.
     pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame) -> Outcome {
-        self.start(plan, frame, None, |_| ())
+        let mut run = Run::new(self, plan, frame, DrawingInputs::default());
+        run.go_through(&SHAPE);
+        run.outcome
     }
 
-    fn start(
+    /// All stages of a plan.
+    fn go(
         &self,
         plan: &Plan,
         frame: &Frame,
+        inputs: DrawingInputs,
         kept: Option<&mut FrameCache>,
-        light: impl FnOnce(&mut Run),
     ) -> Outcome {
         let mut run = Run {
-            plan,
-            frame,
-            runner: self,
             kept,
-            outcome: Outcome::default(),
+            ..Run::new(self, plan, frame, inputs)
         };
-        if plan.has(Stage::Conductance) {
-            run.find_shape();
+        for stages in [&SHAPE[..], &PICTURE, &DRAWING] {
+            run.go_through(stages);
         }
-        light(&mut run);
         run.outcome
     }
 
@@ -222,5 +188,17 @@ impl Runner {
     /// Takes an outcome that is no longer needed.
     pub fn recycle(&self, outcome: Outcome) {
         self.memory.recycle(outcome.into_planes());
+    }
+}
+
+impl Run<'_> {
+    /// Those of the stages that the plan runs.
+    pub(crate) fn go_through(&mut self, stages: &[&Stage]) {
+        let planned = stages
+            .iter()
+            .filter(|stage| self.plan.stages().contains(&stage.name));
+        for stage in planned.collect::<Vec<_>>() {
+            (stage.cpu)(self);
+        }
     }
 }

@@ -1,12 +1,17 @@
 //! Drawings of large pictures: the shape and the tone are made in bands, and what strokes do not take is not kept.
 
-use crate::engine::cpu::Run;
-use crate::engine::cpu::runner::{DrawingInputs, Runner};
+use crate::engine::cpu::run::{DrawingInputs, Run, Runner};
 use crate::engine::outcome::{Outcome, Shape};
 use crate::frame::{ColorPlanes, Frame, Plane, Window, luminance};
+use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu as light;
+use crate::light::radiance_scaling::stage::scaler;
+use crate::light::white_level::choose_picture_white;
+use crate::line::canvas::Canvas;
 use crate::params::Adaptive;
-use crate::plan::{Goal, Plan, Stage};
+use crate::plan::Plan;
+use crate::plan::stages::DRAWING;
+use crate::shape::auto_levels::stage::choose_gain;
 use std::ops::Range;
 
 /// Pixels beyond which a drawing is made sparingly.
@@ -23,7 +28,7 @@ impl Runner {
     /// As [`Runner::draw`] does.
     pub fn draw_sparingly(&self, plan: &Plan, frame: &mut Frame, inputs: DrawingInputs) -> Outcome {
         let is_large = frame.mask.width() * frame.mask.height() > LARGE;
-        match is_large && goes_in_bands(plan, frame) {
+        match is_large && goes_in_bands(plan) {
             true => self.draw_in_bands(plan, frame, inputs, BAND_ROWS),
             false => self.draw(plan, frame, inputs),
         }
@@ -36,26 +41,23 @@ impl Runner {
         inputs: DrawingInputs,
         rows: usize,
     ) -> Outcome {
-        let params = plan.drawing.as_ref().expect("a drawing is planned");
-        let mut run = self.shape_in_bands(plan, frame, rows);
+        let mut run = self.shape_in_bands(plan, frame, inputs, rows);
+        choose_gain(&mut run);
+        choose_picture_white(&mut run);
         let trace = run.outcome.shape.trace.take();
         let trace = trace.expect("the tone takes the trace");
-        let conductance = run.outcome.shape.conductance.take();
-        let conductance = conductance.expect("the trace takes the conductance");
-        run.choose_gain(&trace, &conductance);
-        run.outcome.shape.conductance = Some(conductance);
-        let scaler = run.scaler();
-        let outcome = run.outcome;
+        let (scaler, outcome) = (scaler(&run), run.outcome);
         let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
         drop(trace);
         let mut run = Run {
-            plan,
-            frame,
-            runner: self,
-            kept: None,
             outcome,
+            canvas: Canvas {
+                luminance: Some(luminance),
+                ..Canvas::default()
+            },
+            ..Run::new(self, plan, frame, inputs)
         };
-        run.draw_tone(params, inputs, Some(&luminance));
+        run.go_through(&DRAWING);
         Outcome {
             shape: Shape::default(),
             ..run.outcome
@@ -63,18 +65,18 @@ impl Runner {
     }
 
     /// Edges and the trace of a frame, band by band.
-    fn shape_in_bands<'a>(&'a self, plan: &'a Plan, frame: &'a Frame, rows: usize) -> Run<'a> {
+    fn shape_in_bands<'a>(
+        &'a self,
+        plan: &'a Plan,
+        frame: &'a Frame,
+        inputs: DrawingInputs<'a>,
+        rows: usize,
+    ) -> Run<'a> {
         let (whole, reach) = (frame.data_window, plan.reach());
         // The gain is chosen from the whole.
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-        let mut run = Run {
-            plan,
-            frame,
-            runner: self,
-            kept: None,
-            outcome: Outcome::default(),
-        };
+        let mut run = Run::new(self, plan, frame, inputs);
         for (takes, gives) in bands(whole.height(), rows, reach) {
             let made = self.find_shape(&given, &frame.crop(rows_of(whole, &takes)));
             let outcome = &mut run.outcome;
@@ -105,21 +107,13 @@ impl Runner {
 }
 
 /// Whether a drawing takes nothing of the shape but edges, and of the light nothing but the picture's radiance.
-fn goes_in_bands(plan: &Plan, frame: &Frame) -> bool {
-    let takes_more = [
-        Stage::Hessian,
-        Stage::Curvatures,
-        Stage::CurvatureDisplay,
-        Stage::LightLobes,
-        Stage::LightGroups,
-        Stage::AmbientOcclusion,
-    ];
-    plan.goal != Goal::Relight
-        && plan.specular.is_none()
-        && !frame.light.picture_is_occlusion
-        && plan.has(Stage::Trace)
-        && plan.has(Stage::RadianceScaling)
-        && !takes_more.into_iter().any(|stage| plan.has(stage))
+fn goes_in_bands(plan: &Plan) -> bool {
+    let scales_picture = plan.enhancement.is_some_and(|enhancement| {
+        enhancement.subject == Subject::Picture
+            && enhancement.magnitude > 0.0
+            && enhancement.occlusion == 0.0
+    });
+    scales_picture && plan.specular.is_none() && !plan.available.light.picture_is_occlusion
 }
 
 /// The rows that each band takes, and those of them that it gives.
@@ -214,7 +208,7 @@ mod tests {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let available = Available::in_frame(&frame);
         let plan = Plan::hatch(available, shape, scaling, tone, LineParams::default()).unwrap();
-        assert!(goes_in_bands(&plan, &frame));
+        assert!(goes_in_bands(&plan));
         let runner = Runner::default();
         let whole = runner.draw(&plan, &frame, DrawingInputs::default());
         for rows in [37, 64] {

@@ -8,6 +8,7 @@
 //! is, and so does a picture of which nothing changes.
 
 pub(crate) mod cpu;
+pub(crate) mod stage;
 pub(crate) mod terms;
 
 use super::radiance_scaling::{scaled, scaling};

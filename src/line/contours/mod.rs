@@ -15,6 +15,7 @@ pub(crate) mod found;
 pub(crate) mod ground;
 pub(crate) mod map_tile;
 pub(crate) mod silhouettes;
+pub(crate) mod stage;
 
 pub mod crack;
 pub mod gaps;

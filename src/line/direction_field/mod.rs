@@ -14,6 +14,7 @@ pub(crate) mod chains;
 pub(crate) mod cpu;
 pub(crate) mod patches;
 pub(crate) mod setting;
+pub(crate) mod stage;
 
 use crate::engine::cpu::simd::widened;
 use glam::{DVec2, Vec2};

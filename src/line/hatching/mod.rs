@@ -13,6 +13,7 @@
 //! vectorised but for the loads of texels.
 
 pub(crate) mod cpu;
+pub(crate) mod stage;
 
 use super::random::Random;
 pub use super::stroke_texture::BATCH;

@@ -12,6 +12,7 @@
 
 pub(crate) mod cpu;
 pub(crate) mod setting;
+pub(crate) mod stage;
 
 use glam::{DVec2, DVec3};
 

@@ -17,6 +17,7 @@ pub(crate) mod hidden;
 pub(crate) mod places;
 pub(crate) mod shares;
 pub(crate) mod sheet;
+pub(crate) mod stage;
 pub(crate) mod step;
 
 use super::random::Random;

@@ -3,7 +3,7 @@
 use super::{Verdict, largest};
 use crate::Result;
 use crate::engine::cpu;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::Runner;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Adaptive, Material, Method, RelightParams, ScalingParams, ShapeParams};

@@ -2,6 +2,7 @@
 //! curvature to -1..1.
 
 pub(crate) mod cpu;
+pub(crate) mod stage;
 
 use crate::fast_math::tanh;
 

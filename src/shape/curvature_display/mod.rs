@@ -1,6 +1,7 @@
 //! The coloured curvature display of [LW] figure 6.
 
 pub(crate) mod palette;
+pub(crate) mod stage;
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_covered;

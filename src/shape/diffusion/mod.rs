@@ -9,6 +9,7 @@ use crate::engine::cpu::simd::widened;
 
 pub(crate) mod cpu;
 pub(crate) mod importance;
+pub(crate) mod stage;
 pub(crate) mod sweeps;
 pub(crate) mod tiles;
 pub(crate) mod wavefront;

@@ -47,7 +47,7 @@ impl LightAvailable {
 
 /// What radiance scaling is applied to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Subject {
+pub(crate) enum Subject {
     /// The picture as a whole.
     Picture,
     /// Each lobe by itself.
@@ -58,16 +58,16 @@ pub(super) enum Subject {
 
 /// How a picture is enhanced.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Enhancement {
-    pub(super) subject: Subject,
+pub(crate) struct Enhancement {
+    pub(crate) subject: Subject,
     /// The largest magnitude that any part of the subject is scaled by.
-    pub(super) magnitude: f32,
+    pub(crate) magnitude: f32,
     /// The magnitude that ambient occlusion scales the result by.
-    pub(super) occlusion: f32,
+    pub(crate) occlusion: f32,
 }
 
 impl Enhancement {
-    pub(super) fn new(light: LightAvailable, scaling: &ScalingParams) -> Self {
+    pub(crate) fn new(light: LightAvailable, scaling: &ScalingParams) -> Self {
         let magnitudes = scaling.magnitudes();
         let subject = match light {
             LightAvailable { groups: true, .. } => Subject::Groups,
@@ -98,7 +98,7 @@ impl Enhancement {
     }
 
     /// Whether the picture stays as it is.
-    pub(super) fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.magnitude == 0.0 && self.occlusion == 0.0
     }
 }

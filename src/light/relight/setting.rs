@@ -1,14 +1,12 @@
 //! What relighting takes: which lights are summed, what is looked up, what of shape that asks for.
 
-use super::Available;
-use super::Stage;
-use super::explain::{Decision, keep, rule, skip};
 use crate::error::{Error, Result};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::lights::Illumination;
 use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
 };
+use crate::plan::available::Available;
 
 /// Which kinds of light there are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -98,7 +96,7 @@ impl Relighting {
     /// # Errors
     /// [`Error::BadParameter`] for a number outside its range, no light at all, and lights or materials
     /// that lack what they need.
-    pub(super) fn new(
+    pub(crate) fn new(
         mut params: RelightParams,
         scaling: &ScalingParams,
         kinds: LightKinds,
@@ -148,131 +146,23 @@ impl Relighting {
     }
 
     /// Whether shape is asked for at all.
-    pub(super) fn needs_shape(&self) -> bool {
+    pub(crate) fn needs_shape(&self) -> bool {
         self.warps || self.scales || self.grain || self.lit_spheres == 2
     }
 
     /// Whether the trace of the Hessian is not enough.
-    pub(super) fn needs_hessian(&self) -> bool {
+    pub(crate) fn needs_hessian(&self) -> bool {
         self.warps || self.toward_light
     }
 
     /// Whether curvature is mapped by a gain.
-    pub(super) fn needs_gain(&self) -> bool {
+    pub(crate) fn needs_gain(&self) -> bool {
         self.warps || self.scales || self.lit_spheres == 2
     }
 
     /// Whether the Jacobian of the inverse warp is needed: for lights that were sampled before.
     pub fn has_jacobian(&self) -> bool {
         self.warps && self.sums && !matches!(self.environment, EnvironmentUse::Lookups(_))
-    }
-
-    /// The stages of light, in the order of execution.
-    pub(super) fn decide(&self) -> Vec<Decision> {
-        let Self { params, .. } = self;
-        let no_environment = "no environment, or none that is asked for";
-        vec![
-            rule(
-                Stage::AlbedoEstimate,
-                self.albedo == Albedo::Estimate,
-                "the picture over the shading that fits it best",
-                match self.albedo {
-                    Albedo::Layer => "a layer tells it",
-                    Albedo::Picture => "the picture as it is",
-                    _ => "white",
-                },
-            ),
-            match self.environment {
-                EnvironmentUse::Lights(count) => keep(
-                    Stage::EnvironmentLights,
-                    format!("{count} lights, by median cut"),
-                ),
-                EnvironmentUse::None => skip(Stage::EnvironmentLights, no_environment),
-                _ => skip(Stage::EnvironmentLights, "the environment is looked up"),
-            },
-            match self.environment {
-                EnvironmentUse::Prefiltered => keep(
-                    Stage::EnvironmentPrefilter,
-                    "one look-up per lobe and pixel serves",
-                ),
-                EnvironmentUse::None => skip(Stage::EnvironmentPrefilter, "lights have directions"),
-                _ => skip(
-                    Stage::EnvironmentPrefilter,
-                    "sampled, or looked up as it is",
-                ),
-            },
-            rule(
-                Stage::Warping,
-                self.warps,
-                format!("strength {}", params.warping.warp),
-                match params.method.warps() {
-                    true => "--warp 0 bends nothing",
-                    false => "the method does not bend light",
-                },
-            ),
-            rule(
-                Stage::Jacobian,
-                self.has_jacobian(),
-                "lights were sampled before they were warped (equation 2)",
-                match self.warps {
-                    true => "look-ups are warped (equation 1): no density changes",
-                    false => "nothing is warped",
-                },
-            ),
-            rule(
-                Stage::LightSum,
-                self.sums,
-                self.summed(),
-                "no light has to be summed",
-            ),
-            rule(
-                Stage::LightLookups,
-                matches!(
-                    self.environment,
-                    EnvironmentUse::Prefiltered | EnvironmentUse::Mirrored
-                ) || self.lit_spheres > 0
-                    || self.traced,
-                match (self.lit_spheres, self.environment) {
-                    _ if self.traced => "what mirrored or refracted sight lines meet",
-                    (0, EnvironmentUse::Mirrored) => "where mirrored or refracted sight lines lead",
-                    (0, _) => "prefiltered light about the normal and the mirrored view",
-                    (1, _) => "a lit sphere, by the normal",
-                    _ => "two lit spheres, by the normal, mixed by curvature",
-                },
-                "nothing to look up",
-            ),
-            rule(
-                Stage::Contrast,
-                self.contrasts,
-                format!("{}", params.warping.contrast),
-                match params.warping.contrast == 0.0 {
-                    true => "--contrast 0",
-                    false => "it follows the warp, and there is none",
-                },
-            ),
-            match params.tones() {
-                Some(tones) => keep(
-                    Stage::Tones,
-                    format!("{} levels, softness {}", tones.levels, tones.softness),
-                ),
-                None => skip(Stage::Tones, "all tones are wanted"),
-            },
-        ]
-    }
-
-    /// What the sum is made of.
-    fn summed(&self) -> String {
-        let scaled = match (self.scales, self.toward_light) {
-            (false, _) => "",
-            (true, false) => ", each scaled by curvature",
-            (true, true) => ", each scaled by the curvature toward it",
-        };
-        match self.environment {
-            EnvironmentUse::Lookups(count) => {
-                format!("{count} even directions, looked up at every pixel{scaled}")
-            }
-            _ => format!("light by light{scaled}"),
-        }
     }
 }
 
