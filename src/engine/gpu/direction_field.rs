@@ -1,18 +1,110 @@
 //! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
 
-use crate::engine::gpu::bindings;
+use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::RUN_CELLS;
-use crate::engine::gpu::direction_fill::{Gaps, OF_THE_REST, spread_params};
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::patches::{Patches, STAGE};
+use crate::engine::gpu::direction_fill::{
+    DOUBLED, FALLBACK, Gaps, OF_THE_REST, SpreadParams, spread_params,
+};
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::normal_rays::NORMAL_RAY;
+use crate::engine::gpu::patches::{DirectionParams, PATCHES, Patches, RUNS, STAGE};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::uniforms::{DirectionParams, SpreadParams};
+use crate::engine::gpu::sight::SIGHT_LINES;
 use crate::frame::Frame;
 use crate::line::direction_field::setting::{
     FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
+
+const SUMS: &str = include_str!("shaders/sums.wgsl");
+
+const OVER_PATCHES: &str = include_str!("shaders/over_patches.wgsl");
+
+const PATCH_LINES: &str = include_str!("shaders/patch_lines.wgsl");
+
+bindings! {
+    SumRunsBuffers { held, links, values, sums }
+    ChainMeansBuffers {
+        held, further, patches, links, runs_across, runs_down, sums_across, sums_down, depths, chosen, values, means
+    }
+    PatchFormsBuffers { held, further, patches, links, forms }
+    PatchDirectionsBuffers { held, further, patches, forms, directions }
+    SettlePatchesBuffers { held, further, patches, links, own, around, settled }
+    BetweenPatchesBuffers {
+        covered, held, patches, links, settled, direction_x, direction_y, filled, marks, lacking, counts
+    }
+}
+
+/// Sums over each run.
+pub(crate) static SUM_RUNS: Kernel = Kernel::new::<DirectionParams, SumRunsBuffers>(
+    "SumRuns",
+    &[PATCHES, RUNS, SUMS, include_str!("shaders/sum_runs.wgsl")],
+);
+
+/// Means around each patch.
+pub(crate) static CHAIN_MEANS: Kernel = Kernel::new::<DirectionParams, ChainMeansBuffers>(
+    "ChainMeans",
+    &[
+        PATCHES,
+        SUMS,
+        OVER_PATCHES,
+        include_str!("shaders/chain_means.wgsl"),
+    ],
+);
+
+/// The curvature of each patch.
+pub(crate) static PATCH_FORMS: Kernel = Kernel::new::<DirectionParams, PatchFormsBuffers>(
+    "PatchForms",
+    &[
+        PATCHES,
+        SIGHT_LINES,
+        PATCH_LINES,
+        NORMAL_RAY,
+        OVER_PATCHES,
+        include_str!("shaders/patch_forms.wgsl"),
+    ],
+);
+
+/// The direction of each patch.
+pub(crate) static PATCH_DIRECTIONS: Kernel = Kernel::new::<DirectionParams, PatchDirectionsBuffers>(
+    "PatchDirections",
+    &[
+        PATCHES,
+        SIGHT_LINES,
+        PATCH_LINES,
+        FALLBACK,
+        DOUBLED,
+        OVER_PATCHES,
+        include_str!("shaders/patch_directions.wgsl"),
+    ],
+);
+
+/// What leads strokes in each patch.
+pub(crate) static SETTLE_PATCHES: Kernel = Kernel::new::<DirectionParams, SettlePatchesBuffers>(
+    "SettlePatches",
+    &[
+        PATCHES,
+        SIGHT_LINES,
+        PATCH_LINES,
+        FALLBACK,
+        DOUBLED,
+        OVER_PATCHES,
+        include_str!("shaders/settle_patches.wgsl"),
+    ],
+);
+
+/// Directions of pixels between patches.
+pub(crate) static BETWEEN_PATCHES: Kernel = Kernel::new::<DirectionParams, BetweenPatchesBuffers>(
+    "BetweenPatches",
+    &[
+        INDEX,
+        COVERAGE,
+        PATCHES,
+        DOUBLED,
+        include_str!("shaders/between_patches.wgsl"),
+    ],
+);
 
 /// Directions of strokes on the device.
 pub(crate) struct StrokeFields {
@@ -95,13 +187,13 @@ impl Run<'_> {
                 axis,
                 ..patches.params
             };
-            let buffers = bindings::SumRuns {
+            let buffers = SumRunsBuffers {
                 held: &patches.held,
                 links: &patches.links,
                 values,
                 sums,
             };
-            self.over_runs(Kernel::SumRuns, &along, &buffers);
+            self.over_runs(&SUM_RUNS, &along, &buffers);
         }
         let means = self.take(16 * patches.count());
         let chosen = self.chosen.clone();
@@ -109,14 +201,14 @@ impl Run<'_> {
         let [sums_across, sums_down] = &patches.sums;
         self.over_cells(
             (
-                Kernel::ChainMeans,
+                &CHAIN_MEANS,
                 &[("IS_BY_DEPTH", median.is_some()), ("IS_NEAR", is_near)],
             ),
             &DirectionParams {
                 reach,
                 ..patches.params
             },
-            &bindings::ChainMeans {
+            &ChainMeansBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -138,9 +230,9 @@ impl Run<'_> {
     fn patch_forms(&mut self, patches: &Patches, reach: f32) -> wgpu::Buffer {
         let forms = self.take(16 * patches.count());
         self.over_cells(
-            (Kernel::PatchForms, &[]),
+            (&PATCH_FORMS, &[]),
             &patches.params,
-            &bindings::PatchForms {
+            &PatchFormsBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -164,9 +256,9 @@ impl Run<'_> {
     ) -> wgpu::Buffer {
         let mut own = self.take(16 * patches.count());
         self.over_cells(
-            (Kernel::PatchDirections, &[]),
+            (&PATCH_DIRECTIONS, &[]),
             params,
-            &bindings::PatchDirections {
+            &PatchDirectionsBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -191,9 +283,9 @@ impl Run<'_> {
         });
         let settled = self.take(8 * patches.count());
         self.over_cells(
-            (Kernel::SettlePatches, &[("IS_CALMED", is_calmed)]),
+            (&SETTLE_PATCHES, &[("IS_CALMED", is_calmed)]),
             params,
-            &bindings::SettlePatches {
+            &SettlePatchesBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -219,9 +311,9 @@ impl Run<'_> {
         let [x, y, filled, marks, lacking] = [(); 5].map(|()| self.take(plane));
         let covered = self.surface.covered.clone();
         self.over_cells(
-            (Kernel::BetweenPatches, &[]),
+            (&BETWEEN_PATCHES, &[]),
             params,
-            &bindings::BetweenPatches {
+            &BetweenPatchesBuffers {
                 covered: &covered,
                 held: &patches.held,
                 patches: &patches.all,

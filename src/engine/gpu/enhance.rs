@@ -1,15 +1,82 @@
 //! Pictures: radiance scaling, and the curvature display.
 
-use crate::engine::gpu::bindings;
+use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::choose::{Search, Searching};
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::Shape;
+use crate::engine::gpu::shape::{MAPPED_CURVATURE, PLANE_FIT, Shape};
 use crate::engine::gpu::surface::Picture;
-use crate::engine::gpu::uniforms::{ScaleParams, SizeParams};
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::frame::Frame;
 use crate::params::Adaptive;
 use crate::plan::{Plan, Stage};
+
+/// The scaling of light by curvature.
+pub(crate) const RADIANCE_SCALING: &str = include_str!("shaders/radiance_scaling.wgsl");
+
+const SCALED_PIXEL: &str = include_str!("shaders/scaled_pixel.wgsl");
+
+uniforms! {
+    /// Of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
+    ScaleParams {
+        width: u32,
+        height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
+        scaling: f32,
+        invariant_point: f32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        /// A NaN, which no kernel may spell.
+        nan_bits: u32,
+    }
+}
+
+bindings! {
+    ScalePictureBuffers { covered, trace, chosen, red, green, blue }
+    ScaleByGradientBuffers { covered, conductance, gradient, chosen, red, green, blue }
+    CurvatureDisplayBuffers { covered, conductance, trace, chosen, red, green, blue }
+}
+
+/// Scales a picture by the trace of the Hessian.
+pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictureBuffers>(
+    "ScalePicture",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        SCALED_PIXEL,
+        include_str!("shaders/scale_picture.wgsl"),
+    ],
+);
+
+/// The same by the gradient, of which it makes the trace itself.
+pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleByGradientBuffers>(
+    "ScaleByGradient",
+    &[
+        INDEX,
+        AROUND,
+        COVERAGE,
+        PLANE_FIT,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        SCALED_PIXEL,
+        include_str!("shaders/scale_by_gradient.wgsl"),
+    ],
+);
+
+/// The curvature display.
+pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<SizeParams, CurvatureDisplayBuffers>(
+    "CurvatureDisplay",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        include_str!("shaders/curvature_display.wgsl"),
+    ],
+);
 
 /// The white level where it does not depend on the picture.
 pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
@@ -65,9 +132,9 @@ impl Run<'_> {
         match &shape.hessian {
             Some(hessian) => self.recorder.over_pixels(
                 "radiance-scaling",
-                (Kernel::ScalePicture, &[]),
+                (&SCALE_PICTURE, &[]),
                 &params,
-                &bindings::ScalePicture {
+                &ScalePictureBuffers {
                     covered,
                     trace: &hessian.trace,
                     chosen,
@@ -79,9 +146,9 @@ impl Run<'_> {
             ),
             None => self.recorder.over_rows(
                 "radiance-scaling",
-                (Kernel::ScaleByGradient, &[]),
+                (&SCALE_BY_GRADIENT, &[]),
                 &params,
-                &bindings::ScaleByGradient {
+                &ScaleByGradientBuffers {
                     covered,
                     conductance: &shape.conductance,
                     gradient: &shape.gradient,
@@ -107,9 +174,9 @@ impl Run<'_> {
             .trace;
         self.recorder.over_pixels(
             "display",
-            (Kernel::CurvatureDisplay, &[]),
+            (&CURVATURE_DISPLAY, &[]),
             &SizeParams { width, height },
-            &bindings::CurvatureDisplay {
+            &CurvatureDisplayBuffers {
                 covered: &self.surface.covered,
                 conductance: &shape.conductance,
                 trace,

@@ -5,6 +5,7 @@
 //! double precision, devices work on differences. Between the stages nothing is read back but lists of what lies along the edges of a drawing,
 //! and its tone where strokes are lines: lines are found on the CPU.
 
+mod all_kernels;
 pub(crate) mod bindings;
 mod buffers;
 pub(crate) mod choose;
@@ -42,8 +43,8 @@ mod twins;
 pub(crate) mod uniforms;
 pub(crate) mod wait;
 
+pub use crate::engine::gpu::all_kernels::kernel_sources;
 #[cfg(test)]
 pub(crate) use crate::engine::gpu::device::to_test_on;
 pub use crate::engine::gpu::device::{Choice, Device};
-pub use crate::engine::gpu::kernels::kernel_sources;
 pub use crate::engine::gpu::runner::Runner;

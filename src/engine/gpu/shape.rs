@@ -1,14 +1,112 @@
 //! The shape of a surface: weights, gradient, diffusion, Hessian, curvature.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::to_eye;
-use crate::engine::gpu::uniforms::{EdgeParams, HessianParams, SizeParams};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::frame::Frame;
 use crate::params::ShapeParams;
 use crate::plan::{Goal, Plan, Stage};
 use crate::shape::crease::CreaseDetector;
+
+/// How far a normal faces the eye.
+pub(crate) const FACING: &str = include_str!("shaders/facing.wgsl");
+
+/// The plane through the gradients around a pixel.
+pub(crate) const PLANE_FIT: &str = include_str!("shaders/plane_fit.wgsl");
+
+/// The mapped curvature.
+pub(crate) const MAPPED_CURVATURE: &str = include_str!("shaders/mapped_curvature.wgsl");
+
+/// The mapped curvature toward a light.
+pub(crate) const MAPPED_CURVATURE_TOWARD: &str =
+    include_str!("shaders/mapped_curvature_toward.wgsl");
+
+uniforms! {
+    /// Of kernels that are told nothing but the size of the picture.
+    SizeParams {
+        width: u32,
+        height: u32,
+    }
+
+    /// Of `edges.wgsl`.
+    EdgeParams {
+        width: u32,
+        height: u32,
+        silhouette_lo: f32,
+        silhouette_hi: f32,
+        /// Angles in radians.
+        crease_lo: f32,
+        crease_hi: f32,
+        /// Above this length a filtered normal surely hides no crease.
+        flat_length: f32,
+        foreshortening: f32,
+        min_nz: f32,
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        to_eye_x: f32,
+        to_eye_x_step: f32,
+        to_eye_y: f32,
+        to_eye_y_step: f32,
+    }
+
+    /// Of `hessian.wgsl`.
+    HessianParams {
+        width: u32,
+        height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
+    }
+}
+
+bindings! {
+    LogDepthBuffers { covered, depth, log_depth }
+    EdgesBuffers { covered, normal_x, normal_y, normal_z, silhouette_map, normal_length, conductance, gradient, weights }
+    HessianBuffers { covered, conductance, gradient, trace, hessian_xx, hessian_xy, hessian_yy }
+    CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, chosen, curvature, direction }
+}
+
+/// The logarithm of depth, in which silhouettes are found.
+pub(crate) static LOG_DEPTH: Kernel = Kernel::new::<SizeParams, LogDepthBuffers>(
+    "LogDepth",
+    &[INDEX, COVERAGE, include_str!("shaders/log_depth.wgsl")],
+);
+
+/// Edges, and the gradient before diffusion.
+pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams, EdgesBuffers>(
+    "Edges",
+    &[
+        INDEX,
+        AROUND,
+        COVERAGE,
+        include_str!("shaders/soft_threshold.wgsl"),
+        FACING,
+        include_str!("shaders/edges.wgsl"),
+    ],
+);
+
+/// The Hessian of a gradient, or its trace alone.
+pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
+    "Hessian",
+    &[
+        INDEX,
+        AROUND,
+        COVERAGE,
+        PLANE_FIT,
+        include_str!("shaders/hessian.wgsl"),
+    ],
+);
+
+/// What the layers of the descriptor take of the Hessian.
+pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffers>(
+    "Curvatures",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        include_str!("shaders/curvatures.wgsl"),
+    ],
+);
 
 /// Edges on the device, and the gradient before diffusion.
 pub(crate) struct Edges {
@@ -117,14 +215,14 @@ impl Run<'_> {
             let depth = self.surface.map.as_ref();
             let depth = depth.expect("the plan found it in the frame");
             let params = SizeParams { width, height };
-            let buffers = bindings::LogDepth {
+            let buffers = LogDepthBuffers {
                 covered: &self.surface.covered,
                 depth,
                 log_depth: &log_depth,
             };
             self.recorder.over_pixels(
                 "edges-and-gradient",
-                (Kernel::LogDepth, &[]),
+                (&LOG_DEPTH, &[]),
                 &params,
                 &buffers,
                 [width, height],
@@ -142,7 +240,7 @@ impl Run<'_> {
             ("HAS_LENGTHS", surface.normal_length.is_some()),
             ("WEIGHTS_WANTED", keeps_weights),
         ];
-        let buffers = bindings::Edges {
+        let buffers = EdgesBuffers {
             covered: &surface.covered,
             normal_x: x,
             normal_y: y,
@@ -155,7 +253,7 @@ impl Run<'_> {
         };
         self.recorder.over_rows(
             "edges-and-gradient",
-            (Kernel::Edges, &switches),
+            (&EDGES, &switches),
             &edge_params(plan, frame),
             &buffers,
             [width, height],
@@ -195,9 +293,9 @@ impl Run<'_> {
         let [xx, xy, yy] = &entries;
         self.recorder.over_rows(
             if entries_wanted { "hessian" } else { "trace" },
-            (Kernel::Hessian, &[("ENTRIES_WANTED", entries_wanted)]),
+            (&HESSIAN, &[("ENTRIES_WANTED", entries_wanted)]),
             &params,
-            &bindings::Hessian {
+            &HessianBuffers {
                 covered: &self.surface.covered,
                 conductance,
                 gradient,
@@ -226,9 +324,9 @@ impl Run<'_> {
         let [xx, xy, yy] = hessian.entries.as_ref().expect("the entries are wanted");
         self.recorder.over_pixels(
             "curvatures",
-            (Kernel::Curvatures, &[]),
+            (&CURVATURES, &[]),
             &SizeParams { width, height },
-            &bindings::Curvatures {
+            &CurvaturesBuffers {
                 covered: &self.surface.covered,
                 hessian_xx: xx,
                 hessian_xy: xy,

@@ -1,10 +1,20 @@
 //! The pairs.
 
-use super::super::kernels::Kernel;
 use super::domains::*;
 use super::twin::{Tolerance, Twin};
 use super::words::UNSPECIFIED;
 use crate::engine::cpu::percentile::{key_of, value_of};
+use crate::engine::gpu::choose::{COUNT, NARROW};
+use crate::engine::gpu::diffusion::{FACES, SWEEP};
+use crate::engine::gpu::direction_field::{PATCH_DIRECTIONS, PATCH_FORMS, SETTLE_PATCHES};
+use crate::engine::gpu::direction_fill::SPREAD_DIRECTIONS;
+use crate::engine::gpu::edge_lists::CRACKS;
+use crate::engine::gpu::hatching::{PICTURE_STROKES, STROKES};
+use crate::engine::gpu::light_layers::{CHANGE_PICTURE, OCCLUDE};
+use crate::engine::gpu::line_coverage::LINE_COVERAGE;
+use crate::engine::gpu::normal_rays::NORMAL_RAYS;
+use crate::engine::gpu::relight::RELIGHT;
+use crate::engine::gpu::shape::{CURVATURES, EDGES, HESSIAN};
 use crate::fast_math::circular::{ATAN, TAN};
 use crate::fast_math::exponential::{EXP, LN, split_exp};
 use crate::fast_math::{self, polynomial, power_of_two};
@@ -53,7 +63,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 macro_rules! twin {
     ($name:ident, $path:path, $kernel:ident, $rust:expr) => {{
         let _ = $path;
-        Twin::new(stringify!($name), stringify!($path), Kernel::$kernel, $rust)
+        Twin::new(stringify!($name), stringify!($path), &$kernel, $rust)
     }};
 }
 
