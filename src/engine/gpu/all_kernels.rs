@@ -1,23 +1,25 @@
 //! The list of all kernels, for what goes over them: no pass needs it.
 
-use crate::engine::gpu::choose::{COUNT, NARROW};
-use crate::engine::gpu::diffusion::{DIFFUSION, FACES, SWEEP};
-use crate::engine::gpu::direction_field::{
-    BETWEEN_PATCHES, CHAIN_MEANS, PATCH_DIRECTIONS, PATCH_FORMS, SETTLE_PATCHES, SUM_RUNS,
-};
-use crate::engine::gpu::direction_fill::SPREAD_DIRECTIONS;
-use crate::engine::gpu::edge_lists::{CRACKS, EDGE_LISTS};
-use crate::engine::gpu::enhance::{CURVATURE_DISPLAY, SCALE_BY_GRADIENT, SCALE_PICTURE};
-use crate::engine::gpu::hatching::{DENSITY, PICTURE_STROKES, STROKES};
 use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::light_layers::{
+use crate::light::layers::gpu::{
     ADD_CHANGE, CHANGE_PICTURE, GROUP_SIGMA, LOBE_LUMINANCE, LOBE_SIGMA, OCCLUDE,
 };
-use crate::engine::gpu::line_coverage::LINE_COVERAGE;
-use crate::engine::gpu::normal_rays::NORMAL_RAYS;
-use crate::engine::gpu::patches::{FIND_PATCHES, FIND_RUNS, LINK_PATCHES};
-use crate::engine::gpu::relight::RELIGHT;
-use crate::engine::gpu::shape::{CURVATURES, EDGES, HESSIAN, LOG_DEPTH};
+use crate::light::radiance_scaling::gpu::{SCALE_BY_GRADIENT, SCALE_PICTURE};
+use crate::light::relight::gpu::RELIGHT;
+use crate::line::contours::gpu::{CRACKS, EDGE_LISTS};
+use crate::line::contours::gpu_coverage::LINE_COVERAGE;
+use crate::line::direction::gpu::SPREAD_DIRECTIONS;
+use crate::line::direction_field::gpu_kernels::{
+    BETWEEN_PATCHES, CHAIN_MEANS, FIND_PATCHES, FIND_RUNS, LINK_PATCHES, PATCH_DIRECTIONS,
+    PATCH_FORMS, SETTLE_PATCHES, SUM_RUNS,
+};
+use crate::line::hatching::gpu::{DENSITY, PICTURE_STROKES, STROKES};
+use crate::line::normal_rays::gpu::NORMAL_RAYS;
+use crate::shape::auto_levels::gpu::{COUNT, NARROW};
+use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
+use crate::shape::curvature_display::gpu::CURVATURE_DISPLAY;
+use crate::shape::diffusion::gpu::{DIFFUSION, FACES, SWEEP};
+use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All there are.
 pub(crate) static ALL: [&Kernel; 36] = [

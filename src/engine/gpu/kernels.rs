@@ -5,13 +5,13 @@ use crate::engine::gpu::constants::constants;
 use crate::engine::gpu::uniforms::Uniforms;
 
 /// The pixels of a frame, as WGSL.
-pub(crate) const INDEX: &str = include_str!("shaders/index.wgsl");
+pub(crate) const INDEX: &str = include_str!("index.wgsl");
 
 /// The pixels around one.
-pub(crate) const AROUND: &str = include_str!("shaders/around.wgsl");
+pub(crate) const AROUND: &str = include_str!("around.wgsl");
 
 /// Where a surface was seen.
-pub(crate) const COVERAGE: &str = include_str!("shaders/coverage.wgsl");
+pub(crate) const COVERAGE: &str = include_str!("coverage.wgsl");
 
 /// A kernel, declared beside the pass that runs it.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ impl Kernel {
     pub(crate) fn source(&self) -> String {
         let mut source = constants();
         source += self.uniforms;
-        source += include_str!("shaders/fast_math.wgsl");
+        source += include_str!("../../fast_math/fast_math.wgsl");
         for part in self.parts {
             source += part;
         }

@@ -1,10 +1,9 @@
 //! What the kernels take of a device, and how large a picture may be.
 
-use crate::engine::gpu::choose::MOST_GROUPS;
 use crate::engine::gpu::constants::{
-    GROUP, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS,
+    GROUP, MOST_COUNTING_GROUPS, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS,
+    SWEEPS_PER_PASS,
 };
-use crate::engine::gpu::diffusion::SWEEPS_PER_PASS;
 
 /// Storage buffers that a kernel takes at the most.
 const STORAGE_BUFFERS: u32 = 16;
@@ -72,7 +71,7 @@ fn needs() -> [Need; 11] {
             REGION_BYTES.max(4 * SEARCH_BINS),
             |l| l.max_compute_workgroup_storage_size.into(),
         ),
-        need("workgroups in a row", MOST_GROUPS, |l| {
+        need("workgroups in a row", MOST_COUNTING_GROUPS, |l| {
             l.max_compute_workgroups_per_dimension.into()
         }),
     ]

@@ -6,33 +6,28 @@ use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
-use crate::engine::gpu::enhance::known_white_level;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
-use crate::engine::gpu::hatching::TextureCache;
-use crate::engine::gpu::light::{Light, MapCache};
-use crate::engine::gpu::light_layers::{TermWhites, levels_of};
-use crate::engine::gpu::patches::largest_buffer;
 use crate::engine::gpu::recorder::{Programs, add_timings};
-use crate::engine::gpu::relight::frame_lit;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::{Curvatures, Shape};
 use crate::engine::gpu::strips::Strips;
-use crate::engine::gpu::surface::Upload;
+use crate::engine::gpu::surface::{Upload, WIDEST, apart};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::outcome::{Outcome, ScaleShape};
 use crate::error::Result;
-use crate::frame::CurvaturePlanes;
-use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{ColorPlanes, CurvaturePlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::light::layers::gpu::{TermWhites, levels_of};
 use crate::light::lights::Illumination;
-use crate::light::prepared_environment::EnvironmentCache;
+use crate::light::radiance_scaling::gpu::known_white_level;
+use crate::light::relight::gpu::frame_lit;
+use crate::light::relight::gpu_lights::{Light, LightCache};
+use crate::line::direction_field::gpu_patches::largest_buffer;
+use crate::line::hatching::gpu::TextureCache;
 use crate::params::Adaptive;
 use crate::plan::{Goal, Plan, Stage};
-use rayon::prelude::*;
+use crate::shape::curvature::gpu::Curvatures;
+use crate::shape::gpu::Shape;
 use std::ops::Range;
 use std::time::Instant;
-
-/// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
-pub(crate) const WIDEST: u64 = 4;
 
 /// Stages that change the picture.
 pub(crate) const SCALES: [Stage; 4] = [
@@ -52,8 +47,7 @@ pub struct Runner {
     pub(crate) texture: TextureCache,
     /// What makes the parts of drawings that have no kernels.
     pub(crate) host: cpu::Runner,
-    pub(crate) environment: EnvironmentCache,
-    pub(crate) maps: MapCache,
+    light: LightCache,
 }
 
 impl Runner {
@@ -65,8 +59,7 @@ impl Runner {
             buffers: Buffers::default(),
             texture: TextureCache::default(),
             host: cpu::Runner::default(),
-            environment: EnvironmentCache::default(),
-            maps: MapCache::default(),
+            light: LightCache::default(),
         }
     }
 
@@ -163,7 +156,7 @@ impl Runner {
             }
             let illumination = inputs.illumination;
             let illumination = illumination.expect("new light is planned with its lights");
-            let light = self.light(plan, frame, illumination)?;
+            let light = self.light.light(&self.device, plan, frame, illumination)?;
             let mut outcome = self.run_parts(plan, frame, Some(&light), inputs, plane_bytes)?;
             outcome.environment_gain = light.around.gain();
             outcome.timings.splice(0..0, light.timings);
@@ -183,7 +176,7 @@ impl Runner {
         if done.is_err() {
             self.buffers.forget();
             self.programs.forget();
-            self.maps.forget();
+            self.light.forget_maps();
             self.texture.forget();
             // Memory is free when nothing uses it any more; that a lost device does not answer was told.
             let _ = wait_for(&self.device.device, None);
@@ -436,10 +429,4 @@ fn layers_of(run: &mut Run, plan: &Plan, frame: &Frame, shape: &Shape) -> Vec<wg
         layers.extend(run.surface_directions(plan, frame, &shape.conductance));
     }
     layers
-}
-
-/// The components of vectors that stand one after the other.
-pub(crate) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
-    let (vectors, _) = samples.as_chunks::<N>();
-    std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

@@ -6,7 +6,11 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::plan::{Plan, Stage};
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
+use rayon::prelude::*;
 use std::ops::Range;
+
+/// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
+pub(crate) const WIDEST: u64 = 4;
 
 /// A picture on the device: red, green and blue.
 pub(crate) type Picture = [wgpu::Buffer; 3];
@@ -133,4 +137,10 @@ impl Surface {
             .chain(self.map)
             .chain(importance)
     }
+}
+
+/// The components of vectors that stand one after the other.
+pub(crate) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
+    let (vectors, _) = samples.as_chunks::<N>();
+    std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

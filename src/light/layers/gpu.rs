@@ -1,23 +1,23 @@
 //! Radiance scaling of the light layers of a frame: what each term changes is summed, and the picture takes the sum.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::WHITE;
-use crate::engine::gpu::enhance::RADIANCE_SCALING;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::runner::WIDEST;
-use crate::engine::gpu::shape::{Hessian, MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD, Shape};
-use crate::engine::gpu::surface::Picture;
+use crate::engine::gpu::surface::{Picture, WIDEST};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::layers::terms::{LightTerm, light_terms};
+use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::params::Adaptive;
 use crate::plan::{Plan, Stage};
+use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::curvature::gpu::{Hessian, MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
+use crate::shape::gpu::Shape;
 
-const LOBE_LIGHT: &str = include_str!("shaders/lobe_light.wgsl");
+const LOBE_LIGHT: &str = include_str!("lobe_light.wgsl");
 
-const TERM_SCALING: &str = include_str!("shaders/term_scaling.wgsl");
+const TERM_SCALING: &str = include_str!("term_scaling.wgsl");
 
 uniforms! {
     /// Of the kernels that scale a term of the light.
@@ -54,7 +54,7 @@ pub(crate) static LOBE_LUMINANCE: Kernel = Kernel::new::<TermParams, LobeLuminan
         INDEX,
         COVERAGE,
         LOBE_LIGHT,
-        include_str!("shaders/lobe_luminance.wgsl"),
+        include_str!("lobe_luminance.wgsl"),
     ],
 );
 
@@ -68,7 +68,7 @@ pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffer
         RADIANCE_SCALING,
         TERM_SCALING,
         LOBE_LIGHT,
-        include_str!("shaders/lobe_sigma.wgsl"),
+        include_str!("lobe_sigma.wgsl"),
     ],
 );
 
@@ -82,7 +82,7 @@ pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuff
         MAPPED_CURVATURE_TOWARD,
         RADIANCE_SCALING,
         TERM_SCALING,
-        include_str!("shaders/group_sigma.wgsl"),
+        include_str!("group_sigma.wgsl"),
     ],
 );
 
@@ -93,14 +93,14 @@ pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffer
         INDEX,
         RADIANCE_SCALING,
         TERM_SCALING,
-        include_str!("shaders/add_change.wgsl"),
+        include_str!("add_change.wgsl"),
     ],
 );
 
 /// Makes the changes to a picture.
 pub(crate) static CHANGE_PICTURE: Kernel = Kernel::new::<SizeParams, ChangePictureBuffers>(
     "ChangePicture",
-    &[INDEX, COVERAGE, include_str!("shaders/change_picture.wgsl")],
+    &[INDEX, COVERAGE, include_str!("change_picture.wgsl")],
 );
 
 /// Scales a picture by its ambient occlusion.
@@ -112,7 +112,7 @@ pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         TERM_SCALING,
-        include_str!("shaders/occlude.wgsl"),
+        include_str!("occlude.wgsl"),
     ],
 );
 

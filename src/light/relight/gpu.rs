@@ -1,22 +1,22 @@
 //! New light: every covered pixel by one kernel.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::enhance::RADIANCE_SCALING;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
-use crate::engine::gpu::light::{Light, relighting};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD, Shape};
-use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
+use crate::frame::gpu::{is_eye_far, starts, to_eye};
 use crate::frame::{ColorPlanes, DepthKind, Frame};
 use crate::light::brdf::AshikhminShirley;
 use crate::light::prepared_environment::Used;
+use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
+use crate::light::relight::gpu_lights::{Light, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::sum::{Lobes, Power};
 use crate::params::{Material, Quantisation, Tangent};
-use crate::plan::Albedo;
-use crate::plan::Plan;
+use crate::plan::{Albedo, Plan};
+use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
+use crate::shape::gpu::Shape;
 
 uniforms! {
     /// Of `relight.wgsl`.
@@ -105,13 +105,13 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
         MAPPED_CURVATURE,
         MAPPED_CURVATURE_TOWARD,
         RADIANCE_SCALING,
-        include_str!("shaders/light_warping.wgsl"),
-        include_str!("shaders/pixel.wgsl"),
-        include_str!("shaders/brdf.wgsl"),
-        include_str!("shaders/terms.wgsl"),
-        include_str!("shaders/environment.wgsl"),
-        include_str!("shaders/tones.wgsl"),
-        include_str!("shaders/relight.wgsl"),
+        include_str!("../light_warping.wgsl"),
+        include_str!("../sum/pixel.wgsl"),
+        include_str!("../brdf.wgsl"),
+        include_str!("../sum/terms.wgsl"),
+        include_str!("../environment.wgsl"),
+        include_str!("../tones.wgsl"),
+        include_str!("relight.wgsl"),
     ],
 );
 

@@ -1,85 +1,19 @@
 //! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
 
-use crate::engine::gpu::bindings::{Bindings, bindings};
-use crate::engine::gpu::choose::{Search, Searching};
+use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::constants::RUN_CELLS;
-use crate::engine::gpu::kernels::{INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{apart, lines};
-use crate::engine::gpu::uniforms::uniforms;
 use crate::frame::Frame;
+use crate::frame::gpu::{apart, lines};
+use crate::line::direction_field::gpu_kernels::{
+    DirectionParams, FIND_PATCHES, FIND_RUNS, FindPatchesBuffers, FindRunsBuffers, LINK_PATCHES,
+    LinkPatchesBuffers,
+};
 use crate::line::direction_field::setting::FieldSetting;
 use crate::params::FieldParams;
 use crate::plan::{Plan, Stage};
-
-pub(crate) const PATCHES: &str = include_str!("shaders/patches.wgsl");
-
-pub(crate) const RUNS: &str = include_str!("shaders/runs.wgsl");
-
-uniforms! {
-    /// Of the kernels of the field of stroke directions.
-    DirectionParams {
-        width: u32,
-        height: u32,
-        /// Pixels along the side of a cell, and how many of the first one lie before the picture.
-        cell_px: u32,
-        cut_x: u32,
-        cut_y: u32,
-        columns: u32,
-        rows: u32,
-        /// Room for patches after the first one of each cell.
-        room: u32,
-        /// Of kernels that go along one axis: 0 across, 1 down.
-        axis: u32,
-        /// How far a mean reaches, in cells.
-        reach: f32,
-        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
-        line_x: f32,
-        line_x_step: f32,
-        line_y: f32,
-        line_y_step: f32,
-        /// How far apart points at a depth of 1 are that are a pixel apart.
-        apart_x_step: f32,
-        apart_y_step: f32,
-        /// Height of a pixel over its width.
-        pixel_shape: f32,
-        /// From curvature per unit of length to that per pixel.
-        per_pixel: f32,
-        /// Turn of normals per pixel that counts half.
-        doubt: f32,
-        /// 0 for the curvature larger in size, 1 for the other.
-        family: u32,
-        /// Number of the field, in the order in which they are made.
-        order: u32,
-        is_fixed: u32,
-        fixed_x: f32,
-        fixed_y: f32,
-    }
-}
-
-bindings! {
-    FindPatchesBuffers { conductance, normal_x, normal_y, normal_z, depth, held, patches, depths, further }
-    LinkPatchesBuffers { held, patches, links }
-    FindRunsBuffers { held, links, runs }
-}
-
-/// The patches of each cell.
-pub(crate) static FIND_PATCHES: Kernel = Kernel::new::<DirectionParams, FindPatchesBuffers>(
-    "FindPatches",
-    &[INDEX, PATCHES, include_str!("shaders/find_patches.wgsl")],
-);
-
-/// Where each patch goes on.
-pub(crate) static LINK_PATCHES: Kernel = Kernel::new::<DirectionParams, LinkPatchesBuffers>(
-    "LinkPatches",
-    &[PATCHES, include_str!("shaders/link_patches.wgsl")],
-);
-
-/// The first and the last patch of each run.
-pub(crate) static FIND_RUNS: Kernel = Kernel::new::<DirectionParams, FindRunsBuffers>(
-    "FindRuns",
-    &[PATCHES, RUNS, include_str!("shaders/find_runs.wgsl")],
-);
+use crate::shape::auto_levels::gpu::{Search, Searching};
 
 /// Bytes of a patch, and of its sums along one axis.
 const PATCH_BYTES: u64 = 32;

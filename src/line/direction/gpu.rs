@@ -2,20 +2,20 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::{CLOSED_COUNT, LIST_GROUPS, OPEN_COUNT};
-use crate::engine::gpu::diffusion::FACE_CONDUCTANCE;
 use crate::engine::gpu::kernels::{INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{SIGHT_LINES, lines};
 use crate::engine::gpu::uniforms::uniforms;
+use crate::frame::gpu::{SIGHT_LINES, lines};
 use crate::frame::{Frame, SightLines};
 use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX};
 use crate::line::direction_field::setting::REST_REACH_PX;
+use crate::shape::diffusion::gpu::FACE_CONDUCTANCE;
 
 /// The direction where curvature leads nowhere.
-pub(crate) const FALLBACK: &str = include_str!("shaders/fallback.wgsl");
+pub(crate) const FALLBACK: &str = include_str!("fallback.wgsl");
 
 /// Directions as twice their angle.
-pub(crate) const DOUBLED: &str = include_str!("shaders/doubled.wgsl");
+pub(crate) const DOUBLED: &str = include_str!("doubled.wgsl");
 
 uniforms! {
     /// Of `spread_directions.wgsl`.
@@ -60,7 +60,7 @@ pub(crate) static SPREAD_DIRECTIONS: Kernel = Kernel::new::<SpreadParams, Spread
         SIGHT_LINES,
         FALLBACK,
         DOUBLED,
-        include_str!("shaders/spread_directions.wgsl"),
+        include_str!("spread_directions.wgsl"),
     ],
 );
 
@@ -84,7 +84,7 @@ enum Turning {
     None,
 }
 
-/// The rounds that fill directions of the surface, in order: see the file of the same name of the CPU.
+/// The rounds that fill directions of the surface, in order: see [`crate::line::direction::fill`].
 pub(crate) const OF_SURFACES: &[Round] = &[
     Round {
         count: OPEN_COUNT,

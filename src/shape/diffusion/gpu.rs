@@ -1,7 +1,7 @@
 //! Diffusion of the gradient: several sweeps at a time in workgroup memory, or one by one.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants::REGION;
+use crate::engine::gpu::constants::{REGION, SWEEPS_PER_PASS};
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
@@ -9,9 +9,9 @@ use crate::plan::Plan;
 use crate::shape::diffusion::sweeps::{Readout, Recurrence};
 
 /// The conductance between two pixels.
-pub(crate) const FACE_CONDUCTANCE: &str = include_str!("shaders/face_conductance.wgsl");
+pub(crate) const FACE_CONDUCTANCE: &str = include_str!("../face_conductance.wgsl");
 
-const FLUX: &str = include_str!("shaders/flux.wgsl");
+const FLUX: &str = include_str!("flux.wgsl");
 
 uniforms! {
     /// Of `diffusion.wgsl` and `sweep.wgsl`.
@@ -45,25 +45,21 @@ pub(crate) static DIFFUSION: Kernel = Kernel::new::<DiffusionParams, DiffusionBu
         COVERAGE,
         FACE_CONDUCTANCE,
         FLUX,
-        include_str!("shaders/diffusion.wgsl"),
+        include_str!("diffusion.wgsl"),
     ],
 );
 
 /// The conductance of the faces between pixels.
 pub(crate) static FACES: Kernel = Kernel::new::<SizeParams, FacesBuffers>(
     "Faces",
-    &[INDEX, FACE_CONDUCTANCE, include_str!("shaders/faces.wgsl")],
+    &[INDEX, FACE_CONDUCTANCE, include_str!("faces.wgsl")],
 );
 
 /// A single sweep.
 pub(crate) static SWEEP: Kernel = Kernel::new::<DiffusionParams, SweepBuffers>(
     "Sweep",
-    &[INDEX, FLUX, include_str!("shaders/sweep.wgsl")],
+    &[INDEX, FLUX, include_str!("sweep.wgsl")],
 );
-
-/// Sweeps between which the tiles of a device do not look at their neighbours: an even number, as terms are added
-/// up in pairs. More read the frame less often, and waste more work on the rims of tiles.
-pub(crate) const SWEEPS_PER_PASS: usize = 6;
 
 /// The weights that the terms of a recurrence are added up with.
 enum TermWeights<'a> {

@@ -36,9 +36,9 @@ pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, Line
     &[
         INDEX,
         COVERAGE,
-        include_str!("shaders/round_stroke.wgsl"),
-        include_str!("shaders/paper.wgsl"),
-        include_str!("shaders/line_coverage.wgsl"),
+        include_str!("round_stroke.wgsl"),
+        include_str!("../paper.wgsl"),
+        include_str!("line_coverage.wgsl"),
     ],
 );
 

@@ -6,16 +6,16 @@ use crate::engine::gpu::constants;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::recorder::Submitted;
 use crate::engine::gpu::run::{NOWHERE, Run};
-use crate::engine::gpu::runner::apart;
-use crate::engine::gpu::shape::{Edges, FACING};
-use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
+use crate::engine::gpu::surface::apart;
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::error::Result;
+use crate::frame::gpu::{is_eye_far, starts, to_eye};
 use crate::frame::{Frame, Plane};
 use crate::line::contours::Contour;
 use crate::line::contours::found::{FoundCrack, FoundEdges};
 use crate::params::ContourParams;
 use crate::plan::{Available, Plan, Stage};
+use crate::shape::edges::gpu::{Edges, FACING};
 use rayon::prelude::*;
 
 uniforms! {
@@ -44,7 +44,7 @@ bindings! {
 /// Lists cracks that silhouettes may pass, and creases.
 pub(crate) static EDGE_LISTS: Kernel = Kernel::new::<SizeParams, EdgeListsBuffers>(
     "EdgeLists",
-    &[INDEX, include_str!("shaders/edge_lists.wgsl")],
+    &[INDEX, include_str!("edge_lists.wgsl")],
 );
 
 /// Lists the cracks that silhouettes do pass.
@@ -54,8 +54,8 @@ pub(crate) static CRACKS: Kernel = Kernel::new::<CrackParams, CracksBuffers>(
         INDEX,
         COVERAGE,
         FACING,
-        include_str!("shaders/crack.wgsl"),
-        include_str!("shaders/cracks.wgsl"),
+        include_str!("crack.wgsl"),
+        include_str!("cracks.wgsl"),
     ],
 );
 

@@ -1,110 +1,20 @@
 //! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
 
-use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::RUN_CELLS;
-use crate::engine::gpu::direction_fill::{
-    DOUBLED, FALLBACK, Gaps, OF_THE_REST, SpreadParams, spread_params,
-};
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
-use crate::engine::gpu::normal_rays::NORMAL_RAY;
-use crate::engine::gpu::patches::{DirectionParams, PATCHES, Patches, RUNS, STAGE};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::SIGHT_LINES;
 use crate::frame::Frame;
+use crate::line::direction::gpu::{Gaps, OF_THE_REST, SpreadParams, spread_params};
+use crate::line::direction_field::gpu_kernels::{
+    BETWEEN_PATCHES, BetweenPatchesBuffers, CHAIN_MEANS, ChainMeansBuffers, DirectionParams,
+    PATCH_DIRECTIONS, PATCH_FORMS, PatchDirectionsBuffers, PatchFormsBuffers, SETTLE_PATCHES,
+    SUM_RUNS, SettlePatchesBuffers, SumRunsBuffers,
+};
+use crate::line::direction_field::gpu_patches::{Patches, STAGE};
 use crate::line::direction_field::setting::{
     FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
-
-const SUMS: &str = include_str!("shaders/sums.wgsl");
-
-const OVER_PATCHES: &str = include_str!("shaders/over_patches.wgsl");
-
-const PATCH_LINES: &str = include_str!("shaders/patch_lines.wgsl");
-
-bindings! {
-    SumRunsBuffers { held, links, values, sums }
-    ChainMeansBuffers {
-        held, further, patches, links, runs_across, runs_down, sums_across, sums_down, depths, chosen, values, means
-    }
-    PatchFormsBuffers { held, further, patches, links, forms }
-    PatchDirectionsBuffers { held, further, patches, forms, directions }
-    SettlePatchesBuffers { held, further, patches, links, own, around, settled }
-    BetweenPatchesBuffers {
-        covered, held, patches, links, settled, direction_x, direction_y, filled, marks, lacking, counts
-    }
-}
-
-/// Sums over each run.
-pub(crate) static SUM_RUNS: Kernel = Kernel::new::<DirectionParams, SumRunsBuffers>(
-    "SumRuns",
-    &[PATCHES, RUNS, SUMS, include_str!("shaders/sum_runs.wgsl")],
-);
-
-/// Means around each patch.
-pub(crate) static CHAIN_MEANS: Kernel = Kernel::new::<DirectionParams, ChainMeansBuffers>(
-    "ChainMeans",
-    &[
-        PATCHES,
-        SUMS,
-        OVER_PATCHES,
-        include_str!("shaders/chain_means.wgsl"),
-    ],
-);
-
-/// The curvature of each patch.
-pub(crate) static PATCH_FORMS: Kernel = Kernel::new::<DirectionParams, PatchFormsBuffers>(
-    "PatchForms",
-    &[
-        PATCHES,
-        SIGHT_LINES,
-        PATCH_LINES,
-        NORMAL_RAY,
-        OVER_PATCHES,
-        include_str!("shaders/patch_forms.wgsl"),
-    ],
-);
-
-/// The direction of each patch.
-pub(crate) static PATCH_DIRECTIONS: Kernel = Kernel::new::<DirectionParams, PatchDirectionsBuffers>(
-    "PatchDirections",
-    &[
-        PATCHES,
-        SIGHT_LINES,
-        PATCH_LINES,
-        FALLBACK,
-        DOUBLED,
-        OVER_PATCHES,
-        include_str!("shaders/patch_directions.wgsl"),
-    ],
-);
-
-/// What leads strokes in each patch.
-pub(crate) static SETTLE_PATCHES: Kernel = Kernel::new::<DirectionParams, SettlePatchesBuffers>(
-    "SettlePatches",
-    &[
-        PATCHES,
-        SIGHT_LINES,
-        PATCH_LINES,
-        FALLBACK,
-        DOUBLED,
-        OVER_PATCHES,
-        include_str!("shaders/settle_patches.wgsl"),
-    ],
-);
-
-/// Directions of pixels between patches.
-pub(crate) static BETWEEN_PATCHES: Kernel = Kernel::new::<DirectionParams, BetweenPatchesBuffers>(
-    "BetweenPatches",
-    &[
-        INDEX,
-        COVERAGE,
-        PATCHES,
-        DOUBLED,
-        include_str!("shaders/between_patches.wgsl"),
-    ],
-);
 
 /// Directions of strokes on the device.
 pub(crate) struct StrokeFields {

@@ -3,25 +3,26 @@
 
 use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};
 use crate::engine::cpu::runner::DrawingInputs;
-use crate::engine::gpu::choose::Search;
 use crate::engine::gpu::constants::WHITE;
-use crate::engine::gpu::draw::{medium, plane_of};
-use crate::engine::gpu::hatching::Strokes;
-use crate::engine::gpu::light::Light;
-use crate::engine::gpu::line_coverage::Medium;
 use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::runner::{Runner, SCALES, apart};
+use crate::engine::gpu::runner::{Runner, SCALES};
 use crate::engine::gpu::strips::Strips;
+use crate::engine::gpu::surface::apart;
 use crate::engine::outcome::{Drawing, Outcome, Shape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
+use crate::light::relight::gpu_lights::Light;
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::Piece;
+use crate::line::contours::gpu_coverage::Medium;
+use crate::line::gpu_drawing::{medium, plane_of};
+use crate::line::hatching::gpu::Strokes;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::{Adaptive, LineParams};
 use crate::plan::{Plan, Stage};
+use crate::shape::auto_levels::gpu::Search;
 use std::ops::Range;
 use std::time::Instant;
 

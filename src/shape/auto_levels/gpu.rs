@@ -1,7 +1,9 @@
 //! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants::{SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
+use crate::engine::gpu::constants::{
+    MOST_COUNTING_GROUPS, SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES,
+};
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::uniforms::uniforms;
@@ -10,7 +12,7 @@ use crate::shape::auto_levels::{
 };
 use std::ops::Range;
 
-const KEYS: &str = include_str!("shaders/keys.wgsl");
+const KEYS: &str = include_str!("keys.wgsl");
 
 uniforms! {
     /// Of `count.wgsl`.
@@ -50,18 +52,14 @@ bindings! {
 /// Counts how often the next bits of the numbers are which.
 pub(crate) static COUNT: Kernel = Kernel::new::<CountParams, CountBuffers>(
     "Count",
-    &[INDEX, COVERAGE, KEYS, include_str!("shaders/count.wgsl")],
+    &[INDEX, COVERAGE, KEYS, include_str!("count.wgsl")],
 );
 
 /// Finds the bits that the wanted rank has; in the end chooses.
-pub(crate) static NARROW: Kernel = Kernel::new::<NarrowParams, NarrowBuffers>(
-    "Narrow",
-    &[KEYS, include_str!("shaders/narrow.wgsl")],
-);
+pub(crate) static NARROW: Kernel =
+    Kernel::new::<NarrowParams, NarrowBuffers>("Narrow", &[KEYS, include_str!("narrow.wgsl")]);
 
-/// Workgroups that count, at the most; each takes every so-manieth row. Each also sets all bins to 0 and adds them
-/// up, which devices in software feel.
-pub(crate) const MOST_GROUPS: u32 = 1024;
+/// Workgroups that count on devices in software, at the most: of [`MOST_COUNTING_GROUPS`] they feel the bins.
 const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
 
 /// Percentage of numbers that the median leaves below it.
@@ -160,7 +158,7 @@ impl Searching {
         ];
         let most = match run.device.is_software() {
             true => MOST_GROUPS_IN_SOFTWARE,
-            false => MOST_GROUPS,
+            false => MOST_COUNTING_GROUPS,
         };
         let groups = [rows.end.clamp(1, most), 1];
         run.recorder.dispatch(

@@ -1,23 +1,23 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sheets::{PLACES, Sheets, TEXTURE_COORDINATES};
 use crate::engine::gpu::surface::{Picture, Upload};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::frame::Frame;
 use crate::line::density::density_table;
 use crate::line::hatching::Hatching;
+use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
 use crate::line::tonal_art_map::{Texels, TonalArtMap};
 use crate::params;
 use crate::params::{Adaptive, ToneParams};
+use crate::shape::auto_levels::gpu::{Search, Searching};
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
-const HATCHING: &str = include_str!("shaders/hatching.wgsl");
+const HATCHING: &str = include_str!("hatching.wgsl");
 
 uniforms! {
     /// Of `density.wgsl`.
@@ -62,7 +62,7 @@ bindings! {
 /// The optical density that is wanted of each pixel.
 pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>(
     "Density",
-    &[INDEX, COVERAGE, include_str!("shaders/density.wgsl")],
+    &[INDEX, COVERAGE, include_str!("../density.wgsl")],
 );
 
 /// Strokes that take their ink by thresholds.
@@ -73,7 +73,7 @@ pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
         COVERAGE,
         TEXTURE_COORDINATES,
         PLACES,
-        include_str!("shaders/stroke_texture.wgsl"),
+        include_str!("../stroke_texture.wgsl"),
         HATCHING,
     ],
 );
@@ -86,7 +86,7 @@ pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesB
         COVERAGE,
         TEXTURE_COORDINATES,
         PLACES,
-        include_str!("shaders/slice_texture.wgsl"),
+        include_str!("../slice_texture.wgsl"),
         HATCHING,
     ],
 );

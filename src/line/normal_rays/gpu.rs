@@ -1,17 +1,17 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::direction_fill::{Gaps, OF_SURFACES, spread_params};
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{SIGHT_LINES, apart, is_eye_far, lines, starts};
 use crate::engine::gpu::uniforms::uniforms;
+use crate::frame::gpu::{SIGHT_LINES, apart, is_eye_far, lines, starts};
 use crate::frame::{DepthKind, Frame};
+use crate::line::direction::gpu::{Gaps, OF_SURFACES, spread_params};
 use crate::line::normal_rays::setting::RaySetting;
 use crate::plan::{Plan, Stage};
 
 /// The curvature of a surface from the normals beside one.
-pub(crate) const NORMAL_RAY: &str = include_str!("shaders/normal_ray.wgsl");
+pub(crate) const NORMAL_RAY: &str = include_str!("normal_ray.wgsl");
 
 uniforms! {
     /// Of `normal_rays.wgsl`.
@@ -54,7 +54,7 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
         COVERAGE,
         SIGHT_LINES,
         NORMAL_RAY,
-        include_str!("shaders/normal_rays.wgsl"),
+        include_str!("normal_rays.wgsl"),
     ],
 );
 

@@ -1,20 +1,21 @@
-//! Pictures: radiance scaling, and the curvature display.
+//! Radiance scaling of a picture on the device.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::{MAPPED_CURVATURE, PLANE_FIT, Shape};
 use crate::engine::gpu::surface::Picture;
-use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::frame::Frame;
 use crate::params::Adaptive;
 use crate::plan::{Plan, Stage};
+use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
+use crate::shape::gpu::Shape;
 
 /// The scaling of light by curvature.
-pub(crate) const RADIANCE_SCALING: &str = include_str!("shaders/radiance_scaling.wgsl");
+pub(crate) const RADIANCE_SCALING: &str = include_str!("radiance_scaling.wgsl");
 
-const SCALED_PIXEL: &str = include_str!("shaders/scaled_pixel.wgsl");
+const SCALED_PIXEL: &str = include_str!("scaled_pixel.wgsl");
 
 uniforms! {
     /// Of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
@@ -36,7 +37,6 @@ uniforms! {
 bindings! {
     ScalePictureBuffers { covered, trace, chosen, red, green, blue }
     ScaleByGradientBuffers { covered, conductance, gradient, chosen, red, green, blue }
-    CurvatureDisplayBuffers { covered, conductance, trace, chosen, red, green, blue }
 }
 
 /// Scales a picture by the trace of the Hessian.
@@ -48,7 +48,7 @@ pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictur
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         SCALED_PIXEL,
-        include_str!("shaders/scale_picture.wgsl"),
+        include_str!("scale_picture.wgsl"),
     ],
 );
 
@@ -63,18 +63,7 @@ pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleBy
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         SCALED_PIXEL,
-        include_str!("shaders/scale_by_gradient.wgsl"),
-    ],
-);
-
-/// The curvature display.
-pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<SizeParams, CurvatureDisplayBuffers>(
-    "CurvatureDisplay",
-    &[
-        INDEX,
-        COVERAGE,
-        MAPPED_CURVATURE,
-        include_str!("shaders/curvature_display.wgsl"),
+        include_str!("scale_by_gradient.wgsl"),
     ],
 );
 
@@ -88,17 +77,6 @@ pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
 }
 
 impl Run<'_> {
-    /// Chooses the gain of curvature, where it is left open.
-    pub(crate) fn choose_gain(&mut self, plan: &Plan, shape: &Shape) {
-        if plan.has(Stage::AutoGain) && plan.scaling.curvature_gain == Adaptive::Auto {
-            let size = self.surface.size.map(|side| side as usize);
-            let factor = plan.resolution_factor as f32;
-            let search = Searching::new(self, Search::Gain { size, factor });
-            let chosen = self.chosen.clone();
-            search.choose(self, shape.of_gain(), &chosen);
-        }
-    }
-
     /// Scales a picture in place, by a white level that is chosen first where it is not known.
     pub(crate) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
         if !plan.has(Stage::RadianceScaling) {
@@ -160,33 +138,5 @@ impl Run<'_> {
                 size,
             ),
         }
-    }
-
-    /// The curvature display.
-    pub(crate) fn display(&mut self, shape: &Shape) -> Picture {
-        let [width, height] = self.surface.size;
-        let picture = [(); 3].map(|()| self.take(self.surface.plane_bytes()));
-        let [red, green, blue] = &picture;
-        let trace = &shape
-            .hessian
-            .as_ref()
-            .expect("the display takes curvature")
-            .trace;
-        self.recorder.over_pixels(
-            "display",
-            (&CURVATURE_DISPLAY, &[]),
-            &SizeParams { width, height },
-            &CurvatureDisplayBuffers {
-                covered: &self.surface.covered,
-                conductance: &shape.conductance,
-                trace,
-                chosen: &self.chosen,
-                red,
-                green,
-                blue,
-            },
-            [width, height],
-        );
-        picture
     }
 }
