@@ -9,7 +9,7 @@ use crate::frame::Frame;
 #[cfg(feature = "gpu")]
 use crate::light::lights::Illumination;
 #[cfg(feature = "gpu")]
-use crate::plan::{Goal, Plan};
+use crate::plan::Plan;
 use crate::report::gpu;
 
 /// What a report is to know of a device.

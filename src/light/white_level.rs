@@ -12,7 +12,7 @@ use crate::shape::auto_levels::cpu::white_level;
 /// The white level of the picture, or one for each term of its light.
 pub(crate) static AUTO_WHITE: Stage = Stage {
     // A white level that is given is noted.
-    also_runs: |plan| matches!(scaled(plan), Some(Subject::Picture | Subject::Lobes)),
+    also_runs: |plan| matches!(plan.scaled(), Some(Subject::Picture | Subject::Lobes)),
     // Which kinds of light are scaled at all, and by what.
     depends_on: |plan| {
         let scaling = &plan.scaling;
@@ -38,14 +38,6 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// What of the picture is scaled, where anything is.
-fn scaled(plan: &Plan) -> Option<Subject> {
-    let scaled = plan
-        .enhancement
-        .filter(|enhancement| enhancement.magnitude > 0.0);
-    scaled.map(|enhancement| enhancement.subject)
-}
-
 /// What is scaled by white levels that are chosen from the picture, where any are.
 pub(crate) fn chosen_for(plan: &Plan) -> Option<Subject> {
     let chosen = plan.scaling.white_level == Adaptive::Auto;
@@ -54,7 +46,7 @@ pub(crate) fn chosen_for(plan: &Plan) -> Option<Subject> {
         Subject::Lobes => true,
         Subject::Groups => false,
     };
-    scaled(plan).filter(|subject| chosen && of_light(subject))
+    plan.scaled().filter(|subject| chosen && of_light(subject))
 }
 
 fn decide_white(plan: &Plan) -> Verdict {
@@ -72,7 +64,7 @@ fn decide_white(plan: &Plan) -> Verdict {
 }
 
 fn choose_white(run: &mut Run) {
-    match scaled(run.plan) {
+    match run.plan.scaled() {
         Some(Subject::Lobes) => choose_term_whites(run),
         _ => choose_picture_white(run),
     }

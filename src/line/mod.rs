@@ -7,6 +7,10 @@ pub(crate) mod density;
 pub mod direction;
 pub mod direction_field;
 pub(crate) mod drawing;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_drawing;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_drawing_strips;
 pub mod hatching;
 pub mod linear_camera;
 pub mod normal_rays;

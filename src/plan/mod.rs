@@ -12,7 +12,7 @@ pub use crate::plan::available::Available;
 pub use crate::plan::resolve::{Goal, ToneFrom};
 pub use crate::shape::diffusion::sweeps::{DiffusionSchedule, Importance, Readout, Recurrence};
 
-use crate::light::enhancement::Enhancement;
+use crate::light::enhancement::{Enhancement, Subject};
 use crate::params::{LineParams, ScalingParams, ShapeParams, SpecularParams};
 use crate::product::Product;
 use serde::Serialize;
@@ -113,6 +113,14 @@ impl Plan {
     /// Whether curvature is made at all.
     pub(crate) fn wants_curvature(&self) -> bool {
         self.wants(Product::Trace) || self.wants(Product::Hessian)
+    }
+
+    /// What of the picture is scaled, where anything is.
+    pub(crate) fn scaled(&self) -> Option<Subject> {
+        let scaled = self
+            .enhancement
+            .filter(|enhancement| enhancement.magnitude > 0.0);
+        scaled.map(|enhancement| enhancement.subject)
     }
 
     /// Whether a picture is made, not only taken as it is.

@@ -6,7 +6,7 @@ use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::Window;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
-use relievo::plan::{Goal, Stage};
+use relievo::plan::Goal;
 use relievo::report::scenes::frames::masked;
 
 /// What no renderer means by a colour.

@@ -53,7 +53,7 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame);
     let found = runner.run(plan, frame).unwrap();
-    let layers = plan.goal == Goal::Layers;
+    let layers = plan.wants(Product::MappedCurvature);
     assert_alike(name, &found, &expected, |product| {
         (layers != (product == Product::Picture)).then(|| product.tolerance())
     });

@@ -18,10 +18,9 @@ use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::direction_field::setting as stroke_field;
 use crate::line::hatching::CROSSED_FROM;
 use crate::line::normal_rays::setting as surface_rays;
-use crate::line::paper;
 use crate::line::texture_coordinates::{DEPTH_STEP, JUMP, MOTION_STEP};
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY};
-use crate::line::{direction, direction_field, normal_rays};
+use crate::line::{direction, direction_field, normal_rays, paper};
 use crate::shape::auto_levels::MAX_GAIN;
 use crate::shape::curvature::UMBILIC;
 use crate::shape::curvature_display::palette;
@@ -41,6 +40,10 @@ const ROWS_PER_INVOCATION: u32 = 8;
 /// Rows of invocations of such a workgroup.
 pub(crate) const REGION_GROUP_ROWS: u32 = REGION[1] / ROWS_PER_INVOCATION;
 
+/// Sweeps between which the tiles of a device do not look at their neighbours: an even number, as terms are added
+/// up in pairs. More read the frame less often, and waste more work on the rims of tiles.
+pub(crate) const SWEEPS_PER_PASS: usize = 6;
+
 /// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
 pub(crate) const STRIP_ROWS: u32 = 16;
 
@@ -55,6 +58,10 @@ pub(crate) const LIST_GROUPS: u32 = 256;
 
 /// Invocations of a workgroup that searches for a percentile.
 pub(crate) const SEARCH_INVOCATIONS: u32 = 256;
+
+/// Workgroups that count in that search, at the most; each takes every so-manieth row. Each also sets all bins to 0
+/// and adds them up.
+pub(crate) const MOST_COUNTING_GROUPS: u32 = 1024;
 
 /// Bits that a pass of that search finds out, and how many passes find all 32.
 pub(crate) const SEARCH_BITS: u32 = 11;

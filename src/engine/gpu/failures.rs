@@ -1,7 +1,7 @@
 //! Tests: devices that are lost, have too little memory, or absurd limits.
 
 use crate::engine::cpu;
-use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::gpu::device::{Choice, Device, to_test_on};
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
 use crate::engine::gpu::limits;

@@ -1,46 +1,36 @@
 //! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
 
 use crate::engine::cpu;
-use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
-use crate::engine::gpu::enhance::known_white_level;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
-use crate::engine::gpu::hatching::TextureCache;
-use crate::engine::gpu::light::{Light, MapCache};
-use crate::engine::gpu::light_layers::{TermWhites, levels_of};
-use crate::engine::gpu::patches::largest_buffer;
 use crate::engine::gpu::recorder::{Programs, add_timings};
-use crate::engine::gpu::relight::frame_lit;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::{Curvatures, Shape};
 use crate::engine::gpu::strips::Strips;
-use crate::engine::gpu::surface::Upload;
+use crate::engine::gpu::surface::{Upload, WIDEST, apart};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::outcome::{Outcome, ScaleShape};
 use crate::error::Result;
-use crate::frame::CurvaturePlanes;
-use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{ColorPlanes, CurvaturePlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::light::enhancement::Subject;
+use crate::light::layers::gpu::{TermWhites, levels_of};
 use crate::light::lights::Illumination;
-use crate::light::prepared_environment::EnvironmentCache;
+use crate::light::radiance_scaling::gpu::known_white_level;
+use crate::light::relight::gpu::frame_lit;
+use crate::light::relight::gpu_lights::{Light, LightCache};
+use crate::line::direction_field::gpu_patches::largest_buffer;
+use crate::line::hatching::gpu::TextureCache;
 use crate::params::Adaptive;
-use crate::plan::{Goal, Plan, Stage};
-use rayon::prelude::*;
+use crate::params::Style;
+use crate::plan::Plan;
+use crate::product::Product;
+use crate::shape::curvature::gpu::Curvatures;
+use crate::shape::gpu::Shape;
 use std::ops::Range;
 use std::time::Instant;
-
-/// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
-pub(crate) const WIDEST: u64 = 4;
-
-/// Stages that change the picture.
-pub(crate) const SCALES: [Stage; 4] = [
-    Stage::RadianceScaling,
-    Stage::LightLobes,
-    Stage::LightGroups,
-    Stage::AmbientOcclusion,
-];
 
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
 #[derive(Debug)]
@@ -52,8 +42,7 @@ pub struct Runner {
     pub(crate) texture: TextureCache,
     /// What makes the parts of drawings that have no kernels.
     pub(crate) host: cpu::Runner,
-    pub(crate) environment: EnvironmentCache,
-    pub(crate) maps: MapCache,
+    light: LightCache,
 }
 
 impl Runner {
@@ -65,8 +54,7 @@ impl Runner {
             buffers: Buffers::default(),
             texture: TextureCache::default(),
             host: cpu::Runner::default(),
-            environment: EnvironmentCache::default(),
-            maps: MapCache::default(),
+            light: LightCache::default(),
         }
     }
 
@@ -84,7 +72,7 @@ impl Runner {
     pub fn lacks(plan: &Plan) -> Option<&'static str> {
         let relighting = plan.relighting.as_ref();
         let is_traced = relighting.is_some_and(|relighting| relighting.traced);
-        if is_traced || plan.has(Stage::SpecularTrace) {
+        if is_traced || plan.specular.is_some() {
             Some("mirrors and lenses that show what is traced")
         } else if relighting.is_some_and(|relighting| relighting.grain) {
             Some("a grain along the curvature")
@@ -105,7 +93,7 @@ impl Runner {
     /// If the plan was made for other inputs than the frame holds, or [`Runner::can_run`] is false.
     pub fn run(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
         assert!(
-            plan.goal != Goal::Relight,
+            plan.relighting.is_none(),
             "new light is run by Runner::relight"
         );
         assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
@@ -158,12 +146,12 @@ impl Runner {
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
         self.guarded(|| {
-            if plan.goal != Goal::Relight {
+            if plan.relighting.is_none() {
                 return self.run_parts(plan, frame, None, inputs, plane_bytes);
             }
             let illumination = inputs.illumination;
             let illumination = illumination.expect("new light is planned with its lights");
-            let light = self.light(plan, frame, illumination)?;
+            let light = self.light.light(&self.device, plan, frame, illumination)?;
             let mut outcome = self.run_parts(plan, frame, Some(&light), inputs, plane_bytes)?;
             outcome.environment_gain = light.around.gain();
             outcome.timings.splice(0..0, light.timings);
@@ -183,7 +171,7 @@ impl Runner {
         if done.is_err() {
             self.buffers.forget();
             self.programs.forget();
-            self.maps.forget();
+            self.light.forget_maps();
             self.texture.forget();
             // Memory is free when nothing uses it any more; that a lost device does not answer was told.
             let _ = wait_for(&self.device.device, None);
@@ -221,7 +209,7 @@ impl Runner {
             // Lines are placed when all of the tone is there, as that of a drawing in strips is.
             Some(params)
                 if is_whole
-                    && !plan.has(Stage::Streamlines)
+                    && params.strokes.style != Style::Lines
                     && largest_buffer(&params.field, frame) <= plane_bytes =>
             {
                 let drawn = self.draw_whole(plan, frame, params, light, inputs)?;
@@ -234,7 +222,7 @@ impl Runner {
         }
         let reach = match drawing {
             // The directions of a drawing are found on the whole.
-            Some(_) => plan.clone().without_directions().reach(),
+            Some(_) => plan.clone().without(Product::Direction).reach(),
             None => plan.reach(),
         };
         let Some(strips) = Strips::new(reach, height, most_rows as usize) else {
@@ -284,29 +272,32 @@ impl Runner {
         let start = Instant::now();
         let mut picture = match light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
-            None if plan.goal == Goal::Enhance => self.upload().picture(frame),
+            None if plan.enhancement.is_some() => self.upload().picture(frame),
             None => None,
         };
         let is_copied = picture.is_some();
         let mut run = self.start(plan, frame);
         let uploaded = start.elapsed();
 
-        let shape = plan.has(Stage::Conductance).then(|| {
+        let shape = plan.wants(Product::Conductance).then(|| {
             let shape = run.find_shape(plan, frame);
             run.choose_gain(plan, &shape);
             shape
         });
         let mut layers = Vec::new();
         let mut term_whites = TermWhites::new();
-        match (plan.goal, &shape) {
-            (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, frame, shape),
-            (Goal::Display, Some(shape)) => picture = Some(run.display(shape)),
-            (Goal::Enhance, Some(shape)) => {
+        if let Some(shape) = &shape {
+            if plan.wants(Product::Curvature) {
+                layers = layers_of(&mut run, plan, frame, shape);
+            }
+            if plan.display {
+                picture = Some(run.display(shape));
+            }
+            if plan.enhancement.is_some() {
                 let picture = picture.as_ref().expect("enhancing takes a picture");
                 run.scale(plan, frame, shape, picture);
                 term_whites = run.scale_layers(plan, frame, shape, picture);
             }
-            _ => {}
         }
         if let Some(light) = light {
             picture = Some(run.relight(plan, frame, light, shape.as_ref(), picture));
@@ -324,27 +315,26 @@ impl Runner {
         outcome.timings.push((UPLOAD, uploaded));
         outcome.timings.extend(timings);
         let start = Instant::now();
-        if plan.goal != Goal::Layers && picture.is_some() {
+        if !plan.wants(Product::Curvature) && picture.is_some() {
             let mut plane = || {
                 let samples = read.next().expect("a picture has three planes");
                 Plane::from_samples(width, height, samples)
             };
             let [r, g, b] = [plane(), plane(), plane()];
-            let is_made = plan.goal != Goal::Enhance || SCALES.iter().any(|&stage| plan.has(stage));
-            outcome.color = is_made.then_some(ColorPlanes { r, g, b });
-            if let (Some(color), Goal::Relight) = (&mut outcome.color, plan.goal) {
+            outcome.color = plan.makes_picture().then_some(ColorPlanes { r, g, b });
+            if let (Some(color), Some(_)) = (&mut outcome.color, light) {
                 frame_lit(color, frame);
             }
             outcome.term_white_levels = levels_of(&term_whites, read.by_ref());
         }
-        if plan.goal == Goal::Layers {
+        if plan.wants(Product::Curvature) {
             describe(&mut outcome, plan, frame, read);
         }
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
+        if plan.wants_curvature() {
             outcome.gain = Some(chosen[GAIN as usize]);
         }
-        if plan.has(Stage::RadianceScaling) {
+        if plan.scaled() == Some(Subject::Picture) {
             outcome.white_level = Some(chosen[WHITE as usize]);
         }
         let picture = picture.into_iter().flatten();
@@ -396,7 +386,7 @@ fn describe(
             kappa,
         });
     }
-    if plan.has(Stage::NormalRays) {
+    if plan.wants(Product::Direction) {
         let [x, y] = [plane(next()), plane(next())];
         shape.direction = Some(Vector2Planes { x, y });
     }
@@ -405,8 +395,8 @@ fn describe(
 
 /// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, only of layers wider ones.
 fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
-    let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
-    let widest = match plan.goal == Goal::Layers || has_layers {
+    let has_layers = matches!(plan.scaled(), Some(Subject::Lobes | Subject::Groups));
+    let widest = match plan.wants(Product::Curvature) || has_layers {
         true => WIDEST,
         false => 2,
     };
@@ -432,14 +422,8 @@ fn layers_of(run: &mut Run, plan: &Plan, frame: &Frame, shape: &Shape) -> Vec<wg
         let hessian = run.hessian(plan, gradient, &shape.conductance, true);
         layers.push(run.curvatures(&hessian).curvature);
     }
-    if plan.has(Stage::NormalRays) {
+    if plan.wants(Product::Direction) {
         layers.extend(run.surface_directions(plan, frame, &shape.conductance));
     }
     layers
-}
-
-/// The components of vectors that stand one after the other.
-pub(crate) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
-    let (vectors, _) = samples.as_chunks::<N>();
-    std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

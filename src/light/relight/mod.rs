@@ -3,6 +3,10 @@
 pub(crate) mod albedo;
 pub(crate) mod batch;
 pub(crate) mod curvature;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_lights;
 pub(crate) mod look_up;
 pub(crate) mod rim;
 pub(crate) mod setting;

@@ -11,6 +11,8 @@
 //! on the same surface only, a few pixels away where normals are coarse.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod setting;
 pub(crate) mod stage;
 

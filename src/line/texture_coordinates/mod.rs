@@ -13,6 +13,8 @@
 //! distort nothing and hand over nothing.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod hidden;
 pub(crate) mod places;
 pub(crate) mod shares;

@@ -1,5 +1,7 @@
 //! The coloured curvature display of [LW] figure 6.
 
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod palette;
 pub(crate) mod stage;
 

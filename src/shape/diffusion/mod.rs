@@ -8,6 +8,8 @@
 use crate::engine::cpu::simd::widened;
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod importance;
 pub(crate) mod stage;
 pub(crate) mod sweeps;

@@ -26,3 +26,5 @@ impl SilhouetteSource {
         }
     }
 }
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;

@@ -1,21 +1,119 @@
 //! New light: every covered pixel by one kernel.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::light::{Light, relighting};
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::Shape;
-use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::Picture;
-use crate::engine::gpu::uniforms::LightParams;
+use crate::engine::gpu::uniforms::uniforms;
+use crate::frame::gpu::{is_eye_far, starts, to_eye};
 use crate::frame::{ColorPlanes, DepthKind, Frame};
 use crate::light::brdf::AshikhminShirley;
 use crate::light::prepared_environment::Used;
+use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
+use crate::light::relight::gpu_lights::{Light, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::sum::{Lobes, Power};
 use crate::params::{Material, Quantisation, Tangent};
-use crate::plan::Albedo;
-use crate::plan::Plan;
+use crate::plan::{Albedo, Plan};
+use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
+use crate::shape::gpu::Shape;
+
+uniforms! {
+    /// Of `relight.wgsl`.
+    LightParams {
+        width: u32,
+        height: u32,
+        /// Lights that stand for an environment, even directions it is looked up in, lights from one direction, and
+        /// lights at a point.
+        around_count: u32,
+        even_count: u32,
+        direction_count: u32,
+        point_count: u32,
+        /// Intensity that radiance of 1 has from each even direction.
+        even_share: f32,
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        to_eye_x: f32,
+        to_eye_x_step: f32,
+        to_eye_y: f32,
+        to_eye_y_step: f32,
+        /// Where parallel sight lines begin, likewise.
+        start_x: f32,
+        start_x_step: f32,
+        start_y: f32,
+        start_y_step: f32,
+        /// Whether depth counts along sight lines, and not along the view axis.
+        depth_along_ray: u32,
+        ambient: f32,
+        diffuse_gain: f32,
+        specular_gain: f32,
+        /// The power of the lobe, where it is whole, else 0; and where it is not.
+        whole_power: u32,
+        power: f32,
+        coat_along: f32,
+        coat_across: f32,
+        coat_normalisation: f32,
+        reflectance: f32,
+        /// The direction of the grain in the picture.
+        grain_x: f32,
+        grain_y: f32,
+        ior: f32,
+        is_thin: u32,
+        /// Strength of the warp, before the gain.
+        warp: f32,
+        contrast: f32,
+        invariant_point: f32,
+        anisotropy: f32,
+        ambient_magnitude: f32,
+        diffuse_magnitude: f32,
+        specular_magnitude: f32,
+        /// Weights of luminance.
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        tone_levels: f32,
+        tone_softness: f32,
+        environment_gain: f32,
+        /// The factor of a map that was prefiltered by a highlight.
+        map_lobe: f32,
+        /// What is looked up: size, rotation in turns, the luminance that counts as intensity 1.
+        map_width: u32,
+        map_height: u32,
+        map_turn: f32,
+        map_largest: f32,
+        second_width: u32,
+        second_height: u32,
+        second_turn: f32,
+        second_largest: f32,
+        /// A NaN, which no kernel may spell.
+        nan_bits: u32,
+    }
+}
+
+bindings! {
+    RelightBuffers {
+        covered, normal_x, normal_y, normal_z, hessian_xx, hessian_xy, hessian_yy, chosen, occlusion, alpha, depth,
+        lights, texels, red, green, blue
+    }
+}
+
+/// New light on each pixel.
+pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
+    "Relight",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        MAPPED_CURVATURE_TOWARD,
+        RADIANCE_SCALING,
+        include_str!("../light_warping.wgsl"),
+        include_str!("../sum/pixel.wgsl"),
+        include_str!("../brdf.wgsl"),
+        include_str!("../sum/terms.wgsl"),
+        include_str!("../environment.wgsl"),
+        include_str!("../tones.wgsl"),
+        include_str!("relight.wgsl"),
+    ],
+);
 
 impl Run<'_> {
     /// Lights a frame whose albedo is in `albedo`, where it is not white: what the covered pixels then show.
@@ -81,9 +179,9 @@ impl Run<'_> {
         let [xx, xy, yy] = entries;
         self.recorder.over_pixels(
             "relight",
-            (Kernel::Relight, &switches),
+            (&RELIGHT, &switches),
             &params,
-            &bindings::Relight {
+            &RelightBuffers {
                 covered: &self.surface.covered,
                 normal_x: &normal_x,
                 normal_y: &normal_y,

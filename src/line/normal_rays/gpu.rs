@@ -1,14 +1,63 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::direction_fill::{Gaps, OF_SURFACES, spread_params};
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{apart, is_eye_far, lines, starts};
-use crate::engine::gpu::uniforms::RayParams;
+use crate::engine::gpu::uniforms::uniforms;
+use crate::frame::gpu::{SIGHT_LINES, apart, is_eye_far, lines, starts};
 use crate::frame::{DepthKind, Frame};
+use crate::line::direction::gpu::{Gaps, OF_SURFACES, spread_params};
 use crate::line::normal_rays::setting::RaySetting;
-use crate::plan::{Plan, Stage};
+use crate::plan::Plan;
+use crate::shape::edges::SilhouetteSource;
+
+/// The curvature of a surface from the normals beside one.
+pub(crate) const NORMAL_RAY: &str = include_str!("normal_ray.wgsl");
+
+uniforms! {
+    /// Of `normal_rays.wgsl`.
+    RayParams {
+        width: u32,
+        height: u32,
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        line_x: f32,
+        line_x_step: f32,
+        line_y: f32,
+        line_y_step: f32,
+        /// How far apart the starts of sight lines are that are a pixel apart, and points at a depth of 1 on them.
+        start_x_step: f32,
+        start_y_step: f32,
+        apart_x_step: f32,
+        apart_y_step: f32,
+        /// Height of a pixel over its width.
+        pixel_shape: f32,
+        /// Deviations of a component of a normal, and of a point as a share of its depth.
+        normal_noise: f32,
+        offset_noise: f32,
+        /// The least and the greatest step, in pixels.
+        first_step: i32,
+        most_step: i32,
+    }
+}
+
+bindings! {
+    NormalRaysBuffers {
+        covered, conductance, normal_x, normal_y, normal_z, depth, direction_x, direction_y, filled, marks, open,
+        closed, counts
+    }
+}
+
+/// Directions of curvature from normal rays, and lists of the pixels that have none.
+pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffers>(
+    "NormalRays",
+    &[
+        INDEX,
+        COVERAGE,
+        SIGHT_LINES,
+        NORMAL_RAY,
+        include_str!("normal_rays.wgsl"),
+    ],
+);
 
 /// What is recorded as the time of rays and of what fills the gaps between them.
 const STAGE: &str = "normal-rays";
@@ -35,12 +84,12 @@ impl Run<'_> {
         setting: &RaySetting,
         conductance: &wgpu::Buffer,
     ) -> Gaps {
-        let depth = setting
-            .depth
-            .map(|plane| match plan.has(Stage::DepthSilhouettes) {
+        let depth = setting.depth.map(|plane| {
+            match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
                 true => self.surface.map.clone().expect("silhouettes are of depth"),
                 false => self.hold(plane.samples()),
-            });
+            }
+        });
         let counts = self.gap_counts(OF_SURFACES);
         let plane = self.surface.plane_bytes();
         let [x, y, filled, marks, open, closed] = [(); 6].map(|()| self.take(plane));
@@ -53,9 +102,9 @@ impl Run<'_> {
         ];
         self.recorder.over_pixels(
             STAGE,
-            (Kernel::NormalRays, &switches),
+            (&NORMAL_RAYS, &switches),
             &ray_params(frame, setting),
-            &bindings::NormalRays {
+            &NormalRaysBuffers {
                 covered: &covered,
                 conductance,
                 normal_x: &normal_x,

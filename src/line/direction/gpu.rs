@@ -1,14 +1,68 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
-use crate::engine::gpu::bindings;
+use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::{CLOSED_COUNT, LIST_GROUPS, OPEN_COUNT};
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::kernels::{INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::lines;
-use crate::engine::gpu::uniforms::SpreadParams;
+use crate::engine::gpu::uniforms::uniforms;
+use crate::frame::gpu::{SIGHT_LINES, lines};
 use crate::frame::{Frame, SightLines};
 use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX};
 use crate::line::direction_field::setting::REST_REACH_PX;
+use crate::shape::diffusion::gpu::FACE_CONDUCTANCE;
+
+/// The direction where curvature leads nowhere.
+pub(crate) const FALLBACK: &str = include_str!("fallback.wgsl");
+
+/// Directions as twice their angle.
+pub(crate) const DOUBLED: &str = include_str!("doubled.wgsl");
+
+uniforms! {
+    /// Of `spread_directions.wgsl`.
+    SpreadParams {
+        width: u32,
+        height: u32,
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        line_x: f32,
+        line_x_step: f32,
+        line_y: f32,
+        line_y_step: f32,
+        /// Height of a pixel over its width.
+        pixel_shape: f32,
+        /// Number of the wave, from 1 on.
+        wave: u32,
+        /// Where the length of its list stands, and that of the next one's.
+        list_count: u32,
+        next_count: u32,
+        /// How far directions turn to the fallback, 0..1: on planes, and elsewhere.
+        flat_share: f32,
+        share: f32,
+        /// Which fallback, as in the field of stroke directions.
+        order: u32,
+        is_fixed: u32,
+        fixed_x: f32,
+        fixed_y: f32,
+    }
+}
+
+bindings! {
+    SpreadDirectionsBuffers {
+        conductance, normal_x, normal_y, normal_z, list, next, counts, direction_x, direction_y, filled, marks
+    }
+}
+
+/// A wave over the pixels of a list.
+pub(crate) static SPREAD_DIRECTIONS: Kernel = Kernel::new::<SpreadParams, SpreadDirectionsBuffers>(
+    "SpreadDirections",
+    &[
+        INDEX,
+        FACE_CONDUCTANCE,
+        SIGHT_LINES,
+        FALLBACK,
+        DOUBLED,
+        include_str!("spread_directions.wgsl"),
+    ],
+);
 
 /// Waves over the pixels of a list, and after them the fallback.
 pub(crate) struct Round {
@@ -30,7 +84,7 @@ enum Turning {
     None,
 }
 
-/// The rounds that fill directions of the surface, in order: see the file of the same name of the CPU.
+/// The rounds that fill directions of the surface, in order: see [`crate::line::direction::fill`].
 pub(crate) const OF_SURFACES: &[Round] = &[
     Round {
         count: OPEN_COUNT,
@@ -141,9 +195,9 @@ impl Run<'_> {
                 ];
                 self.recorder.dispatch(
                     stage,
-                    (Kernel::SpreadDirections, &switches),
+                    (&SPREAD_DIRECTIONS, &switches),
                     &params,
-                    &bindings::SpreadDirections {
+                    &SpreadDirectionsBuffers {
                         conductance,
                         normal_x: &normal_x,
                         normal_y: &normal_y,

@@ -1,13 +1,15 @@
 //! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
 
-use crate::engine::gpu::bindings;
 use crate::engine::gpu::constants::RUN_CELLS;
-use crate::engine::gpu::direction_fill::{Gaps, OF_THE_REST, spread_params};
-use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::patches::{Patches, STAGE};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::uniforms::{DirectionParams, SpreadParams};
 use crate::frame::Frame;
+use crate::line::direction::gpu::{Gaps, OF_THE_REST, SpreadParams, spread_params};
+use crate::line::direction_field::gpu_kernels::{
+    BETWEEN_PATCHES, BetweenPatchesBuffers, CHAIN_MEANS, ChainMeansBuffers, DirectionParams,
+    PATCH_DIRECTIONS, PATCH_FORMS, PatchDirectionsBuffers, PatchFormsBuffers, SETTLE_PATCHES,
+    SUM_RUNS, SettlePatchesBuffers, SumRunsBuffers,
+};
+use crate::line::direction_field::gpu_patches::{Patches, STAGE};
 use crate::line::direction_field::setting::{
     FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
@@ -95,13 +97,13 @@ impl Run<'_> {
                 axis,
                 ..patches.params
             };
-            let buffers = bindings::SumRuns {
+            let buffers = SumRunsBuffers {
                 held: &patches.held,
                 links: &patches.links,
                 values,
                 sums,
             };
-            self.over_runs(Kernel::SumRuns, &along, &buffers);
+            self.over_runs(&SUM_RUNS, &along, &buffers);
         }
         let means = self.take(16 * patches.count());
         let chosen = self.chosen.clone();
@@ -109,14 +111,14 @@ impl Run<'_> {
         let [sums_across, sums_down] = &patches.sums;
         self.over_cells(
             (
-                Kernel::ChainMeans,
+                &CHAIN_MEANS,
                 &[("IS_BY_DEPTH", median.is_some()), ("IS_NEAR", is_near)],
             ),
             &DirectionParams {
                 reach,
                 ..patches.params
             },
-            &bindings::ChainMeans {
+            &ChainMeansBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -138,9 +140,9 @@ impl Run<'_> {
     fn patch_forms(&mut self, patches: &Patches, reach: f32) -> wgpu::Buffer {
         let forms = self.take(16 * patches.count());
         self.over_cells(
-            (Kernel::PatchForms, &[]),
+            (&PATCH_FORMS, &[]),
             &patches.params,
-            &bindings::PatchForms {
+            &PatchFormsBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -164,9 +166,9 @@ impl Run<'_> {
     ) -> wgpu::Buffer {
         let mut own = self.take(16 * patches.count());
         self.over_cells(
-            (Kernel::PatchDirections, &[]),
+            (&PATCH_DIRECTIONS, &[]),
             params,
-            &bindings::PatchDirections {
+            &PatchDirectionsBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -191,9 +193,9 @@ impl Run<'_> {
         });
         let settled = self.take(8 * patches.count());
         self.over_cells(
-            (Kernel::SettlePatches, &[("IS_CALMED", is_calmed)]),
+            (&SETTLE_PATCHES, &[("IS_CALMED", is_calmed)]),
             params,
-            &bindings::SettlePatches {
+            &SettlePatchesBuffers {
                 held: &patches.held,
                 further: &patches.further,
                 patches: &patches.all,
@@ -219,9 +221,9 @@ impl Run<'_> {
         let [x, y, filled, marks, lacking] = [(); 5].map(|()| self.take(plane));
         let covered = self.surface.covered.clone();
         self.over_cells(
-            (Kernel::BetweenPatches, &[]),
+            (&BETWEEN_PATCHES, &[]),
             params,
-            &bindings::BetweenPatches {
+            &BetweenPatchesBuffers {
                 covered: &covered,
                 held: &patches.held,
                 patches: &patches.all,
@@ -249,7 +251,7 @@ impl Run<'_> {
 mod tests {
     use super::*;
     use crate::engine::cpu;
-    use crate::engine::cpu::runner::DrawingInputs;
+    use crate::engine::cpu::run::DrawingInputs;
     use crate::engine::gpu::device::{Choice, Device, to_test_on};
     use crate::engine::gpu::runner::Runner;
     use crate::frame::{Camera, ColorPlanes, Plane, Projection};

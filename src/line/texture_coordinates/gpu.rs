@@ -5,6 +5,12 @@ use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use std::ops::Range;
 
+/// How a texture lies on a surface that moves.
+pub(crate) const TEXTURE_COORDINATES: &str = include_str!("texture_coordinates.wgsl");
+
+/// Where it lies at each pixel.
+pub(crate) const PLACES: &str = include_str!("places.wgsl");
+
 /// The drawings that share a hatching.
 pub(crate) struct Sheets {
     pub(crate) each: Vec<BoundTexture>,

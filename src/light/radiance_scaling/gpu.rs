@@ -1,15 +1,72 @@
-//! Pictures: radiance scaling, and the curvature display.
+//! Radiance scaling of a picture on the device.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::choose::{Search, Searching};
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::Shape;
 use crate::engine::gpu::surface::Picture;
-use crate::engine::gpu::uniforms::{ScaleParams, SizeParams};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::frame::Frame;
+use crate::light::enhancement::Subject;
 use crate::params::Adaptive;
-use crate::plan::{Plan, Stage};
+use crate::plan::Plan;
+use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
+use crate::shape::gpu::Shape;
+
+/// The scaling of light by curvature.
+pub(crate) const RADIANCE_SCALING: &str = include_str!("radiance_scaling.wgsl");
+
+const SCALED_PIXEL: &str = include_str!("scaled_pixel.wgsl");
+
+uniforms! {
+    /// Of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
+    ScaleParams {
+        width: u32,
+        height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
+        scaling: f32,
+        invariant_point: f32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        /// A NaN, which no kernel may spell.
+        nan_bits: u32,
+    }
+}
+
+bindings! {
+    ScalePictureBuffers { covered, trace, chosen, red, green, blue }
+    ScaleByGradientBuffers { covered, conductance, gradient, chosen, red, green, blue }
+}
+
+/// Scales a picture by the trace of the Hessian.
+pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictureBuffers>(
+    "ScalePicture",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        SCALED_PIXEL,
+        include_str!("scale_picture.wgsl"),
+    ],
+);
+
+/// The same by the gradient, of which it makes the trace itself.
+pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleByGradientBuffers>(
+    "ScaleByGradient",
+    &[
+        INDEX,
+        AROUND,
+        COVERAGE,
+        PLANE_FIT,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        SCALED_PIXEL,
+        include_str!("scale_by_gradient.wgsl"),
+    ],
+);
 
 /// The white level where it does not depend on the picture.
 pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
@@ -21,20 +78,9 @@ pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
 }
 
 impl Run<'_> {
-    /// Chooses the gain of curvature, where it is left open.
-    pub(crate) fn choose_gain(&mut self, plan: &Plan, shape: &Shape) {
-        if plan.has(Stage::AutoGain) && plan.scaling.curvature_gain == Adaptive::Auto {
-            let size = self.surface.size.map(|side| side as usize);
-            let factor = plan.resolution_factor as f32;
-            let search = Searching::new(self, Search::Gain { size, factor });
-            let chosen = self.chosen.clone();
-            search.choose(self, shape.of_gain(), &chosen);
-        }
-    }
-
     /// Scales a picture in place, by a white level that is chosen first where it is not known.
     pub(crate) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
-        if !plan.has(Stage::RadianceScaling) {
+        if plan.scaled() != Some(Subject::Picture) {
             return;
         }
         let weights = frame.luminance_weights();
@@ -65,9 +111,9 @@ impl Run<'_> {
         match &shape.hessian {
             Some(hessian) => self.recorder.over_pixels(
                 "radiance-scaling",
-                (Kernel::ScalePicture, &[]),
+                (&SCALE_PICTURE, &[]),
                 &params,
-                &bindings::ScalePicture {
+                &ScalePictureBuffers {
                     covered,
                     trace: &hessian.trace,
                     chosen,
@@ -79,9 +125,9 @@ impl Run<'_> {
             ),
             None => self.recorder.over_rows(
                 "radiance-scaling",
-                (Kernel::ScaleByGradient, &[]),
+                (&SCALE_BY_GRADIENT, &[]),
                 &params,
-                &bindings::ScaleByGradient {
+                &ScaleByGradientBuffers {
                     covered,
                     conductance: &shape.conductance,
                     gradient: &shape.gradient,
@@ -93,33 +139,5 @@ impl Run<'_> {
                 size,
             ),
         }
-    }
-
-    /// The curvature display.
-    pub(crate) fn display(&mut self, shape: &Shape) -> Picture {
-        let [width, height] = self.surface.size;
-        let picture = [(); 3].map(|()| self.take(self.surface.plane_bytes()));
-        let [red, green, blue] = &picture;
-        let trace = &shape
-            .hessian
-            .as_ref()
-            .expect("the display takes curvature")
-            .trace;
-        self.recorder.over_pixels(
-            "display",
-            (Kernel::CurvatureDisplay, &[]),
-            &SizeParams { width, height },
-            &bindings::CurvatureDisplay {
-                covered: &self.surface.covered,
-                conductance: &shape.conductance,
-                trace,
-                chosen: &self.chosen,
-                red,
-                green,
-                blue,
-            },
-            [width, height],
-        );
-        picture
     }
 }

@@ -1,16 +1,17 @@
 //! New light on the device: lights, and what is looked up.
 
 use crate::engine::cpu::gpu_support::estimated_albedo;
-use crate::engine::gpu::runner::Runner;
+use crate::engine::gpu::device::Device;
 use crate::engine::gpu::surface::Upload;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::environment::Environment;
 use crate::light::light_warping::half_vector;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
-use crate::light::prepared_environment::{Illuminants, Map, PreparedEnvironment, Used};
-use crate::plan::Plan;
-use crate::plan::{Albedo, Relighting};
+use crate::light::prepared_environment::{
+    EnvironmentCache, Illuminants, Map, PreparedEnvironment, Used,
+};
+use crate::plan::{Albedo, Plan, Relighting};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -50,7 +51,7 @@ pub(crate) struct Placed {
 
 /// The maps of the environment of the last run, on the device.
 #[derive(Debug, Default)]
-pub(crate) struct MapCache(Mutex<Option<(Arc<PreparedEnvironment>, wgpu::Buffer)>>);
+struct MapCache(Mutex<Option<(Arc<PreparedEnvironment>, wgpu::Buffer)>>);
 
 impl MapCache {
     fn of(&self, ready: &Arc<PreparedEnvironment>) -> Option<wgpu::Buffer> {
@@ -59,8 +60,7 @@ impl MapCache {
         Arc::ptr_eq(of, ready).then(|| buffer.clone())
     }
 
-    /// Forgets them.
-    pub(crate) fn forget(&self) {
+    fn forget(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
@@ -70,10 +70,23 @@ impl MapCache {
     }
 }
 
-impl Runner {
+/// What is kept of the light of the last run.
+#[derive(Debug, Default)]
+pub(crate) struct LightCache {
+    environment: EnvironmentCache,
+    maps: MapCache,
+}
+
+impl LightCache {
+    /// Forgets what is on the device.
+    pub(crate) fn forget_maps(&self) {
+        self.maps.forget();
+    }
+
     /// Makes light ready, and copies it to the device.
     pub(crate) fn light<'a>(
         &self,
+        device: &Device,
         plan: &Plan,
         frame: &Frame,
         illumination: &'a Illumination,
@@ -94,11 +107,11 @@ impl Runner {
             true => vectors_of(illumination, &around),
             false => Default::default(),
         };
-        let (texels, maps) = self.texels(&around)?;
+        let (texels, maps) = self.texels(device, &around)?;
         Ok(Light {
             estimate,
             counts,
-            lights: self.filled(&[&vectors])?,
+            lights: filled(device, &[&vectors])?,
             texels,
             maps,
             around,
@@ -107,12 +120,12 @@ impl Runner {
     }
 
     /// What is looked up, on the device.
-    fn texels(&self, around: &Illuminants) -> Result<(wgpu::Buffer, [Placed; 2])> {
+    fn texels(&self, device: &Device, around: &Illuminants) -> Result<(wgpu::Buffer, [Placed; 2])> {
         let map = |map: &Map| Placed::of(&map.environment, map.largest);
         let nothing = Placed::default();
         let ready = &around.ready;
         let (maps, texels): (_, [&[[f32; 4]]; 2]) = match &ready.used {
-            Used::Nothing | Used::Lights(_) => return Ok((self.filled(&[])?, [nothing; 2])),
+            Used::Nothing | Used::Lights(_) => return Ok((filled(device, &[])?, [nothing; 2])),
             Used::LitSpheres(largest) => {
                 let spheres = around.spheres;
                 let placed = |at: usize| match spheres.get(at) {
@@ -124,7 +137,7 @@ impl Runner {
                     None => nothing,
                 };
                 let texels = |at: usize| spheres.get(at).map_or(&[][..], |s| s.texels());
-                let texels = self.filled(&[texels(0), texels(1)])?;
+                let texels = filled(device, &[texels(0), texels(1)])?;
                 return Ok((texels, [placed(0), placed(1)]));
             }
             Used::Lookups(_, environment) => (
@@ -146,35 +159,9 @@ impl Runner {
         if let Some(kept) = self.maps.of(ready) {
             return Ok((kept, maps));
         }
-        let buffer = self.filled(&texels)?;
+        let buffer = filled(device, &texels)?;
         self.maps.keep(ready, &buffer);
         Ok((buffer, maps))
-    }
-
-    /// A buffer of its own with these vectors, one after the other.
-    fn filled(&self, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer> {
-        let count: usize = parts.iter().map(|part| part.len()).sum();
-        let bytes = 16 * count.max(1) as u64;
-        let device = self.device();
-        if bytes > device.plane_bytes {
-            return Err(device.error(format_args!(
-                "takes {} bytes at a time, and what is around the surface has {bytes}",
-                device.plane_bytes
-            )));
-        }
-        let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: bytes,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut at = 0;
-        for part in parts {
-            let bytes: &[u8] = bytemuck::cast_slice(part);
-            device.queue.write_buffer(&buffer, at, bytes);
-            at += bytes.len() as u64;
-        }
-        Ok(buffer)
     }
 }
 
@@ -249,4 +236,29 @@ fn vectors_of(illumination: &Illumination, around: &Illuminants) -> (Vec<[f32; 4
     vectors.extend(illumination.directional.iter().flat_map(far));
     vectors.extend(illumination.points.iter().flat_map(near));
     (vectors, counts)
+}
+
+/// A buffer of its own with these vectors, one after the other.
+fn filled(device: &Device, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer> {
+    let count: usize = parts.iter().map(|part| part.len()).sum();
+    let bytes = 16 * count.max(1) as u64;
+    if bytes > device.plane_bytes {
+        return Err(device.error(format_args!(
+            "takes {} bytes at a time, and what is around the surface has {bytes}",
+            device.plane_bytes
+        )));
+    }
+    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut at = 0;
+    for part in parts {
+        let bytes: &[u8] = bytemuck::cast_slice(part);
+        device.queue.write_buffer(&buffer, at, bytes);
+        at += bytes.len() as u64;
+    }
+    Ok(buffer)
 }

@@ -1,16 +1,65 @@
 //! Diffusion of the gradient: several sweeps at a time in workgroup memory, or one by one.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::constants::REGION;
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::constants::{REGION, SWEEPS_PER_PASS};
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::{NOWHERE, Run};
-use crate::engine::gpu::uniforms::{DiffusionParams, SizeParams};
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::plan::Plan;
 use crate::shape::diffusion::sweeps::{Readout, Recurrence};
 
-/// Sweeps between which the tiles of a device do not look at their neighbours: an even number, as terms are added
-/// up in pairs. More read the frame less often, and waste more work on the rims of tiles.
-pub(crate) const SWEEPS_PER_PASS: usize = 6;
+/// The conductance between two pixels.
+pub(crate) const FACE_CONDUCTANCE: &str = include_str!("../face_conductance.wgsl");
+
+const FLUX: &str = include_str!("flux.wgsl");
+
+uniforms! {
+    /// Of `diffusion.wgsl` and `sweep.wgsl`.
+    DiffusionParams {
+        width: u32,
+        height: u32,
+        /// Sweeps of this pass.
+        sweeps: u32,
+        /// Number of the term it starts from.
+        first_term: u32,
+        /// 1 where no pass follows.
+        is_final: u32,
+        /// Levels of importance that have weights of their own.
+        level_count: u32,
+        /// Length of an explicit step.
+        time_step: f32,
+    }
+}
+
+bindings! {
+    DiffusionBuffers { last, earlier, conductance, term_weights, levels, covered, next_last, next_earlier, sums }
+    FacesBuffers { conductance, faces }
+    SweepBuffers { last, faces, term_weights, levels, next, sums }
+}
+
+/// Several sweeps in the memory of a workgroup.
+pub(crate) static DIFFUSION: Kernel = Kernel::new::<DiffusionParams, DiffusionBuffers>(
+    "Diffusion",
+    &[
+        INDEX,
+        COVERAGE,
+        FACE_CONDUCTANCE,
+        FLUX,
+        include_str!("diffusion.wgsl"),
+    ],
+);
+
+/// The conductance of the faces between pixels.
+pub(crate) static FACES: Kernel = Kernel::new::<SizeParams, FacesBuffers>(
+    "Faces",
+    &[INDEX, FACE_CONDUCTANCE, include_str!("faces.wgsl")],
+);
+
+/// A single sweep.
+pub(crate) static SWEEP: Kernel = Kernel::new::<DiffusionParams, SweepBuffers>(
+    "Sweep",
+    &[INDEX, FLUX, include_str!("sweep.wgsl")],
+);
 
 /// The weights that the terms of a recurrence are added up with.
 enum TermWeights<'a> {
@@ -132,7 +181,7 @@ impl Run<'_> {
             let start = (pass == 0).then_some(sweeping.gradient);
             let before = start.or((!is_expansion).then_some(sweeping.gradient));
             let importance = self.surface.importance.as_ref();
-            let buffers = bindings::Diffusion {
+            let buffers = DiffusionBuffers {
                 last: start.unwrap_or(&last[from]),
                 earlier: before.unwrap_or(&earlier[from]),
                 conductance: sweeping.conductance,
@@ -149,7 +198,7 @@ impl Run<'_> {
             ];
             let [columns, rows] = REGION.map(|side| side - 2 * sweeps);
             let groups = [width.div_ceil(columns), height.div_ceil(rows)];
-            let kernel: (Kernel, &[_]) = (Kernel::Diffusion, &switches);
+            let kernel: (&Kernel, &[_]) = (&DIFFUSION, &switches);
             self.recorder
                 .dispatch("diffusion", kernel, &params, &buffers, groups);
         }
@@ -171,9 +220,9 @@ impl Run<'_> {
         let faces = self.take(bytes);
         self.recorder.over_pixels(
             "diffusion",
-            (Kernel::Faces, &[]),
+            (&FACES, &[]),
             &SizeParams { width, height },
-            &bindings::Faces {
+            &FacesBuffers {
                 conductance: sweeping.conductance,
                 faces: &faces,
             },
@@ -205,7 +254,7 @@ impl Run<'_> {
                 _ => &terms[(sweep + 1) % 2],
             };
             let importance = self.surface.importance.as_ref();
-            let buffers = bindings::Sweep {
+            let buffers = SweepBuffers {
                 last,
                 faces: &faces,
                 term_weights: &sweeping.term_weights,
@@ -213,7 +262,7 @@ impl Run<'_> {
                 next: &terms[sweep % 2],
                 sums: &sums,
             };
-            let kernel: (Kernel, &[_]) = (Kernel::Sweep, &switches);
+            let kernel: (&Kernel, &[_]) = (&SWEEP, &switches);
             self.recorder
                 .over_pixels("diffusion", kernel, &params, &buffers, [width, height]);
             if sweep == 0 && sweeping.is_expansion {

@@ -1,14 +1,46 @@
 //! What lines cover of every pixel: contours, and strokes that are lines.
 
-use crate::engine::gpu::bindings;
+use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::GROUP;
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::uniforms::LineCoverageParams;
+use crate::engine::gpu::uniforms::uniforms;
 use crate::frame::Frame;
 use crate::line::contours::coverage::Piece;
 use crate::line::contours::round_stroke::RoundStroke;
 use crate::line::paper::spread_seed;
+
+uniforms! {
+    /// Of `line_coverage.wgsl`.
+    LineCoverageParams {
+        width: u32,
+        height: u32,
+        /// Coordinates of the first pixel.
+        x0: i32,
+        y0: i32,
+        /// How many rows of the picture come before.
+        top: u32,
+        /// Of the grain, where there is any.
+        seed_low: u32,
+        seed_high: u32,
+    }
+}
+
+bindings! {
+    LineCoverageBuffers { covered, tile_starts, tile_pieces, pieces, lines, covered_by_lines }
+}
+
+/// What lines cover of each pixel.
+pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, LineCoverageBuffers>(
+    "LineCoverage",
+    &[
+        INDEX,
+        COVERAGE,
+        include_str!("round_stroke.wgsl"),
+        include_str!("../paper.wgsl"),
+        include_str!("line_coverage.wgsl"),
+    ],
+);
 
 /// The pieces of lines by the tiles that they reach, each of a workgroup.
 struct Tiles {
@@ -103,7 +135,7 @@ impl Run<'_> {
                 Medium::InkWithin => "hatching",
                 Medium::Ink | Medium::Graphite(_) => "contours",
             },
-            (Kernel::LineCoverage, &switches),
+            (&LINE_COVERAGE, &switches),
             &LineCoverageParams {
                 width,
                 height,
@@ -113,7 +145,7 @@ impl Run<'_> {
                 seed_low: seed as u32,
                 seed_high: (seed >> 32) as u32,
             },
-            &bindings::LineCoverage {
+            &LineCoverageBuffers {
                 covered: &self.surface.covered,
                 tile_starts: &starts,
                 tile_pieces: &by_tile,

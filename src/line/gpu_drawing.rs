@@ -2,24 +2,25 @@
 //! pixel to pixel, are found on the CPU while the device makes the strokes.
 
 use crate::engine::cpu::gpu_support::contour_pieces;
-use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::engine::gpu::constants::{GAIN, WHITE};
-use crate::engine::gpu::edge_lists::PendingReadback;
-use crate::engine::gpu::hatching::{Strokes, Texture};
-use crate::engine::gpu::light::Light;
-use crate::engine::gpu::light_layers::{TermWhites, levels_of};
-use crate::engine::gpu::line_coverage::Medium;
 use crate::engine::gpu::recorder::add_timings;
-use crate::engine::gpu::relight::frame_lit;
-use crate::engine::gpu::runner::{Runner, SCALES};
+use crate::engine::gpu::runner::Runner;
 use crate::engine::outcome::{Drawing, Outcome};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::light::enhancement::Subject;
+use crate::light::layers::gpu::{TermWhites, levels_of};
+use crate::light::relight::gpu::frame_lit;
+use crate::light::relight::gpu_lights::Light;
 use crate::line::contours::Contour;
+use crate::line::contours::gpu::PendingReadback;
+use crate::line::contours::gpu_coverage::Medium;
+use crate::line::hatching::gpu::{Strokes, Texture};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::{ContourParams, LineParams, Style};
-use crate::plan::{Goal, Plan, Stage};
+use crate::plan::Plan;
 use std::time::Instant;
 
 impl Runner {
@@ -88,7 +89,7 @@ impl Runner {
             None => copied.expect("a drawing is planned with its tone"),
         };
         let mut term_whites = TermWhites::new();
-        if plan.goal == Goal::Enhance {
+        if plan.enhancement.is_some() {
             run.scale(plan, frame, &shape, &picture);
             term_whites = run.scale_layers(plan, frame, &shape, &picture);
         }
@@ -118,7 +119,7 @@ impl Runner {
 
         let times = of_strokes.read()?.1;
         add_timings(&mut outcome.timings, &times.unwrap_or_default());
-        let is_made = light.is_some() || SCALES.iter().any(|&stage| plan.has(stage));
+        let is_made = plan.makes_picture();
         let chosen = run.chosen.clone();
         let mut wanted = vec![&fields.further, &chosen, &paper, &ink];
         wanted.extend(&contours);
@@ -253,10 +254,10 @@ fn put_drawing(
         white_point: of_paper[WHITE as usize],
         coordinates,
     });
-    if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
+    if plan.wants_curvature() {
         outcome.gain = Some(chosen[GAIN as usize]);
     }
-    if plan.has(Stage::RadianceScaling) {
+    if plan.scaled() == Some(Subject::Picture) {
         outcome.white_level = Some(chosen[WHITE as usize]);
     }
 }

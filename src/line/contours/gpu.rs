@@ -1,22 +1,64 @@
 //! Edges as lists: of what is made per pixel only what lies along edges is read.
 
 use crate::engine::cpu::gpu_support::{contour_lines, contours_along};
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::constants::{CANDIDATES, CRACKS, CREASES};
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::constants;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::recorder::Submitted;
 use crate::engine::gpu::run::{NOWHERE, Run};
-use crate::engine::gpu::runner::apart;
-use crate::engine::gpu::shape::Edges;
-use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
-use crate::engine::gpu::uniforms::{CrackParams, SizeParams};
+use crate::engine::gpu::surface::apart;
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::error::Result;
+use crate::frame::gpu::{is_eye_far, starts, to_eye};
 use crate::frame::{Frame, Plane};
 use crate::line::contours::Contour;
 use crate::line::contours::found::{FoundCrack, FoundEdges};
 use crate::params::ContourParams;
-use crate::plan::{Available, Plan, Stage};
+use crate::plan::{Available, Plan};
+use crate::shape::edges::SilhouetteSource;
+use crate::shape::edges::gpu::{Edges, FACING};
 use rayon::prelude::*;
+
+uniforms! {
+    /// Of `cracks.wgsl`.
+    CrackParams {
+        width: u32,
+        height: u32,
+        /// Jumps up to this are none.
+        least_jump: f32,
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        to_eye_x: f32,
+        to_eye_x_step: f32,
+        to_eye_y: f32,
+        to_eye_y_step: f32,
+        /// What each further column and row adds to where parallel sight lines begin.
+        start_x_step: f32,
+        start_y_step: f32,
+    }
+}
+
+bindings! {
+    EdgeListsBuffers { weights, counts, candidates, creases }
+    CracksBuffers { covered, silhouette_map, normal_x, normal_y, normal_z, counts, candidates, cracks }
+}
+
+/// Lists cracks that silhouettes may pass, and creases.
+pub(crate) static EDGE_LISTS: Kernel = Kernel::new::<SizeParams, EdgeListsBuffers>(
+    "EdgeLists",
+    &[INDEX, include_str!("edge_lists.wgsl")],
+);
+
+/// Lists the cracks that silhouettes do pass.
+pub(crate) static CRACKS: Kernel = Kernel::new::<CrackParams, CracksBuffers>(
+    "Cracks",
+    &[
+        INDEX,
+        COVERAGE,
+        FACING,
+        include_str!("crack.wgsl"),
+        include_str!("cracks.wgsl"),
+    ],
+);
 
 /// Bytes of a crack that a silhouette may pass in its list, and likewise of one that it does, and of a crease.
 const CANDIDATE: u64 = 4;
@@ -62,12 +104,9 @@ impl<'a> Run<'a> {
         let weights = weights.expect("contours are planned with their weights");
         self.recorder.over_pixels(
             "edge-lists",
-            (
-                Kernel::EdgeLists,
-                &[("CREASES_WANTED", params.has_creases())],
-            ),
+            (&EDGE_LISTS, &[("CREASES_WANTED", params.has_creases())]),
             &SizeParams { width, height },
-            &bindings::EdgeLists {
+            &EdgeListsBuffers {
                 weights,
                 counts: &counts,
                 candidates: &candidates,
@@ -77,7 +116,7 @@ impl<'a> Run<'a> {
         );
         let surface = &self.surface;
         let [x, y, z] = &surface.normal;
-        let is_depth = plan.has(Stage::DepthSilhouettes);
+        let is_depth = SilhouetteSource::of(plan) == SilhouetteSource::Depth;
         let threshold = match is_depth {
             true => plan.shape.silhouette,
             false => plan.shape.occlusion_silhouette,
@@ -86,7 +125,7 @@ impl<'a> Run<'a> {
         self.recorder.dispatch(
             "edge-lists",
             (
-                Kernel::Cracks,
+                &CRACKS,
                 &[
                     ("HAS_MAP", surface.map.is_some()),
                     ("IS_DEPTH", is_depth),
@@ -105,7 +144,7 @@ impl<'a> Run<'a> {
                 start_x_step: starts.step[0],
                 start_y_step: starts.step[1],
             },
-            &bindings::Cracks {
+            &CracksBuffers {
                 covered: &surface.covered,
                 silhouette_map: surface.map.as_ref().unwrap_or(x),
                 normal_x: x,
@@ -139,8 +178,8 @@ impl<'a> Run<'a> {
             cracks,
             creases,
         } = lists;
-        let [may_be, counts @ ..] =
-            [CANDIDATES, CRACKS, CREASES].map(|at| counts[at as usize].to_bits());
+        let [may_be, counts @ ..] = [constants::CANDIDATES, constants::CRACKS, constants::CREASES]
+            .map(|at| counts[at as usize].to_bits());
         let is_looked_at = u64::from(may_be) * CANDIDATE <= candidates.size();
         let listed = [(&cracks, CRACK), (&creases, CREASE)];
         let parts = listed

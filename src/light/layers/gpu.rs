@@ -1,18 +1,122 @@
 //! Radiance scaling of the light layers of a frame: what each term changes is summed, and the picture takes the sum.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::choose::{Search, Searching};
+use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::WHITE;
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::runner::WIDEST;
-use crate::engine::gpu::shape::{Hessian, Shape};
-use crate::engine::gpu::surface::Picture;
-use crate::engine::gpu::uniforms::{SizeParams, TermParams};
+use crate::engine::gpu::surface::{Picture, WIDEST};
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::frame::{ColorPlanes, Frame};
+use crate::light::enhancement::Subject;
 use crate::light::layers::terms::{LightTerm, light_terms};
+use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::params::Adaptive;
-use crate::plan::{Plan, Stage};
+use crate::plan::Plan;
+use crate::product::Product;
+use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::curvature::gpu::{Hessian, MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
+use crate::shape::gpu::Shape;
+
+const LOBE_LIGHT: &str = include_str!("lobe_light.wgsl");
+
+const TERM_SCALING: &str = include_str!("term_scaling.wgsl");
+
+uniforms! {
+    /// Of the kernels that scale a term of the light.
+    TermParams {
+        width: u32,
+        height: u32,
+        /// Magnitude gamma, and the invariant point alpha.
+        magnitude: f32,
+        invariant_point: f32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        anisotropy: f32,
+        /// Directions of a light group.
+        light_count: u32,
+    }
+}
+
+bindings! {
+    LobeLuminanceBuffers { covered, direct, indirect, albedo, luminance }
+    LobeSigmaBuffers { covered, direct, indirect, albedo, trace, chosen, term_chosen, sigma }
+    GroupSigmaBuffers {
+        covered, normal_x, normal_y, normal_z, curvature_xx, curvature_xy, curvature_yy, chosen, to_light, sigma
+    }
+    AddChangeBuffers { sigma, direct, indirect, color, change, told }
+    ChangePictureBuffers { covered, change, told, red, green, blue }
+    OccludeBuffers { covered, trace, occlusion, chosen, red, green, blue }
+}
+
+/// The luminance of the light of a lobe.
+pub(crate) static LOBE_LUMINANCE: Kernel = Kernel::new::<TermParams, LobeLuminanceBuffers>(
+    "LobeLuminance",
+    &[
+        INDEX,
+        COVERAGE,
+        LOBE_LIGHT,
+        include_str!("lobe_luminance.wgsl"),
+    ],
+);
+
+/// How a lobe is scaled.
+pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffers>(
+    "LobeSigma",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        LOBE_LIGHT,
+        include_str!("lobe_sigma.wgsl"),
+    ],
+);
+
+/// How a light group is scaled.
+pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuffers>(
+    "GroupSigma",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        MAPPED_CURVATURE_TOWARD,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        include_str!("group_sigma.wgsl"),
+    ],
+);
+
+/// Adds what the scaling of a light changes.
+pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffers>(
+    "AddChange",
+    &[
+        INDEX,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        include_str!("add_change.wgsl"),
+    ],
+);
+
+/// Makes the changes to a picture.
+pub(crate) static CHANGE_PICTURE: Kernel = Kernel::new::<SizeParams, ChangePictureBuffers>(
+    "ChangePicture",
+    &[INDEX, COVERAGE, include_str!("change_picture.wgsl")],
+);
+
+/// Scales a picture by its ambient occlusion.
+pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
+    "Occlude",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        include_str!("occlude.wgsl"),
+    ],
+);
 
 /// The white level of each term, in a buffer like that of what is chosen.
 pub(crate) type TermWhites = Vec<(&'static str, wgpu::Buffer)>;
@@ -55,13 +159,16 @@ impl Run<'_> {
         picture: &Picture,
     ) -> TermWhites {
         let mut whites = TermWhites::new();
-        if plan.has(Stage::LightLobes) {
+        if plan.scaled() == Some(Subject::Lobes) {
             whites = self.scale_lobes(plan, frame, shape, picture);
         }
-        if plan.has(Stage::LightGroups) {
+        if plan.scaled() == Some(Subject::Groups) {
             self.scale_groups(plan, frame, shape, picture);
         }
-        if plan.has(Stage::AmbientOcclusion) {
+        if plan
+            .enhancement
+            .is_some_and(|enhancement| enhancement.occlusion > 0.0)
+        {
             self.scale_by_occlusion(plan, frame, shape, picture);
         }
         whites
@@ -91,9 +198,9 @@ impl Run<'_> {
             );
             self.recorder.over_pixels(
                 "light-lobes",
-                (Kernel::LobeSigma, &layers.lobe_switches()),
+                (&LOBE_SIGMA, &layers.lobe_switches()),
                 &params,
-                &bindings::LobeSigma {
+                &LobeSigmaBuffers {
                     covered: &self.surface.covered,
                     direct,
                     indirect,
@@ -117,7 +224,7 @@ impl Run<'_> {
         let Hessian { trace, entries } = shape.hessian.as_ref().expect(WITH_CURVATURE);
         let mut changes = self.no_changes();
         let sigma = self.take(self.surface.plane_bytes());
-        let toward_light = plan.has(Stage::Hessian);
+        let toward_light = plan.wants(Product::Hessian);
         for group in &frame.light.groups {
             let to_light: Vec<f32> = group.to_light.iter().flat_map(|l| l.to_array()).collect();
             let params = TermParams {
@@ -133,9 +240,9 @@ impl Run<'_> {
             };
             self.recorder.over_pixels(
                 "light-groups",
-                (Kernel::GroupSigma, &[("TOWARD_LIGHT", toward_light)]),
+                (&GROUP_SIGMA, &[("TOWARD_LIGHT", toward_light)]),
                 &params,
-                &bindings::GroupSigma {
+                &GroupSigmaBuffers {
                     covered: &self.surface.covered,
                     normal_x: x,
                     normal_y: y,
@@ -173,9 +280,9 @@ impl Run<'_> {
         let [red, green, blue] = picture;
         self.recorder.over_pixels(
             "ambient-occlusion",
-            (Kernel::Occlude, &[]),
+            (&OCCLUDE, &[]),
             &params,
-            &bindings::Occlude {
+            &OccludeBuffers {
                 covered: &self.surface.covered,
                 trace: &hessian.trace,
                 occlusion: &occlusion,
@@ -243,7 +350,7 @@ impl Run<'_> {
                 [&layers.direct, &layers.indirect, &layers.albedo],
                 &self.surface.covered,
             );
-            let buffers = bindings::LobeLuminance {
+            let buffers = LobeLuminanceBuffers {
                 covered: &self.surface.covered,
                 direct,
                 indirect,
@@ -252,7 +359,7 @@ impl Run<'_> {
             };
             self.recorder.over_pixels(
                 "auto-white",
-                (Kernel::LobeLuminance, &layers.lobe_switches()),
+                (&LOBE_LUMINANCE, &layers.lobe_switches()),
                 params,
                 &buffers,
                 self.surface.size,
@@ -292,9 +399,9 @@ impl Run<'_> {
         ];
         self.recorder.over_pixels(
             stage,
-            (Kernel::AddChange, &switches),
+            (&ADD_CHANGE, &switches),
             params,
-            &bindings::AddChange {
+            &AddChangeBuffers {
                 sigma,
                 direct,
                 indirect,
@@ -314,9 +421,9 @@ impl Run<'_> {
         if !changes.is_empty {
             self.recorder.over_pixels(
                 "changes",
-                (Kernel::ChangePicture, &[]),
+                (&CHANGE_PICTURE, &[]),
                 &SizeParams { width, height },
-                &bindings::ChangePicture {
+                &ChangePictureBuffers {
                     covered: &self.surface.covered,
                     change: &changes.change,
                     told: &changes.told,

@@ -1,18 +1,65 @@
 //! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::constants::{SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES};
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::constants::{
+    MOST_COUNTING_GROUPS, SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES,
+};
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::uniforms::{CountParams, NarrowParams};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::shape::auto_levels::{
     CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, typical_exponent,
 };
 use std::ops::Range;
 
-/// Workgroups that count, at the most; each takes every so-manieth row. Each also sets all bins to 0 and adds them
-/// up, which devices in software feel.
-pub(crate) const MOST_GROUPS: u32 = 1024;
+const KEYS: &str = include_str!("keys.wgsl");
+
+uniforms! {
+    /// Of `count.wgsl`.
+    CountParams {
+        width: u32,
+        height: u32,
+        rows_start: u32,
+        rows_end: u32,
+        /// Mask of the bits found so far, and where the next ones begin.
+        known_bits: u32,
+        shift: u32,
+        /// Traces up to this have no say.
+        least: f32,
+        /// Weights of luminance.
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+    }
+
+    /// Of `narrow.wgsl`.
+    NarrowParams {
+        is_first: u32,
+        shift: u32,
+        /// The percentile as a fraction.
+        share: u32,
+        share_of: u32,
+        /// What the gain times the percentile of curvature is to be.
+        target_times: f32,
+    }
+}
+
+bindings! {
+    CountBuffers { covered, a, b, c, search, bins }
+    NarrowBuffers { bins, search, chosen }
+}
+
+/// Counts how often the next bits of the numbers are which.
+pub(crate) static COUNT: Kernel = Kernel::new::<CountParams, CountBuffers>(
+    "Count",
+    &[INDEX, COVERAGE, KEYS, include_str!("count.wgsl")],
+);
+
+/// Finds the bits that the wanted rank has; in the end chooses.
+pub(crate) static NARROW: Kernel =
+    Kernel::new::<NarrowParams, NarrowBuffers>("Narrow", &[KEYS, include_str!("narrow.wgsl")]);
+
+/// Workgroups that count on devices in software, at the most: of [`MOST_COUNTING_GROUPS`] they feel the bins.
 const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
 
 /// Percentage of numbers that the median leaves below it.
@@ -111,14 +158,14 @@ impl Searching {
         ];
         let most = match run.device.is_software() {
             true => MOST_GROUPS_IN_SOFTWARE,
-            false => MOST_GROUPS,
+            false => MOST_COUNTING_GROUPS,
         };
         let groups = [rows.end.clamp(1, most), 1];
         run.recorder.dispatch(
             self.stage(),
-            (Kernel::Count, &switches),
+            (&COUNT, &switches),
             &params,
-            &bindings::Count {
+            &CountBuffers {
                 covered: &run.surface.covered,
                 a,
                 b,
@@ -146,9 +193,9 @@ impl Searching {
         };
         run.recorder.dispatch(
             self.stage(),
-            (Kernel::Narrow, &[("IS_GAIN", is_gain)]),
+            (&NARROW, &[("IS_GAIN", is_gain)]),
             &params,
-            &bindings::Narrow {
+            &NarrowBuffers {
                 bins: &self.bins,
                 search: &self.state,
                 chosen,

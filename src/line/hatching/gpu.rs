@@ -1,21 +1,95 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
-use crate::engine::gpu::bindings;
-use crate::engine::gpu::choose::{Search, Searching};
+use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::WHITE;
-use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sheets::Sheets;
 use crate::engine::gpu::surface::{Picture, Upload};
-use crate::engine::gpu::uniforms::{DensityParams, StrokeParams};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::frame::Frame;
 use crate::line::density::density_table;
 use crate::line::hatching::Hatching;
+use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
 use crate::line::tonal_art_map::{Texels, TonalArtMap};
 use crate::params;
 use crate::params::{Adaptive, ToneParams};
+use crate::shape::auto_levels::gpu::{Search, Searching};
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
+
+const HATCHING: &str = include_str!("hatching.wgsl");
+
+uniforms! {
+    /// Of `density.wgsl`.
+    DensityParams {
+        width: u32,
+        height: u32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+    }
+
+    /// Of `hatching.wgsl`.
+    StrokeParams {
+        width: u32,
+        height: u32,
+        /// Where the middle of the first pixel lies in a texture that lies still.
+        first_x: f32,
+        first_y: f32,
+        levels: u32,
+        levels_per_radian: f32,
+        sets: u32,
+        /// 1 over the sets.
+        share_of_set: f32,
+        /// Number of the family, and how many there are.
+        family: u32,
+        families: u32,
+        texture_width: u32,
+        texture_height: u32,
+        /// Slices of a texture of pictures.
+        slices: u32,
+    }
+}
+
+bindings! {
+    DensityBuffers { covered, red, green, blue, alpha, chosen, density_table, densities }
+    StrokesBuffers {
+        covered, densities, direction_x, direction_y, thresholds, turned, texels, paper, place_x, place_y, depth,
+        motion_x, motion_y, shares
+    }
+}
+
+/// The optical density that is wanted of each pixel.
+pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>(
+    "Density",
+    &[INDEX, COVERAGE, include_str!("../density.wgsl")],
+);
+
+/// Strokes that take their ink by thresholds.
+pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
+    "Strokes",
+    &[
+        INDEX,
+        COVERAGE,
+        TEXTURE_COORDINATES,
+        PLACES,
+        include_str!("../stroke_texture.wgsl"),
+        HATCHING,
+    ],
+);
+
+/// Strokes of pictures.
+pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
+    "PictureStrokes",
+    &[
+        INDEX,
+        COVERAGE,
+        TEXTURE_COORDINATES,
+        PLACES,
+        include_str!("../slice_texture.wgsl"),
+        HATCHING,
+    ],
+);
 
 /// A texture of strokes on the device.
 #[derive(Debug, Clone)]
@@ -123,7 +197,7 @@ impl Run<'_> {
         let alpha = frame.alpha.as_ref().map(|alpha| self.hold(alpha.samples()));
         self.recorder.over_pixels(
             "density",
-            (Kernel::Density, &[("HAS_ALPHA", alpha.is_some())]),
+            (&DENSITY, &[("HAS_ALPHA", alpha.is_some())]),
             &DensityParams {
                 width,
                 height,
@@ -131,7 +205,7 @@ impl Run<'_> {
                 weight_g,
                 weight_b,
             },
-            &bindings::Density {
+            &DensityBuffers {
                 covered: &self.surface.covered,
                 red,
                 green,
@@ -169,8 +243,8 @@ impl Run<'_> {
         let count = sheets.each.len() * families;
         for (layer, (sheet, (family, ([x, y], turned)))) in layers.enumerate() {
             let kernel = match texture.slices {
-                0 => Kernel::Strokes,
-                _ => Kernel::PictureStrokes,
+                0 => &STROKES,
+                _ => &PICTURE_STROKES,
             };
             let switches = [
                 ("MOVES", sheet.place.is_some()),
@@ -190,7 +264,7 @@ impl Run<'_> {
                 "hatching",
                 (kernel, &switches),
                 &stroke_params(params, frame, texture, sheet.origin, [family, families]),
-                &bindings::Strokes {
+                &StrokesBuffers {
                     covered: &self.surface.covered,
                     densities,
                     direction_x: x,

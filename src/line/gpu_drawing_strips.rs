@@ -2,26 +2,27 @@
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};
-use crate::engine::cpu::runner::DrawingInputs;
-use crate::engine::gpu::choose::Search;
+use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::gpu::constants::WHITE;
-use crate::engine::gpu::draw::{medium, plane_of};
-use crate::engine::gpu::hatching::Strokes;
-use crate::engine::gpu::light::Light;
-use crate::engine::gpu::line_coverage::Medium;
 use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::runner::{Runner, SCALES, apart};
+use crate::engine::gpu::runner::Runner;
 use crate::engine::gpu::strips::Strips;
+use crate::engine::gpu::surface::apart;
 use crate::engine::outcome::{Drawing, Outcome, Shape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
+use crate::light::relight::gpu_lights::Light;
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::Piece;
+use crate::line::contours::gpu_coverage::Medium;
+use crate::line::gpu_drawing::{medium, plane_of};
+use crate::line::hatching::gpu::Strokes;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::params::{Adaptive, LineParams};
-use crate::plan::{Plan, Stage};
+use crate::params::{Adaptive, LineParams, Style};
+use crate::plan::Plan;
+use crate::shape::auto_levels::gpu::Search;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -73,7 +74,7 @@ impl Runner {
         inputs: DrawingInputs,
         strips: &Strips,
     ) -> Result<Outcome> {
-        let is_made = light.is_some() || SCALES.iter().any(|&stage| plan.has(stage));
+        let is_made = plan.makes_picture();
         let mut outcome = match is_made {
             true => self.run_strips(plan, frame, light, strips)?,
             false => Outcome::default(),
@@ -91,7 +92,7 @@ impl Runner {
         let contours = self.contour_lines(plan, frame, params, &mut outcome);
         let mut params = *params;
         params.tone.white_point = Adaptive::Fixed(white_point);
-        let ink = match plan.has(Stage::Streamlines) {
+        let ink = match params.strokes.style == Style::Lines {
             true => {
                 let tone = (tone, white_point);
                 Ink::Lines(self.streamlines(plan, frame, &params, tone, &directions, &mut outcome))

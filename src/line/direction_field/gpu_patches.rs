@@ -1,17 +1,20 @@
 //! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
 
-use crate::engine::gpu::bindings;
 use crate::engine::gpu::bindings::Bindings;
-use crate::engine::gpu::choose::{Search, Searching};
 use crate::engine::gpu::constants::RUN_CELLS;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{apart, lines};
-use crate::engine::gpu::uniforms::DirectionParams;
 use crate::frame::Frame;
+use crate::frame::gpu::{apart, lines};
+use crate::line::direction_field::gpu_kernels::{
+    DirectionParams, FIND_PATCHES, FIND_RUNS, FindPatchesBuffers, FindRunsBuffers, LINK_PATCHES,
+    LinkPatchesBuffers,
+};
 use crate::line::direction_field::setting::FieldSetting;
 use crate::params::FieldParams;
-use crate::plan::{Plan, Stage};
+use crate::plan::Plan;
+use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::edges::SilhouetteSource;
 
 /// Bytes of a patch, and of its sums along one axis.
 const PATCH_BYTES: u64 = 32;
@@ -133,7 +136,7 @@ impl Run<'_> {
     /// Records a kernel over all patches, or over the cells.
     pub(crate) fn over_cells(
         &mut self,
-        kernel: (Kernel, &[(&'static str, bool)]),
+        kernel: (&Kernel, &[(&'static str, bool)]),
         params: &DirectionParams,
         buffers: &impl Bindings,
     ) {
@@ -145,7 +148,7 @@ impl Run<'_> {
     /// Records a kernel over the runs along one axis.
     pub(crate) fn over_runs(
         &mut self,
-        kernel: Kernel,
+        kernel: &Kernel,
         params: &DirectionParams,
         buffers: &impl Bindings,
     ) {
@@ -173,10 +176,13 @@ impl Run<'_> {
             slots(&params),
         );
         let depth = frame.depth.as_ref().filter(|_| setting.is_by_depth);
-        let depth = depth.map(|plane| match plan.has(Stage::DepthSilhouettes) {
-            true => self.surface.map.clone().expect("silhouettes are of depth"),
-            false => self.hold(plane.samples()),
-        });
+        let depth =
+            depth.map(
+                |plane| match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
+                    true => self.surface.map.clone().expect("silhouettes are of depth"),
+                    false => self.hold(plane.samples()),
+                },
+            );
         let found = Patches {
             held: self.take(8 * cells),
             further: self.take(4),
@@ -193,9 +199,9 @@ impl Run<'_> {
         self.recorder.clear(&found.depths);
         let [x, y, z] = self.surface.normal.clone();
         self.over_cells(
-            (Kernel::FindPatches, &[("HAS_DEPTH", depth.is_some())]),
+            (&FIND_PATCHES, &[("HAS_DEPTH", depth.is_some())]),
             &params,
-            &bindings::FindPatches {
+            &FindPatchesBuffers {
                 conductance,
                 normal_x: &x,
                 normal_y: &y,
@@ -208,9 +214,9 @@ impl Run<'_> {
             },
         );
         self.over_cells(
-            (Kernel::LinkPatches, &[]),
+            (&LINK_PATCHES, &[]),
             &params,
-            &bindings::LinkPatches {
+            &LinkPatchesBuffers {
                 held: &found.held,
                 patches: &found.all,
                 links: &found.links,
@@ -219,9 +225,9 @@ impl Run<'_> {
         for (axis, runs) in (0..).zip(&found.runs) {
             let along = DirectionParams { axis, ..params };
             self.over_runs(
-                Kernel::FindRuns,
+                &FIND_RUNS,
                 &along,
-                &bindings::FindRuns {
+                &FindRunsBuffers {
                     held: &found.held,
                     links: &found.links,
                     runs,

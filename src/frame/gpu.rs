@@ -3,6 +3,9 @@
 use crate::frame::{Frame, Projection, SightLines};
 use glam::{DVec2, DVec3};
 
+/// Sight lines, and how tangents are seen along them.
+pub(crate) const SIGHT_LINES: &str = include_str!("sight_lines.wgsl");
+
 /// A vector that is linear in column and row: at the first of both, and what each further one adds.
 pub(crate) struct Linear {
     pub(crate) first: [f32; 2],

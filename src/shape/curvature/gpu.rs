@@ -1,0 +1,141 @@
+//! The Hessian, and curvatures.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::plan::Plan;
+
+/// The plane through the gradients around a pixel.
+pub(crate) const PLANE_FIT: &str = include_str!("../plane_fit.wgsl");
+
+/// The mapped curvature.
+pub(crate) const MAPPED_CURVATURE: &str = include_str!("mapped_curvature.wgsl");
+
+/// The mapped curvature toward a light.
+pub(crate) const MAPPED_CURVATURE_TOWARD: &str = include_str!("mapped_curvature_toward.wgsl");
+
+uniforms! {
+    /// Of `hessian.wgsl`.
+    HessianParams {
+        width: u32,
+        height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
+    }
+}
+
+bindings! {
+    HessianBuffers { covered, conductance, gradient, trace, hessian_xx, hessian_xy, hessian_yy }
+    CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, chosen, curvature, direction }
+}
+
+/// The Hessian of a gradient, or its trace alone.
+pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
+    "Hessian",
+    &[
+        INDEX,
+        AROUND,
+        COVERAGE,
+        PLANE_FIT,
+        include_str!("../hessian.wgsl"),
+    ],
+);
+
+/// What the layers of the descriptor take of the Hessian.
+pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffers>(
+    "Curvatures",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        include_str!("curvatures.wgsl"),
+    ],
+);
+
+/// The Hessian on the device.
+pub(crate) struct Hessian {
+    pub(crate) trace: wgpu::Buffer,
+    /// Its entries xx, xy and yy, where they are wanted.
+    pub(crate) entries: Option<[wgpu::Buffer; 3]>,
+}
+
+/// What is made of the Hessian for the layers of the descriptor.
+pub(crate) struct Curvatures {
+    /// u, v, mean and kappa of each pixel.
+    pub(crate) curvature: wgpu::Buffer,
+    /// The direction of the view-centred curvature larger in size.
+    pub(crate) direction: wgpu::Buffer,
+}
+
+impl Run<'_> {
+    /// The Hessian of a gradient, or its trace alone.
+    pub(crate) fn hessian(
+        &mut self,
+        plan: &Plan,
+        gradient: &wgpu::Buffer,
+        conductance: &wgpu::Buffer,
+        entries_wanted: bool,
+    ) -> Hessian {
+        let [width, height] = self.surface.size;
+        let plane = self.surface.plane_bytes();
+        let params = HessianParams {
+            width,
+            height,
+            resolution_factor: plan.resolution_factor as f32,
+        };
+        let trace = self.take(plane);
+        let entries = [(); 3].map(|()| self.take(if entries_wanted { plane } else { NOWHERE }));
+        let [xx, xy, yy] = &entries;
+        self.recorder.over_rows(
+            if entries_wanted { "hessian" } else { "trace" },
+            (&HESSIAN, &[("ENTRIES_WANTED", entries_wanted)]),
+            &params,
+            &HessianBuffers {
+                covered: &self.surface.covered,
+                conductance,
+                gradient,
+                trace: &trace,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+            },
+            [width, height],
+        );
+        let entries = match entries_wanted {
+            true => Some(entries),
+            false => {
+                self.buffers.recycle(entries);
+                None
+            }
+        };
+        Hessian { trace, entries }
+    }
+
+    /// Curvatures, directions and mapped curvature of a Hessian whose entries are there.
+    pub(crate) fn curvatures(&mut self, hessian: &Hessian) -> Curvatures {
+        let [width, height] = self.surface.size;
+        let plane = self.surface.plane_bytes();
+        let (curvature, direction) = (self.take(4 * plane), self.take(2 * plane));
+        let [xx, xy, yy] = hessian.entries.as_ref().expect("the entries are wanted");
+        self.recorder.over_pixels(
+            "curvatures",
+            (&CURVATURES, &[]),
+            &SizeParams { width, height },
+            &CurvaturesBuffers {
+                covered: &self.surface.covered,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+                chosen: &self.chosen,
+                curvature: &curvature,
+                direction: &direction,
+            },
+            [width, height],
+        );
+        Curvatures {
+            curvature,
+            direction,
+        }
+    }
+}
