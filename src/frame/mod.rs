@@ -4,8 +4,6 @@ mod builder;
 mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu;
 mod light_layers;
 mod mask;
 mod motion;

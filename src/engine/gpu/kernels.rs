@@ -3,15 +3,16 @@
 use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::constants::constants;
 use crate::engine::gpu::uniforms::Uniforms;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 
 /// The pixels of a frame, as WGSL.
-pub(crate) const INDEX: &str = include_str!("index.wgsl");
+pub(crate) const INDEX: Wgsl = wgsl!("index.wgsl");
 
 /// The pixels around one.
-pub(crate) const AROUND: &str = include_str!("around.wgsl");
+pub(crate) const AROUND: Wgsl = wgsl!("around.wgsl");
 
 /// Where a surface was seen.
-pub(crate) const COVERAGE: &str = include_str!("coverage.wgsl");
+pub(crate) const COVERAGE: Wgsl = wgsl!("coverage.wgsl");
 
 /// A kernel, declared beside the pass that runs it.
 #[derive(Debug)]
@@ -23,14 +24,14 @@ pub(crate) struct Kernel {
     /// The names of its buffers.
     pub(super) buffers: &'static [&'static str],
     /// Its WGSL, after what all kernels have.
-    parts: &'static [&'static str],
+    parts: &'static [Wgsl],
 }
 
 impl Kernel {
     /// A kernel that is given these uniforms and these buffers.
     pub(crate) const fn new<U: Uniforms, B: Bindings>(
         name: &'static str,
-        parts: &'static [&'static str],
+        parts: &'static [Wgsl],
     ) -> Self {
         Self {
             name,
@@ -51,7 +52,10 @@ impl Kernel {
         source += self.uniforms;
         source += include_str!("../../fast_math/fast_math.wgsl");
         for part in self.parts {
-            source += part;
+            for (name, number) in part.numbers {
+                source += &number.declared(name);
+            }
+            source += part.text;
         }
         source
     }

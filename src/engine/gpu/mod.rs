@@ -20,12 +20,14 @@ pub(crate) mod recorder;
 pub(crate) mod run;
 mod run_strips;
 pub(crate) mod runner;
+pub(crate) mod sight;
 pub(crate) mod strips;
 pub(crate) mod surface;
 #[cfg(test)]
 mod twins;
 pub(crate) mod uniforms;
 pub(crate) mod wait;
+pub(crate) mod wgsl;
 
 pub use crate::engine::gpu::all_kernels::kernel_sources;
 #[cfg(test)]

@@ -6,9 +6,12 @@ use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::{Picture, WIDEST};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::enhancement::Subject;
 use crate::light::layers::terms::{LightTerm, light_terms};
+use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::params::Adaptive;
 use crate::plan::Plan;
@@ -17,9 +20,11 @@ use crate::shape::auto_levels::gpu::{Search, Searching};
 use crate::shape::curvature::gpu::{Hessian, MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 use crate::shape::gpu::Shape;
 
-const LOBE_LIGHT: &str = include_str!("lobe_light.wgsl");
+/// The light of a lobe.
+const LOBE_LIGHT: Wgsl = wgsl!("lobe_light.wgsl", [("MIN_ALBEDO", F32(MIN_ALBEDO))]);
 
-const TERM_SCALING: &str = include_str!("term_scaling.wgsl");
+/// The scaling of a term of the light.
+const TERM_SCALING: Wgsl = wgsl!("term_scaling.wgsl");
 
 uniforms! {
     /// Of the kernels that scale a term of the light.
@@ -52,12 +57,7 @@ bindings! {
 /// The luminance of the light of a lobe.
 pub(crate) static LOBE_LUMINANCE: Kernel = Kernel::new::<TermParams, LobeLuminanceBuffers>(
     "LobeLuminance",
-    &[
-        INDEX,
-        COVERAGE,
-        LOBE_LIGHT,
-        include_str!("lobe_luminance.wgsl"),
-    ],
+    &[INDEX, COVERAGE, LOBE_LIGHT, wgsl!("lobe_luminance.wgsl")],
 );
 
 /// How a lobe is scaled.
@@ -70,7 +70,7 @@ pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffer
         RADIANCE_SCALING,
         TERM_SCALING,
         LOBE_LIGHT,
-        include_str!("lobe_sigma.wgsl"),
+        wgsl!("lobe_sigma.wgsl"),
     ],
 );
 
@@ -84,7 +84,7 @@ pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuff
         MAPPED_CURVATURE_TOWARD,
         RADIANCE_SCALING,
         TERM_SCALING,
-        include_str!("group_sigma.wgsl"),
+        wgsl!("group_sigma.wgsl"),
     ],
 );
 
@@ -95,14 +95,14 @@ pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffer
         INDEX,
         RADIANCE_SCALING,
         TERM_SCALING,
-        include_str!("add_change.wgsl"),
+        wgsl!("add_change.wgsl", [("MAX_RADIANCE", F32(MAX_RADIANCE))]),
     ],
 );
 
 /// Makes the changes to a picture.
 pub(crate) static CHANGE_PICTURE: Kernel = Kernel::new::<SizeParams, ChangePictureBuffers>(
     "ChangePicture",
-    &[INDEX, COVERAGE, include_str!("change_picture.wgsl")],
+    &[INDEX, COVERAGE, wgsl!("change_picture.wgsl")],
 );
 
 /// Scales a picture by its ambient occlusion.
@@ -114,7 +114,7 @@ pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         TERM_SCALING,
-        include_str!("occlude.wgsl"),
+        wgsl!("occlude.wgsl"),
     ],
 );
 

@@ -5,8 +5,11 @@ use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
 use crate::light::enhancement::Subject;
+use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::shape::auto_levels::gpu::{Search, Searching};
@@ -14,9 +17,16 @@ use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
 use crate::shape::gpu::Shape;
 
 /// The scaling of light by curvature.
-pub(crate) const RADIANCE_SCALING: &str = include_str!("radiance_scaling.wgsl");
+pub(crate) const RADIANCE_SCALING: Wgsl = wgsl!(
+    "radiance_scaling.wgsl",
+    [
+        ("INVARIANT_MARGIN", F32(INVARIANT_MARGIN)),
+        ("MAX_EXPONENT", F32(MAX_EXPONENT))
+    ]
+);
 
-const SCALED_PIXEL: &str = include_str!("scaled_pixel.wgsl");
+/// A pixel, scaled.
+const SCALED_PIXEL: Wgsl = wgsl!("scaled_pixel.wgsl");
 
 uniforms! {
     /// Of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
@@ -49,7 +59,7 @@ pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictur
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         SCALED_PIXEL,
-        include_str!("scale_picture.wgsl"),
+        wgsl!("scale_picture.wgsl"),
     ],
 );
 
@@ -64,7 +74,7 @@ pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleBy
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         SCALED_PIXEL,
-        include_str!("scale_by_gradient.wgsl"),
+        wgsl!("scale_by_gradient.wgsl"),
     ],
 );
 

@@ -3,15 +3,21 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
-use crate::frame::gpu::{is_eye_far, starts, to_eye};
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::wgsl;
 use crate::frame::{ColorPlanes, DepthKind, Frame};
-use crate::light::brdf::AshikhminShirley;
+use crate::light::brdf::{AshikhminShirley, BASE_SCALE, GRAZING};
+use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
+use crate::light::light_warping;
 use crate::light::prepared_environment::Used;
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::light::relight::gpu_lights::{Light, relighting};
 use crate::light::relight::rim::light_rims;
+use crate::light::relight::shade::SHORTEST_TANGENT;
+use crate::light::sum::terms::SHORTEST;
 use crate::light::sum::{Lobes, Power};
 use crate::params::{Material, Quantisation, Tangent};
 use crate::plan::{Albedo, Plan};
@@ -105,13 +111,34 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
         MAPPED_CURVATURE,
         MAPPED_CURVATURE_TOWARD,
         RADIANCE_SCALING,
-        include_str!("../light_warping.wgsl"),
-        include_str!("../sum/pixel.wgsl"),
-        include_str!("../brdf.wgsl"),
-        include_str!("../sum/terms.wgsl"),
-        include_str!("../environment.wgsl"),
-        include_str!("../tones.wgsl"),
-        include_str!("relight.wgsl"),
+        wgsl!(
+            "../light_warping.wgsl",
+            [
+                ("LARGEST_ENTRY", F32(light_warping::LARGEST)),
+                ("MAX_CONTRAST_EXPONENT", F32(light_warping::MAX_EXPONENT))
+            ]
+        ),
+        wgsl!("../sum/pixel.wgsl"),
+        wgsl!(
+            "../brdf.wgsl",
+            [("GRAZING", F32(GRAZING)), ("BASE_SCALE", F32(BASE_SCALE))]
+        ),
+        wgsl!(
+            "../sum/terms.wgsl",
+            [
+                ("MOST_BRIGHTENED", F32(light_warping::MOST_BRIGHTENED)),
+                ("SHORTEST", F32(SHORTEST))
+            ]
+        ),
+        wgsl!(
+            "../environment.wgsl",
+            [("RIM_PX", F32(RIM_PX)), ("LEAST_RADIUS", F32(LEAST_RADIUS))]
+        ),
+        wgsl!("../tones.wgsl"),
+        wgsl!(
+            "relight.wgsl",
+            [("SHORTEST_TANGENT", F32(SHORTEST_TANGENT))]
+        ),
     ],
 );
 

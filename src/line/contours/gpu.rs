@@ -2,22 +2,30 @@
 
 use crate::engine::cpu::gpu_support::{contour_lines, contours_along};
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::recorder::Submitted;
 use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::apart;
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::wgsl;
 use crate::error::Result;
-use crate::frame::gpu::{is_eye_far, starts, to_eye};
 use crate::frame::{Frame, Plane};
-use crate::line::contours::Contour;
+use crate::line::contours::crack::KINK;
+use crate::line::contours::cracks::LEAST_STEP;
 use crate::line::contours::found::{FoundCrack, FoundEdges};
+use crate::line::contours::{Contour, HALF_PLAIN_JUMP};
 use crate::params::ContourParams;
 use crate::plan::{Available, Plan};
 use crate::shape::edges::SilhouetteSource;
 use crate::shape::edges::gpu::{Edges, FACING};
 use rayon::prelude::*;
+
+/// Where the numbers stand of cracks that silhouettes may pass, of those they do, and of creases.
+const CANDIDATE_COUNT: u32 = 0;
+const CRACK_COUNT: u32 = 1;
+const CREASE_COUNT: u32 = 2;
 
 uniforms! {
     /// Of `cracks.wgsl`.
@@ -45,7 +53,16 @@ bindings! {
 /// Lists cracks that silhouettes may pass, and creases.
 pub(crate) static EDGE_LISTS: Kernel = Kernel::new::<SizeParams, EdgeListsBuffers>(
     "EdgeLists",
-    &[INDEX, include_str!("edge_lists.wgsl")],
+    &[
+        INDEX,
+        wgsl!(
+            "edge_lists.wgsl",
+            [
+                ("CANDIDATES", U32(CANDIDATE_COUNT)),
+                ("CREASES", U32(CREASE_COUNT))
+            ]
+        ),
+    ],
 );
 
 /// Lists the cracks that silhouettes do pass.
@@ -55,8 +72,16 @@ pub(crate) static CRACKS: Kernel = Kernel::new::<CrackParams, CracksBuffers>(
         INDEX,
         COVERAGE,
         FACING,
-        include_str!("crack.wgsl"),
-        include_str!("cracks.wgsl"),
+        wgsl!("crack.wgsl", [("KINK", F32(KINK))]),
+        wgsl!(
+            "cracks.wgsl",
+            [
+                ("CANDIDATES", U32(CANDIDATE_COUNT)),
+                ("CRACKS", U32(CRACK_COUNT)),
+                ("HALF_PLAIN_JUMP", F32(HALF_PLAIN_JUMP)),
+                ("LEAST_STEP", F32(LEAST_STEP))
+            ]
+        ),
     ],
 );
 
@@ -178,8 +203,8 @@ impl<'a> Run<'a> {
             cracks,
             creases,
         } = lists;
-        let [may_be, counts @ ..] = [constants::CANDIDATES, constants::CRACKS, constants::CREASES]
-            .map(|at| counts[at as usize].to_bits());
+        let [may_be, counts @ ..] =
+            [CANDIDATE_COUNT, CRACK_COUNT, CREASE_COUNT].map(|at| counts[at as usize].to_bits());
         let is_looked_at = u64::from(may_be) * CANDIDATE <= candidates.size();
         let listed = [(&cracks, CRACK), (&creases, CREASE)];
         let parts = listed

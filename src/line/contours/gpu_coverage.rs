@@ -5,9 +5,12 @@ use crate::engine::gpu::constants::GROUP;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::wgsl;
 use crate::frame::Frame;
 use crate::line::contours::coverage::Piece;
 use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::paper;
 use crate::line::paper::spread_seed;
 
 uniforms! {
@@ -36,9 +39,21 @@ pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, Line
     &[
         INDEX,
         COVERAGE,
-        include_str!("round_stroke.wgsl"),
-        include_str!("../paper.wgsl"),
-        include_str!("line_coverage.wgsl"),
+        wgsl!("round_stroke.wgsl"),
+        wgsl!(
+            "../paper.wgsl",
+            [
+                ("HASH_ROUNDS", U32(paper::HASH_ROUNDS)),
+                ("HASH_FACTOR_LOW", U32(paper::HASH_FACTOR as u32)),
+                ("HASH_FACTOR_HIGH", U32((paper::HASH_FACTOR >> 32) as u32)),
+                ("GRAIN_HERE", F32(paper::HERE)),
+                ("GRAIN_BESIDE", F32(paper::BESIDE)),
+                ("GRAIN_SPREAD", F32(paper::SPREAD)),
+                ("GRIP", F32(paper::GRIP)),
+                ("LIGHTEST_BLACK", F32(paper::LIGHTEST_BLACK))
+            ]
+        ),
+        wgsl!("line_coverage.wgsl"),
     ],
 );
 

@@ -1,21 +1,36 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants::{CLOSED_COUNT, LIST_GROUPS, OPEN_COUNT};
 use crate::engine::gpu::kernels::{INDEX, Kernel};
 use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::{SIGHT_LINES, lines};
 use crate::engine::gpu::uniforms::uniforms;
-use crate::frame::gpu::{SIGHT_LINES, lines};
+use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::{Frame, SightLines};
-use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX};
+use crate::line::direction::{
+    ALONG, CANCELLED, EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX,
+};
+use crate::line::direction_field::LEAST_LENGTH;
 use crate::line::direction_field::setting::REST_REACH_PX;
 use crate::shape::diffusion::gpu::FACE_CONDUCTANCE;
 
 /// The direction where curvature leads nowhere.
-pub(crate) const FALLBACK: &str = include_str!("fallback.wgsl");
+pub(crate) const FALLBACK: Wgsl = wgsl!("fallback.wgsl", [("ALONG", F32(ALONG as f32))]);
 
 /// Directions as twice their angle.
-pub(crate) const DOUBLED: &str = include_str!("doubled.wgsl");
+pub(crate) const DOUBLED: Wgsl = wgsl!("doubled.wgsl", [("LEAST_LENGTH", F32(LEAST_LENGTH))]);
+
+/// Invocations of a workgroup that goes through a list of pixels.
+pub(crate) const LIST_INVOCATIONS: u32 = 64;
+
+/// Workgroups that go through such a list, however long it is.
+pub(crate) const LIST_GROUPS: u32 = 256;
+
+/// Where the lengths stand of the lists of pixels that lack a direction: open ones, where they are told from those on
+/// edges, and those.
+pub(crate) const OPEN_COUNT: u32 = 0;
+pub(crate) const CLOSED_COUNT: u32 = 1;
 
 uniforms! {
     /// Of `spread_directions.wgsl`.
@@ -60,7 +75,13 @@ pub(crate) static SPREAD_DIRECTIONS: Kernel = Kernel::new::<SpreadParams, Spread
         SIGHT_LINES,
         FALLBACK,
         DOUBLED,
-        include_str!("spread_directions.wgsl"),
+        wgsl!(
+            "spread_directions.wgsl",
+            [
+                ("LIST_INVOCATIONS", U32(LIST_INVOCATIONS)),
+                ("CANCELLED", F32(CANCELLED))
+            ]
+        ),
     ],
 );
 

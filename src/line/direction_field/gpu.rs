@@ -1,13 +1,12 @@
 //! The field of stroke directions: curvature patch by patch, averaged over surfaces, and brought back to pixels.
 
-use crate::engine::gpu::constants::RUN_CELLS;
 use crate::engine::gpu::run::Run;
 use crate::frame::Frame;
 use crate::line::direction::gpu::{Gaps, OF_THE_REST, SpreadParams, spread_params};
 use crate::line::direction_field::gpu_kernels::{
     BETWEEN_PATCHES, BetweenPatchesBuffers, CHAIN_MEANS, ChainMeansBuffers, DirectionParams,
-    PATCH_DIRECTIONS, PATCH_FORMS, PatchDirectionsBuffers, PatchFormsBuffers, SETTLE_PATCHES,
-    SUM_RUNS, SettlePatchesBuffers, SumRunsBuffers,
+    PATCH_DIRECTIONS, PATCH_FORMS, PatchDirectionsBuffers, PatchFormsBuffers, RUN_CELLS,
+    SETTLE_PATCHES, SUM_RUNS, SettlePatchesBuffers, SumRunsBuffers,
 };
 use crate::line::direction_field::gpu_patches::{Patches, STAGE};
 use crate::line::direction_field::setting::{

@@ -2,20 +2,35 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::sight::SIGHT_LINES;
 use crate::engine::gpu::uniforms::uniforms;
-use crate::frame::gpu::SIGHT_LINES;
-use crate::line::direction::gpu::{DOUBLED, FALLBACK};
+use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::line::direction::gpu::{DOUBLED, FALLBACK, OPEN_COUNT};
+use crate::line::direction_field::{AGREE, ROUND, setting};
+use crate::line::normal_rays::MIN_UPRIGHT;
 use crate::line::normal_rays::gpu::NORMAL_RAY;
 
-const PATCHES: &str = include_str!("patches.wgsl");
+/// Cells of a run, along which chains of patches are summed up at a time.
+pub(crate) const RUN_CELLS: u32 = 16;
 
-const RUNS: &str = include_str!("runs.wgsl");
+/// The patches of cells.
+const PATCHES: Wgsl = wgsl!("patches.wgsl");
 
-const SUMS: &str = include_str!("sums.wgsl");
+/// Goes through runs.
+const RUNS: Wgsl = wgsl!("runs.wgsl", [("RUN_CELLS", U32(RUN_CELLS))]);
 
-const OVER_PATCHES: &str = include_str!("over_patches.wgsl");
+/// Sums over part of a run.
+const SUMS: Wgsl = wgsl!("sums.wgsl");
 
-const PATCH_LINES: &str = include_str!("patch_lines.wgsl");
+/// Goes through all patches.
+const OVER_PATCHES: Wgsl = wgsl!("over_patches.wgsl");
+
+/// Where a patch lies, and its upright tangents.
+const PATCH_LINES: Wgsl = wgsl!(
+    "patch_lines.wgsl",
+    [("MIN_UPRIGHT", F32(MIN_UPRIGHT as f32))]
+);
 
 uniforms! {
     /// Of the kernels of the field of stroke directions.
@@ -77,25 +92,29 @@ bindings! {
 /// The patches of each cell.
 pub(crate) static FIND_PATCHES: Kernel = Kernel::new::<DirectionParams, FindPatchesBuffers>(
     "FindPatches",
-    &[INDEX, PATCHES, include_str!("find_patches.wgsl")],
+    &[
+        INDEX,
+        PATCHES,
+        wgsl!("find_patches.wgsl", [("OPEN", F32(setting::OPEN))]),
+    ],
 );
 
 /// Where each patch goes on.
 pub(crate) static LINK_PATCHES: Kernel = Kernel::new::<DirectionParams, LinkPatchesBuffers>(
     "LinkPatches",
-    &[PATCHES, include_str!("link_patches.wgsl")],
+    &[PATCHES, wgsl!("link_patches.wgsl")],
 );
 
 /// The first and the last patch of each run.
 pub(crate) static FIND_RUNS: Kernel = Kernel::new::<DirectionParams, FindRunsBuffers>(
     "FindRuns",
-    &[PATCHES, RUNS, include_str!("find_runs.wgsl")],
+    &[PATCHES, RUNS, wgsl!("find_runs.wgsl")],
 );
 
 /// Sums over each run.
 pub(crate) static SUM_RUNS: Kernel = Kernel::new::<DirectionParams, SumRunsBuffers>(
     "SumRuns",
-    &[PATCHES, RUNS, SUMS, include_str!("sum_runs.wgsl")],
+    &[PATCHES, RUNS, SUMS, wgsl!("sum_runs.wgsl")],
 );
 
 /// Means around each patch.
@@ -105,7 +124,14 @@ pub(crate) static CHAIN_MEANS: Kernel = Kernel::new::<DirectionParams, ChainMean
         PATCHES,
         SUMS,
         OVER_PATCHES,
-        include_str!("chain_means.wgsl"),
+        wgsl!(
+            "chain_means.wgsl",
+            [
+                ("RUN_CELLS", U32(RUN_CELLS)),
+                ("NEAR", F32(setting::NEAR)),
+                ("FAR", F32(setting::FAR))
+            ]
+        ),
     ],
 );
 
@@ -118,7 +144,7 @@ pub(crate) static PATCH_FORMS: Kernel = Kernel::new::<DirectionParams, PatchForm
         PATCH_LINES,
         NORMAL_RAY,
         OVER_PATCHES,
-        include_str!("patch_forms.wgsl"),
+        wgsl!("patch_forms.wgsl"),
     ],
 );
 
@@ -132,7 +158,13 @@ pub(crate) static PATCH_DIRECTIONS: Kernel = Kernel::new::<DirectionParams, Patc
         FALLBACK,
         DOUBLED,
         OVER_PATCHES,
-        include_str!("patch_directions.wgsl"),
+        wgsl!(
+            "patch_directions.wgsl",
+            [
+                ("FACING", F32(setting::FACING as f32)),
+                ("ROUND", F32(ROUND as f32))
+            ]
+        ),
     ],
 );
 
@@ -146,7 +178,15 @@ pub(crate) static SETTLE_PATCHES: Kernel = Kernel::new::<DirectionParams, Settle
         FALLBACK,
         DOUBLED,
         OVER_PATCHES,
-        include_str!("settle_patches.wgsl"),
+        wgsl!(
+            "settle_patches.wgsl",
+            [
+                ("FALLBACK", F32(setting::FALLBACK)),
+                ("FREE", F32(setting::FREE)),
+                ("AGREE_FROM", F32(AGREE.start)),
+                ("AGREE_TO", F32(AGREE.end))
+            ]
+        ),
     ],
 );
 
@@ -158,6 +198,6 @@ pub(crate) static BETWEEN_PATCHES: Kernel = Kernel::new::<DirectionParams, Betwe
         COVERAGE,
         PATCHES,
         DOUBLED,
-        include_str!("between_patches.wgsl"),
+        wgsl!("between_patches.wgsl", [("OPEN_COUNT", U32(OPEN_COUNT))]),
     ],
 );

@@ -1,14 +1,13 @@
 //! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
 
 use crate::engine::gpu::bindings::Bindings;
-use crate::engine::gpu::constants::RUN_CELLS;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::{apart, lines};
 use crate::frame::Frame;
-use crate::frame::gpu::{apart, lines};
 use crate::line::direction_field::gpu_kernels::{
     DirectionParams, FIND_PATCHES, FIND_RUNS, FindPatchesBuffers, FindRunsBuffers, LINK_PATCHES,
-    LinkPatchesBuffers,
+    LinkPatchesBuffers, RUN_CELLS,
 };
 use crate::line::direction_field::setting::FieldSetting;
 use crate::params::FieldParams;

@@ -6,18 +6,29 @@ use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::{Picture, Upload};
 use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
-use crate::line::density::density_table;
-use crate::line::hatching::Hatching;
+use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
+use crate::line::hatching::{CROSSED_FROM, Hatching};
 use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
-use crate::line::tonal_art_map::{Texels, TonalArtMap};
+use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, Texels, TonalArtMap};
 use crate::params;
 use crate::params::{Adaptive, ToneParams};
 use crate::shape::auto_levels::gpu::{Search, Searching};
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
-const HATCHING: &str = include_str!("hatching.wgsl");
+/// Strokes along a field of directions.
+const HATCHING: Wgsl = wgsl!(
+    "hatching.wgsl",
+    [
+        ("MAX_DENSITY", F32(MAX_DENSITY)),
+        ("RESPONSE_ENTRIES", F32(ENTRIES as f32)),
+        ("ENTRIES_PER_DENSITY", F32(ENTRIES as f32 / MAX_DENSITY)),
+        ("CROSSED_FROM", F32(CROSSED_FROM))
+    ]
+);
 
 uniforms! {
     /// Of `density.wgsl`.
@@ -62,7 +73,17 @@ bindings! {
 /// The optical density that is wanted of each pixel.
 pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>(
     "Density",
-    &[INDEX, COVERAGE, include_str!("../density.wgsl")],
+    &[
+        INDEX,
+        COVERAGE,
+        wgsl!(
+            "../density.wgsl",
+            [
+                ("DENSITY_STEPS", F32(STEPS as f32)),
+                ("LEAST_ALPHA", F32(LEAST_ALPHA))
+            ]
+        ),
+    ],
 );
 
 /// Strokes that take their ink by thresholds.
@@ -73,7 +94,7 @@ pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
         COVERAGE,
         TEXTURE_COORDINATES,
         PLACES,
-        include_str!("../stroke_texture.wgsl"),
+        wgsl!("../stroke_texture.wgsl"),
         HATCHING,
     ],
 );
@@ -86,7 +107,7 @@ pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesB
         COVERAGE,
         TEXTURE_COORDINATES,
         PLACES,
-        include_str!("../slice_texture.wgsl"),
+        wgsl!("../slice_texture.wgsl"),
         HATCHING,
     ],
 );

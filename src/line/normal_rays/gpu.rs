@@ -3,16 +3,25 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::{SIGHT_LINES, apart, is_eye_far, lines, starts};
 use crate::engine::gpu::uniforms::uniforms;
-use crate::frame::gpu::{SIGHT_LINES, apart, is_eye_far, lines, starts};
+use crate::engine::gpu::wgsl::Number::{F32, I32, U32};
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::{DepthKind, Frame};
-use crate::line::direction::gpu::{Gaps, OF_SURFACES, spread_params};
-use crate::line::normal_rays::setting::RaySetting;
+use crate::line::direction::gpu::{CLOSED_COUNT, Gaps, OF_SURFACES, OPEN_COUNT, spread_params};
+use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
+use crate::line::normal_rays::{CERTAINTY, MIN_COSINE, MIN_SINE, PLANAR_TURN, UMBILIC};
 use crate::plan::Plan;
 use crate::shape::edges::SilhouetteSource;
 
 /// The curvature of a surface from the normals beside one.
-pub(crate) const NORMAL_RAY: &str = include_str!("normal_ray.wgsl");
+pub(crate) const NORMAL_RAY: Wgsl = wgsl!(
+    "normal_ray.wgsl",
+    [
+        ("MIN_COSINE", F32(MIN_COSINE as f32)),
+        ("MIN_SINE", F32(MIN_SINE as f32))
+    ]
+);
 
 uniforms! {
     /// Of `normal_rays.wgsl`.
@@ -55,7 +64,17 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
         COVERAGE,
         SIGHT_LINES,
         NORMAL_RAY,
-        include_str!("normal_rays.wgsl"),
+        wgsl!(
+            "normal_rays.wgsl",
+            [
+                ("OPEN_COUNT", U32(OPEN_COUNT)),
+                ("CLOSED_COUNT", U32(CLOSED_COUNT)),
+                ("STEP_GROWTH", I32(STEP_GROWTH as i32)),
+                ("PLANAR_TURN", F32(PLANAR_TURN as f32)),
+                ("ALIKE", F32(UMBILIC as f32)),
+                ("CERTAINTY", F32(CERTAINTY as f32))
+            ]
+        ),
     ],
 );
 

@@ -1,15 +1,26 @@
 //! Strokes that move with the surface: the maps by which a texture lies, on the device.
 
 use crate::engine::gpu::run::Run;
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
+use crate::line::texture_coordinates::{DEPTH_STEP, JUMP, MOTION_STEP};
 use std::ops::Range;
 
 /// How a texture lies on a surface that moves.
-pub(crate) const TEXTURE_COORDINATES: &str = include_str!("texture_coordinates.wgsl");
+pub(crate) const TEXTURE_COORDINATES: Wgsl =
+    wgsl!("texture_coordinates.wgsl", [("JUMP", F32(JUMP))]);
 
 /// Where it lies at each pixel.
-pub(crate) const PLACES: &str = include_str!("places.wgsl");
+pub(crate) const PLACES: Wgsl = wgsl!(
+    "places.wgsl",
+    [
+        ("DEPTH_STEP", F32(DEPTH_STEP)),
+        ("MOTION_STEP_PX", F32(MOTION_STEP[0])),
+        ("MOTION_STEP_SHARE", F32(MOTION_STEP[1]))
+    ]
+);
 
 /// The drawings that share a hatching.
 pub(crate) struct Sheets {

@@ -2,17 +2,20 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::{
-    MOST_COUNTING_GROUPS, SEARCH_BINS, SEARCH_BITS, SEARCH_PASSES,
+    MOST_COUNTING_GROUPS, SEARCH_BINS, SEARCH_BITS, SEARCH_INVOCATIONS, SEARCH_PASSES,
 };
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::shape::auto_levels::{
-    CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, typical_exponent,
+    CURVATURE_PERCENT, MAX_GAIN, WHITE_PERCENT, flat_curvature, typical_exponent,
 };
 use std::ops::Range;
 
-const KEYS: &str = include_str!("keys.wgsl");
+/// Numbers as bit patterns in their order.
+const KEYS: Wgsl = wgsl!("keys.wgsl");
 
 uniforms! {
     /// Of `count.wgsl`.
@@ -52,12 +55,35 @@ bindings! {
 /// Counts how often the next bits of the numbers are which.
 pub(crate) static COUNT: Kernel = Kernel::new::<CountParams, CountBuffers>(
     "Count",
-    &[INDEX, COVERAGE, KEYS, include_str!("count.wgsl")],
+    &[
+        INDEX,
+        COVERAGE,
+        KEYS,
+        wgsl!(
+            "count.wgsl",
+            [
+                ("SEARCH_INVOCATIONS", U32(SEARCH_INVOCATIONS)),
+                ("SEARCH_BINS", U32(SEARCH_BINS))
+            ]
+        ),
+    ],
 );
 
 /// Finds the bits that the wanted rank has; in the end chooses.
-pub(crate) static NARROW: Kernel =
-    Kernel::new::<NarrowParams, NarrowBuffers>("Narrow", &[KEYS, include_str!("narrow.wgsl")]);
+pub(crate) static NARROW: Kernel = Kernel::new::<NarrowParams, NarrowBuffers>(
+    "Narrow",
+    &[
+        KEYS,
+        wgsl!(
+            "narrow.wgsl",
+            [
+                ("SEARCH_INVOCATIONS", U32(SEARCH_INVOCATIONS)),
+                ("SEARCH_BINS", U32(SEARCH_BINS)),
+                ("MAX_GAIN", F32(MAX_GAIN))
+            ]
+        ),
+    ],
+);
 
 /// Workgroups that count on devices in software, at the most: of [`MOST_COUNTING_GROUPS`] they feel the bins.
 const MOST_GROUPS_IN_SOFTWARE: u32 = 64;

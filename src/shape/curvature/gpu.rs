@@ -4,16 +4,20 @@ use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::plan::Plan;
+use crate::shape::curvature::UMBILIC;
+use crate::shape::hessian::RIDGE;
 
 /// The plane through the gradients around a pixel.
-pub(crate) const PLANE_FIT: &str = include_str!("../plane_fit.wgsl");
+pub(crate) const PLANE_FIT: Wgsl = wgsl!("../plane_fit.wgsl", [("RIDGE", F32(RIDGE))]);
 
 /// The mapped curvature.
-pub(crate) const MAPPED_CURVATURE: &str = include_str!("mapped_curvature.wgsl");
+pub(crate) const MAPPED_CURVATURE: Wgsl = wgsl!("mapped_curvature.wgsl");
 
 /// The mapped curvature toward a light.
-pub(crate) const MAPPED_CURVATURE_TOWARD: &str = include_str!("mapped_curvature_toward.wgsl");
+pub(crate) const MAPPED_CURVATURE_TOWARD: Wgsl = wgsl!("mapped_curvature_toward.wgsl");
 
 uniforms! {
     /// Of `hessian.wgsl`.
@@ -33,13 +37,7 @@ bindings! {
 /// The Hessian of a gradient, or its trace alone.
 pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
     "Hessian",
-    &[
-        INDEX,
-        AROUND,
-        COVERAGE,
-        PLANE_FIT,
-        include_str!("../hessian.wgsl"),
-    ],
+    &[INDEX, AROUND, COVERAGE, PLANE_FIT, wgsl!("../hessian.wgsl")],
 );
 
 /// What the layers of the descriptor take of the Hessian.
@@ -49,7 +47,7 @@ pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffe
         INDEX,
         COVERAGE,
         MAPPED_CURVATURE,
-        include_str!("curvatures.wgsl"),
+        wgsl!("curvatures.wgsl", [("UMBILIC", F32(UMBILIC))]),
     ],
 );
 

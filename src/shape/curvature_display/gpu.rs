@@ -5,7 +5,10 @@ use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::SizeParams;
+use crate::engine::gpu::wgsl::Number::Color;
+use crate::engine::gpu::wgsl::wgsl;
 use crate::shape::curvature::gpu::MAPPED_CURVATURE;
+use crate::shape::curvature_display::palette;
 use crate::shape::gpu::Shape;
 
 bindings! {
@@ -19,7 +22,15 @@ pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<SizeParams, Curvatur
         INDEX,
         COVERAGE,
         MAPPED_CURVATURE,
-        include_str!("curvature_display.wgsl"),
+        wgsl!(
+            "curvature_display.wgsl",
+            [
+                ("NEUTRAL", Color(palette::NEUTRAL)),
+                ("CONCAVE", Color(palette::CONCAVE)),
+                ("CONVEX", Color(palette::CONVEX)),
+                ("BACKGROUND", Color(palette::BACKGROUND))
+            ]
+        ),
     ],
 );
 

@@ -1,17 +1,22 @@
 //! Diffusion of the gradient: several sweeps at a time in workgroup memory, or one by one.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants::{REGION, SWEEPS_PER_PASS};
+use crate::engine::gpu::constants::{
+    REGION, REGION_GROUP_ROWS, ROWS_PER_INVOCATION, SWEEPS_PER_PASS,
+};
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::Number::U32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::plan::Plan;
 use crate::shape::diffusion::sweeps::{Readout, Recurrence};
 
 /// The conductance between two pixels.
-pub(crate) const FACE_CONDUCTANCE: &str = include_str!("../face_conductance.wgsl");
+pub(crate) const FACE_CONDUCTANCE: Wgsl = wgsl!("../face_conductance.wgsl");
 
-const FLUX: &str = include_str!("flux.wgsl");
+/// What flows between pixels, and what a sweep makes of it.
+const FLUX: Wgsl = wgsl!("flux.wgsl");
 
 uniforms! {
     /// Of `diffusion.wgsl` and `sweep.wgsl`.
@@ -45,21 +50,28 @@ pub(crate) static DIFFUSION: Kernel = Kernel::new::<DiffusionParams, DiffusionBu
         COVERAGE,
         FACE_CONDUCTANCE,
         FLUX,
-        include_str!("diffusion.wgsl"),
+        wgsl!(
+            "diffusion.wgsl",
+            [
+                ("REGION_COLUMNS", U32(REGION[0])),
+                ("REGION_ROWS", U32(REGION[1])),
+                ("REGION_PIXELS", U32(REGION[0] * REGION[1])),
+                ("REGION_GROUP_ROWS", U32(REGION_GROUP_ROWS)),
+                ("ROWS_PER_INVOCATION", U32(ROWS_PER_INVOCATION))
+            ]
+        ),
     ],
 );
 
 /// The conductance of the faces between pixels.
 pub(crate) static FACES: Kernel = Kernel::new::<SizeParams, FacesBuffers>(
     "Faces",
-    &[INDEX, FACE_CONDUCTANCE, include_str!("faces.wgsl")],
+    &[INDEX, FACE_CONDUCTANCE, wgsl!("faces.wgsl")],
 );
 
 /// A single sweep.
-pub(crate) static SWEEP: Kernel = Kernel::new::<DiffusionParams, SweepBuffers>(
-    "Sweep",
-    &[INDEX, FLUX, include_str!("sweep.wgsl")],
-);
+pub(crate) static SWEEP: Kernel =
+    Kernel::new::<DiffusionParams, SweepBuffers>("Sweep", &[INDEX, FLUX, wgsl!("sweep.wgsl")]);
 
 /// The weights that the terms of a recurrence are added up with.
 enum TermWeights<'a> {

@@ -3,9 +3,10 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::sight::to_eye;
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
-use crate::frame::gpu::to_eye;
 use crate::params::ShapeParams;
 use crate::plan::Plan;
 use crate::product::Product;
@@ -13,7 +14,7 @@ use crate::shape::crease::CreaseDetector;
 use crate::shape::edges::SilhouetteSource;
 
 /// How far a normal faces the eye.
-pub(crate) const FACING: &str = include_str!("../facing.wgsl");
+pub(crate) const FACING: Wgsl = wgsl!("../facing.wgsl");
 
 uniforms! {
     /// Of `edges.wgsl`.
@@ -45,7 +46,7 @@ bindings! {
 /// The logarithm of depth, in which silhouettes are found.
 pub(crate) static LOG_DEPTH: Kernel = Kernel::new::<SizeParams, LogDepthBuffers>(
     "LogDepth",
-    &[INDEX, COVERAGE, include_str!("log_depth.wgsl")],
+    &[INDEX, COVERAGE, wgsl!("log_depth.wgsl")],
 );
 
 /// Edges, and the gradient before diffusion.
@@ -55,9 +56,9 @@ pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams, EdgesBuffers>(
         INDEX,
         AROUND,
         COVERAGE,
-        include_str!("soft_threshold.wgsl"),
+        wgsl!("soft_threshold.wgsl"),
         FACING,
-        include_str!("edges.wgsl"),
+        wgsl!("edges.wgsl"),
     ],
 );
 
