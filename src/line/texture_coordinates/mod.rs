@@ -14,6 +14,7 @@
 
 pub(crate) mod cpu;
 pub(crate) mod hidden;
+pub(crate) mod origin;
 pub(crate) mod places;
 pub(crate) mod shares;
 pub(crate) mod sheet;
