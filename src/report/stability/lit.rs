@@ -9,7 +9,7 @@ use crate::light::lights::Illumination;
 use crate::params::{Adaptive, Material, Method, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::LightKinds;
 use crate::plan::{Available, Goal, Plan};
-use crate::report::light::bare;
+use crate::report::light::lit::bare;
 use crate::report::timing;
 
 /// What a case asks for; the rest is as it comes.
