@@ -1,7 +1,8 @@
 //! `relievo enhance`.
 
-use super::args::{EnhanceArgs, WorkArgs};
+use super::args::WorkArgs;
 use super::chosen::Chosen;
+use super::commands::EnhanceArgs;
 use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};

@@ -10,8 +10,8 @@ pub(super) use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD}
 use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::params::{
-    Adaptive, FieldParams, LineParams, RelightParams, RunOptions, ScalingParams, ShapeParams,
-    StrokeDirections, ToneParams,
+    Adaptive, FieldParams, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
+    ToneParams,
 };
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 pub(super) use crate::product::Product;
@@ -59,10 +59,6 @@ pub(super) fn lit_by(light: &Illumination) -> Inputs<'_> {
 pub(super) struct Session(Runner);
 
 impl Session {
-    pub(super) fn new(options: RunOptions) -> Self {
-        Self(Runner::new(options))
-    }
-
     /// Runs `plan` for what it is planned: a drawing, new light or shape.
     ///
     /// # Panics

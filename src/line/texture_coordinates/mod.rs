@@ -16,6 +16,7 @@ pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
 pub(crate) mod hidden;
+pub(crate) mod origin;
 pub(crate) mod places;
 pub(crate) mod shares;
 pub(crate) mod sheet;
