@@ -11,7 +11,7 @@ use crate::engine::outcome::{Drawing, Outcome};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::enhancement::Subject;
-use crate::light::layers::gpu::{TermWhites, levels_of};
+use crate::light::layers::gpu::levels_of;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::Light;
 use crate::line::contours::Contour;
@@ -21,6 +21,8 @@ use crate::line::hatching::gpu::{Strokes, Texture};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::{ContourParams, LineParams, Style};
 use crate::plan::Plan;
+use crate::plan::resolve::running;
+use crate::shape::edges::stage::EDGES;
 use std::time::Instant;
 
 impl Runner {
@@ -82,17 +84,14 @@ impl Runner {
             frame,
             &edges.conductance,
         );
-        let shape = run.shape_along(plan, edges);
-        run.choose_gain(plan, &shape);
-        let picture = match light {
-            Some(light) => run.relight(plan, frame, light, Some(&shape), copied),
-            None => copied.expect("a drawing is planned with its tone"),
-        };
-        let mut term_whites = TermWhites::new();
-        if plan.enhancement.is_some() {
-            run.scale(plan, frame, &shape, &picture);
-            term_whites = run.scale_layers(plan, frame, &shape, &picture);
-        }
+        // The tone, between the edges that are there.
+        (run.light, run.made.shape, run.made.picture) = (light, Some(edges), copied);
+        let further = running(plan).filter(|stage| stage.name != EDGES.name);
+        further.for_each(|stage| (stage.gpu)(&mut run));
+        let made = std::mem::take(&mut run.made);
+        let there = "a drawing is planned with its tone";
+        let (shape, picture) = (made.shape.expect(there), made.picture.expect(there));
+        let term_whites = made.term_whites;
         let paper = run.choose_paper_white(&params.tone, frame, &picture);
         let densities = run.densities(&params.tone, frame, &picture, &paper);
         let strokes = self.strokes(plan, params, inputs, &mut outcome);

@@ -1,6 +1,8 @@
 //! What a stage says of itself, where it is at home: all that plans, executors and memory know of it.
 
 use crate::engine::cpu::run::Run;
+#[cfg(feature = "gpu")]
+use crate::engine::gpu;
 use crate::plan::Plan;
 use crate::product::Product;
 
@@ -20,6 +22,11 @@ pub(crate) struct Stage {
     pub(crate) depends_on: fn(&Plan) -> String,
     /// Does it on the CPU.
     pub(crate) cpu: fn(&mut Run),
+    /// Records it for a device.
+    #[cfg(feature = "gpu")]
+    pub(crate) gpu: fn(&mut gpu::run::Run),
+    /// What of it a device cannot do, in a few words.
+    pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,
 }
 
 impl Stage {
@@ -32,6 +39,9 @@ impl Stage {
         reach_px: |_| 0,
         depends_on: |_| String::new(),
         cpu: |_| (),
+        #[cfg(feature = "gpu")]
+        gpu: |_| (),
+        gpu_lacks: |_| None,
     };
 
     /// What its steps give.

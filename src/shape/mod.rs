@@ -14,8 +14,6 @@ pub mod conductance;
 pub mod crease;
 pub mod curvature;
 pub mod diffusion;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu;
 pub mod gradient;
 pub mod hessian;
 pub mod silhouette;

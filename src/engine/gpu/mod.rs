@@ -16,6 +16,7 @@ pub(crate) mod failures;
 pub(crate) mod fault;
 pub(crate) mod kernels;
 pub(crate) mod limits;
+pub(crate) mod made;
 pub(crate) mod recorder;
 pub(crate) mod run;
 mod run_strips;

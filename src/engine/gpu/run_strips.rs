@@ -79,7 +79,7 @@ impl Runner {
                 let fresh = fresh.map(|&search| Searching::new(&mut run, search));
                 let fresh: Vec<_> = fresh.collect();
                 searching.extend(fresh);
-                let shape = of_shape.then(|| run.find_shape(plan, &strip));
+                let shape = of_shape.then(|| run.find_shape());
                 let picture = picture.map(|picture| self.upload().rows(picture, &takes));
                 let rows = gives.start as u32..gives.end as u32;
                 for (search, kind) in searching.iter().zip(searches) {

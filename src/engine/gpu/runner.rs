@@ -7,16 +7,17 @@ use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
+use crate::engine::gpu::made::Layer;
 use crate::engine::gpu::recorder::{Programs, add_timings};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::strips::Strips;
 use crate::engine::gpu::surface::{Upload, WIDEST, apart};
 use crate::engine::gpu::wait::wait_for;
-use crate::engine::outcome::{Outcome, ScaleShape};
+use crate::engine::outcome::Outcome;
 use crate::error::Result;
-use crate::frame::{ColorPlanes, CurvaturePlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{Frame, Plane};
 use crate::light::enhancement::Subject;
-use crate::light::layers::gpu::{TermWhites, levels_of};
+use crate::light::layers::gpu::levels_of;
 use crate::light::lights::Illumination;
 use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
@@ -26,9 +27,8 @@ use crate::line::hatching::gpu::TextureCache;
 use crate::params::Adaptive;
 use crate::params::Style;
 use crate::plan::Plan;
+use crate::plan::resolve::running;
 use crate::product::Product;
-use crate::shape::curvature::gpu::Curvatures;
-use crate::shape::gpu::Shape;
 use std::ops::Range;
 use std::time::Instant;
 
@@ -70,15 +70,7 @@ impl Runner {
 
     /// What of `plan` has no kernels, in a few words; `None` where all of it has.
     pub fn lacks(plan: &Plan) -> Option<&'static str> {
-        let relighting = plan.relighting.as_ref();
-        let is_traced = relighting.is_some_and(|relighting| relighting.traced);
-        if is_traced || plan.specular.is_some() {
-            Some("mirrors and lenses that show what is traced")
-        } else if relighting.is_some_and(|relighting| relighting.grain) {
-            Some("a grain along the curvature")
-        } else {
-            None
-        }
+        running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
     }
 
     /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
@@ -244,7 +236,7 @@ impl Runner {
     }
 
     /// Copies what `plan` takes of `frame` to the device, and begins to record.
-    pub(crate) fn start(&self, plan: &Plan, frame: &Frame) -> Run<'_> {
+    pub(crate) fn start<'a>(&'a self, plan: &'a Plan, frame: &'a Frame) -> Run<'a> {
         self.buffers.begin_run();
         let mut chosen = [0.0; 2];
         chosen[WHITE as usize] = known_white_level(plan, frame).unwrap_or(1.0);
@@ -257,7 +249,14 @@ impl Runner {
             // Where it fails, so does the run.
             let _ = wait_for(&self.device.device, None);
         }
-        Run::new(&self.device, &self.programs, &self.buffers, surface, chosen)
+        Run::new(
+            (plan, frame),
+            &self.device,
+            &self.programs,
+            &self.buffers,
+            surface,
+            chosen,
+        )
     }
 
     /// Runs `plan` on a frame whose planes the device takes: on these rows of the one that the light was made for.
@@ -268,45 +267,29 @@ impl Runner {
         light: Option<&Light>,
         rows: Range<usize>,
     ) -> Result<Outcome> {
-        let (width, height) = (frame.mask.width(), frame.mask.height());
         let start = Instant::now();
-        let mut picture = match light {
+        let copied = match light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
-            None if plan.enhancement.is_some() => self.upload().picture(frame),
+            None if plan.makes_picture() && !plan.display => self.upload().picture(frame),
             None => None,
         };
-        let is_copied = picture.is_some();
+        let is_copied = copied.is_some();
         let mut run = self.start(plan, frame);
+        (run.light, run.made.picture) = (light, copied);
         let uploaded = start.elapsed();
+        running(plan).for_each(|stage| (stage.gpu)(&mut run));
 
-        let shape = plan.wants(Product::Conductance).then(|| {
-            let shape = run.find_shape(plan, frame);
-            run.choose_gain(plan, &shape);
-            shape
-        });
-        let mut layers = Vec::new();
-        let mut term_whites = TermWhites::new();
-        if let Some(shape) = &shape {
-            if plan.wants(Product::Curvature) {
-                layers = layers_of(&mut run, plan, frame, shape);
-            }
-            if plan.display {
-                picture = Some(run.display(shape));
-            }
-            if plan.enhancement.is_some() {
-                let picture = picture.as_ref().expect("enhancing takes a picture");
-                run.scale(plan, frame, shape, picture);
-                term_whites = run.scale_layers(plan, frame, shape, picture);
-            }
-        }
-        if let Some(light) = light {
-            picture = Some(run.relight(plan, frame, light, shape.as_ref(), picture));
-        }
+        let mut made = std::mem::take(&mut run.made);
+        let layers = match plan.wants(Product::Curvature) {
+            true => made.layers(),
+            false => Vec::new(),
+        };
+        let picture = made.picture.take();
         let numbers = run.chosen.clone();
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten());
-        wanted.extend(&layers);
-        wanted.extend(term_whites.iter().map(|(_, white)| white));
+        wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
+        wanted.extend(made.term_whites.iter().map(|(_, white)| white));
         let (read, timings) = run.finish(&wanted)?;
 
         let mut read = read.into_iter();
@@ -315,21 +298,15 @@ impl Runner {
         outcome.timings.push((UPLOAD, uploaded));
         outcome.timings.extend(timings);
         let start = Instant::now();
-        if !plan.wants(Product::Curvature) && picture.is_some() {
-            let mut plane = || {
-                let samples = read.next().expect("a picture has three planes");
-                Plane::from_samples(width, height, samples)
-            };
-            let [r, g, b] = [plane(), plane(), plane()];
-            outcome.color = plan.makes_picture().then_some(ColorPlanes { r, g, b });
-            if let (Some(color), Some(_)) = (&mut outcome.color, light) {
-                frame_lit(color, frame);
-            }
-            outcome.term_white_levels = levels_of(&term_whites, read.by_ref());
+        if picture.is_some() {
+            let mut planes = read.by_ref().map(|samples| plane(frame, samples));
+            outcome.put(Product::Picture, &mut planes);
         }
-        if plan.wants(Product::Curvature) {
-            describe(&mut outcome, plan, frame, read);
+        if let (Some(color), Some(_)) = (&mut outcome.color, light) {
+            frame_lit(color, frame);
         }
+        put_layers(&mut outcome, plan, frame, &layers, read.by_ref());
+        outcome.term_white_levels = levels_of(&made.term_whites, read);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
         if plan.wants_curvature() {
             outcome.gain = Some(chosen[GAIN as usize]);
@@ -342,55 +319,43 @@ impl Runner {
             true => self.buffers.take_back_copied(picture),
             false => self.buffers.recycle(picture),
         }
-        self.buffers.recycle(layers);
-        if let Some(shape) = shape {
-            self.buffers.recycle(shape.into_buffers());
-        }
+        self.buffers.recycle(made.into_buffers());
         Ok(outcome)
     }
 }
 
-/// Puts what was read of the layers into the outcome, in the order of [`layers_of`].
-fn describe(
+fn plane(frame: &Frame, samples: Vec<f32>) -> Plane {
+    Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
+}
+
+/// Puts what was read of the layers into the outcome: each product once, then those of further scales.
+fn put_layers(
     outcome: &mut Outcome,
     plan: &Plan,
     frame: &Frame,
+    layers: &[Layer],
     mut read: impl Iterator<Item = Vec<f32>>,
 ) {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    let mut next = || read.next().expect("every layer is read");
-    let plane = |samples| Plane::from_samples(width, height, samples);
-    let pair = |samples: Vec<f32>| {
-        let [x, y] = apart::<2>(&samples).map(plane);
-        Vector2Planes { x, y }
-    };
-    let shape = &mut outcome.shape;
-    let conductance = plane(next());
-    let weights = pair(next());
-    (shape.silhouette, shape.crease) = (Some(weights.x), Some(weights.y));
-    shape.gradient = Some(pair(next()));
-    let [xx, xy, yy] = [plane(next()), plane(next()), plane(next())];
-    shape.hessian = Some(SymmetricPlanes { xx, xy, yy });
-    let curvatures = |samples: Vec<f32>| {
-        let [u, v, mean, kappa] = apart::<4>(&samples).map(plane);
-        (CurvaturePlanes { u, v, mean }, kappa)
-    };
-    let (first, kappa) = curvatures(next());
-    (shape.curvatures, shape.kappa) = (Some(first), Some(kappa));
-    shape.direction_view = Some(pair(next()));
-    for &sigma_px in &plan.more_px {
-        let (curvatures, kappa) = curvatures(next());
-        shape.more_scales.push(ScaleShape {
-            sigma_px,
-            curvatures,
-            kappa,
+    let mut sigmas = plan.more_px.iter();
+    for layer in layers {
+        let components = layer.products.iter();
+        let components: usize = components.map(|p| p.row().components.len()).sum();
+        let samples = read.by_ref().take(layer.buffers.len());
+        let planes = samples.flat_map(|samples| match components / layer.buffers.len() {
+            1 => vec![samples],
+            2 => apart::<2>(&samples).into(),
+            _ => apart::<4>(&samples).into(),
         });
+        let mut planes = planes.map(|samples| plane(frame, samples));
+        let is_there = |product: &Product| !outcome.planes(*product).is_empty();
+        match layer.products.iter().any(is_there) {
+            true => outcome.put_scale(*sigmas.next().expect("a scale each"), &mut planes),
+            false => layer
+                .products
+                .iter()
+                .for_each(|&product| outcome.put(product, &mut planes)),
+        }
     }
-    if plan.wants(Product::Direction) {
-        let [x, y] = [plane(next()), plane(next())];
-        shape.direction = Some(Vector2Planes { x, y });
-    }
-    shape.conductance = Some(conductance);
 }
 
 /// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, only of layers wider ones.
@@ -401,29 +366,4 @@ fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
         false => 2,
     };
     4 * widest * frame.mask.width() as u64
-}
-
-/// The buffers of all layers, in order; those that `shape` keeps are shared with it.
-fn layers_of(run: &mut Run, plan: &Plan, frame: &Frame, shape: &Shape) -> Vec<wgpu::Buffer> {
-    let hessian = shape.hessian.as_ref().expect("layers take the Hessian");
-    let Curvatures {
-        curvature,
-        direction,
-    } = run.curvatures(hessian);
-    let entries = hessian.entries.as_ref().expect("layers take its entries");
-    let mut layers = vec![
-        shape.conductance.clone(),
-        shape.weights.clone().expect("layers take the weights"),
-        shape.gradient.clone(),
-    ];
-    layers.extend(entries.iter().cloned());
-    layers.extend([curvature, direction]);
-    for gradient in &shape.more_gradients {
-        let hessian = run.hessian(plan, gradient, &shape.conductance, true);
-        layers.push(run.curvatures(&hessian).curvature);
-    }
-    if plan.wants(Product::Direction) {
-        layers.extend(run.surface_directions(plan, frame, &shape.conductance));
-    }
-    layers
 }

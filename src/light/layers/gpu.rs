@@ -3,13 +3,13 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::{Hessian, Shape, TermWhites};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::{Picture, WIDEST};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::{ColorPlanes, Frame};
-use crate::light::enhancement::Subject;
 use crate::light::layers::terms::{LightTerm, light_terms};
 use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
@@ -17,8 +17,7 @@ use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::auto_levels::gpu::{Search, Searching};
-use crate::shape::curvature::gpu::{Hessian, MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
-use crate::shape::gpu::Shape;
+use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
 /// The light of a lobe.
 const LOBE_LIGHT: Wgsl = wgsl!("lobe_light.wgsl", [("MIN_ALBEDO", F32(MIN_ALBEDO))]);
@@ -118,9 +117,6 @@ pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
     ],
 );
 
-/// The white level of each term, in a buffer like that of what is chosen.
-pub(crate) type TermWhites = Vec<(&'static str, wgpu::Buffer)>;
-
 /// The white levels of terms, of the numbers that were read of their buffers.
 pub(crate) fn levels_of(
     whites: &TermWhites,
@@ -149,31 +145,26 @@ struct Layers {
 
 const WITH_CURVATURE: &str = "scaling takes curvature";
 
-impl Run<'_> {
-    /// Scales a picture in place by the light layers of its frame, as far as that is planned.
-    pub(crate) fn scale_layers(
-        &mut self,
-        plan: &Plan,
-        frame: &Frame,
-        shape: &Shape,
-        picture: &Picture,
-    ) -> TermWhites {
-        let mut whites = TermWhites::new();
-        if plan.scaled() == Some(Subject::Lobes) {
-            whites = self.scale_lobes(plan, frame, shape, picture);
-        }
-        if plan.scaled() == Some(Subject::Groups) {
-            self.scale_groups(plan, frame, shape, picture);
-        }
-        if plan
-            .enhancement
-            .is_some_and(|enhancement| enhancement.occlusion > 0.0)
-        {
-            self.scale_by_occlusion(plan, frame, shape, picture);
-        }
-        whites
-    }
+/// Scales the picture by the lobes of its light.
+pub(crate) fn scale_lobes(run: &mut Run) {
+    run.change_picture(|run, shape, picture| {
+        run.made.term_whites = run.scale_lobes(run.plan, run.frame, shape, picture);
+    });
+}
 
+/// Scales the picture by light groups.
+pub(crate) fn scale_groups(run: &mut Run) {
+    run.change_picture(|run, shape, picture| run.scale_groups(run.plan, run.frame, shape, picture));
+}
+
+/// Scales the picture by ambient occlusion.
+pub(crate) fn scale_by_occlusion(run: &mut Run) {
+    run.change_picture(|run, shape, picture| {
+        run.scale_by_occlusion(run.plan, run.frame, shape, picture);
+    });
+}
+
+impl Run<'_> {
     fn scale_lobes(
         &mut self,
         plan: &Plan,

@@ -20,6 +20,8 @@ pub(crate) static LIGHT_LOBES: Stage = Stage {
         decide: decide_lobes,
     }],
     cpu: scale_lobes,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale_lobes,
     ..Stage::DEFAULT
 };
 
@@ -39,6 +41,8 @@ pub(crate) static LIGHT_GROUPS: Stage = Stage {
         },
     }],
     cpu: scale_groups,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale_groups,
     ..Stage::DEFAULT
 };
 
@@ -52,6 +56,8 @@ pub(crate) static AMBIENT_OCCLUSION: Stage = Stage {
         decide: decide_occlusion,
     }],
     cpu: scale_by_occlusion,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale_by_occlusion,
     ..Stage::DEFAULT
 };
 

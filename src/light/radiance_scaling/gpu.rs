@@ -2,19 +2,18 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
-use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::shape::auto_levels::gpu::{Search, Searching};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
-use crate::shape::gpu::Shape;
 
 /// The scaling of light by curvature.
 pub(crate) const RADIANCE_SCALING: Wgsl = wgsl!(
@@ -87,12 +86,14 @@ pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
     }
 }
 
+/// Scales the picture.
+pub(crate) fn scale(run: &mut Run) {
+    run.change_picture(|run, shape, picture| run.scale(run.plan, run.frame, shape, picture));
+}
+
 impl Run<'_> {
     /// Scales a picture in place, by a white level that is chosen first where it is not known.
     pub(crate) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
-        if plan.scaled() != Some(Subject::Picture) {
-            return;
-        }
         let weights = frame.luminance_weights();
         let [red, green, blue] = picture;
         if known_white_level(plan, frame).is_none() {

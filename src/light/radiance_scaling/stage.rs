@@ -17,6 +17,8 @@ pub(crate) static RADIANCE_SCALING: Stage = Stage {
         decide,
     }],
     cpu: scale,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale,
     ..Stage::DEFAULT
 };
 

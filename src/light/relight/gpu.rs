@@ -2,6 +2,7 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::Picture;
@@ -22,7 +23,6 @@ use crate::light::sum::{Lobes, Power};
 use crate::params::{Material, Quantisation, Tangent};
 use crate::plan::{Albedo, Plan};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
-use crate::shape::gpu::Shape;
 
 uniforms! {
     /// Of `relight.wgsl`.
@@ -141,6 +141,14 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
         ),
     ],
 );
+
+/// Lights the frame anew, over its albedo where that is not white.
+pub(crate) fn relight(run: &mut Run) {
+    let light = run.light.expect("new light has lights");
+    let (shape, albedo) = (run.made.shape.take(), run.made.picture.take());
+    let lit = run.relight(run.plan, run.frame, light, shape.as_ref(), albedo);
+    (run.made.shape, run.made.picture) = (shape, Some(lit));
+}
 
 impl Run<'_> {
     /// Lights a frame whose albedo is in `albedo`, where it is not white: what the covered pixels then show.

@@ -64,6 +64,9 @@ pub(crate) static RELIGHT: Stage = Stage {
         },
     ],
     cpu: relight,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::relight,
+    gpu_lacks: |plan| plan.relighting.as_ref().and_then(gpu_lacks),
     ..Stage::DEFAULT
 };
 
@@ -76,6 +79,14 @@ fn takes(relighting: &Relighting) -> Vec<Product> {
     };
     let grain = relighting.grain.then_some(Product::Direction);
     curvature.into_iter().chain(grain).collect()
+}
+
+fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
+    match (relighting.traced, relighting.grain) {
+        (true, _) => Some("mirrors and lenses that show what is traced"),
+        (false, true) => Some("a grain along the curvature"),
+        (false, false) => None,
+    }
 }
 
 fn in_new_light(plan: &Plan, decide: fn(&Relighting) -> Verdict) -> Verdict {

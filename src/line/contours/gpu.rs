@@ -3,6 +3,7 @@
 use crate::engine::cpu::gpu_support::{contour_lines, contours_along};
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::recorder::Submitted;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
@@ -19,7 +20,7 @@ use crate::line::contours::{Contour, HALF_PLAIN_JUMP};
 use crate::params::ContourParams;
 use crate::plan::{Available, Plan};
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::edges::gpu::{Edges, FACING};
+use crate::shape::edges::gpu::FACING;
 use rayon::prelude::*;
 
 /// Where the numbers stand of cracks that silhouettes may pass, of those they do, and of creases.
@@ -117,7 +118,7 @@ impl<'a> Run<'a> {
         &mut self,
         plan: &Plan,
         frame: &Frame,
-        edges: &Edges,
+        edges: &Shape,
         params: &ContourParams,
     ) -> EdgeLists {
         let [width, height] = self.surface.size;

@@ -12,6 +12,7 @@ use crate::line::direction::gpu::{CLOSED_COUNT, Gaps, OF_SURFACES, OPEN_COUNT, s
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::line::normal_rays::{CERTAINTY, MIN_COSINE, MIN_SINE, PLANAR_TURN, UMBILIC};
 use crate::plan::Plan;
+use crate::product::Product;
 use crate::shape::edges::SilhouetteSource;
 
 /// The curvature of a surface from the normals beside one.
@@ -80,6 +81,19 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
 
 /// What is recorded as the time of rays and of what fills the gaps between them.
 const STAGE: &str = "normal-rays";
+
+/// Finds the directions of the surface's own curvature, where they are asked for themselves.
+pub(crate) fn follow_rays(run: &mut Run) {
+    if run.plan.wants(Product::Direction) {
+        let shape = run
+            .made
+            .shape
+            .as_ref()
+            .expect("directions are planned with their edges");
+        let conductance = shape.conductance.clone();
+        run.made.directions = Some(run.surface_directions(run.plan, run.frame, &conductance));
+    }
+}
 
 impl Run<'_> {
     /// The directions of the surface's own curvature: unit ones in the picture where covered, x right and y up, 0

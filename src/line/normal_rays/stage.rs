@@ -22,6 +22,8 @@ pub(crate) static NORMAL_RAYS: Stage = Stage {
         decide,
     }],
     cpu: follow_rays,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::follow_rays,
     ..Stage::DEFAULT
 };
 

@@ -5,10 +5,12 @@ use crate::engine::gpu::constants::{
     MOST_COUNTING_GROUPS, SEARCH_BINS, SEARCH_BITS, SEARCH_INVOCATIONS, SEARCH_PASSES,
 };
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, U32};
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::plan::Plan;
 use crate::shape::auto_levels::{
     CURVATURE_PERCENT, MAX_GAIN, WHITE_PERCENT, flat_curvature, typical_exponent,
 };
@@ -250,6 +252,26 @@ impl Searching {
             Search::Gain { .. } => "auto-gain",
             Search::White(_) | Search::TermWhite => "auto-white",
             Search::Depth(_) => "direction-field",
+        }
+    }
+}
+
+/// Chooses the gain of curvature, where it is left open.
+pub(crate) fn choose_gain(run: &mut Run) {
+    let shape = run.made.shape.take().expect("the gain takes the trace");
+    run.choose_gain(run.plan, &shape);
+    run.made.shape = Some(shape);
+}
+
+impl Run<'_> {
+    /// Chooses the gain of curvature, where it is left open.
+    pub(crate) fn choose_gain(&mut self, plan: &Plan, shape: &Shape) {
+        if plan.chooses_gain() {
+            let size = self.surface.size.map(|side| side as usize);
+            let factor = plan.resolution_factor as f32;
+            let search = Searching::new(self, Search::Gain { size, factor });
+            let chosen = self.chosen.clone();
+            search.choose(self, shape.of_gain(), &chosen);
         }
     }
 }

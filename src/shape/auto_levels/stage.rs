@@ -27,6 +27,8 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
         },
     }],
     cpu: choose_gain,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::choose_gain,
     ..Stage::DEFAULT
 };
 

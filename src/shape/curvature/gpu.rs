@@ -2,11 +2,14 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::{Curvatures, Hessian, Shape};
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::light::enhancement::Subject;
 use crate::plan::Plan;
+use crate::product::Product;
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
 
@@ -51,22 +54,47 @@ pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffe
     ],
 );
 
-/// The Hessian on the device.
-pub(crate) struct Hessian {
-    pub(crate) trace: wgpu::Buffer,
-    /// Its entries xx, xy and yy, where they are wanted.
-    pub(crate) entries: Option<[wgpu::Buffer; 3]>,
+/// Finds the Hessian, or its trace alone.
+pub(crate) fn find_hessian(run: &mut Run) {
+    run.change_shape(Run::with_hessian);
 }
 
-/// What is made of the Hessian for the layers of the descriptor.
-pub(crate) struct Curvatures {
-    /// u, v, mean and kappa of each pixel.
-    pub(crate) curvature: wgpu::Buffer,
-    /// The direction of the view-centred curvature larger in size.
-    pub(crate) direction: wgpu::Buffer,
+/// Makes what the layers of the descriptor take of the Hessian, at every scale, by the gain that was chosen.
+pub(crate) fn describe(run: &mut Run) {
+    let shape = run.made.shape.take().expect(FROM_HESSIAN);
+    let hessian = shape.hessian.as_ref().expect(FROM_HESSIAN);
+    let mut curvatures = vec![run.curvatures(hessian)];
+    for gradient in &shape.more_gradients {
+        let hessian = run.hessian(run.plan, gradient, &shape.conductance, true);
+        curvatures.push(run.curvatures(&hessian));
+    }
+    run.made.curvatures = curvatures;
+    run.made.shape = Some(shape);
+}
+
+const FROM_HESSIAN: &str = "curvatures are planned with their Hessian";
+
+/// Whether the trace of the Hessian is used once, and where it is made.
+fn scales_by_gradient(plan: &Plan) -> bool {
+    let is_used_again = plan.runs("auto-gain")
+        || plan
+            .enhancement
+            .is_some_and(|enhancement| enhancement.occlusion > 0.0);
+    plan.enhancement.is_some() && plan.scaled() == Some(Subject::Picture) && !is_used_again
 }
 
 impl Run<'_> {
+    /// A shape with its Hessian, unless that is made where it is used.
+    pub(crate) fn with_hessian(&mut self, shape: Shape) -> Shape {
+        let plan = self.plan;
+        let wanted = plan.wants_curvature() && !scales_by_gradient(plan);
+        let hessian = wanted.then(|| {
+            let entries = plan.wants(Product::Hessian);
+            self.hessian(plan, &shape.gradient, &shape.conductance, entries)
+        });
+        Shape { hessian, ..shape }
+    }
+
     /// The Hessian of a gradient, or its trace alone.
     pub(crate) fn hessian(
         &mut self,

@@ -31,6 +31,8 @@ pub(crate) static TRACE: Stage = Stage {
         },
     }],
     cpu: find_trace,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::find_hessian,
     ..Stage::DEFAULT
 };
 
@@ -55,6 +57,8 @@ pub(crate) static HESSIAN: Stage = Stage {
         },
     }],
     cpu: find_hessian,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::find_hessian,
     ..Stage::DEFAULT
 };
 
@@ -100,6 +104,8 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
         },
     }],
     cpu: map_curvature,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::describe,
     ..Stage::DEFAULT
 };
 

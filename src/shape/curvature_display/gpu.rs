@@ -2,6 +2,7 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::SizeParams;
@@ -9,7 +10,6 @@ use crate::engine::gpu::wgsl::Number::Color;
 use crate::engine::gpu::wgsl::wgsl;
 use crate::shape::curvature::gpu::MAPPED_CURVATURE;
 use crate::shape::curvature_display::palette;
-use crate::shape::gpu::Shape;
 
 bindings! {
     CurvatureDisplayBuffers { covered, conductance, trace, chosen, red, green, blue }
@@ -33,6 +33,13 @@ pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<SizeParams, Curvatur
         ),
     ],
 );
+
+/// Makes the curvature display.
+pub(crate) fn display(run: &mut Run) {
+    let shape = run.made.shape.take().expect("the display takes curvature");
+    run.made.picture = Some(run.display(&shape));
+    run.made.shape = Some(shape);
+}
 
 impl Run<'_> {
     /// The curvature display.

@@ -18,6 +18,8 @@ pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
         },
     }],
     cpu: display,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::display,
     ..Stage::DEFAULT
 };
 

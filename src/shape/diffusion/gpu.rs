@@ -5,6 +5,7 @@ use crate::engine::gpu::constants::{
     REGION, REGION_GROUP_ROWS, ROWS_PER_INVOCATION, SWEEPS_PER_PASS,
 };
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::engine::gpu::wgsl::Number::U32;
@@ -104,7 +105,31 @@ impl Sweeping<'_> {
     }
 }
 
+/// Diffuses the gradient, or takes it as it is.
+pub(crate) fn diffuse(run: &mut Run) {
+    run.change_shape(Run::with_diffusion);
+}
+
 impl Run<'_> {
+    /// A shape with its gradient at all scales.
+    pub(crate) fn with_diffusion(&mut self, shape: Shape) -> Shape {
+        let plan = self.plan;
+        let mut gradients = match plan.sweeps.count() {
+            0 => {
+                let copies = (0..plan.more_px.len()).map(|_| self.copy_of(&shape.gradient));
+                let copies: Vec<_> = copies.collect();
+                std::iter::once(shape.gradient).chain(copies).collect()
+            }
+            _ => self.diffused(plan, shape.gradient, &shape.conductance),
+        };
+        let more_gradients = gradients.split_off(1);
+        Shape {
+            gradient: gradients.remove(0),
+            more_gradients,
+            ..shape
+        }
+    }
+
     /// The gradient after all sweeps: at every scale that is read out.
     pub(crate) fn diffused(
         &mut self,

@@ -21,6 +21,8 @@ pub(crate) static DIFFUSION: Stage = Stage {
         decide,
     }],
     cpu: diffuse,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::diffuse,
     ..Stage::DEFAULT
 };
 

@@ -2,6 +2,7 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::to_eye;
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
@@ -62,17 +63,14 @@ pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams, EdgesBuffers>(
     ],
 );
 
-/// Edges on the device, and the gradient before diffusion.
-pub(crate) struct Edges {
-    pub(crate) conductance: wgpu::Buffer,
-    /// Silhouette and crease weight of each pixel, where they are wanted.
-    pub(crate) weights: Option<wgpu::Buffer>,
-    pub(crate) gradient: wgpu::Buffer,
+/// Finds edges and the gradient.
+pub(crate) fn find_edges(run: &mut Run) {
+    run.made.shape = Some(run.edges(run.plan, run.frame));
 }
 
 impl Run<'_> {
     /// Edges, and the gradient before diffusion.
-    pub(crate) fn edges(&mut self, plan: &Plan, frame: &Frame) -> Edges {
+    pub(crate) fn edges(&mut self, plan: &Plan, frame: &Frame) -> Shape {
         let [width, height] = self.surface.size;
         let plane = self.surface.plane_bytes();
         let of_depth = SilhouetteSource::of(plan) == SilhouetteSource::Depth;
@@ -132,10 +130,12 @@ impl Run<'_> {
                 None
             }
         };
-        Edges {
+        Shape {
             conductance,
             weights,
             gradient,
+            more_gradients: Vec::new(),
+            hessian: None,
         }
     }
 }

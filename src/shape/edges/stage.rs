@@ -68,6 +68,8 @@ pub(crate) static EDGES: Stage = Stage {
         },
     ],
     cpu: find_edges,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::find_edges,
     ..Stage::DEFAULT
 };
 
