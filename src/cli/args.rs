@@ -10,6 +10,8 @@ use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::{FramesArg, SequenceArgs};
 use super::threads::MOST_THREADS;
+use crate::engine::Engine;
+use crate::error::Result;
 use crate::io::exr::{OutputCompression, OutputType};
 use crate::io::picture::ViewTransform;
 use crate::params::Group;
@@ -295,6 +297,20 @@ pub(super) enum BackendArg {
     Auto,
     Cpu,
     Gpu,
+}
+
+impl BackendArg {
+    /// The engine that is asked for.
+    ///
+    /// # Errors
+    /// [`crate::Error::NoGpu`] where there has to be a device and is none.
+    pub(super) fn engine(self) -> Result<Engine> {
+        match self {
+            Self::Auto => Ok(Engine::auto()),
+            Self::Cpu => Ok(Engine::cpu()),
+            Self::Gpu => Engine::gpu(),
+        }
+    }
 }
 
 /// How the work is run and told about.

@@ -2,7 +2,6 @@
 
 mod args;
 mod chosen;
-mod engine;
 mod enhance;
 mod files;
 mod flags;

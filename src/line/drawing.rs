@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::Run;
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::runner::DrawingInputs;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Drawing;
 use crate::frame::{Frame, Plane};
 use crate::line::contours::Contour;
@@ -31,7 +31,7 @@ const WITH_EDGES: &str = "a drawing is planned with its edges";
 
 impl Run<'_> {
     /// Draws the picture made so far, or that of the frame.
-    pub(crate) fn draw(&mut self, params: &LineParams, inputs: DrawingInputs) {
+    pub(crate) fn draw(&mut self, params: &LineParams, inputs: Inputs) {
         self.draw_tone(params, inputs, None);
     }
 
@@ -40,7 +40,7 @@ impl Run<'_> {
     pub(crate) fn draw_tone(
         &mut self,
         params: &LineParams,
-        inputs: DrawingInputs,
+        inputs: Inputs,
         luminance: Option<&Plane>,
     ) {
         let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);

@@ -210,6 +210,8 @@ pub struct Plan {
     pub points: Points,
     /// How many pixels away they are, at the least and at the most.
     pub direction_steps_px: [usize; 2],
+    /// What there is to make it of.
+    pub(crate) available: Available,
     stages: Vec<Stage>,
     decisions: Vec<Decision>,
 }
@@ -366,6 +368,7 @@ impl Plan {
             resolution_factor,
             points,
             direction_steps_px,
+            available,
             stages,
             decisions,
         })

@@ -3,7 +3,6 @@
 pub(crate) mod frame_cache;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_support;
-pub(crate) mod live;
 pub(crate) mod memory;
 pub(crate) mod percentile;
 pub(crate) mod rows;
@@ -13,11 +12,13 @@ pub(crate) mod sparing;
 pub(crate) mod strips;
 
 use crate::engine::cpu::frame_cache::FrameCache;
-pub use crate::engine::cpu::live::LiveRunner;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
-pub use crate::engine::cpu::runner::{DrawingInputs, Runner};
+pub use crate::engine::cpu::runner::Runner;
 pub use crate::engine::cpu::strips::{StripChoice, StripSearch};
+use crate::engine::inputs::Inputs;
 pub use crate::engine::outcome::{Drawing, Outcome, ScaleShape, Shape};
+use crate::engine::run::Watch;
+use crate::error::Result;
 use crate::fast_math::Function;
 pub use crate::frame::CurvaturePlanes;
 use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
@@ -40,13 +41,12 @@ use crate::shape::edges::cpu::Weights;
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Runs `plan` on `frame`, in the rayon pool of the caller.
+/// Runs a plan that takes nothing beside `frame`, in the rayon pool of the caller.
 ///
-/// # Panics
-/// If the plan was made for other inputs than the frame holds: [`Goal::Enhance`] needs colour,
-/// [`Goal::Relight`] the light of [`Runner::relight`].
-pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
-    Runner::default().run(plan, frame)
+/// # Errors
+/// As [`Runner::execute`].
+pub fn run(plan: &Plan, frame: &Frame) -> Result<Outcome> {
+    Runner::default().execute(plan, frame, Inputs::default())
 }
 
 /// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.
@@ -86,13 +86,30 @@ pub(crate) struct Run<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
     pub(crate) runner: &'a Runner,
+    pub(crate) watch: Watch<'a>,
     /// What earlier runs of this frame have left, where any is kept.
     pub(crate) kept: Option<&'a mut FrameCache>,
     pub(crate) outcome: Outcome,
 }
 
+impl<'a> Run<'a> {
+    pub(crate) fn new(runner: &'a Runner, plan: &'a Plan, frame: &'a Frame) -> Self {
+        Self {
+            plan,
+            frame,
+            runner,
+            watch: Watch::default(),
+            kept: None,
+            outcome: Outcome::default(),
+        }
+    }
+}
+
 impl Run<'_> {
     pub(crate) fn timed<T>(&mut self, name: &'static str, pass: impl FnOnce() -> T) -> T {
+        let (passed, planned) = (self.outcome.timings.len(), self.plan.stages().len());
+        self.watch
+            .begins(name, passed as f32 / planned.max(1) as f32);
         let start = Instant::now();
         let result = pass();
         self.outcome.timings.push((name, start.elapsed()));
@@ -126,6 +143,13 @@ impl Run<'_> {
         }
         if plan.has(Stage::AmbientOcclusion) {
             self.scale_by_occlusion();
+        }
+    }
+
+    /// The shape, where it is planned at all.
+    pub(crate) fn find_planned_shape(&mut self) {
+        if self.plan.has(Stage::Conductance) {
+            self.find_shape();
         }
     }
 

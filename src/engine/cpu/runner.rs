@@ -3,18 +3,18 @@
 use crate::engine::cpu::Run;
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::memory::Memory;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
+use crate::engine::run::Watch;
+use crate::error::Result;
 use crate::frame::{Frame, SpecularScene, Vector2Planes};
-use crate::light::lights::Illumination;
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::specular;
 use crate::line::specular::map_directions::DirectionCache;
-use crate::line::texture_coordinates::cpu::SequenceInputs;
-use crate::line::tonal_art_map::TonalArtMap;
 use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{FieldParams, LineParams, RunOptions, StrokeDirections};
-use crate::plan::{Goal, Plan, Stage};
+use crate::plan::{Plan, Stage};
 use crate::shape::edges::cpu as edges;
 
 /// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
@@ -29,20 +29,6 @@ pub struct Runner {
     pub(crate) map_directions: DirectionCache,
 }
 
-/// What a drawing takes beside the frame.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct DrawingInputs<'a> {
-    /// The light, for a tone in new light.
-    pub illumination: Option<&'a Illumination>,
-    /// The texture of strokes, for [`crate::params::Style::Pictures`].
-    pub art_map: Option<&'a TonalArtMap>,
-    /// What mirrors and lenses show, where the plan traces it.
-    pub specular: Option<&'a SpecularScene>,
-    /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
-    /// nothing of it.
-    pub sequence: Option<SequenceInputs<'a>>,
-}
-
 impl Runner {
     /// A runner with these options.
     pub fn new(options: RunOptions) -> Self {
@@ -54,25 +40,37 @@ impl Runner {
 
     /// Runs `plan` on `frame`, in the rayon pool of the caller.
     ///
-    /// # Panics
-    /// As [`run`](super::run) does.
-    pub fn run(&self, plan: &Plan, frame: &Frame) -> Outcome {
-        self.run_kept(plan, frame, None)
+    /// # Errors
+    /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs.
+    pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+        self.execute_watched(plan, frame, inputs, Watch::default(), None)
     }
 
-    /// [`Runner::run`] with what was kept of the frame.
-    pub(crate) fn run_kept(
+    /// [`Runner::execute`] that is looked on, with what was kept of the frame.
+    ///
+    /// # Errors
+    /// As [`Runner::execute`]; [`Error::Cancelled`](crate::Error::Cancelled).
+    pub(crate) fn execute_watched(
         &self,
         plan: &Plan,
         frame: &Frame,
+        inputs: Inputs,
+        watch: Watch,
         kept: Option<&mut FrameCache>,
-    ) -> Outcome {
-        assert!(
-            plan.goal != Goal::Relight,
-            "new light is run by Runner::relight"
-        );
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, kept, |run| run.enhance())
+    ) -> Result<Outcome> {
+        inputs.check(plan, frame)?;
+        self.start(plan, frame, watch, kept, |run| {
+            match inputs.illumination {
+                Some(light) if plan.relighting.is_some() => run.relight(light, inputs.specular),
+                _ => run.enhance(),
+            }
+            let Some(params) = &plan.drawing else {
+                return Ok(());
+            };
+            watch.check()?;
+            run.draw(params, inputs);
+            Ok(())
+        })
     }
 
     /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
@@ -124,94 +122,31 @@ impl Runner {
         )
     }
 
-    /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.
-    ///
-    /// # Panics
-    /// If the plan was made for another goal, other inputs or other kinds of light.
-    pub fn relight(&self, plan: &Plan, frame: &Frame, illumination: &Illumination) -> Outcome {
-        self.relight_kept(plan, frame, illumination, None, None)
-    }
-
-    /// [`Runner::relight`] of mirrors and lenses that show what is around them: the specular pixels of `scene`, or all.
-    ///
-    /// # Panics
-    /// As [`Runner::relight`] does.
-    pub fn relight_specular(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        illumination: &Illumination,
-        scene: &SpecularScene,
-    ) -> Outcome {
-        self.relight_kept(plan, frame, illumination, Some(scene), None)
-    }
-
-    /// Both, with what was kept of the frame.
-    pub(crate) fn relight_kept(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        illumination: &Illumination,
-        scene: Option<&SpecularScene>,
-        kept: Option<&mut FrameCache>,
-    ) -> Outcome {
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.start(plan, frame, kept, |run| run.relight(illumination, scene))
-    }
-
-    /// Runs `plan`, made by [`Plan::hatch`], on `frame`.
-    ///
-    /// # Panics
-    /// If the plan was made for another goal or other inputs.
-    pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Outcome {
-        self.draw_kept(plan, frame, inputs, None)
-    }
-
-    /// [`Runner::draw`] with what was kept of the frame.
-    pub(crate) fn draw_kept(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        inputs: DrawingInputs,
-        kept: Option<&mut FrameCache>,
-    ) -> Outcome {
-        let params = plan.drawing.as_ref().expect("a drawing is planned");
-        self.start(plan, frame, kept, |run| {
-            match plan.goal {
-                Goal::Relight => {
-                    let illumination = inputs.illumination.expect("new light has lights");
-                    run.relight(illumination, inputs.specular);
-                }
-                _ => run.enhance(),
-            }
-            run.draw(params, inputs);
-        })
-    }
-
     /// The shape alone, whatever light `plan` is for.
     pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame) -> Outcome {
-        self.start(plan, frame, None, |_| ())
+        let mut run = Run::new(self, plan, frame);
+        run.find_planned_shape();
+        run.outcome
     }
 
     fn start(
         &self,
         plan: &Plan,
         frame: &Frame,
+        watch: Watch,
         kept: Option<&mut FrameCache>,
-        light: impl FnOnce(&mut Run),
-    ) -> Outcome {
+        light: impl FnOnce(&mut Run) -> Result<()>,
+    ) -> Result<Outcome> {
+        watch.check()?;
         let mut run = Run {
-            plan,
-            frame,
-            runner: self,
+            watch,
             kept,
-            outcome: Outcome::default(),
+            ..Run::new(self, plan, frame)
         };
-        if plan.has(Stage::Conductance) {
-            run.find_shape();
-        }
-        light(&mut run);
-        run.outcome
+        run.find_planned_shape();
+        watch.check()?;
+        light(&mut run)?;
+        Ok(run.outcome)
     }
 
     /// Forgets what was made of the last environment, so that making it is measured again.

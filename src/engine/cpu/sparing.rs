@@ -1,8 +1,11 @@
 //! Drawings of large pictures: the shape and the tone are made in bands, and what strokes do not take is not kept.
 
 use crate::engine::cpu::Run;
-use crate::engine::cpu::runner::{DrawingInputs, Runner};
+use crate::engine::cpu::runner::Runner;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
+use crate::engine::run::Watch;
+use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Window, luminance};
 use crate::light::radiance_scaling::cpu as light;
 use crate::params::Adaptive;
@@ -16,28 +19,36 @@ const LARGE: usize = 1 << 24;
 const BAND_ROWS: usize = 512;
 
 impl Runner {
-    /// [`Runner::draw`], bit for bit. Of a large frame that is drawn in its own light it takes half the memory: its
-    /// picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
+    /// [`Runner::execute_watched`], bit for bit. Of a large frame that is drawn in its own light it takes half the memory:
+    /// its picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
     ///
-    /// # Panics
-    /// As [`Runner::draw`] does.
-    pub fn draw_sparingly(&self, plan: &Plan, frame: &mut Frame, inputs: DrawingInputs) -> Outcome {
+    /// # Errors
+    /// As [`Runner::execute_watched`].
+    pub(crate) fn execute_sparingly(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<Outcome> {
         let is_large = frame.mask.width() * frame.mask.height() > LARGE;
-        match is_large && goes_in_bands(plan, frame) {
-            true => self.draw_in_bands(plan, frame, inputs, BAND_ROWS),
-            false => self.draw(plan, frame, inputs),
+        if !(is_large && plan.drawing.is_some() && goes_in_bands(plan, frame)) {
+            return self.execute_watched(plan, frame, inputs, watch, None);
         }
+        inputs.check(plan, frame)?;
+        self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS)
     }
 
     fn draw_in_bands(
         &self,
         plan: &Plan,
         frame: &mut Frame,
-        inputs: DrawingInputs,
+        inputs: Inputs,
+        watch: Watch,
         rows: usize,
-    ) -> Outcome {
+    ) -> Result<Outcome> {
         let params = plan.drawing.as_ref().expect("a drawing is planned");
-        let mut run = self.shape_in_bands(plan, frame, rows);
+        let mut run = self.shape_in_bands(plan, frame, watch, rows)?;
         let trace = run.outcome.shape.trace.take();
         let trace = trace.expect("the tone takes the trace");
         let conductance = run.outcome.shape.conductance.take();
@@ -48,34 +59,37 @@ impl Runner {
         let outcome = run.outcome;
         let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
         drop(trace);
+        watch.check()?;
         let mut run = Run {
-            plan,
-            frame,
-            runner: self,
-            kept: None,
+            watch,
             outcome,
+            ..Run::new(self, plan, frame)
         };
         run.draw_tone(params, inputs, Some(&luminance));
-        Outcome {
+        Ok(Outcome {
             shape: Shape::default(),
             ..run.outcome
-        }
+        })
     }
 
     /// Edges and the trace of a frame, band by band.
-    fn shape_in_bands<'a>(&'a self, plan: &'a Plan, frame: &'a Frame, rows: usize) -> Run<'a> {
+    fn shape_in_bands<'a>(
+        &'a self,
+        plan: &'a Plan,
+        frame: &'a Frame,
+        watch: Watch<'a>,
+        rows: usize,
+    ) -> Result<Run<'a>> {
         let (whole, reach) = (frame.data_window, plan.reach());
         // The gain is chosen from the whole.
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
         let mut run = Run {
-            plan,
-            frame,
-            runner: self,
-            kept: None,
-            outcome: Outcome::default(),
+            watch,
+            ..Run::new(self, plan, frame)
         };
         for (takes, gives) in bands(whole.height(), rows, reach) {
+            watch.check()?;
             let made = self.find_shape(&given, &frame.crop(rows_of(whole, &takes)));
             let outcome = &mut run.outcome;
             let (to, from) = (&mut outcome.shape, &made.shape);
@@ -100,7 +114,7 @@ impl Runner {
             }
             self.recycle(made);
         }
-        run
+        Ok(run)
     }
 }
 
@@ -216,10 +230,13 @@ mod tests {
         let plan = Plan::hatch(available, shape, scaling, tone, LineParams::default()).unwrap();
         assert!(goes_in_bands(&plan, &frame));
         let runner = Runner::default();
-        let whole = runner.draw(&plan, &frame, DrawingInputs::default());
+        let inputs = Inputs::default();
+        let whole = runner.execute(&plan, &frame, inputs).unwrap();
         for rows in [37, 64] {
             let mut used = frame.clone();
-            let made = runner.draw_in_bands(&plan, &mut used, DrawingInputs::default(), rows);
+            let watch = Watch::default();
+            let made = runner.draw_in_bands(&plan, &mut used, inputs, watch, rows);
+            let made = made.unwrap();
             let chosen = |o: &Outcome| (o.gain, o.white_level);
             assert_eq!(chosen(&made), chosen(&whole));
             let [made, whole] = [&made, &whole].map(|o| o.drawing.as_ref().unwrap());

@@ -68,7 +68,7 @@ impl StripSearch {
     /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
     ///
     /// # Panics
-    /// As [`Runner::run`] does, and if the plan is for a drawing.
+    /// If the plan was made for other inputs than the strip holds, or is for a drawing.
     pub fn look(&mut self, runner: &Runner, plan: &Plan, strip: &Frame, rows: Range<usize>) {
         assert!(plan.drawing.is_none(), "a drawing takes the picture whole");
         if let Some(search) = &mut self.albedo {

@@ -2,7 +2,6 @@
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};
-use crate::engine::cpu::runner::DrawingInputs;
 use crate::engine::gpu::choose::Search;
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::draw::{medium, plane_of};
@@ -13,6 +12,7 @@ use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::runner::{Runner, SCALES, apart};
 use crate::engine::gpu::strips::Strips;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Drawing, Outcome, Shape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
@@ -70,7 +70,7 @@ impl Runner {
         frame: &Frame,
         params: &LineParams,
         light: Option<&Light>,
-        inputs: DrawingInputs,
+        inputs: Inputs,
         strips: &Strips,
     ) -> Result<Outcome> {
         let is_made = light.is_some() || SCALES.iter().any(|&stage| plan.has(stage));
