@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ShapeParams::default(),
             ScalingParams::default(),
         )?;
-        cpu::run(&plan, &frame)
+        cpu::run(&plan, &frame)?
             .color
             .ok_or_else(|| "no picture was made".into())
     };

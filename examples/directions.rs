@@ -5,6 +5,7 @@
 //! `max` and `min` are the fields of the larger and the lesser curvature, made calm; `layer` is the
 //! direction layer, pixel by pixel.
 
+use relievo::engine;
 use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use relievo::io::output::{Replace, write_atomically};
@@ -47,7 +48,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::new(Goal::Layers, Available::in_frame(&frame), shape, scaling)?;
     let runner = Runner::default();
-    let shape = runner.run(&plan, &frame).shape;
+    let shape = runner
+        .execute(&plan, &frame, engine::Inputs::default())?
+        .shape;
     let field = FieldParams::default();
     let fields = which.map(|which| runner.stroke_fields(&plan, &frame, &field, which));
     let directions = fields

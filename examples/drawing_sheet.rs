@@ -5,7 +5,8 @@
 mod common;
 
 use common::{light_from, load};
-use relievo::engine::cpu::{DrawingInputs, Runner};
+use relievo::engine::Inputs;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{Frame, Plane};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
@@ -72,11 +73,11 @@ fn drawn(
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::hatch(Available::in_frame(frame), shape, scaling, tone, line)?;
-    let inputs = DrawingInputs {
+    let inputs = Inputs {
         illumination: light,
-        ..DrawingInputs::default()
+        ..Inputs::default()
     };
-    let drawing = Runner::default().draw(&plan, frame, inputs).drawing;
+    let drawing = Runner::default().execute(&plan, frame, inputs)?.drawing;
     let drawing = drawing.ok_or("no drawing was made")?;
     let white = on_paper(&[
         &drawing.hatching,

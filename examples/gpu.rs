@@ -4,9 +4,8 @@
 //! takes, with the bytes that an ideal pass would move in that time.
 //! Without a file, waves of that size, 1920x1080 where none is given.
 
-use relievo::engine::cpu;
-use relievo::engine::cpu::DrawingInputs;
 use relievo::engine::gpu::{Choice, Device, Runner};
+use relievo::engine::{self, cpu};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
@@ -143,18 +142,13 @@ fn measure(
     light: Option<&Illumination>,
 ) -> relievo::Result<()> {
     let on_cpu = cpu::Runner::default();
-    let is_drawn = plan.drawing.is_some();
-    let by_cpu = || match light {
-        Some(light) => on_cpu.relight(plan, frame, light),
-        None if is_drawn => on_cpu.draw(plan, frame, DrawingInputs::default()),
-        None => on_cpu.run(plan, frame),
+    let inputs = engine::Inputs {
+        illumination: light,
+        ..engine::Inputs::default()
     };
-    let by_device = || match light {
-        Some(light) => runner.relight(plan, frame, light),
-        None if is_drawn => runner.draw(plan, frame, DrawingInputs::default()),
-        None => runner.run(plan, frame),
-    };
-    let (found, expected) = (by_device()?, by_cpu());
+    let by_cpu = || on_cpu.execute(plan, frame, inputs);
+    let by_device = || runner.execute(plan, frame, inputs);
+    let (found, expected) = (by_device()?, by_cpu()?);
     println!("\n{name}:");
     for product in [Product::Picture, Product::Strokes, Product::Contours] {
         let [found, expected] = [&found, &expected].map(|outcome| outcome.planes(product));
@@ -170,7 +164,7 @@ fn measure(
     let mut processor = f64::INFINITY;
     for _ in 0..RUNS {
         let start = Instant::now();
-        on_cpu.recycle(by_cpu());
+        on_cpu.recycle(by_cpu()?);
         whole[0] = whole[0].min(start.elapsed());
         let (start, before) = (Instant::now(), processor_seconds());
         let timings = by_device()?.timings;

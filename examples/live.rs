@@ -2,14 +2,14 @@
 //!
 //! `cargo run --release --example live -- render.exr` prints the median and the longest of a few dozen changes.
 
-use relievo::engine::cpu::{LiveRunner, Outcome};
+use relievo::engine::cpu::Outcome;
+use relievo::engine::{Engine, Request, Run, Session};
 use relievo::frame::Frame;
 use relievo::io::inputs::{Inputs, LightInputs};
 use relievo::io::picture::{Picture, ViewTransform, pixels};
 use relievo::io::{self, Needs};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{RelightParams, Scale, ScalingParams, ShapeParams};
-use relievo::plan::{Available, Goal, LightKinds, Plan};
 use std::time::Instant;
 
 /// Changes that are made of each kind.
@@ -36,33 +36,31 @@ fn main() -> relievo::Result<()> {
         frame.mask.count(),
         rayon::current_num_threads()
     );
-    let available = Available::in_frame(&frame);
+    let has_picture = frame.color.is_some();
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let mut live = LiveRunner::new(frame);
+    let mut live = Session::new(Engine::cpu(), frame);
 
     timed(&mut live, "a light", |live, i| {
         let light = lit_from(90.0 + i as f32);
-        let kinds = LightKinds::in_light(&light);
-        let plan = Plan::relight(available, shape, scaling, RelightParams::default(), kinds)?;
-        live.relight(&plan, &light, None);
+        let request = Request::relight(shape, scaling, RelightParams::default(), &light);
+        live.run(&request, &Run::new())?;
         Ok(())
     })?;
     timed(&mut live, "the scale, in light", |live, i| {
         let light = lit_from(90.0);
-        let kinds = LightKinds::in_light(&light);
         let scale = Scale::Iterations(10 + i);
         let shape = ShapeParams { scale, ..shape };
-        let plan = Plan::relight(available, shape, scaling, RelightParams::default(), kinds)?;
-        live.relight(&plan, &light, None);
+        let request = Request::relight(shape, scaling, RelightParams::default(), &light);
+        live.run(&request, &Run::new())?;
         Ok(())
     })?;
-    if available.color {
+    if has_picture {
         timed(&mut live, "radiance scaling", |live, i| {
             let scaling = ScalingParams {
                 scaling: 0.5 + 0.05 * i as f32,
                 ..scaling
             };
-            live.run(&Plan::new(Goal::Enhance, available, shape, scaling)?);
+            live.run(&Request::enhance(shape, scaling), &Run::new())?;
             Ok(())
         })?;
     }
@@ -81,9 +79,9 @@ fn lit_from(azimuth: f32) -> Illumination {
 
 /// Makes `change` again and again, and pixels of each.
 fn timed(
-    live: &mut LiveRunner<Frame>,
+    live: &mut Session<Frame>,
     what: &str,
-    change: impl Fn(&mut LiveRunner<Frame>, u32) -> relievo::Result<()>,
+    change: impl Fn(&mut Session<Frame>, u32) -> relievo::Result<()>,
 ) -> relievo::Result<()> {
     change(live, CHANGES)?;
     let counts = live.counts().clone();

@@ -6,7 +6,8 @@
 //! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too. Light is
 //! held against double precision at some hundred pixels, the ink of drawings against the tone asked for.
 
-use relievo::engine::cpu::{DrawingInputs, Outcome, Runner};
+use relievo::engine::Inputs;
+use relievo::engine::cpu::{Outcome, Runner};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -157,7 +158,10 @@ fn print_drawing(
         runs: repeats,
         limit: Duration::MAX,
     };
-    let draw = || runner.draw(&plan, frame, DrawingInputs::default());
+    let draw = || {
+        let outcome = runner.execute(&plan, frame, Inputs::default());
+        outcome.expect("the plan was made for the frame")
+    };
     let (outcome, timed) = measure_runs(&runner, effort, draw);
     let ink = outcome.drawing.expect("a drawing was planned").hatching;
     let covered = frame.mask.plane().samples().iter().zip(ink.samples());
@@ -288,12 +292,12 @@ impl Lighting<'_> {
         let available = Available::in_frame(frame);
         let plan = Plan::relight(available, shape, scaling, self.params, kinds)?;
         let runner = Runner::default();
-        let mut outcome = runner.relight(&plan, frame, &self.light);
+        let mut outcome = runner.execute(&plan, frame, Inputs::lit_by(&self.light))?;
         let (mut times, mut once) = (Vec::new(), Vec::new());
         for _ in 0..repeats {
             runner.recycle(outcome);
             runner.forget_environment();
-            outcome = runner.relight(&plan, frame, &self.light);
+            outcome = runner.execute(&plan, frame, Inputs::lit_by(&self.light))?;
             let stage = |name: &str| {
                 let mut timings = outcome.timings.iter();
                 timings

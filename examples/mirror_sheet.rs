@@ -4,7 +4,8 @@
 
 mod common;
 
-use relievo::engine::cpu::{DrawingInputs, Runner};
+use relievo::engine;
+use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, SpecularScene};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, SpecularInputs, load_specular};
@@ -77,7 +78,11 @@ fn relit(frame: &Frame, scene: &SpecularScene) -> relievo::Result<ColorPlanes> {
         LightKinds::default(),
     )?;
     let light = Illumination::default();
-    let outcome = Runner::default().relight_specular(&plan, frame, &light, scene);
+    let inputs = engine::Inputs {
+        specular: Some(scene),
+        ..engine::Inputs::lit_by(&light)
+    };
+    let outcome = Runner::default().execute(&plan, frame, inputs)?;
     Ok(outcome.color.expect("light makes a picture"))
 }
 
@@ -91,11 +96,11 @@ fn drawn(frame: &Frame, scene: Option<&SpecularScene>) -> relievo::Result<ColorP
         ToneFrom::Enhanced,
         line,
     )?;
-    let inputs = DrawingInputs {
+    let inputs = engine::Inputs {
         specular: scene,
-        ..DrawingInputs::default()
+        ..engine::Inputs::default()
     };
-    let drawing = Runner::default().draw(&plan, frame, inputs).drawing;
+    let drawing = Runner::default().execute(&plan, frame, inputs)?.drawing;
     let drawing = drawing.expect("a drawing is planned");
     let layers: Vec<_> = std::iter::once(&drawing.hatching)
         .chain(&drawing.contours)

@@ -4,6 +4,7 @@
 
 mod common;
 
+use relievo::engine::Inputs;
 use relievo::engine::cpu::Runner;
 use relievo::frame::Frame;
 use relievo::params::{Method, RelightParams, ScalingParams, ShapeParams};
@@ -63,7 +64,8 @@ fn write_turns(w: impl Write, frame: &Frame, count: u16) -> Result<(), Box<dyn E
     let runner = Runner::default();
     for turn in 0..count {
         let azimuth = 360.0 * f32::from(turn) / f32::from(count);
-        let outcome = runner.relight(&plan, frame, &common::light_from(azimuth, ELEVATION));
+        let light = common::light_from(azimuth, ELEVATION);
+        let outcome = runner.execute(&plan, frame, Inputs::lit_by(&light))?;
         let color = outcome.color.as_ref().expect("light makes a picture");
         writer.write_image_data(&common::codes(&common::over_backdrop(color, frame)))?;
         runner.recycle(outcome);

@@ -102,6 +102,17 @@ pub enum Error {
         /// What happened.
         found: String,
     },
+    /// A plan is run on other inputs than it was made for.
+    #[error("{found}; {remedy}")]
+    Unfit {
+        /// What the plan takes, and what there is.
+        found: String,
+        /// What to give.
+        remedy: &'static str,
+    },
+    /// The run was cancelled by its token.
+    #[error("the run was cancelled")]
+    Cancelled,
     /// This program is at fault: it panicked.
     #[error("{}: a fault of relievo itself ({found}); please report it, with this file", path.display())]
     Fault {

@@ -4,6 +4,7 @@
 
 pub(crate) mod room;
 
+use relievo::engine;
 use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
@@ -71,7 +72,7 @@ pub(crate) fn relit(
         relight,
         LightKinds::in_light(light),
     )?;
-    let outcome = Runner::default().relight(&plan, frame, light);
+    let outcome = Runner::default().execute(&plan, frame, engine::Inputs::lit_by(light))?;
     let color = outcome.color.expect("light makes a picture");
     Ok(over_backdrop(&color, frame))
 }

@@ -86,6 +86,7 @@ fn a_render_is_read_and_enhanced_without_a_flag() {
     )
     .unwrap();
     let color = cpu::run(&plan, frame)
+        .unwrap()
         .color
         .expect("enhancing gives a picture");
     assert!(color.r.samples().iter().all(|v| v.is_finite()));

@@ -5,6 +5,7 @@ use super::memory::MaxMemory;
 use super::role_args::RoleArgs;
 use super::sequence::{SequenceArgs, numbered, numbered_path};
 use super::threads::MOST_THREADS;
+use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::io::exr::{OutputCompression, OutputType};
 use crate::io::frame_bytes;
@@ -126,6 +127,20 @@ pub(super) enum BackendArg {
     Auto,
     Cpu,
     Gpu,
+}
+
+impl BackendArg {
+    /// The engine that is asked for.
+    ///
+    /// # Errors
+    /// [`crate::Error::NoGpu`] where there has to be a device and is none.
+    pub(super) fn engine(self) -> Result<Engine> {
+        match self {
+            Self::Auto => Ok(Engine::auto()),
+            Self::Cpu => Ok(Engine::cpu()),
+            Self::Gpu => Engine::gpu(),
+        }
+    }
 }
 
 /// How a sequence shows how far it has come.

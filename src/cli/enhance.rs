@@ -3,13 +3,13 @@
 use super::args::WorkArgs;
 use super::chosen::Chosen;
 use super::commands::EnhanceArgs;
-use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
 use super::strips::{self, StripWork};
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
+use crate::engine::{self, Engine};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, LightLayers};
 use crate::io::exr::OutputChannel;
@@ -37,7 +37,7 @@ impl FrameCommand for EnhanceArgs {
     }
 
     fn prepare(&self) -> Result<Engine> {
-        Engine::new(self.work.run.backend)
+        self.work.run.backend.engine()
     }
 
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
@@ -47,7 +47,7 @@ impl FrameCommand for EnhanceArgs {
         told.iter().for_each(|warning| job.warn(warning));
         let work = Enhancement {
             args: self,
-            runner: &engine.cpu,
+            runner: engine.cpu_runner(),
         };
         if strips::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
@@ -58,7 +58,7 @@ impl FrameCommand for EnhanceArgs {
         work.warnings(&loaded)
             .iter()
             .for_each(|text| job.warn(text));
-        let outcome = engine.run(job, &plan, &loaded.frame)?;
+        let outcome = job.execute(engine, &plan, &loaded.frame, engine::Inputs::default())?;
         let done = Done {
             loaded,
             plan,
@@ -66,7 +66,7 @@ impl FrameCommand for EnhanceArgs {
             read,
         };
         let chosen = job.write_color(&done, made(&done.loaded.frame, &done.outcome))?;
-        engine.cpu.recycle(done.outcome);
+        engine.recycle(done.outcome);
         Ok(chosen)
     }
 }
@@ -84,10 +84,6 @@ impl StripWork for Enhancement<'_> {
 
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
         self.args.plan(&strip.frame, found)
-    }
-
-    fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
-        self.runner.run(plan, strip)
     }
 
     fn channels<'a>(

@@ -2,7 +2,6 @@
 
 use super::args::{OutputArgs, WorkArgs};
 use super::chosen::Chosen;
-use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::line_args::HatchArgs;
@@ -10,8 +9,8 @@ use super::motion::Steps;
 use super::output::{Kind, color_channels};
 use super::relight::{illumination, needs};
 use super::strips::{refuse_large_surroundings, refuse_too_large};
-use crate::engine::cpu::DrawingInputs;
 use crate::engine::outcome::Drawing;
+use crate::engine::{self, Engine, Run};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
@@ -98,7 +97,7 @@ impl FrameCommand for HatchArgs {
                 &self.relight,
                 self.relight.work.run.max_memory.for_light(),
             )?,
-            engine: Engine::new(self.relight.work.run.backend)?,
+            engine: self.relight.work.run.backend.engine()?,
             looks,
             surroundings: Mutex::default(),
             course: Mutex::default(),
@@ -118,11 +117,16 @@ impl FrameCommand for HatchArgs {
             scene.is_some(),
         )?;
         job.tell_plan(&plan)?;
-        let inputs = DrawingInputs {
+        let inputs = engine::Inputs {
             specular: scene.as_ref(),
             illumination: Some(&illumination),
             art_map: kit.art_map.as_ref(),
             sequence: None,
+        };
+        let warn = |text: &str| job.warn(text);
+        let run = Run::new().warn(&warn);
+        let draw = |frame: &mut Frame, inputs: engine::Inputs| {
+            kit.engine.execute_sparingly(&plan, frame, inputs, &run)
         };
         let outcome = match (moves, job.frame) {
             (true, Some(number)) => job.in_turn(|| {
@@ -130,19 +134,19 @@ impl FrameCommand for HatchArgs {
                 let motion = course
                     .steps
                     .motion(number, &mut loaded, |text| job.warn(text));
-                let inputs = DrawingInputs {
+                let inputs = engine::Inputs {
                     sequence: Some(SequenceInputs {
                         before: course.coordinates.as_ref(),
                         motion: motion.as_ref(),
                     }),
                     ..inputs
                 };
-                let mut outcome = kit.engine.draw(job, &plan, &mut loaded.frame, inputs)?;
+                let mut outcome = draw(&mut loaded.frame, inputs)?;
                 let drawing = outcome.drawing.as_mut().expect("a drawing was planned");
                 course.coordinates = drawing.coordinates.take();
                 Ok(outcome)
             }),
-            _ => kit.engine.draw(job, &plan, &mut loaded.frame, inputs),
+            _ => draw(&mut loaded.frame, inputs),
         }?;
         let done = Done {
             loaded,
@@ -151,7 +155,7 @@ impl FrameCommand for HatchArgs {
             read,
         };
         let chosen = write(job, &done, kit.looks.line.strokes.dpi)?;
-        kit.engine.cpu.recycle(done.outcome);
+        kit.engine.recycle(done.outcome);
         Ok(chosen)
     }
 }

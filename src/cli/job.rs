@@ -8,6 +8,7 @@ use super::recipe::RecipeText;
 use super::run_log::RunLog;
 use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::engine::outcome::Outcome;
+use crate::engine::{self, Engine, Run};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Plane, Window};
 use crate::io::exr::OutputChannel;
@@ -188,6 +189,18 @@ impl<'a> Job<'a> {
             false => String::new(),
         };
         self.told.say(&format!("{kind}: {name}{text}"));
+    }
+
+    /// Runs `plan` on a frame of this job, and warns where a device that is to do it does not.
+    pub(super) fn execute(
+        &self,
+        engine: &Engine,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: engine::Inputs,
+    ) -> Result<Outcome> {
+        let warn = |text: &str| self.warn(text);
+        engine.execute(plan, frame, inputs, &Run::new().warn(&warn))
     }
 
     /// Prints the plan, where asked to.

@@ -3,7 +3,6 @@
 mod args;
 mod chosen;
 mod commands;
-mod engine;
 mod enhance;
 mod files;
 mod flags;

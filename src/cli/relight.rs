@@ -2,7 +2,6 @@
 
 use super::args::WorkArgs;
 use super::chosen::Chosen;
-use super::engine::{Engine, relight_on_cpu};
 use super::enhance::dark_rims;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
@@ -11,6 +10,7 @@ use super::strips::{self, StripWork};
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
+use crate::engine::{self, Engine};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::environment::{read_environment_within, read_lit_sphere_within};
@@ -56,7 +56,7 @@ impl FrameCommand for RelightArgs {
     fn prepare(&self) -> Result<RelightInputs> {
         Ok(RelightInputs {
             illumination: illumination(self, self.work.run.max_memory.for_light())?,
-            engine: Engine::new(self.work.run.backend)?,
+            engine: self.work.run.backend.engine()?,
         })
     }
 
@@ -85,12 +85,7 @@ impl FrameCommand for RelightArgs {
         }
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let RelightInputs {
-            illumination,
-            engine,
-        } = kit;
-        let scene = work.scene.as_ref();
-        let outcome = engine.relight(job, &plan, &loaded.frame, illumination, scene)?;
+        let outcome = job.execute(&kit.engine, &plan, &loaded.frame, work.inputs())?;
         let done = Done {
             loaded,
             plan,
@@ -98,7 +93,7 @@ impl FrameCommand for RelightArgs {
             read,
         };
         let chosen = job.write_color(&done, lit(&done.outcome))?;
-        engine.cpu.recycle(done.outcome);
+        kit.engine.recycle(done.outcome);
         Ok(chosen)
     }
 }
@@ -113,7 +108,7 @@ struct Relight<'a> {
 
 impl StripWork for Relight<'_> {
     fn runner(&self) -> &Runner {
-        &self.kit.engine.cpu
+        self.kit.engine.cpu_runner()
     }
 
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
@@ -124,9 +119,11 @@ impl StripWork for Relight<'_> {
         self.args.plan(&strip.frame, kinds, is_traced, found)
     }
 
-    fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
-        let light = &self.kit.illumination;
-        relight_on_cpu(self.runner(), plan, strip, light, self.scene.as_ref())
+    fn inputs(&self) -> engine::Inputs<'_> {
+        engine::Inputs {
+            specular: self.scene.as_ref(),
+            ..engine::Inputs::lit_by(&self.kit.illumination)
+        }
     }
 
     fn channels<'a>(

@@ -2,7 +2,7 @@
 
 use super::args::BackendArg;
 #[cfg(feature = "gpu")]
-use crate::engine::cpu::DrawingInputs;
+use crate::engine::Inputs;
 use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::frame::Frame;
@@ -22,7 +22,7 @@ impl ReportDevice {
     /// [`crate::Error::NoGpu`] where there has to be a device: this build knows of none.
     pub(super) fn of(backend: BackendArg) -> Result<Self> {
         match backend {
-            BackendArg::Gpu => Err(super::engine::built_without_gpu()),
+            BackendArg::Gpu => backend.engine().map(|_| Self),
             BackendArg::Auto | BackendArg::Cpu => Ok(Self),
         }
     }
@@ -75,13 +75,8 @@ impl ReportDevice {
                 is_required,
             } => {
                 let device = runner.device();
-                let run = |plan: &Plan, frame: &Frame, light: &Illumination| match &plan.relighting
-                {
-                    _ if plan.drawing.is_some() => {
-                        runner.draw(plan, frame, DrawingInputs::default())
-                    }
-                    Some(_) => runner.relight(plan, frame, light),
-                    None => runner.run(plan, frame),
+                let run = |plan: &Plan, frame: &Frame, light: &Illumination| {
+                    runner.execute(plan, frame, Inputs::lit_by(light))
                 };
                 measure(gpu::Device::Measured(gpu::Gpu::new(
                     device.name(),

@@ -2,7 +2,6 @@
 
 use super::args::WorkArgs;
 use super::chosen::Chosen;
-use super::engine::Engine;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
 use super::output::Kind;
@@ -10,6 +9,7 @@ use super::strips::{self, StripWork};
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::{Outcome, ScaleShape};
+use crate::engine::{self, Engine};
 use crate::error::Result;
 use crate::frame::Frame;
 use crate::io::exr::{OutputChannel, OutputType};
@@ -40,14 +40,14 @@ impl FrameCommand for WorkArgs {
     }
 
     fn prepare(&self) -> Result<Engine> {
-        Engine::new(self.run.backend)
+        self.run.backend.engine()
     }
 
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
         let work = Description {
             args: self,
             goal: self.goal()?,
-            runner: &engine.cpu,
+            runner: engine.cpu_runner(),
         };
         let (inputs, needs) = self.reading(work.goal, job);
         if strips::is_too_large(job) {
@@ -56,7 +56,7 @@ impl FrameCommand for WorkArgs {
         let (loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let outcome = engine.run(job, &plan, &loaded.frame)?;
+        let outcome = job.execute(engine, &plan, &loaded.frame, engine::Inputs::default())?;
         let done = Done {
             loaded,
             plan,
@@ -64,7 +64,7 @@ impl FrameCommand for WorkArgs {
             read,
         };
         let chosen = work.write(job, &done)?;
-        engine.cpu.recycle(done.outcome);
+        engine.recycle(done.outcome);
         Ok(chosen)
     }
 }
@@ -83,10 +83,6 @@ impl StripWork for Description<'_> {
 
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
         self.args.plan(self.goal, &strip.frame, found)
-    }
-
-    fn run(&self, plan: &Plan, strip: &Frame) -> Outcome {
-        self.runner.run(plan, strip)
     }
 
     fn channels<'a>(

@@ -6,6 +6,7 @@ use super::job::{Job, MadePicture, Timings};
 use super::memory::{MaxMemory, PHOTO_BYTES};
 use super::output::{Kind, ReadyOutput};
 use super::progress::strips_bar;
+use crate::engine;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::guard::not_finite;
@@ -39,7 +40,10 @@ pub(super) trait StripWork {
     /// The plan for a picture or a strip of it, with what was found in the whole.
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan>;
 
-    fn run(&self, plan: &Plan, strip: &Frame) -> Outcome;
+    /// What a plan takes beside the picture.
+    fn inputs(&self) -> engine::Inputs<'_> {
+        engine::Inputs::default()
+    }
 
     /// What is written of a strip to an EXR.
     fn channels<'a>(
@@ -278,7 +282,7 @@ pub(super) fn make<W: StripWork>(
     };
     source.found = choose(&source, job, &plan)?;
     let plan = work.plan(&sample, &source.found)?;
-    let outcome = work.run(&plan, &sample.frame);
+    let outcome = run(work, &plan, &sample.frame)?;
     let chosen = read.with(&source.found, outcome.environment_gain);
     job.write_output(&chosen, |output| {
         match gathered {
@@ -292,6 +296,11 @@ pub(super) fn make<W: StripWork>(
         job.write_timings(&source.timings.borrow())
     })?;
     Ok(chosen)
+}
+
+/// What comes of a strip.
+fn run<W: StripWork>(work: &W, plan: &Plan, strip: &Frame) -> Result<Outcome> {
+    work.runner().execute(plan, strip, work.inputs())
 }
 
 /// The middle of the picture, which tells how its layers are to be read: as many rows as fit.
@@ -325,7 +334,7 @@ fn gathered<W: StripWork>(
     if job.work.output.output.is_none() {
         return Ok(None);
     }
-    let outcome = work.run(plan, &sample.frame);
+    let outcome = run(work, plan, &sample.frame)?;
     let made = work.picture(job, sample, &outcome);
     let size = [whole.width(), whole.height()];
     Ok(Some(Gathered::new(format, size, &made.picture())))
@@ -342,7 +351,7 @@ fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<St
         for index in 0..source.strips.count() {
             let (loaded, plan, rows) = source.load(index)?;
             let runner = source.work.runner();
-            source.timed("look", || search.look(runner, &plan, &loaded.frame, rows));
+            source.timed("look", || search.look(runner, &plan, &loaded.frame, rows))?;
             bar.inc(1);
         }
         if look + 1 < looks {
@@ -408,7 +417,7 @@ fn each_made<W: StripWork>(
     let bar = strips_bar(&job.work.run, "writing", source.strips.count());
     for index in 0..source.strips.count() {
         let (loaded, plan, rows) = source.load(index)?;
-        let outcome = source.work.run(&plan, &loaded.frame);
+        let outcome = run(source.work, &plan, &loaded.frame)?;
         let covered = |y| loaded.frame.mask.row(y).iter().filter(|&&c| c).count();
         let covered: usize = rows.clone().map(covered).sum();
         {

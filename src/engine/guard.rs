@@ -162,7 +162,7 @@ fn shape_step(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<&'static 
             ..plan.scaling
         };
         let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling).ok()?;
-        let outcome = cpu::run(&plan, frame);
+        let outcome = cpu::run(&plan, frame).ok()?;
         first_of_shape(&plan, &outcome)
     };
     again(Scale::Iterations(0))
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn a_result_that_is_not_finite_passes_only_where_an_input_is_not() {
         let (plan, mut frame) = waves(ShapeParams::default());
-        let mut outcome = cpu::run(&plan, &frame);
+        let mut outcome = cpu::run(&plan, &frame).unwrap();
         assert_eq!(checked(&plan, &frame, &outcome), None);
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             // The last sample of all, and two of one pixel.
@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn the_stage_that_failed_first_is_named() {
         let (plan, frame) = waves(ShapeParams::default());
-        let mut outcome = cpu::run(&plan, &frame);
+        let mut outcome = cpu::run(&plan, &frame).unwrap();
         let name = |outcome: &Outcome| stage(&plan, &frame, outcome);
         // What was made is finite, and made again too: colours were turned after it.
         assert_eq!(name(&outcome), "view-transform");
@@ -259,7 +259,7 @@ mod tests {
         });
         frame.normal.x.samples_mut().fill(1e30);
         frame.normal.z.samples_mut().fill(0.0);
-        let outcome = cpu::run(&plan, &frame);
+        let outcome = cpu::run(&plan, &frame).unwrap();
         let gradient = outcome.shape.gradient.as_ref().unwrap();
         assert!(!is_finite(&gradient.x));
         let conductance = outcome.shape.conductance.as_ref().unwrap();

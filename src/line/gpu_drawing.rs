@@ -2,11 +2,11 @@
 //! pixel to pixel, are found on the CPU while the device makes the strokes.
 
 use crate::engine::cpu::gpu_support::contour_pieces;
-use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::runner::Runner;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Drawing, Outcome};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
@@ -26,22 +26,6 @@ use crate::shape::edges::stage::EDGES;
 use std::time::Instant;
 
 impl Runner {
-    /// Runs `plan`, made by [`Plan::hatch`], on `frame`: its drawing, and the tone that was drawn where it was made.
-    ///
-    /// Strokes that are lines, the lines along edges, and where strokes of a sequence have moved to are found on the CPU.
-    /// Where the whole frame is too much for the device's memory it is drawn in strips, the same, and the CPU finds the
-    /// directions of strokes too.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
-    ///
-    /// # Panics
-    /// If the plan was made for other inputs, or [`Runner::can_run`] is false.
-    pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Result<Outcome> {
-        assert!(plan.drawing.is_some(), "a drawing is planned");
-        self.run_in_memory(plan, frame, inputs)
-    }
-
     /// Draws a frame whose planes the device takes; `None` where surfaces fall apart into more patches than there is room
     /// for.
     pub(crate) fn draw_whole(
@@ -50,7 +34,7 @@ impl Runner {
         frame: &Frame,
         params: &LineParams,
         light: Option<&Light>,
-        inputs: DrawingInputs,
+        inputs: Inputs,
     ) -> Result<Option<Outcome>> {
         let mut outcome = Outcome::default();
         // Edges first: lines along them are left to the CPU.
@@ -166,7 +150,7 @@ impl Runner {
         &self,
         plan: &Plan,
         params: &LineParams,
-        inputs: DrawingInputs,
+        inputs: Inputs,
         outcome: &mut Outcome,
     ) -> Strokes {
         let strokes = &params.strokes;
@@ -192,7 +176,7 @@ impl Runner {
     pub(crate) fn coordinates(
         &self,
         frame: &Frame,
-        inputs: DrawingInputs,
+        inputs: Inputs,
         outcome: &mut Outcome,
     ) -> Option<TextureCoordinates> {
         let sequence = inputs.sequence?;

@@ -2,13 +2,13 @@
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};
-use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::runner::Runner;
 use crate::engine::gpu::strips::Strips;
 use crate::engine::gpu::surface::apart;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Drawing, Outcome, Shape};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
@@ -71,7 +71,7 @@ impl Runner {
         frame: &Frame,
         params: &LineParams,
         light: Option<&Light>,
-        inputs: DrawingInputs,
+        inputs: Inputs,
         strips: &Strips,
     ) -> Result<Outcome> {
         let is_made = plan.makes_picture();

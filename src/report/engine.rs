@@ -3,10 +3,10 @@
 use super::timing::{self, Effort, Timed};
 use crate::Result;
 pub(super) use crate::engine::cpu::{
-    DrawingInputs as Inputs, Outcome, Runner, SequenceInputs, TextureCoordinates, map_row,
-    vector_bits,
+    Outcome, Runner, SequenceInputs, TextureCoordinates, map_row, vector_bits,
 };
 pub(super) use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
+pub(super) use crate::engine::inputs::Inputs;
 use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::params::{
@@ -46,32 +46,18 @@ pub(super) fn painted() -> ToneParams {
     }
 }
 
-/// New light from `light`.
-pub(super) fn lit_by(light: &Illumination) -> Inputs<'_> {
-    Inputs {
-        illumination: Some(light),
-        ..Inputs::default()
-    }
-}
-
 /// Runs plans in the memory of the runs before, as the frames of a sequence do.
 #[derive(Default)]
 pub(super) struct Session(Runner);
 
 impl Session {
-    /// Runs `plan` for what it is planned: a drawing, new light or shape.
+    /// Runs `plan`.
     ///
     /// # Panics
-    /// If it is for new light and `inputs` hold none.
+    /// If it was made for other inputs.
     pub(super) fn run(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Outcome {
-        match &plan.relighting {
-            _ if plan.drawing.is_some() => self.0.draw(plan, frame, inputs),
-            Some(_) => {
-                let light = inputs.illumination.expect("new light needs lights");
-                self.0.relight(plan, frame, light)
-            }
-            None => self.0.run(plan, frame),
-        }
+        let outcome = self.0.execute(plan, frame, inputs);
+        outcome.expect("plans of reports are made for what they are run on")
     }
 
     /// Runs `plan` once to warm up, then as often as `effort` says; the last outcome.

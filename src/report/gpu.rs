@@ -2,7 +2,7 @@
 //! products are from the CPU's.
 
 use super::engine::{
-    KERNELS, Outcome, Product, READ_BACK, RECORD, Session, UPLOAD, hatch_plan, lit_by, relight_plan,
+    Inputs, KERNELS, Outcome, Product, READ_BACK, RECORD, Session, UPLOAD, hatch_plan, relight_plan,
 };
 use super::timing::{self, Effort, Timed, Times};
 use crate::error::{Error, Result};
@@ -257,7 +257,7 @@ fn plans(frame: &Frame, shape: ShapeParams) -> Result<Vec<Plan>> {
 }
 
 fn run_on_cpu(plan: &Plan, frame: &Frame) -> Outcome {
-    Session::default().run(plan, frame, lit_by(&lamp()))
+    Session::default().run(plan, frame, Inputs::lit_by(&lamp()))
 }
 
 /// How far the products are apart that `plan` is for, of those that both backends made; infinitely where one is missing.

@@ -4,7 +4,7 @@
 //! gain that the CPU found. A drawing has none: the drawing of the device is compared with that of the CPU.
 
 use super::compare::{Errors, Tally, compare_where};
-use super::engine::{Inputs, Outcome, Session, hatch_plan, lit_by, relight_plan};
+use super::engine::{Inputs, Outcome, Session, hatch_plan, relight_plan};
 use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
 use super::light::environment;
 use super::light::lit::{bare, off, some_covered, white};
@@ -117,7 +117,7 @@ impl BothBackends<'_> {
         };
         let plan = relight_plan(frame, self.shape, params, light)?;
         let session = Session::default();
-        let (expected, on_cpu) = session.measure(&plan, frame, lit_by(light), self.effort);
+        let (expected, on_cpu) = session.measure(&plan, frame, Inputs::lit_by(light), self.effort);
         let exact = lit_at(
             some_covered(&frame.mask, COMPARED),
             frame,
@@ -205,7 +205,7 @@ mod tests {
     use crate::report::scenes::Scene;
 
     fn on_cpu(plan: &Plan, frame: &Frame, light: &Illumination) -> Outcome {
-        Session::default().run(plan, frame, lit_by(light))
+        Session::default().run(plan, frame, Inputs::lit_by(light))
     }
 
     fn rows_of(off: f32) -> Vec<PictureRow> {

@@ -8,6 +8,7 @@ use super::numbers::milliseconds;
 use super::work::Work;
 use crate::Result;
 use crate::engine::cpu::{Outcome, Runner};
+use crate::engine::inputs::Inputs;
 use crate::frame::Frame;
 use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
@@ -141,13 +142,19 @@ pub(super) fn measure_with(
     effort: Effort,
 ) -> (Outcome, Timed) {
     let runner = Runner::new(options);
-    measure_runs(&runner, effort, || runner.run(plan, frame))
+    measure_runs(&runner, effort, || of_shape(&runner, plan, frame))
+}
+
+/// What a plan that takes nothing beside the frame gives.
+fn of_shape(runner: &Runner, plan: &Plan, frame: &Frame) -> Outcome {
+    let outcome = runner.execute(plan, frame, Inputs::default());
+    outcome.expect("plans of reports are made for what they are run on")
 }
 
 /// Runs `plans` in turn, round after round: a busy machine slows all of them alike.
 pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
     let runner = Runner::default();
-    let run = |plan| runner.run(plan, frame);
+    let run = |plan| of_shape(&runner, plan, frame);
     plans
         .first()
         .into_iter()

@@ -2,7 +2,7 @@
 //!
 //! What is shown is made by the functions of the command line from the arguments that it would parse; controls come
 //! from the tables of its flags. All work is done by a thread of its own, which keeps what the next picture can use
-//! ([`LiveRunner`](crate::engine::cpu::live::LiveRunner)); the window only asks and shows.
+//! ([`Session`](crate::engine::Session)); the window only asks and shows.
 
 mod app;
 mod arrows;

@@ -3,7 +3,8 @@
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
 use super::probe::{self, Value};
-use crate::cli::look::{Engine, Look, Pixels, Reading, Said, ViewSession, What};
+use crate::cli::look::{Look, Pixels, Reading, Said, ViewSession, What};
+use crate::engine::Engine;
 use crate::io::output::{Replace, write_text};
 use std::collections::{BTreeMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -3,6 +3,7 @@
 use super::{assert_alike, on_gpu, plan};
 use crate::common::{in_8_bits, poisoned};
 use glam::{DMat3, DVec3};
+use relievo::engine::Inputs;
 use relievo::engine::cpu;
 use relievo::engine::gpu::Runner;
 use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Window};
@@ -21,7 +22,10 @@ fn assert_same_directions(name: &str, runner: &Runner, frame: &Frame) {
             ..ShapeParams::default()
         };
         let plan = plan(Goal::Layers, frame, shape, ScalingParams::default());
-        let (found, expected) = (runner.run(&plan, frame).unwrap(), cpu::run(&plan, frame));
+        let (found, expected) = (
+            runner.execute(&plan, frame, Inputs::default()).unwrap(),
+            cpu::run(&plan, frame).unwrap(),
+        );
         assert_alike(&format!("{name}, {step:?}"), &found, &expected, |product| {
             (product == Product::Direction).then(|| product.tolerance())
         });

@@ -5,7 +5,8 @@ use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
 use crate::common::poisoned;
 use glam::DVec3;
-use relievo::engine::cpu::{self, DrawingInputs, Outcome, SequenceInputs, TextureCoordinates};
+use relievo::engine::Inputs;
+use relievo::engine::cpu::{self, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
@@ -32,13 +33,15 @@ pub(super) fn assert_drawn(
     let plan = Plan::hatch(available, shape, scaling, tone, line).unwrap();
     let map = (line.strokes.style == Style::Pictures).then(pictures);
     let lamp = lamp();
-    let inputs = DrawingInputs {
+    let inputs = Inputs {
         art_map: map.as_ref(),
         illumination: Some(&lamp),
-        ..DrawingInputs::default()
+        ..Inputs::default()
     };
-    let expected = cpu::Runner::default().draw(&plan, frame, inputs);
-    let found = runner.draw(&plan, frame, inputs).unwrap();
+    let expected = cpu::Runner::default()
+        .execute(&plan, frame, inputs)
+        .unwrap();
+    let found = runner.execute(&plan, frame, inputs).unwrap();
     assert_is_drawing(name, found, expected)
 }
 
@@ -372,17 +375,19 @@ fn strokes_move_with_the_surface() {
                     before: before.as_ref(),
                     motion: Some(motion),
                 };
-                let inputs = DrawingInputs {
+                let inputs = Inputs {
                     art_map: Some(&map),
                     sequence: Some(sequence),
-                    ..DrawingInputs::default()
+                    ..Inputs::default()
                 };
-                let expected = cpu::Runner::default().draw(&plan, frame, inputs);
+                let expected = cpu::Runner::default()
+                    .execute(&plan, frame, inputs)
+                    .unwrap();
                 let drawing = expected.drawing.as_ref().unwrap();
                 let coordinates = drawing.coordinates.clone().unwrap();
                 most_sheets = coordinates.mean_shares().len().max(most_sheets);
                 for (place, runner) in [("whole", runner), ("in strips", &in_strips)] {
-                    let found = runner.draw(&plan, frame, inputs).unwrap();
+                    let found = runner.execute(&plan, frame, inputs).unwrap();
                     let handed_on = found.drawing.as_ref().unwrap().coordinates.as_ref();
                     let shares = handed_on.unwrap().mean_shares();
                     assert_eq!(shares, coordinates.mean_shares());

@@ -2,6 +2,7 @@
 
 use super::{assert_same, on_gpu, plan, waves};
 use crate::common::poisoned;
+use relievo::engine::Inputs;
 use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::Window;
@@ -32,8 +33,12 @@ fn colors_that_are_no_numbers() {
         }
         let scaling = ScalingParams::default();
         let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
-        let expected = cpu::run(&plan, &frame).color.unwrap();
-        let found = runner.run(&plan, &frame).unwrap().color.unwrap();
+        let expected = cpu::run(&plan, &frame).unwrap().color.unwrap();
+        let found = runner
+            .execute(&plan, &frame, Inputs::default())
+            .unwrap()
+            .color
+            .unwrap();
         for (found, expected) in [
             (found.r, expected.r),
             (found.g, expected.g),
@@ -126,11 +131,15 @@ fn a_crop_is_the_whole_away_from_its_border() {
             ..ScalingParams::default()
         };
         let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
-        let whole = cpu::run(&plan, &frame).color.unwrap();
+        let whole = cpu::run(&plan, &frame).unwrap().color.unwrap();
         let window = frame.data_window;
         let (x0, y0) = (window.x0 + 31, window.y0 + 22);
         let crop = frame.crop(Window::at(x0, y0, 140, 101));
-        let part = runner.run(&plan, &crop).unwrap().color.unwrap();
+        let part = runner
+            .execute(&plan, &crop, Inputs::default())
+            .unwrap()
+            .color
+            .unwrap();
         let reach = plan.reach();
         for y in reach..101 - reach {
             for x in reach..140 - reach {
@@ -158,7 +167,7 @@ fn a_device_that_takes_small_planes_makes_strips() {
         let plan = plan(goal, &frame, shape, ScalingParams::default());
         if plan.runs("normal-rays") {
             // Directions come from farther away than 50 rows.
-            assert!(runner.run(&plan, &frame).is_err());
+            assert!(runner.execute(&plan, &frame, Inputs::default()).is_err());
         } else {
             assert_same(&format!("strips, {goal:?}"), &runner, &plan, &frame);
         }

@@ -2,6 +2,7 @@
 
 use super::{assert_same, on_gpu, plan, waves};
 use glam::Vec3;
+use relievo::engine::Inputs;
 use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Frame, LightGroup, Lobe, LobeLayers, Plane};
@@ -109,8 +110,11 @@ fn lobes_groups_and_occlusion() {
                 let plan = plan(Goal::Enhance, &frame, ShapeParams::default(), scaling);
                 let name = format!("{name}, {width}x{height}");
                 assert_same(&name, runner, &plan, &frame);
-                let expected = cpu::run(&plan, &frame).term_white_levels;
-                let found = runner.run(&plan, &frame).unwrap().term_white_levels;
+                let expected = cpu::run(&plan, &frame).unwrap().term_white_levels;
+                let found = runner
+                    .execute(&plan, &frame, Inputs::default())
+                    .unwrap()
+                    .term_white_levels;
                 assert_eq!(found.len(), expected.len(), "{name}");
                 for (found, expected) in found.iter().zip(expected) {
                     assert_eq!(found.0, expected.0);

@@ -15,6 +15,7 @@ mod products;
 mod relight;
 mod report;
 
+use relievo::engine::Inputs;
 use relievo::engine::cpu::{self, Outcome};
 use relievo::engine::gpu::{self, Choice, Device};
 use relievo::frame::{ColorPlanes, Frame, Plane};
@@ -51,8 +52,8 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 /// Asserts that both backends make the same of a frame, and tells how far they are apart.
 #[track_caller]
 fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
-    let expected = cpu::run(plan, frame);
-    let found = runner.run(plan, frame).unwrap();
+    let expected = cpu::run(plan, frame).unwrap();
+    let found = runner.execute(plan, frame, Inputs::default()).unwrap();
     let layers = plan.wants(Product::MappedCurvature);
     assert_alike(name, &found, &expected, |product| {
         (layers != (product == Product::Picture)).then(|| product.tolerance())

@@ -3,7 +3,8 @@
 
 use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
 use glam::{DVec3, Vec2};
-use relievo::engine::cpu::{Drawing, DrawingInputs, Runner};
+use relievo::engine::Inputs;
+use relievo::engine::cpu::{Drawing, Runner};
 use relievo::frame::{Frame, Plane};
 use relievo::line::contours::{Contour, ContourKind};
 use relievo::params::{ContourParams, LineParams, ScalingParams, ShapeParams};
@@ -20,7 +21,9 @@ fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, drawing).unwrap();
-    let outcome = Runner::default().draw(&plan, frame, DrawingInputs::default());
+    let outcome = Runner::default()
+        .execute(&plan, frame, Inputs::default())
+        .unwrap();
     outcome.drawing.expect("a drawing was asked for")
 }
 

@@ -28,7 +28,11 @@ fn scenes() -> [Scene; 2] {
 fn gradient(scene: &Scene, shape: ShapeParams) -> Vector2Planes {
     let available = Available::in_frame(&scene.frame);
     let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
-    cpu::run(&plan, &scene.frame).shape.gradient.unwrap()
+    cpu::run(&plan, &scene.frame)
+        .unwrap()
+        .shape
+        .gradient
+        .unwrap()
 }
 
 /// Largest error and overshoot of `shape`'s diffusion at its scale, relative to the largest |g|.

@@ -4,6 +4,7 @@
 use crate::common::planes::planes;
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use glam::DVec3;
+use relievo::engine::Inputs;
 use relievo::engine::cpu;
 use relievo::engine::cpu::{Outcome, Runner};
 use relievo::frame::{Frame, Plane, Window};
@@ -36,7 +37,7 @@ fn plan((goal, scale): (Goal, Scale), frame: &Frame) -> Plan {
 }
 
 fn run(case: (Goal, Scale), frame: &Frame) -> Outcome {
-    cpu::run(&plan(case, frame), frame)
+    cpu::run(&plan(case, frame), frame).unwrap()
 }
 
 /// Balls before each other and a slanted cylinder, in perspective, off centre: silhouettes, a
@@ -169,7 +170,12 @@ fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
             [(7, 5, 1), (33, 80, 3), (96, 16, 5), (1, 1, 2), (16, 24, 64)]
         {
             let runner = Runner::new(options(width, height, sweeps));
-            assert_same_bits(&whole, &runner.run(&plan(case, frame), frame));
+            assert_same_bits(
+                &whole,
+                &runner
+                    .execute(&plan(case, frame), frame, Inputs::default())
+                    .unwrap(),
+            );
         }
     }
 }
@@ -178,7 +184,9 @@ fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
 fn memory_used_again_leaves_no_trace() {
     let runner = Runner::default();
     for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
-        let again = runner.run(&plan(case, frame), frame);
+        let again = runner
+            .execute(&plan(case, frame), frame, Inputs::default())
+            .unwrap();
         assert_same_bits(&run(case, frame), &again);
         runner.recycle(again);
     }

@@ -2,7 +2,8 @@
 
 use crate::common::bits;
 use crate::common::planes::planes;
-use relievo::engine::cpu::{DrawingInputs, LiveRunner, Outcome, Runner};
+use relievo::engine::cpu::{Outcome, Runner};
+use relievo::engine::{self, Engine, Run, Session};
 use relievo::frame::Frame;
 use relievo::io::{self, Needs, inputs::Inputs, inputs::LightInputs};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
@@ -91,27 +92,14 @@ impl Asked {
 
     fn run_anew(&self, frame: &Frame) -> Outcome {
         let (plan, light, runner) = (self.plan(frame), light(self.azimuth), Runner::default());
-        match (self.goal, self.line) {
-            (_, Some(_)) => runner.draw(&plan, frame, drawn_in(&light)),
-            (Goal::Relight, None) => runner.relight(&plan, frame, &light),
-            _ => runner.run(&plan, frame),
-        }
+        let inputs = engine::Inputs::lit_by(&light);
+        runner.execute(&plan, frame, inputs).unwrap()
     }
 
-    fn run_on<'l>(&self, live: &'l mut LiveRunner<Frame>) -> &'l Outcome {
+    fn run_on<'l>(&self, live: &'l mut Session<Frame>) -> &'l Outcome {
         let (plan, light) = (self.plan(live.held()), light(self.azimuth));
-        match (self.goal, self.line) {
-            (_, Some(_)) => live.draw(&plan, drawn_in(&light)),
-            (Goal::Relight, None) => live.relight(&plan, &light, None),
-            _ => live.run(&plan),
-        }
-    }
-}
-
-fn drawn_in(light: &Illumination) -> DrawingInputs<'_> {
-    DrawingInputs {
-        illumination: Some(light),
-        ..DrawingInputs::default()
+        let inputs = engine::Inputs::lit_by(&light);
+        live.execute(&plan, inputs, &Run::new()).unwrap()
     }
 }
 
@@ -136,7 +124,7 @@ fn all_of(outcome: &Outcome) -> BTreeMap<&'static str, Vec<u32>> {
 #[test]
 fn what_is_kept_changes_no_bit() {
     let frame = bust();
-    let mut live = LiveRunner::new(frame.clone());
+    let mut live = Session::new(Engine::cpu(), frame.clone());
     let enhance = Asked::of(Goal::Enhance);
     let relight = Asked::of(Goal::Relight);
     let coarse = |a: &mut Asked| a.shape.scale = Scale::Sigma(6.0);
@@ -194,7 +182,7 @@ fn what_is_kept_changes_no_bit() {
 }
 
 /// The passes that `asked` makes run after `before` has.
-fn passes_of(live: &mut LiveRunner<Frame>, before: &Asked, asked: &Asked) -> Vec<&'static str> {
+fn passes_of(live: &mut Session<Frame>, before: &Asked, asked: &Asked) -> Vec<&'static str> {
     before.run_on(live);
     let counts = live.counts().clone();
     asked.run_on(live);
@@ -205,7 +193,7 @@ fn passes_of(live: &mut LiveRunner<Frame>, before: &Asked, asked: &Asked) -> Vec
 
 #[test]
 fn only_what_a_change_touches_is_made_anew() {
-    let mut live = LiveRunner::new(bust());
+    let mut live = Session::new(Engine::cpu(), bust());
     let relight = Asked::of(Goal::Relight);
     let enhance = Asked::of(Goal::Enhance);
     let hatch = relight.with(|a| a.line = Some(LineParams::default()));

@@ -20,7 +20,7 @@ fn directions(frame: &Frame, step: Adaptive) -> (Vector2Planes, Plane) {
     };
     let available = Available::in_frame(frame);
     let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
-    let shape = cpu::run(&plan, frame).shape;
+    let shape = cpu::run(&plan, frame).unwrap().shape;
     (shape.direction.unwrap(), shape.conductance.unwrap())
 }
 

@@ -62,7 +62,7 @@ fn compared(frame: &Frame, truth: &Frame) -> (f64, Points) {
     let run = |frame: &Frame| {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling).unwrap();
-        (cpu::run(&plan, frame).shape, plan.points)
+        (cpu::run(&plan, frame).unwrap().shape, plan.points)
     };
     let ((found, points), (exact, _)) = (run(frame), run(truth));
     let (a, b) = (found.direction.unwrap(), exact.direction.unwrap());

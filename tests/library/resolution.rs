@@ -39,7 +39,7 @@ fn described(frame: &Frame, shape: ShapeParams, gain: Adaptive) -> Outcome {
         ..ScalingParams::default()
     };
     let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling).unwrap();
-    cpu::run(&plan, frame)
+    cpu::run(&plan, frame).unwrap()
 }
 
 // Waves: everything about them decays as a known factor -------------------------------------------

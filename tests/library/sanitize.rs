@@ -104,7 +104,7 @@ fn assert_finite_under(frame: &Frame, name: &str, settings: &[(&str, ShapeParams
     for (setting, shape, scaling) in settings {
         for goal in GOALS {
             let case = format!("{name}, {setting}, {goal:?}");
-            let outcome = cpu::run(&plan(goal, frame, *shape, *scaling), frame);
+            let outcome = cpu::run(&plan(goal, frame, *shape, *scaling), frame).unwrap();
             let planes = planes(&outcome);
             assert!(planes.len() >= least_planes(goal, scaling), "{case}");
             for (quantity, plane) in planes {
@@ -297,8 +297,8 @@ fn poison_outside_the_mask_changes_no_bit_inside() {
             for (setting, shape, scaling) in settings() {
                 for goal in GOALS {
                     let case = format!("{name}, {setting}, {goal:?}, {poison}");
-                    let clean = cpu::run(&plan(goal, &frame, shape, scaling), &frame);
-                    let other = cpu::run(&plan(goal, &spoilt, shape, scaling), &spoilt);
+                    let clean = cpu::run(&plan(goal, &frame, shape, scaling), &frame).unwrap();
+                    let other = cpu::run(&plan(goal, &spoilt, shape, scaling), &spoilt).unwrap();
                     let bits = |v: Option<f32>| v.map(f32::to_bits);
                     assert_eq!(bits(clean.gain), bits(other.gain), "{case}");
                     assert_eq!(bits(clean.white_level), bits(other.white_level), "{case}");

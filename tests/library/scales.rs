@@ -23,7 +23,7 @@ fn with(solver: Solver, scale: Scale) -> ShapeParams {
 fn gradient(frame: &Frame, shape: ShapeParams) -> Vector2Planes {
     let available = Available::in_frame(frame);
     let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
-    cpu::run(&plan, frame).shape.gradient.unwrap()
+    cpu::run(&plan, frame).unwrap().shape.gradient.unwrap()
 }
 
 /// Whether two values are the same bits, the sign of 0 apart.
@@ -135,18 +135,18 @@ fn several_scales_are_what_each_is_alone() {
     let scaling = ScalingParams::default();
     let goal = Goal::Layers;
     let plan = Plan::at_scales(goal, available, at(sigmas[0]), scaling, &sigmas[1..]).unwrap();
-    let all = cpu::run(&plan, &frame).shape;
+    let all = cpu::run(&plan, &frame).unwrap().shape;
     assert_eq!(all.more_scales.len(), 3);
     for (scale, sigma) in all.more_scales.iter().zip(&sigmas[1..]) {
         assert_eq!(scale.sigma_px, *sigma);
         let plan = Plan::new(goal, available, at(*sigma), scaling).unwrap();
-        let alone = cpu::run(&plan, &frame).shape.curvatures.unwrap();
+        let alone = cpu::run(&plan, &frame).unwrap().shape.curvatures.unwrap();
         for (a, b) in scale.curvatures.u.samples().iter().zip(alone.u.samples()) {
             assert!(same(*a, *b), "sigma {sigma}: {a}, not {b}");
         }
     }
     let plan = Plan::new(goal, available, at(sigmas[0]), scaling).unwrap();
-    let alone = cpu::run(&plan, &frame).shape.gradient.unwrap();
+    let alone = cpu::run(&plan, &frame).unwrap().shape.gradient.unwrap();
     for (a, b) in all
         .gradient
         .unwrap()

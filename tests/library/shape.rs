@@ -12,7 +12,7 @@ use relievo::report::scenes::{ExactScene, Surface, ball_trace};
 fn described(frame: &Frame, shape: ShapeParams) -> Outcome {
     let available = Available::in_frame(frame);
     let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
-    cpu::run(&plan, frame)
+    cpu::run(&plan, frame).unwrap()
 }
 
 /// Nothing but the surface itself: no diffusion, the viewer's height field.

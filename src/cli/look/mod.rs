@@ -4,7 +4,6 @@
 mod setting;
 mod studio;
 
-pub(crate) use super::engine::Engine;
 pub(crate) use setting::{Kind, Setting, settings_of};
 pub(crate) use studio::{Pixels, Reading, ViewSession, What};
 
@@ -14,6 +13,7 @@ use super::flags::Flag;
 use super::invocation::{Invocation, Parsed};
 use super::message;
 use super::recipe::{COMMANDS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
+use crate::engine::Engine;
 use crate::error::Result;
 use crate::light::lights::LAMP_DEG;
 use std::collections::BTreeMap;
@@ -256,7 +256,7 @@ impl Opening {
             input: args.input.clone(),
             frames: args.frames.numbers(),
             look,
-            engine: Engine::for_window(args.backend)?.into(),
+            engine: args.backend.engine()?.or_cpu().into(),
         })
     }
 }

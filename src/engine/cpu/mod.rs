@@ -3,7 +3,6 @@
 pub(crate) mod frame_cache;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_support;
-pub(crate) mod live;
 pub(crate) mod memory;
 pub(crate) mod percentile;
 pub(crate) mod rows;
@@ -13,10 +12,11 @@ pub(crate) mod simd;
 pub(crate) mod sparing;
 pub(crate) mod strips;
 
-pub use crate::engine::cpu::live::LiveRunner;
-pub use crate::engine::cpu::run::{DrawingInputs, Runner};
+pub use crate::engine::cpu::run::Runner;
 pub use crate::engine::cpu::strips::{StripChoice, StripSearch};
+use crate::engine::inputs::Inputs;
 pub use crate::engine::outcome::{Drawing, Outcome, ScaleShape, Shape};
+use crate::error::Result;
 pub use crate::frame::CurvaturePlanes;
 pub use crate::line::texture_coordinates::cpu::SequenceInputs;
 pub use crate::line::texture_coordinates::cpu::TextureCoordinates;
@@ -25,13 +25,12 @@ use crate::fast_math::Function;
 use crate::frame::Frame;
 use crate::plan::Plan;
 
-/// Runs `plan` on `frame`, in the rayon pool of the caller.
+/// Runs a plan that takes nothing beside `frame`, in the rayon pool of the caller.
 ///
-/// # Panics
-/// If the plan was made for other inputs than the frame holds, or for light of its own: that is run by
-/// [`Runner::relight`].
-pub fn run(plan: &Plan, frame: &Frame) -> Outcome {
-    Runner::default().run(plan, frame)
+/// # Errors
+/// As [`Runner::execute`].
+pub fn run(plan: &Plan, frame: &Frame) -> Result<Outcome> {
+    Runner::default().execute(plan, frame, Inputs::default())
 }
 
 /// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.

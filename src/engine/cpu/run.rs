@@ -2,14 +2,13 @@
 
 use crate::engine::cpu::frame_cache::{FrameCache, Slot};
 use crate::engine::cpu::memory::Memory;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::frame::{Frame, Plane, SpecularScene, Vector2Planes};
-use crate::light::lights::Illumination;
+use crate::engine::run::Watch;
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::canvas::Canvas;
 use crate::line::specular::map_directions::DirectionCache;
-use crate::line::texture_coordinates::cpu::SequenceInputs;
-use crate::line::tonal_art_map::TonalArtMap;
 use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::Plan;
@@ -27,26 +26,13 @@ pub struct Runner {
     pub(crate) map_directions: DirectionCache,
 }
 
-/// What a drawing takes beside the frame.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct DrawingInputs<'a> {
-    /// The light, for a tone in new light.
-    pub illumination: Option<&'a Illumination>,
-    /// The texture of strokes, for [`crate::params::Style::Pictures`].
-    pub art_map: Option<&'a TonalArtMap>,
-    /// What mirrors and lenses show, where the plan traces it.
-    pub specular: Option<&'a SpecularScene>,
-    /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
-    /// nothing of it.
-    pub sequence: Option<SequenceInputs<'a>>,
-}
-
 /// What a stage works on: what is there, what earlier stages have made, and where its own results go.
 pub(crate) struct Run<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
-    pub(crate) inputs: DrawingInputs<'a>,
+    pub(crate) inputs: Inputs<'a>,
     pub(crate) runner: &'a Runner,
+    pub(crate) watch: Watch<'a>,
     /// What earlier runs of this frame have left, where any is kept.
     pub(crate) kept: Option<&'a mut FrameCache>,
     pub(crate) outcome: Outcome,
@@ -64,13 +50,14 @@ impl<'a> Run<'a> {
         runner: &'a Runner,
         plan: &'a Plan,
         frame: &'a Frame,
-        inputs: DrawingInputs<'a>,
+        inputs: Inputs<'a>,
     ) -> Self {
         Self {
             plan,
             frame,
             inputs,
             runner,
+            watch: Watch::default(),
             kept: None,
             outcome: Outcome::default(),
             undiffused: None,
@@ -81,6 +68,9 @@ impl<'a> Run<'a> {
     }
 
     pub(crate) fn timed<T>(&mut self, name: &'static str, pass: impl FnOnce() -> T) -> T {
+        let (passed, planned) = (self.outcome.timings.len(), self.plan.stages().len());
+        self.watch
+            .begins(name, passed as f32 / planned.max(1) as f32);
         let start = Instant::now();
         let result = pass();
         self.outcome.timings.push((name, start.elapsed()));

@@ -1,16 +1,18 @@
 //! The CPU as a caller sees it: plans run one after another, in memory that is kept.
 
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::run::{DrawingInputs, Run, Runner};
+use crate::engine::cpu::run::{Run, Runner};
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
+use crate::engine::run::Watch;
+use crate::error::Result;
 use crate::frame::{Frame, SpecularScene, Vector2Planes};
-use crate::light::lights::Illumination;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::specular;
 use crate::params::{FieldParams, LineParams, RunOptions, StrokeDirections};
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
-use crate::plan::stages::{DRAWING, PICTURE, SHAPE};
+use crate::plan::stages::{SHAPE, stages};
 use crate::product::Product;
 use crate::shape::edges::cpu as edges;
 
@@ -25,25 +27,32 @@ impl Runner {
 
     /// Runs `plan` on `frame`, in the rayon pool of the caller.
     ///
-    /// # Panics
-    /// As [`run`](super::run) does.
-    pub fn run(&self, plan: &Plan, frame: &Frame) -> Outcome {
-        self.run_kept(plan, frame, None)
+    /// # Errors
+    /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs.
+    pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+        self.execute_watched(plan, frame, inputs, Watch::default(), None)
     }
 
-    /// [`Runner::run`] with what was kept of the frame.
-    pub(crate) fn run_kept(
+    /// [`Runner::execute`] that is looked on, with what was kept of the frame.
+    ///
+    /// # Errors
+    /// As [`Runner::execute`]; [`Error::Cancelled`](crate::Error::Cancelled).
+    pub(crate) fn execute_watched(
         &self,
         plan: &Plan,
         frame: &Frame,
+        inputs: Inputs,
+        watch: Watch,
         kept: Option<&mut FrameCache>,
-    ) -> Outcome {
-        assert!(
-            plan.relighting.is_none(),
-            "new light is run by Runner::relight"
-        );
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.go(plan, frame, DrawingInputs::default(), kept)
+    ) -> Result<Outcome> {
+        inputs.check(plan, frame)?;
+        let mut run = Run {
+            watch,
+            kept,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        run.go_through(stages())?;
+        Ok(run.outcome)
     }
 
     /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
@@ -95,89 +104,17 @@ impl Runner {
         )
     }
 
-    /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`.
-    ///
-    /// # Panics
-    /// If the plan was made for another goal, other inputs or other kinds of light.
-    pub fn relight(&self, plan: &Plan, frame: &Frame, illumination: &Illumination) -> Outcome {
-        self.relight_kept(plan, frame, illumination, None, None)
-    }
-
-    /// [`Runner::relight`] of mirrors and lenses that show what is around them: the specular pixels of `scene`, or all.
-    ///
-    /// # Panics
-    /// As [`Runner::relight`] does.
-    pub fn relight_specular(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        illumination: &Illumination,
-        scene: &SpecularScene,
-    ) -> Outcome {
-        self.relight_kept(plan, frame, illumination, Some(scene), None)
-    }
-
-    /// Both, with what was kept of the frame.
-    pub(crate) fn relight_kept(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        illumination: &Illumination,
-        scene: Option<&SpecularScene>,
-        kept: Option<&mut FrameCache>,
-    ) -> Outcome {
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        let inputs = DrawingInputs {
-            illumination: Some(illumination),
-            specular: scene,
-            ..DrawingInputs::default()
-        };
-        self.go(plan, frame, inputs, kept)
-    }
-
-    /// Runs `plan`, made by [`Plan::hatch`], on `frame`.
-    ///
-    /// # Panics
-    /// If the plan was made for another goal or other inputs.
-    pub fn draw(&self, plan: &Plan, frame: &Frame, inputs: DrawingInputs) -> Outcome {
-        self.draw_kept(plan, frame, inputs, None)
-    }
-
-    /// [`Runner::draw`] with what was kept of the frame.
-    pub(crate) fn draw_kept(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        inputs: DrawingInputs,
-        kept: Option<&mut FrameCache>,
-    ) -> Outcome {
-        assert!(plan.drawing.is_some(), "a drawing is planned");
-        self.go(plan, frame, inputs, kept)
-    }
-
     /// The shape alone, whatever light `plan` is for.
-    pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame) -> Outcome {
-        let mut run = Run::new(self, plan, frame, DrawingInputs::default());
-        run.go_through(&SHAPE);
-        run.outcome
-    }
-
-    /// All stages of a plan.
-    fn go(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        inputs: DrawingInputs,
-        kept: Option<&mut FrameCache>,
-    ) -> Outcome {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame, watch: Watch) -> Result<Outcome> {
         let mut run = Run {
-            kept,
-            ..Run::new(self, plan, frame, inputs)
+            watch,
+            ..Run::new(self, plan, frame, Inputs::default())
         };
-        for stages in [&SHAPE[..], &PICTURE, &DRAWING] {
-            run.go_through(stages);
-        }
-        run.outcome
+        run.go_through(SHAPE)?;
+        Ok(run.outcome)
     }
 
     /// Forgets what was made of the last environment, so that making it is measured again.
@@ -193,12 +130,19 @@ impl Runner {
 
 impl Run<'_> {
     /// Those of the stages that the plan runs.
-    pub(crate) fn go_through(&mut self, stages: &[&Stage]) {
-        let planned = stages
-            .iter()
-            .filter(|stage| self.plan.stages().contains(&stage.name));
-        for stage in planned.collect::<Vec<_>>() {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before each of them.
+    pub(crate) fn go_through(
+        &mut self,
+        stages: impl IntoIterator<Item = &'static Stage>,
+    ) -> Result<()> {
+        let plan = self.plan;
+        let planned = stages.into_iter();
+        for stage in planned.filter(|stage| plan.stages().contains(&stage.name)) {
+            self.watch.check()?;
             (stage.cpu)(self);
         }
+        Ok(())
     }
 }

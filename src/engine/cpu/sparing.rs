@@ -1,7 +1,10 @@
 //! Drawings of large pictures: the shape and the tone are made in bands, and what strokes do not take is not kept.
 
-use crate::engine::cpu::run::{DrawingInputs, Run, Runner};
+use crate::engine::cpu::run::{Run, Runner};
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
+use crate::engine::run::Watch;
+use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Window, luminance};
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu as light;
@@ -21,27 +24,35 @@ const LARGE: usize = 1 << 24;
 const BAND_ROWS: usize = 512;
 
 impl Runner {
-    /// [`Runner::draw`], bit for bit. Of a large frame that is drawn in its own light it takes half the memory: its
-    /// picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
+    /// [`Runner::execute_watched`], bit for bit. Of a large frame that is drawn in its own light it takes half the memory:
+    /// its picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
     ///
-    /// # Panics
-    /// As [`Runner::draw`] does.
-    pub fn draw_sparingly(&self, plan: &Plan, frame: &mut Frame, inputs: DrawingInputs) -> Outcome {
+    /// # Errors
+    /// As [`Runner::execute_watched`].
+    pub(crate) fn execute_sparingly(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<Outcome> {
         let is_large = frame.mask.width() * frame.mask.height() > LARGE;
-        match is_large && goes_in_bands(plan) {
-            true => self.draw_in_bands(plan, frame, inputs, BAND_ROWS),
-            false => self.draw(plan, frame, inputs),
+        if !(is_large && plan.drawing.is_some() && goes_in_bands(plan)) {
+            return self.execute_watched(plan, frame, inputs, watch, None);
         }
+        inputs.check(plan, frame)?;
+        self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS)
     }
 
     fn draw_in_bands(
         &self,
         plan: &Plan,
         frame: &mut Frame,
-        inputs: DrawingInputs,
+        inputs: Inputs,
+        watch: Watch,
         rows: usize,
-    ) -> Outcome {
-        let mut run = self.shape_in_bands(plan, frame, inputs, rows);
+    ) -> Result<Outcome> {
+        let mut run = self.shape_in_bands(plan, frame, watch, rows)?;
         choose_gain(&mut run);
         choose_picture_white(&mut run);
         let trace = run.outcome.shape.trace.take();
@@ -49,7 +60,9 @@ impl Runner {
         let (scaler, outcome) = (scaler(&run), run.outcome);
         let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
         drop(trace);
+        watch.check()?;
         let mut run = Run {
+            watch,
             outcome,
             canvas: Canvas {
                 luminance: Some(luminance),
@@ -57,11 +70,11 @@ impl Runner {
             },
             ..Run::new(self, plan, frame, inputs)
         };
-        run.go_through(&DRAWING);
-        Outcome {
+        run.go_through(DRAWING)?;
+        Ok(Outcome {
             shape: Shape::default(),
             ..run.outcome
-        }
+        })
     }
 
     /// Edges and the trace of a frame, band by band.
@@ -69,16 +82,20 @@ impl Runner {
         &'a self,
         plan: &'a Plan,
         frame: &'a Frame,
-        inputs: DrawingInputs<'a>,
+        watch: Watch<'a>,
         rows: usize,
-    ) -> Run<'a> {
+    ) -> Result<Run<'a>> {
         let (whole, reach) = (frame.data_window, plan.reach());
         // The gain is chosen from the whole.
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-        let mut run = Run::new(self, plan, frame, inputs);
+        let mut run = Run {
+            watch,
+            ..Run::new(self, plan, frame, Inputs::default())
+        };
         for (takes, gives) in bands(whole.height(), rows, reach) {
-            let made = self.find_shape(&given, &frame.crop(rows_of(whole, &takes)));
+            let band = frame.crop(rows_of(whole, &takes));
+            let made = self.find_shape(&given, &band, watch)?;
             let outcome = &mut run.outcome;
             let (to, from) = (&mut outcome.shape, &made.shape);
             for (to, from) in [
@@ -102,7 +119,7 @@ impl Runner {
             }
             self.recycle(made);
         }
-        run
+        Ok(run)
     }
 }
 
@@ -210,10 +227,13 @@ mod tests {
         let plan = Plan::hatch(available, shape, scaling, tone, LineParams::default()).unwrap();
         assert!(goes_in_bands(&plan));
         let runner = Runner::default();
-        let whole = runner.draw(&plan, &frame, DrawingInputs::default());
+        let inputs = Inputs::default();
+        let whole = runner.execute(&plan, &frame, inputs).unwrap();
         for rows in [37, 64] {
             let mut used = frame.clone();
-            let made = runner.draw_in_bands(&plan, &mut used, DrawingInputs::default(), rows);
+            let watch = Watch::default();
+            let made = runner.draw_in_bands(&plan, &mut used, inputs, watch, rows);
+            let made = made.unwrap();
             let chosen = |o: &Outcome| (o.gain, o.white_level);
             assert_eq!(chosen(&made), chosen(&whole));
             let [made, whole] = [&made, &whole].map(|o| o.drawing.as_ref().unwrap());

@@ -3,6 +3,8 @@
 use crate::engine::cpu::percentile::PercentileSearch;
 use crate::engine::cpu::run::Runner;
 use crate::engine::outcome::Shape;
+use crate::engine::run::Watch;
+use crate::error::Result;
 use crate::frame::{Frame, Window};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::enhancement::Subject;
@@ -71,22 +73,31 @@ impl StripSearch {
 
     /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
     ///
+    /// # Errors
+    /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs than the strip holds.
+    ///
     /// # Panics
-    /// As [`Runner::run`] does, and if the plan is for a drawing.
-    pub fn look(&mut self, runner: &Runner, plan: &Plan, strip: &Frame, rows: Range<usize>) {
+    /// If it is for a drawing.
+    pub fn look(
+        &mut self,
+        runner: &Runner,
+        plan: &Plan,
+        strip: &Frame,
+        rows: Range<usize>,
+    ) -> Result<()> {
         assert!(plan.drawing.is_none(), "a drawing takes the picture whole");
         if let Some(search) = &mut self.albedo {
             let weights = strip.luminance_weights();
             search.add(strip, weights, rows.clone(), &runner.memory);
         }
         if self.ended >= PERCENTILE_LOOKS {
-            return;
+            return Ok(());
         }
         if let Some(search) = &mut self.gain {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-            let outcome = runner.find_shape(&given, strip);
+            let outcome = runner.find_shape(&given, strip, Watch::default())?;
             let Shape {
                 trace,
                 curvatures,
@@ -109,6 +120,7 @@ impl StripSearch {
             let (searches, memory) = (&mut self.terms, &runner.memory);
             add_to_searches(searches, strip, &plan.scaling, &rows, memory);
         }
+        Ok(())
     }
 
     /// Ends a look, and begins the next.

@@ -1,11 +1,11 @@
 //! Tests: devices that are lost, have too little memory, or absurd limits.
 
 use crate::engine::cpu;
-use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::gpu::device::{Choice, Device, to_test_on};
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
 use crate::engine::gpu::limits;
 use crate::engine::gpu::runner::Runner;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::error::Error;
 use crate::frame::{ColorPlanes, Frame, Plane};
@@ -34,7 +34,7 @@ fn waves(width: usize, height: usize) -> (Plan, Frame) {
 
 #[track_caller]
 fn assert_is_of_the_cpu(found: &Outcome, plan: &Plan, frame: &Frame) {
-    let expected = cpu::run(plan, frame).color.unwrap();
+    let expected = cpu::run(plan, frame).unwrap().color.unwrap();
     let found: Vec<_> = found.products().collect();
     let [(Product::Picture, found)] = &found[..] else {
         panic!("a picture, and nothing else")
@@ -61,11 +61,17 @@ fn after_a_loss_every_run_is_an_error_at_once() {
     let Some(device) = device(|_| ()) else { return };
     let runner = Runner::new(device);
     let (plan, frame) = waves(90, 70);
-    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    assert_is_of_the_cpu(
+        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+        &plan,
+        &frame,
+    );
     runner.device().lose();
     for _ in 0..3 {
         let start = Instant::now();
-        let error = runner.run(&plan, &frame).unwrap_err();
+        let error = runner
+            .execute(&plan, &frame, Inputs::default())
+            .unwrap_err();
         assert_tells(&error, &runner, "was lost (destroyed)");
         assert!(start.elapsed() < Duration::from_secs(2));
         assert!(runner.device().is_lost());
@@ -84,7 +90,7 @@ fn a_loss_in_the_middle_of_a_run_ends_it() {
                 thread::sleep(Duration::from_millis(delay_ms));
                 runner.device().lose();
             });
-            let runs = (0..10_000).map(|_| runner.run(&plan, &frame));
+            let runs = (0..10_000).map(|_| runner.execute(&plan, &frame, Inputs::default()));
             let mut ended = Vec::new();
             for run in runs {
                 let is_lost = run.is_err();
@@ -102,7 +108,7 @@ fn a_loss_in_the_middle_of_a_run_ends_it() {
             }
         }
         assert!(runs.last().unwrap().is_err());
-        assert!(runner.run(&plan, &frame).is_err());
+        assert!(runner.execute(&plan, &frame, Inputs::default()).is_err());
     }
 }
 
@@ -118,11 +124,17 @@ fn after_a_buffer_that_was_refused_smaller_runs_work() {
     let (large_plan, large) = waves(200, 100);
     let (plan, frame) = waves(60, 50);
     for _ in 0..2 {
-        let error = runner.run(&large_plan, &large).unwrap_err();
+        let error = runner
+            .execute(&large_plan, &large, Inputs::default())
+            .unwrap_err();
         assert_tells(&error, &runner, "65536");
         // Among what was given back while it was recorded are buffers that were never made.
         assert!(runner.buffers.is_empty());
-        assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+        assert_is_of_the_cpu(
+            &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+            &plan,
+            &frame,
+        );
     }
 }
 
@@ -150,7 +162,11 @@ fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
         Ok(()) => {}
     }
     assert!(!runner.device().is_lost());
-    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    assert_is_of_the_cpu(
+        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+        &plan,
+        &frame,
+    );
 }
 
 #[test]
@@ -162,7 +178,7 @@ fn where_memory_is_wanting_the_same_picture_comes_in_strips() {
     let made = in_memory(8 * 64 * 400, |bytes| {
         attempts += 1;
         match bytes {
-            0..=60_000 => runner.attempt(&plan, &frame, DrawingInputs::default(), bytes),
+            0..=60_000 => runner.attempt(&plan, &frame, Inputs::default(), bytes),
             _ => Err(Fault::Memory(runner.device().error("is full"))),
         }
     });
@@ -188,12 +204,14 @@ fn where_memory_is_wanting_the_same_drawing_comes_in_strips() {
         ToneFrom::Enhanced,
         LineParams::default(),
     );
-    let (plan, inputs) = (plan.unwrap(), DrawingInputs::default());
+    let (plan, inputs) = (plan.unwrap(), Inputs::default());
     let made = in_memory(8 * 64 * 400, |bytes| match bytes {
         0..=60_000 => runner.attempt(&plan, &frame, inputs, bytes),
         _ => Err(Fault::Memory(runner.device().error("is full"))),
     });
-    let expected = cpu::Runner::default().draw(&plan, &frame, inputs);
+    let expected = cpu::Runner::default()
+        .execute(&plan, &frame, inputs)
+        .unwrap();
     let drawn = |outcome: &Outcome| outcome.drawing.as_ref().unwrap().hatching.clone();
     let apart = Product::Strokes.apart(&[&drawn(&made.unwrap())], &[&drawn(&expected)]);
     assert!(apart <= Product::Strokes.tolerance(), "{apart:e}");
@@ -206,11 +224,21 @@ fn few_workgroups_make_strips_and_refuse_what_is_too_wide() {
     let [columns, rows] = limits::most_pixels(1024).map(|most| most as usize);
     let runner = Runner::new(device);
     let (plan, frame) = waves(3, rows + 100);
-    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    assert_is_of_the_cpu(
+        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+        &plan,
+        &frame,
+    );
     let (plan, frame) = waves(columns, 2);
-    assert_is_of_the_cpu(&runner.run(&plan, &frame).unwrap(), &plan, &frame);
+    assert_is_of_the_cpu(
+        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
+        &plan,
+        &frame,
+    );
     let (plan, frame) = waves(columns + 1, 2);
-    let error = runner.run(&plan, &frame).unwrap_err();
+    let error = runner
+        .execute(&plan, &frame, Inputs::default())
+        .unwrap_err();
     assert_tells(&error, &runner, &format!("takes {columns} columns"));
 }
 
@@ -219,7 +247,9 @@ fn planes_of_a_few_bytes_are_an_error() {
     let Some(device) = device(|_| ()) else { return };
     let runner = Runner::new(device.limited_to(4 << 10));
     let (plan, frame) = waves(90, 70);
-    let error = runner.run(&plan, &frame).unwrap_err();
+    let error = runner
+        .execute(&plan, &frame, Inputs::default())
+        .unwrap_err();
     assert_tells(&error, &runner, "rows of this picture at a time");
 }
 

@@ -1,7 +1,6 @@
 //! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
 
 use crate::engine::cpu;
-use crate::engine::cpu::run::DrawingInputs;
 use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
@@ -13,12 +12,12 @@ use crate::engine::gpu::run::Run;
 use crate::engine::gpu::strips::Strips;
 use crate::engine::gpu::surface::{Upload, WIDEST, apart};
 use crate::engine::gpu::wait::wait_for;
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::light::enhancement::Subject;
 use crate::light::layers::gpu::levels_of;
-use crate::light::lights::Illumination;
 use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
@@ -73,56 +72,24 @@ impl Runner {
         running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
     }
 
-    /// Runs `plan` on `frame`: the picture, and of the descriptor the layers where they are the goal.
+    /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and its tone where that was made.
+    /// What is made of an environment is kept for the next run in the same one.
     ///
-    /// Where the whole frame is too much for the device's memory it goes in strips. What was run before, and failed,
-    /// changes nothing; on a device that was lost all fails.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] where the device is lost, or has too little memory.
-    ///
-    /// # Panics
-    /// If the plan was made for other inputs than the frame holds, or [`Runner::can_run`] is false.
-    pub fn run(&self, plan: &Plan, frame: &Frame) -> Result<Outcome> {
-        assert!(
-            plan.relighting.is_none(),
-            "new light is run by Runner::relight"
-        );
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        self.run_in_memory(plan, frame, DrawingInputs::default())
-    }
-
-    /// Runs `plan`, made by [`Plan::relight`] for the kinds of light in `illumination`, on `frame`. What is made of an
-    /// environment is kept for the next run in the same one.
+    /// Where the whole frame is too much for the device's memory it goes in strips. Of drawings the CPU finds strokes that
+    /// are lines, the lines along edges, where strokes of a sequence have moved to, and in strips the directions of
+    /// strokes. What was run before, and failed, changes nothing; on a device that was lost all fails.
     ///
     /// # Errors
-    /// As [`Runner::run`]; also where the device takes no picture as large as the environment.
-    ///
-    /// # Panics
-    /// If the plan was made for another goal, other inputs or other kinds of light, or [`Runner::can_run`] is false.
-    pub fn relight(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        illumination: &Illumination,
-    ) -> Result<Outcome> {
-        assert!(plan.drawing.is_none(), "a drawing is run by Runner::draw");
-        let inputs = DrawingInputs {
-            illumination: Some(illumination),
-            ..DrawingInputs::default()
-        };
-        self.run_in_memory(plan, frame, inputs)
-    }
-
-    /// A run with planes as large as there is memory for; of what a drawing takes, one that draws nothing takes the
-    /// light alone.
-    pub(crate) fn run_in_memory(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        inputs: DrawingInputs,
-    ) -> Result<Outcome> {
-        assert!(Self::can_run(plan), "every stage has a kernel");
+    /// [`Error::Gpu`] where the device is lost, has too little memory, or takes no picture as large as the environment;
+    /// [`Error::Unfit`] if the plan was made for other inputs, or [`Runner::can_run`] is false.
+    pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+        if let Some(what) = Self::lacks(plan) {
+            return Err(Error::Unfit {
+                found: format!("the GPU has no kernels for {what}"),
+                remedy: "run it on the CPU",
+            });
+        }
+        inputs.check(plan, frame)?;
         let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
         in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
             self.attempt(plan, frame, inputs, plane_bytes)
@@ -134,7 +101,7 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
-        inputs: DrawingInputs,
+        inputs: Inputs,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
         self.guarded(|| {
@@ -190,7 +157,7 @@ impl Runner {
         plan: &Plan,
         frame: &Frame,
         light: Option<&Light>,
-        inputs: DrawingInputs,
+        inputs: Inputs,
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
         let height = frame.mask.height();

@@ -250,9 +250,9 @@ impl Run<'_> {
 mod tests {
     use super::*;
     use crate::engine::cpu;
-    use crate::engine::cpu::run::DrawingInputs;
     use crate::engine::gpu::device::{Choice, Device, to_test_on};
     use crate::engine::gpu::runner::Runner;
+    use crate::engine::inputs::Inputs;
     use crate::frame::{Camera, ColorPlanes, Plane, Projection};
     use crate::params::{Fallback, LineParams, ScalingParams, ShapeParams};
     use crate::plan::{Available, ToneFrom};
@@ -452,9 +452,11 @@ mod tests {
         let plan = plan_of(&frame, FieldParams::default());
         let [further, room] = found(&runner, &plan, &frame).further;
         assert!(further > room, "{further} of {room}");
-        let inputs = DrawingInputs::default();
-        let found = runner.draw(&plan, &frame, inputs).unwrap();
-        let expected = cpu::Runner::default().draw(&plan, &frame, inputs);
+        let inputs = Inputs::default();
+        let found = runner.execute(&plan, &frame, inputs).unwrap();
+        let expected = cpu::Runner::default()
+            .execute(&plan, &frame, inputs)
+            .unwrap();
         let [found, expected] = [&found, &expected].map(|outcome| outcome.planes(Product::Strokes));
         assert_eq!(found.len(), 1);
         assert!(Product::Strokes.apart(&found, &expected) <= Product::Strokes.tolerance());

@@ -11,7 +11,7 @@ use crate::params::{
 };
 use crate::plan::Plan;
 use crate::report::compare::{Errors, Tally, compare, covered, larger};
-use crate::report::engine::{Outcome, Session, lit_by, relight_plan};
+use crate::report::engine::{Inputs, Outcome, Session, relight_plan};
 use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
@@ -120,7 +120,7 @@ impl<'a> LitFrame<'a> {
     /// The frame under `light`.
     pub(crate) fn timed(&self, params: RelightParams, light: &Illumination) -> Result<Picture> {
         let plan = self.plan(params, light)?;
-        let inputs = lit_by(light);
+        let inputs = Inputs::lit_by(light);
         let (outcome, timed) = self.session.measure(&plan, self.frame, inputs, self.effort);
         Ok(Picture {
             color: outcome.color.expect("light makes a picture"),
@@ -134,7 +134,7 @@ impl<'a> LitFrame<'a> {
     }
 
     fn run(&self, plan: &Plan, light: &Illumination) -> Outcome {
-        self.session.run(plan, self.frame, lit_by(light))
+        self.session.run(plan, self.frame, Inputs::lit_by(light))
     }
 }
 

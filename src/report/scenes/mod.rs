@@ -424,7 +424,7 @@ mod tests {
             ScalingParams::default(),
         )
         .unwrap();
-        let c = cpu::run(&plan, &frame).shape.conductance.unwrap();
+        let c = cpu::run(&plan, &frame).unwrap().shape.conductance.unwrap();
         let count = |from: f32, to: f32| {
             c.samples()
                 .iter()

@@ -2,6 +2,7 @@
 
 use super::{Verdict, largest};
 use crate::Result;
+use crate::engine::Inputs;
 use crate::engine::cpu;
 use crate::engine::cpu::Runner;
 use crate::frame::{ColorPlanes, Frame, Plane};
@@ -106,7 +107,7 @@ pub(super) fn judged(frame: &Frame, asked: &Asked) -> Result<Verdict> {
         asked.relight,
         LightKinds::in_light(&asked.light),
     )?;
-    let outcome = Runner::default().relight(&plan, frame, &asked.light);
+    let outcome = Runner::default().execute(&plan, frame, Inputs::lit_by(&asked.light))?;
     let color = outcome.color.as_ref().expect("light makes a picture");
     Ok(held(color, asked.bound(frame)))
 }
@@ -114,7 +115,7 @@ pub(super) fn judged(frame: &Frame, asked: &Asked) -> Result<Verdict> {
 /// Scales the picture of `frame` and holds it against its brightest pixel, times e^gamma.
 pub(super) fn judged_picture(frame: &Frame, warnings: &[String]) -> Result<Verdict> {
     let plan = timing::plan(Goal::Enhance, frame, ShapeParams::default())?;
-    let outcome = cpu::run(&plan, frame);
+    let outcome = cpu::run(&plan, frame)?;
     let color = outcome.color.as_ref().expect("enhancing makes a picture");
     let before = frame.color.as_ref().expect("it had a picture");
     let strongest = f64::from(ScalingParams::default().scaling).exp();

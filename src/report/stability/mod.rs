@@ -185,8 +185,8 @@ const ROUNDING: f64 = 1e-4;
 
 /// Runs every goal of shape analysis over `frame` and holds all planes against their bounds.
 fn judged(frame: &Frame, shape: ShapeParams, warnings: &[String]) -> Result<Verdict> {
-    let display = cpu::run(&timing::plan(Goal::Display, frame, shape)?, frame);
-    let layers = cpu::run(&timing::plan(Goal::Layers, frame, shape)?, frame);
+    let display = cpu::run(&timing::plan(Goal::Display, frame, shape)?, frame)?;
+    let layers = cpu::run(&timing::plan(Goal::Layers, frame, shape)?, frame)?;
     let color = display.color.as_ref().expect("a display has colours");
     let found = &layers.shape;
     let gradient = found.gradient.as_ref().expect("layers hold the gradient");

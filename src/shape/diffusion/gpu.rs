@@ -323,6 +323,7 @@ impl Run<'_> {
 mod tests {
     use crate::engine::gpu::device::{Choice, Device, to_test_on};
     use crate::engine::gpu::runner::Runner;
+    use crate::engine::inputs::Inputs;
     use crate::frame::{Frame, Mask, Plane};
     use crate::params::{Scale, ShapeParams, Solver};
     use crate::plan::{Goal, Plan};
@@ -364,7 +365,8 @@ mod tests {
                 ..whole.clone()
             };
             let gradient = |runner: &Runner, frame: &Frame| {
-                let found = runner.run(&plan(frame, solver, steps), frame);
+                let plan = plan(frame, solver, steps);
+                let found = runner.execute(&plan, frame, Inputs::default());
                 found.unwrap().shape.gradient.unwrap()
             };
             gradient(&in_tiles, &whole);

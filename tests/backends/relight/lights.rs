@@ -3,6 +3,7 @@
 use super::super::on_gpu;
 use super::{Asked, METHODS, ball, six_lights, sky, torus, torus_from_near, with_layers};
 use glam::Vec3;
+use relievo::engine::Inputs;
 use relievo::frame::{DepthKind, SightLines};
 use relievo::light::lights::{Illumination, PointLight};
 use relievo::params::{Material, Method, Samples, WarpBy};
@@ -88,7 +89,9 @@ fn an_environment_is_made_ready_once() {
             let plan = asked.plan(&frame).unwrap();
             for is_first in [true, false] {
                 asked.assert_same("again", runner, &frame);
-                let again = runner.relight(&plan, &frame, &asked.light).unwrap();
+                let again = runner
+                    .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                    .unwrap();
                 let made = again
                     .timings
                     .iter()

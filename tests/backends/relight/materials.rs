@@ -2,6 +2,7 @@
 
 use super::super::on_gpu;
 use super::{Asked, LIT, METHODS, torus, torus_from_near};
+use relievo::engine::Inputs;
 use relievo::engine::cpu;
 use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
@@ -116,8 +117,12 @@ fn hard_tones_are_the_same_but_for_a_pixel_on_the_edge() {
                 asked.relight.toon_softness = 0.0;
             });
             let plan = asked.plan(&frame).unwrap();
-            let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);
-            let found = runner.relight(&plan, &frame, &asked.light).unwrap();
+            let expected = cpu::Runner::default()
+                .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                .unwrap();
+            let found = runner
+                .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                .unwrap();
             let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap().g);
             let pairs = found.samples().iter().zip(expected.samples());
             let apart = pairs.filter(|(f, e)| (**f - **e).abs() > 1e-5 * e.abs());

@@ -7,6 +7,7 @@ mod surfaces;
 use super::{assert_alike, with_color};
 use crate::common::relit::{self, Asked, LIT, METHODS, torus_scene};
 use glam::Vec3;
+use relievo::engine::Inputs;
 use relievo::engine::gpu::Runner;
 use relievo::engine::{cpu, relit_tolerance};
 use relievo::frame::{ColorPlanes, Frame, Plane};
@@ -48,8 +49,12 @@ impl Asked {
     fn assert_same(&self, name: &str, runner: &Runner, frame: &Frame) {
         let plan = self.plan(frame).unwrap();
         assert!(Runner::can_run(&plan), "{name}");
-        let expected = cpu::Runner::default().relight(&plan, frame, &self.light);
-        let found = runner.relight(&plan, frame, &self.light).unwrap();
+        let expected = cpu::Runner::default()
+            .execute(&plan, frame, Inputs::lit_by(&self.light))
+            .unwrap();
+        let found = runner
+            .execute(&plan, frame, Inputs::lit_by(&self.light))
+            .unwrap();
         let allowed = relit_tolerance(plan.relighting.as_ref().unwrap(), &self.light);
         assert_alike(name, &found, &expected, |product| {
             (product == Product::Picture).then_some(allowed)

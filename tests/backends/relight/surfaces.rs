@@ -5,6 +5,7 @@ use super::super::on_gpu;
 use super::{Asked, sky, torus, torus_from_near, with_layers};
 use crate::common::poisoned;
 use glam::Vec3;
+use relievo::engine::Inputs;
 use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
@@ -62,8 +63,12 @@ fn colors_that_are_no_numbers() {
                 asked.relight.toon_softness = 1.0;
             });
             let plan = asked.plan(&frame).unwrap();
-            let expected = cpu::Runner::default().relight(&plan, &frame, &asked.light);
-            let found = runner.relight(&plan, &frame, &asked.light).unwrap();
+            let expected = cpu::Runner::default()
+                .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                .unwrap();
+            let found = runner
+                .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+                .unwrap();
             let [expected, found] = [expected, found].map(|outcome| outcome.color.unwrap());
             for (found, expected) in [
                 (found.r, expected.r),
@@ -131,5 +136,9 @@ fn a_device_that_takes_small_planes_lights_strips() {
     let blank = Environment::from_fn(128, 64, |_, _| [1.0; 3]);
     let asked = asked.in_environment(blank, Samples::Auto);
     let plan = asked.plan(&frame).unwrap();
-    assert!(runner.relight(&plan, &frame, &asked.light).is_err());
+    assert!(
+        runner
+            .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+            .is_err()
+    );
 }

@@ -5,7 +5,8 @@ mod drawings;
 mod stiff;
 mod strokes;
 
-use relievo::engine::cpu::{Drawing, DrawingInputs, Runner};
+use relievo::engine::Inputs;
+use relievo::engine::cpu::{Drawing, Runner};
 use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{BATCH, Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
@@ -108,7 +109,7 @@ fn drawn_by(runner: &Runner, frame: &Frame, line: LineParams) -> Drawing {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
-    let drawn = runner.draw(&plan, frame, DrawingInputs::default());
+    let drawn = runner.execute(&plan, frame, Inputs::default()).unwrap();
     drawn.drawing.expect("a drawing was planned")
 }
 

@@ -99,7 +99,7 @@ fn plan(frame: &Frame, params: ScalingParams) -> Plan {
 }
 
 fn run(frame: &Frame, params: ScalingParams) -> Outcome {
-    cpu::run(&plan(frame, params), frame)
+    cpu::run(&plan(frame, params), frame).unwrap()
 }
 
 /// What comes of the picture, and the mapped curvature it was scaled by.

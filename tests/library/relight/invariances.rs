@@ -3,6 +3,7 @@
 use super::{Asked, LIT, METHODS, bits, sky, torus, torus_in_perspective};
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use glam::Vec3;
+use relievo::engine::Inputs;
 use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
 use relievo::params::{Adaptive, Material, Method, Samples, Tangent};
@@ -241,7 +242,9 @@ fn an_environment_is_made_ready_once_and_again_for_another_purpose() {
     let runner = Runner::default();
     let run = |asked: &Asked| {
         let plan = asked.plan(&frame).unwrap();
-        let outcome = runner.relight(&plan, &frame, &asked.light);
+        let outcome = runner
+            .execute(&plan, &frame, Inputs::lit_by(&asked.light))
+            .unwrap();
         let made = outcome
             .timings
             .iter()

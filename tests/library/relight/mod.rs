@@ -8,6 +8,7 @@ mod sums;
 
 use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
 use glam::Vec3;
+use relievo::engine::Inputs;
 use relievo::engine::cpu::{Outcome, Runner};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
@@ -34,7 +35,9 @@ impl Asked {
 
     fn outcome(&self, frame: &Frame) -> Outcome {
         let plan = self.plan(frame).unwrap();
-        Runner::default().relight(&plan, frame, &self.light)
+        Runner::default()
+            .execute(&plan, frame, Inputs::lit_by(&self.light))
+            .unwrap()
     }
 
     fn color(&self, frame: &Frame) -> ColorPlanes {

@@ -5,7 +5,8 @@ mod distortion;
 mod measured;
 mod rendered;
 
-use relievo::engine::cpu::{Drawing, DrawingInputs, Runner, SequenceInputs, TextureCoordinates};
+use relievo::engine::Inputs;
+use relievo::engine::cpu::{Drawing, Runner, SequenceInputs, TextureCoordinates};
 use relievo::frame::{
     ColorPlanes, Frame, LightLayers, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };
@@ -79,11 +80,13 @@ fn plan(frame: &Frame, line: LineParams) -> Plan {
 }
 
 fn draw(frame: &Frame, line: LineParams, sequence: Option<SequenceInputs>) -> Drawing {
-    let inputs = DrawingInputs {
+    let inputs = Inputs {
         sequence,
-        ..DrawingInputs::default()
+        ..Inputs::default()
     };
-    let outcome = Runner::default().draw(&plan(frame, line), frame, inputs);
+    let outcome = Runner::default()
+        .execute(&plan(frame, line), frame, inputs)
+        .unwrap();
     outcome.drawing.expect("a drawing was planned")
 }
 

@@ -3,6 +3,7 @@
 use super::exact::{CENTER, IOR, Scene, Thing};
 use super::traced;
 use glam::{DVec2, DVec3};
+use relievo::engine::Inputs;
 use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane, SpecularScene};
 use relievo::light::brdf::fresnel;
@@ -56,7 +57,12 @@ fn relit(
     };
     let kinds = LightKinds::default();
     let plan = Plan::relight(available, ShapeParams::default(), scaling, params, kinds).unwrap();
-    let outcome = Runner::default().relight_specular(&plan, frame, &Illumination::default(), scene);
+    let light = Illumination::default();
+    let inputs = Inputs {
+        specular: Some(scene),
+        ..Inputs::lit_by(&light)
+    };
+    let outcome = Runner::default().execute(&plan, frame, inputs).unwrap();
     outcome.color.unwrap()
 }
 

@@ -4,7 +4,8 @@ use super::exact::{Scene, Thing};
 use super::{drawing, fields};
 use crate::common::is_a_drawing;
 use glam::DVec3;
-use relievo::engine::cpu::{Drawing, DrawingInputs, Runner};
+use relievo::engine::Inputs;
+use relievo::engine::cpu::{Drawing, Runner};
 use relievo::frame::{Frame, Mask, Plane, SpecularScene, Vector3Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{Bend, Fallback, FieldParams, LineParams, StrokeDirections};
@@ -31,14 +32,15 @@ fn drawn(frame: &Frame, scene: &SpecularScene, params: LineParams, bend: Bend) -
         }],
         ..Illumination::default()
     };
-    let inputs = DrawingInputs {
+    let inputs = Inputs {
         illumination: Some(&light),
         specular: Some(scene),
-        ..DrawingInputs::default()
+        ..Inputs::default()
     };
     let plan = drawing(frame, params, bend);
     Runner::default()
-        .draw(&plan, frame, inputs)
+        .execute(&plan, frame, inputs)
+        .unwrap()
         .drawing
         .unwrap()
 }

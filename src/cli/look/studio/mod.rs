@@ -6,7 +6,6 @@ use super::{Look, Said};
 use crate::cli::args::{OutputArgs, WorkArgs};
 use crate::cli::chosen::Chosen;
 use crate::cli::commands::Command;
-use crate::cli::engine::Engine;
 use crate::cli::enhance;
 use crate::cli::hatch;
 use crate::cli::line_args::HatchArgs;
@@ -14,10 +13,9 @@ use crate::cli::message;
 use crate::cli::recipe::RecipeText;
 use crate::cli::relight_args::RelightArgs;
 use crate::cli::{relight, shape};
-use crate::engine::cpu::DrawingInputs;
-use crate::engine::cpu::live::LiveRunner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
+use crate::engine::{Engine, Inputs, Run, Session};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
@@ -26,10 +24,9 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::LightKinds;
 use crate::plan::{Goal, Plan};
 use reading::{Source, SurroundingFiles};
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Which file, and which frame of a sequence.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,21 +87,44 @@ struct OpenFrame {
     /// What mirrors and lenses show.
     scene: Option<SpecularScene>,
     /// By the step between the pixels that are left; 1 holds the whole.
-    runners: BTreeMap<usize, LiveRunner<Held>>,
+    sessions: BTreeMap<usize, Session<Held>>,
 }
 
 impl OpenFrame {
-    fn runner(&mut self, step: usize) -> &mut LiveRunner<Held> {
-        if !self.runners.contains_key(&step) {
+    fn session(&mut self, engine: &Arc<Engine>, step: usize) -> &mut Session<Held> {
+        if !self.sessions.contains_key(&step) {
             let reduced = self.loaded().frame.reduced(step);
             let held = Held::Reduced(Box::new(reduced));
-            self.runners.insert(step, LiveRunner::new(held));
+            self.sessions
+                .insert(step, Session::new(engine.clone(), held));
         }
-        self.runners.get_mut(&step).expect("it is there by now")
+        self.sessions.get_mut(&step).expect("it is there by now")
+    }
+
+    /// Runs a plan for the frame of [`OpenFrame::session`], with what its mirrors show; what is said of devices is said once.
+    fn execute(
+        &mut self,
+        step: usize,
+        plan: &Plan,
+        inputs: Inputs,
+        said: &Mutex<BTreeSet<String>>,
+    ) -> Result<()> {
+        let warn = |text: &str| {
+            let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
+            said.insert(text.into());
+        };
+        let inputs = Inputs {
+            specular: self.scene.as_ref(),
+            ..inputs
+        };
+        let session = self.sessions.get_mut(&step);
+        let session = session.expect("the plan was made for its frame");
+        let run = Run::new().warn(&warn);
+        session.execute(plan, inputs, &run).map(|_| ())
     }
 
     fn loaded(&self) -> &Loaded {
-        match self.runners[&1].held() {
+        match self.sessions[&1].held() {
             Held::Whole(loaded) => loaded,
             Held::Reduced(_) => unreachable!("step 1 is the whole"),
         }
@@ -116,15 +136,13 @@ struct Made {
     command: Command,
     what: What,
     step: usize,
-    /// What a device made; else the frame's runner holds it.
-    on_device: Option<Outcome>,
 }
 
 /// Makes pictures of one frame, and keeps what the next ones can use.
 pub(crate) struct ViewSession {
     engine: Arc<Engine>,
     /// What was said of devices.
-    said: RefCell<BTreeSet<String>>,
+    said: Mutex<BTreeSet<String>>,
     sitter: Option<OpenFrame>,
     around: SurroundingFiles,
     /// The texture of strokes that a folder holds.
@@ -140,7 +158,7 @@ impl ViewSession {
     pub(crate) fn new(engine: Arc<Engine>) -> Self {
         Self {
             engine,
-            said: RefCell::default(),
+            said: Mutex::default(),
             sitter: None,
             around: SurroundingFiles::default(),
             art_map: None,
@@ -179,25 +197,23 @@ impl ViewSession {
             let at_size = look.with("reference-height", height);
             command = at_size.parse(&reading.input)?.cli.command;
         }
-        let on_device = self.run(&command, what, step).map_err(said)?;
+        self.run(&command, what, step).map_err(said)?;
         self.made = Some(Made {
             command,
             what,
             step,
-            on_device,
         });
         Ok(())
     }
 
     /// The frame that was last made something of, perhaps reduced.
     pub(crate) fn frame(&self) -> Option<&Frame> {
-        Some(self.runner()?.held().as_ref())
+        Some(self.session()?.held().as_ref())
     }
 
     /// What was made last.
     pub(crate) fn outcome(&self) -> Option<&Outcome> {
-        let on_device = self.made.as_ref()?.on_device.as_ref();
-        Some(on_device.unwrap_or(self.runner()?.outcome()))
+        Some(self.session()?.outcome())
     }
 
     /// Width and height of the whole frame in pixels, and how wide a pixel is for its height.
@@ -216,7 +232,7 @@ impl ViewSession {
 
     /// How often each pass has run on the whole frame.
     pub(crate) fn counts(&self) -> Option<&BTreeMap<&'static str, u32>> {
-        Some(self.sitter.as_ref()?.runners[&1].counts())
+        Some(self.sitter.as_ref()?.sessions[&1].counts())
     }
 
     /// The numbers that were chosen automatically for it, by the names of their settings.
@@ -244,12 +260,13 @@ impl ViewSession {
     pub(crate) fn warnings(&self) -> Vec<String> {
         let sitter = self.sitter.iter();
         let of_frame = sitter.flat_map(|sitter| sitter.loaded().warnings.iter().cloned());
-        of_frame.chain(self.said.borrow().iter().cloned()).collect()
+        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        of_frame.chain(said.iter().cloned()).collect()
     }
 
-    fn runner(&self) -> Option<&LiveRunner<Held>> {
+    fn session(&self) -> Option<&Session<Held>> {
         let made = self.made.as_ref()?;
-        self.sitter.as_ref()?.runners.get(&made.step)
+        self.sitter.as_ref()?.sessions.get(&made.step)
     }
 
     /// The picture that was made last, as its file would show it.
@@ -300,8 +317,8 @@ impl ViewSession {
         Pixels::of(&output.picture(color, alpha, 8))
     }
 
-    /// Has a device make it, or else the runner of the frame, which then holds it.
-    fn run(&mut self, command: &Command, what: What, step: usize) -> Result<Option<Outcome>> {
+    /// Has the session of the frame make it, which then holds it.
+    fn run(&mut self, command: &Command, what: What, step: usize) -> Result<()> {
         let work = work_of(command);
         match (command, what) {
             (_, What::Layers) => self.describe(work, Goal::Layers, step),
@@ -309,9 +326,10 @@ impl ViewSession {
                 self.describe(work, Goal::Display, step)
             }
             (Command::Enhance(args), _) => {
-                let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
-                let plan = args.plan(live.held().as_ref(), &StripChoice::default())?;
-                self.go(&plan, step)
+                let sitter = self.sitter.as_mut().expect(IN_HAND);
+                let frame = sitter.session(&self.engine, step).held().as_ref();
+                let plan = args.plan(frame, &StripChoice::default())?;
+                sitter.execute(step, &plan, Inputs::default(), &self.said)
             }
             (Command::Relight(args), _) => self.light(args, step),
             (Command::Hatch(args), _) => self.draw(args, step),
@@ -319,83 +337,37 @@ impl ViewSession {
         }
     }
 
-    fn describe(&mut self, work: &WorkArgs, goal: Goal, step: usize) -> Result<Option<Outcome>> {
-        let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
-        let plan = work.plan(goal, live.held().as_ref(), &StripChoice::default())?;
-        self.go(&plan, step)
+    fn describe(&mut self, work: &WorkArgs, goal: Goal, step: usize) -> Result<()> {
+        let sitter = self.sitter.as_mut().expect(IN_HAND);
+        let frame = sitter.session(&self.engine, step).held().as_ref();
+        let plan = work.plan(goal, frame, &StripChoice::default())?;
+        sitter.execute(step, &plan, Inputs::default(), &self.said)
     }
 
-    fn go(&mut self, plan: &Plan, step: usize) -> Result<Option<Outcome>> {
-        let live = self.sitter.as_mut().expect(IN_HAND).runner(step);
-        let frame = live.held().as_ref();
-        let made = self
-            .engine
-            .run_on_device(&say_to(&self.said), plan, frame)?;
-        if made.is_none() {
-            live.run(plan);
-        }
-        Ok(made)
-    }
-
-    fn light(&mut self, args: &RelightArgs, step: usize) -> Result<Option<Outcome>> {
+    fn light(&mut self, args: &RelightArgs, step: usize) -> Result<()> {
         let light = self.illumination(args)?;
         let kinds = LightKinds::in_light(&light);
         let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let scene = sitter.scene.take();
-        let live = sitter.runner(step);
-        let warn = say_to(&self.said);
-        let plan = args.plan(
-            live.held().as_ref(),
-            kinds,
-            scene.is_some(),
-            &StripChoice::default(),
-        );
-        let made = plan.and_then(|plan| {
-            let frame = live.held().as_ref();
-            let made = self.engine.relight_on_device(&warn, &plan, frame, &light)?;
-            if made.is_none() {
-                live.relight(&plan, &light, scene.as_ref());
-            }
-            Ok(made)
-        });
-        sitter.scene = scene;
-        made
+        let is_specular = sitter.scene.is_some();
+        let frame = sitter.session(&self.engine, step).held().as_ref();
+        let plan = args.plan(frame, kinds, is_specular, &StripChoice::default())?;
+        sitter.execute(step, &plan, Inputs::lit_by(&light), &self.said)
     }
 
-    fn draw(&mut self, args: &HatchArgs, step: usize) -> Result<Option<Outcome>> {
+    fn draw(&mut self, args: &HatchArgs, step: usize) -> Result<()> {
         let looks = args.looks()?;
         self.read_art_map(args, &looks)?;
         let light = self.illumination(&args.relight)?;
         let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let scene = sitter.scene.take();
-        let live = sitter.runner(step);
-        let warn = say_to(&self.said);
-        let frame = live.held().as_ref();
-        let planned = args.plan(&looks, light, frame, false, scene.is_some());
-        let made = planned.and_then(|(plan, light)| {
-            let map = args.pictures().and(self.art_map.as_ref());
-            let inputs = DrawingInputs {
-                specular: scene.as_ref(),
-                illumination: Some(&light),
-                art_map: map.map(|(_, _, map)| map),
-                sequence: None,
-            };
-            let frame = live.held().as_ref();
-            let made = self.engine.draw_on_device(&warn, &plan, frame, inputs)?;
-            if made.is_none() {
-                live.draw(&plan, inputs);
-            }
-            Ok(made)
-        });
-        sitter.scene = scene;
-        made
-    }
-}
-
-/// Says a thing once.
-fn say_to(said: &RefCell<BTreeSet<String>>) -> impl Fn(&str) {
-    |text| {
-        said.borrow_mut().insert(text.into());
+        let is_specular = sitter.scene.is_some();
+        let frame = sitter.session(&self.engine, step).held().as_ref();
+        let (plan, light) = args.plan(&looks, light, frame, false, is_specular)?;
+        let map = args.pictures().and(self.art_map.as_ref());
+        let inputs = Inputs {
+            art_map: map.map(|(_, _, map)| map),
+            ..Inputs::lit_by(&light)
+        };
+        sitter.execute(step, &plan, inputs, &self.said)
     }
 }
 
@@ -434,7 +406,7 @@ mod tests {
 
     #[test]
     fn a_device_shows_what_the_cpu_shows() {
-        let opened = Engine::for_window(BackendArg::Gpu);
+        let opened = BackendArg::Gpu.engine().map(Engine::or_cpu);
         let Some(engine) = to_test_on(opened) else {
             return;
         };

@@ -11,7 +11,7 @@ use crate::cli::relight;
 use crate::cli::relight_args::RelightArgs;
 use crate::cli::run_log::RunLog;
 use crate::cli::strips::refuse_too_large;
-use crate::engine::cpu::live::LiveRunner;
+use crate::engine::Session;
 use crate::error::Result;
 use crate::io::inputs::Inputs;
 use crate::io::{self, Needs, SpecularInputs, load_specular};
@@ -75,11 +75,11 @@ impl ViewSession {
             }
             (None, _) => None,
         };
-        let whole = LiveRunner::new(Held::Whole(Box::new(loaded)));
+        let whole = Session::new(self.engine.clone(), Held::Whole(Box::new(loaded)));
         self.sitter = Some(OpenFrame {
             source,
             scene,
-            runners: [(1, whole)].into(),
+            sessions: [(1, whole)].into(),
         });
         Ok(())
     }

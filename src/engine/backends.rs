@@ -1,0 +1,289 @@
+//! What runs plans: the CPU, or a device where one was asked for or found.
+
+use crate::engine::cpu;
+#[cfg(feature = "gpu")]
+use crate::engine::gpu;
+#[cfg(feature = "gpu")]
+use crate::engine::gpu::{Choice, Device};
+use crate::engine::inputs::Inputs;
+use crate::engine::outcome::Outcome;
+use crate::engine::request::Request;
+use crate::engine::run::Run;
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use crate::plan::{Available, Plan};
+
+/// Runs requests and plans on the backends of this machine, one after another. An engine that is given outcomes back makes
+/// the next ones in their memory, and it keeps what it made of the last environment and the last texture of strokes.
+#[derive(Debug, Default)]
+pub struct Engine {
+    cpu: cpu::Runner,
+    #[cfg(feature = "gpu")]
+    device: OnDevice,
+}
+
+/// How far a device is used.
+#[cfg(feature = "gpu")]
+#[derive(Debug)]
+enum OnDevice {
+    /// Not at all; why, where one was looked for.
+    No(Option<Error>),
+    /// For what it has kernels for; the CPU does the rest.
+    Maybe(gpu::Runner),
+    /// For everything.
+    Only(gpu::Runner),
+}
+
+impl Engine {
+    /// The CPU alone.
+    pub fn cpu() -> Self {
+        Self::default()
+    }
+
+    /// A device of hardware for what it has kernels for, where there is one and the build can use it; the CPU for the rest,
+    /// and for all where the device fails.
+    pub fn auto() -> Self {
+        Self {
+            cpu: cpu::Runner::default(),
+            #[cfg(feature = "gpu")]
+            device: match Device::open(Choice::Hardware) {
+                Ok(device) => OnDevice::Maybe(gpu::Runner::new(device)),
+                Err(why) => OnDevice::No(Some(why)),
+            },
+        }
+    }
+
+    /// A device for everything, be it software.
+    ///
+    /// # Errors
+    /// [`Error::NoGpu`] where there is none, and in a build without the feature `gpu`.
+    #[cfg(feature = "gpu")]
+    pub fn gpu() -> Result<Self> {
+        Ok(Self {
+            cpu: cpu::Runner::default(),
+            device: OnDevice::Only(gpu::Runner::new(Device::open(Choice::Any)?)),
+        })
+    }
+
+    /// A device for everything, be it software.
+    ///
+    /// # Errors
+    /// [`Error::NoGpu`] where there is none, and in a build without the feature `gpu`.
+    #[cfg(not(feature = "gpu"))]
+    pub fn gpu() -> Result<Self> {
+        Err(Error::NoGpu {
+            found: "this program was built without it".into(),
+            remedy: "build it with --features gpu, or use --backend cpu",
+        })
+    }
+
+    /// The same engine, in which the CPU does what the device has no kernels for, whatever was asked for.
+    #[must_use]
+    pub fn or_cpu(self) -> Self {
+        #[cfg(feature = "gpu")]
+        if let OnDevice::Only(gpu) = self.device {
+            return Self {
+                device: OnDevice::Maybe(gpu),
+                ..self
+            };
+        }
+        self
+    }
+
+    /// What does the part of the CPU.
+    pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
+        &self.cpu
+    }
+
+    /// Runs `request` on `frame`.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for a parameter outside its range; as [`Engine::execute`].
+    pub fn run(&self, request: &Request, frame: &Frame, run: &Run) -> Result<Outcome> {
+        let plan = request.plan(Available::in_frame(frame))?;
+        self.execute(&plan, frame, request.inputs(), run)
+    }
+
+    /// Runs `plan` on `frame`.
+    ///
+    /// # Errors
+    /// [`Error::Unfit`] if the plan was made for other inputs; [`Error::Cancelled`]; and where the device fails, or lacks
+    /// kernels, and the CPU may not do it instead.
+    pub fn execute(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        run: &Run,
+    ) -> Result<Outcome> {
+        match self.on_device(plan, frame, inputs, run)? {
+            Some(outcome) => Ok(outcome),
+            None => self
+                .cpu
+                .execute_watched(plan, frame, inputs, run.watch, None),
+        }
+    }
+
+    /// [`Engine::execute`], bit for bit. A large frame that is drawn by the CPU in its own light takes half the memory: its
+    /// picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
+    ///
+    /// # Errors
+    /// As [`Engine::execute`].
+    pub fn execute_sparingly(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        run: &Run,
+    ) -> Result<Outcome> {
+        match self.on_device(plan, frame, inputs, run)? {
+            Some(outcome) => Ok(outcome),
+            None => self.cpu.execute_sparingly(plan, frame, inputs, run.watch),
+        }
+    }
+
+    /// What a device does; `None` where the CPU is to do it. Of a device that was lost it is said once.
+    ///
+    /// # Errors
+    /// Where the device fails, or lacks kernels, and nothing else may do it.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn on_device(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        run: &Run,
+    ) -> Result<Option<Outcome>> {
+        run.watch.check()?;
+        let gpu = match &self.device {
+            OnDevice::Only(gpu) => {
+                return match gpu::Runner::lacks(plan) {
+                    None => gpu.execute(plan, frame, inputs).map(Some),
+                    Some(what) => Err(no_kernels(what)),
+                };
+            }
+            OnDevice::Maybe(gpu) => gpu,
+            OnDevice::No(Some(why)) => {
+                run.warning(&format!("{why}; the CPU does it"));
+                return Ok(None);
+            }
+            OnDevice::No(None) => return Ok(None),
+        };
+        if gpu.device().is_lost() || !gpu::Runner::can_run(plan) {
+            return Ok(None);
+        }
+        match gpu.execute(plan, frame, inputs) {
+            Err(error @ Error::Gpu { .. }) => {
+                let how_long = match gpu.device().is_lost() {
+                    true => "the CPU does it from here on",
+                    false => "the CPU did it",
+                };
+                run.warning(&format!("{error}: {how_long}"));
+                Ok(None)
+            }
+            done => done.map(Some),
+        }
+    }
+
+    /// Without kernels nothing is done on a device.
+    #[cfg(not(feature = "gpu"))]
+    pub(crate) fn on_device(
+        &self,
+        _: &Plan,
+        _: &Frame,
+        _: Inputs,
+        _: &Run,
+    ) -> Result<Option<Outcome>> {
+        Ok(None)
+    }
+
+    /// Takes an outcome that is no longer needed.
+    pub fn recycle(&self, outcome: Outcome) {
+        self.cpu.recycle(outcome);
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl Default for OnDevice {
+    fn default() -> Self {
+        Self::No(None)
+    }
+}
+
+#[cfg(feature = "gpu")]
+fn no_kernels(what: &str) -> Error {
+    Error::BadParameter {
+        name: "--backend",
+        found: format!("is gpu, which has no kernels for {what}"),
+        remedy: "leave it out: auto takes the GPU for what it can do, and the CPU for the rest"
+            .into(),
+    }
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::*;
+    use crate::params::{ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal};
+    use crate::report::scenes::Scene;
+    use std::sync::Mutex;
+
+    /// A device that has been lost; `None` where there is none to lose.
+    fn lost() -> Option<gpu::Runner> {
+        let device = gpu::to_test_on(Device::open(Choice::Any))?;
+        device.lose();
+        Some(gpu::Runner::new(device))
+    }
+
+    fn engine(device: OnDevice) -> Engine {
+        Engine {
+            cpu: cpu::Runner::default(),
+            device,
+        }
+    }
+
+    fn waves() -> (Plan, Frame) {
+        let frame = Scene::waves(60, 50).frame;
+        let available = Available::in_frame(&frame);
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
+        (plan, frame)
+    }
+
+    #[test]
+    fn where_a_device_was_chosen_its_loss_is_said_once_and_the_picture_is_the_same() {
+        let Some(gpu) = lost() else { return };
+        let name = gpu.device().name();
+        let engine = engine(OnDevice::Maybe(gpu));
+        let (plan, frame) = waves();
+        let expected = cpu::run(&plan, &frame).unwrap();
+        let said = Mutex::new(Vec::new());
+        for _ in 0..3 {
+            let warn = |text: &str| said.lock().unwrap().push(text.to_string());
+            let run = Run::new().warn(&warn);
+            let found = engine.execute(&plan, &frame, Inputs::default(), &run);
+            let found = found.unwrap();
+            for ((product, found), (_, expected)) in found.products().zip(expected.products()) {
+                assert_eq!(product.apart(&found, &expected), 0.0);
+            }
+        }
+        let said = said.into_inner().unwrap();
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with(&name) && said[0].contains("was lost"));
+        assert!(said[0].contains("the CPU does it") && said[0].lines().count() == 1);
+    }
+
+    #[test]
+    fn where_a_device_was_asked_for_its_loss_is_an_error_that_fails_the_run() {
+        let Some(gpu) = lost() else { return };
+        let engine = engine(OnDevice::Only(gpu));
+        let (plan, frame) = waves();
+        for _ in 0..2 {
+            let warn = |text: &str| panic!("{text}");
+            let run = Run::new().warn(&warn);
+            let done = engine.execute(&plan, &frame, Inputs::default(), &run);
+            let error = done.unwrap_err();
+            assert!(matches!(error, Error::Gpu { .. }), "{error}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What a plan takes beside the frame, and whether both hold all that it was made for.
+
+use crate::error::{Error, Result};
+use crate::frame::{Frame, SpecularScene};
+use crate::light::lights::Illumination;
+use crate::line::texture_coordinates::cpu::SequenceInputs;
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::Style;
+use crate::plan::{Available, EnvironmentUse, LightKinds, Plan, Relighting};
+
+/// What a plan takes beside the frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Inputs<'a> {
+    /// The light, for new light.
+    pub illumination: Option<&'a Illumination>,
+    /// The texture of strokes, for [`crate::params::Style::Pictures`].
+    pub art_map: Option<&'a TonalArtMap>,
+    /// What mirrors and lenses show, where the plan traces it.
+    pub specular: Option<&'a SpecularScene>,
+    /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
+    /// nothing of it.
+    pub sequence: Option<SequenceInputs<'a>>,
+}
+
+impl<'a> Inputs<'a> {
+    /// New light.
+    pub fn lit_by(illumination: &'a Illumination) -> Self {
+        Self {
+            illumination: Some(illumination),
+            ..Self::default()
+        }
+    }
+
+    /// Checks that `plan` finds all that it was made for.
+    ///
+    /// # Errors
+    /// [`Error::Unfit`] naming the first input that is missing, or has another size than the frame.
+    pub(crate) fn check(&self, plan: &Plan, frame: &Frame) -> Result<()> {
+        check_frame(&plan.available, frame)?;
+        if let Some(relighting) = &plan.relighting {
+            self.check_light(relighting, frame)?;
+        }
+        let strokes = plan.drawing.as_ref().map(|drawing| &drawing.strokes);
+        let of_pictures = strokes.is_some_and(|strokes| strokes.style == Style::Pictures);
+        if of_pictures && self.art_map.is_none() {
+            return Err(missing("a texture of strokes", "none is given"));
+        }
+        let relighting = plan.relighting.as_ref();
+        let is_traced = strokes.is_some() || relighting.is_some_and(|relighting| relighting.traced);
+        if plan.specular.is_some() && is_traced && self.specular.is_none() {
+            return Err(missing("what mirrors and lenses show", "none is given"));
+        }
+        self.check_sizes(frame)
+    }
+
+    fn check_light(&self, relighting: &Relighting, frame: &Frame) -> Result<()> {
+        let Some(light) = self.illumination else {
+            return Err(missing("light", "none is given"));
+        };
+        let kinds = LightKinds::in_light(light);
+        if relighting.environment != EnvironmentUse::None && !kinds.environment {
+            return Err(missing("an environment", "the light has none"));
+        }
+        if relighting.lit_spheres != kinds.lit_spheres {
+            let planned = format!("{} lit spheres", relighting.lit_spheres);
+            return Err(missing(
+                &planned,
+                &format!("the light has {}", kinds.lit_spheres),
+            ));
+        }
+        if kinds.points && relighting.sums && !Available::in_frame(frame).positions {
+            return Err(missing(
+                "depth and a camera for lights at a point",
+                "the frame lacks them",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Checks that what is seen by the frame's camera has the frame's size.
+    fn check_sizes(&self, frame: &Frame) -> Result<()> {
+        let motion = self.sequence.and_then(|sequence| sequence.motion);
+        let mask = self.specular.and_then(|scene| scene.mask.as_ref());
+        let position = self.specular.and_then(|scene| scene.hit_position.as_ref());
+        let sizes = [
+            (
+                "motion",
+                motion.map(|motion| [motion.x.width(), motion.x.height()]),
+            ),
+            (
+                "the mask of specular pixels",
+                mask.map(|mask| [mask.width(), mask.height()]),
+            ),
+            (
+                "the ends of sight lines",
+                position.map(|position| [position.x.width(), position.x.height()]),
+            ),
+        ];
+        let own = [frame.mask.width(), frame.mask.height()];
+        for (name, size) in sizes {
+            match size {
+                Some(size) if size != own => {
+                    let [width, height] = own;
+                    return Err(Error::Unfit {
+                        found: format!(
+                            "{name} is {}x{}, for {width}x{height} pixels",
+                            size[0], size[1]
+                        ),
+                        remedy: "give inputs of one size",
+                    });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checks that `frame` has what a plan found when it was made.
+fn check_frame(planned: &Available, frame: &Frame) -> Result<()> {
+    let there = Available::in_frame(frame);
+    let layers = [
+        ("depth", planned.depth, there.depth),
+        ("a picture", planned.color, there.color),
+        ("an albedo", planned.albedo, there.albedo),
+        (
+            "an occlusion map or alpha",
+            planned.occlusion,
+            there.occlusion,
+        ),
+        ("a map of importance", planned.importance, there.importance),
+        ("depth and a camera", planned.positions, there.positions),
+        (
+            "layers of diffuse light",
+            planned.light.diffuse,
+            there.light.diffuse,
+        ),
+        (
+            "layers of specular light",
+            planned.light.specular,
+            there.light.specular,
+        ),
+        ("light groups", planned.light.groups, there.light.groups),
+        (
+            "a layer of ambient occlusion",
+            planned.light.occlusion,
+            there.light.occlusion,
+        ),
+    ];
+    match layers.iter().find(|(_, planned, there)| *planned && !there) {
+        Some((name, ..)) => Err(missing(name, "the frame has none")),
+        None => Ok(()),
+    }
+}
+
+fn missing(what: &str, but: &str) -> Error {
+    Error::Unfit {
+        found: format!("the plan takes {what}, and {but}"),
+        remedy: "give it, or plan without",
+    }
+}

@@ -1,0 +1,163 @@
+//! What a run is asked for, with all that it takes beside the frame.
+
+use crate::engine::inputs::Inputs;
+use crate::error::{Error, Result};
+use crate::frame::SpecularScene;
+use crate::light::lights::Illumination;
+use crate::line::texture_coordinates::cpu::SequenceInputs;
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::{LineParams, RelightParams, ScalingParams, ShapeParams, SpecularParams};
+use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+
+/// What a run is asked for, with all that it takes beside the frame: see [`Engine::run`](crate::engine::Engine::run).
+#[derive(Debug, Clone)]
+pub struct Request<'a> {
+    kind: Kind,
+    shape: ShapeParams,
+    scaling: ScalingParams,
+    more_px: Vec<f32>,
+    specular: Option<SpecularParams>,
+    inputs: Inputs<'a>,
+}
+
+/// Which of the plans it takes.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    OfFrame(Goal),
+    Relight(RelightParams, LightKinds),
+    Hatch(ToneFrom, LineParams),
+}
+
+/// Where the tone of a drawing comes from.
+#[derive(Debug, Clone, Copy)]
+pub enum Tone<'a> {
+    /// The picture as it is.
+    Picture,
+    /// The picture by radiance scaling.
+    Enhanced,
+    /// New light.
+    Relit(RelightParams, &'a Illumination),
+}
+
+impl<'a> Request<'a> {
+    fn new(kind: Kind, shape: ShapeParams, scaling: ScalingParams) -> Self {
+        Self {
+            kind,
+            shape,
+            scaling,
+            more_px: Vec::new(),
+            specular: None,
+            inputs: Inputs::default(),
+        }
+    }
+
+    /// Every layer of the descriptor.
+    pub fn layers(shape: ShapeParams, scaling: ScalingParams) -> Self {
+        Self::new(Kind::OfFrame(Goal::Layers), shape, scaling)
+    }
+
+    /// The coloured curvature display of [LW] figure 6.
+    pub fn display(shape: ShapeParams, scaling: ScalingParams) -> Self {
+        Self::new(Kind::OfFrame(Goal::Display), shape, scaling)
+    }
+
+    /// Radiance scaling of the frame's picture. Where there is nothing to scale the outcome has no picture: it stays as it
+    /// is.
+    pub fn enhance(shape: ShapeParams, scaling: ScalingParams) -> Self {
+        Self::new(Kind::OfFrame(Goal::Enhance), shape, scaling)
+    }
+
+    /// New light.
+    pub fn relight(
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        params: RelightParams,
+        light: &'a Illumination,
+    ) -> Self {
+        let kind = Kind::Relight(params, LightKinds::in_light(light));
+        Self {
+            inputs: Inputs::lit_by(light),
+            ..Self::new(kind, shape, scaling)
+        }
+    }
+
+    /// A drawing.
+    pub fn hatch(
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        tone: Tone<'a>,
+        params: LineParams,
+    ) -> Self {
+        let (tone, inputs) = match tone {
+            Tone::Picture => (ToneFrom::Picture, Inputs::default()),
+            Tone::Enhanced => (ToneFrom::Enhanced, Inputs::default()),
+            Tone::Relit(relight, light) => {
+                let kinds = LightKinds::in_light(light);
+                (ToneFrom::Relit(relight, kinds), Inputs::lit_by(light))
+            }
+        };
+        Self {
+            inputs,
+            ..Self::new(Kind::Hatch(tone, params), shape, scaling)
+        }
+    }
+
+    /// Curvature at further scales too, sigmas in pixels: for [layers](Request::layers).
+    #[must_use]
+    pub fn scales(mut self, sigmas_px: &[f32]) -> Self {
+        self.more_px = sigmas_px.to_vec();
+        self
+    }
+
+    /// What mirrors and lenses show, for new light and drawings.
+    #[must_use]
+    pub fn specular(mut self, scene: &'a SpecularScene, params: SpecularParams) -> Self {
+        self.specular = Some(params);
+        self.inputs.specular = Some(scene);
+        self
+    }
+
+    /// The texture of strokes, for a drawing of [`crate::params::Style::Pictures`].
+    #[must_use]
+    pub fn strokes(mut self, art_map: &'a TonalArtMap) -> Self {
+        self.inputs.art_map = Some(art_map);
+        self
+    }
+
+    /// Makes the drawing a frame of a sequence, whose strokes move with the surface.
+    #[must_use]
+    pub fn in_sequence(mut self, sequence: SequenceInputs<'a>) -> Self {
+        self.inputs.sequence = Some(sequence);
+        self
+    }
+
+    /// What it takes beside the frame.
+    pub fn inputs(&self) -> Inputs<'a> {
+        self.inputs
+    }
+
+    /// The plan for a frame with these inputs.
+    ///
+    /// # Errors
+    /// As [`Plan::at_scales`], [`Plan::relight`] and [`Plan::hatch`]; also for further scales of anything but layers.
+    pub fn plan(&self, available: Available) -> Result<Plan> {
+        let (shape, scaling) = (self.shape, self.scaling);
+        let available = Available {
+            specular: self.specular.or(available.specular),
+            moving: available.moving || self.inputs.sequence.is_some(),
+            ..available
+        };
+        if !matches!(self.kind, Kind::OfFrame(Goal::Layers)) && !self.more_px.is_empty() {
+            return Err(Error::BadParameter {
+                name: "--scale",
+                found: "names several scales, which only layers have".into(),
+                remedy: "give one, or ask for layers".into(),
+            });
+        }
+        match self.kind {
+            Kind::OfFrame(goal) => Plan::at_scales(goal, available, shape, scaling, &self.more_px),
+            Kind::Relight(params, kinds) => Plan::relight(available, shape, scaling, params, kinds),
+            Kind::Hatch(tone, params) => Plan::hatch(available, shape, scaling, tone, params),
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! One frame, run again and again with other parameters: only what they touch is made anew.
+
+use crate::engine::backends::Engine;
+use crate::engine::cpu::frame_cache::FrameCache;
+use crate::engine::cpu::run::Runner;
+use crate::engine::inputs::Inputs;
+use crate::engine::outcome::Outcome;
+use crate::engine::request::Request;
+use crate::engine::run::Run;
+use crate::error::Result;
+use crate::frame::Frame;
+use crate::plan::{Available, Plan};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Runs plans on one frame, and keeps what the next ones on the CPU can use: edges, the diffused gradient, curvature and its
+/// gain, directions, white levels, an estimated albedo, lines along edges. The outcomes are those of [`Engine::execute`],
+/// bit for bit.
+///
+/// `F` is what holds the frame: a reference, or the frame itself with what was read along with it.
+#[derive(Debug)]
+pub struct Session<F> {
+    engine: Arc<Engine>,
+    held: F,
+    runner: Runner,
+    kept: FrameCache,
+    /// What the CPU made last.
+    outcome: Outcome,
+    /// What a device made since.
+    on_device: Option<Outcome>,
+    counts: BTreeMap<&'static str, u32>,
+}
+
+impl<F: AsRef<Frame>> Session<F> {
+    /// A session for the frame of `held`, which works by `engine`.
+    pub fn new(engine: impl Into<Arc<Engine>>, held: F) -> Self {
+        Self {
+            engine: engine.into(),
+            held,
+            runner: Runner::default(),
+            kept: FrameCache::default(),
+            outcome: Outcome::default(),
+            on_device: None,
+            counts: BTreeMap::new(),
+        }
+    }
+
+    /// What holds the frame.
+    pub fn held(&self) -> &F {
+        &self.held
+    }
+
+    /// What the last run gave.
+    pub fn outcome(&self) -> &Outcome {
+        self.on_device.as_ref().unwrap_or(&self.outcome)
+    }
+
+    /// How often each pass has run on the CPU, under the names of [`Outcome::timings`]. A pass whose result was kept has not.
+    pub fn counts(&self) -> &BTreeMap<&'static str, u32> {
+        &self.counts
+    }
+
+    /// As [`Engine::run`].
+    ///
+    /// # Errors
+    /// As [`Engine::run`].
+    pub fn run(&mut self, request: &Request, run: &Run) -> Result<&Outcome> {
+        let plan = request.plan(Available::in_frame(self.held.as_ref()))?;
+        self.execute(&plan, request.inputs(), run)
+    }
+
+    /// As [`Engine::execute`].
+    ///
+    /// # Errors
+    /// As [`Engine::execute`].
+    pub fn execute(&mut self, plan: &Plan, inputs: Inputs, run: &Run) -> Result<&Outcome> {
+        let frame = self.held.as_ref();
+        self.on_device = None;
+        self.on_device = self.engine.on_device(plan, frame, inputs, run)?;
+        if self.on_device.is_none() {
+            self.execute_on_cpu(plan, inputs, run)?;
+        }
+        Ok(self.outcome())
+    }
+
+    fn execute_on_cpu(&mut self, plan: &Plan, inputs: Inputs, run: &Run) -> Result<()> {
+        let mut last = std::mem::take(&mut self.outcome);
+        self.kept.recycle(&mut last);
+        self.runner.recycle(last);
+        let (frame, kept) = (self.held.as_ref(), Some(&mut self.kept));
+        self.outcome = self
+            .runner
+            .execute_watched(plan, frame, inputs, run.watch, kept)?;
+        for (pass, _) in &self.outcome.timings {
+            *self.counts.entry(pass).or_default() += 1;
+        }
+        Ok(())
+    }
+}
+
+impl AsRef<Frame> for Frame {
+    fn as_ref(&self) -> &Frame {
+        self
+    }
+}
