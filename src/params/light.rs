@@ -74,7 +74,7 @@ params! {
 }
 
 /// The kinds of light that radiance scaling tells apart.
-pub const TERMS: [&str; 7] = [
+pub(crate) const TERMS: [&str; 7] = [
     "ambient",
     "diffuse",
     "specular",

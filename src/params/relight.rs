@@ -81,7 +81,7 @@ const FACTORS: RangeInclusive<f32> = 0.0..=1e6;
 const EXPONENTS: RangeInclusive<f32> = 0.0..=1e6;
 
 /// Samples of an environment where none are asked for: [LW] figure 1.
-pub const AUTO_SAMPLES: u32 = 54;
+pub(crate) const AUTO_SAMPLES: u32 = 54;
 
 /// Most samples of an environment, and most lights.
 pub const MAX_LIGHTS: u32 = 100_000;

@@ -188,7 +188,7 @@ params! {
 const THRESHOLDS: RangeInclusive<f32> = 0.0..=1e30;
 
 /// Past this a step leaves the shapes it is to tell of.
-pub const MAX_DIRECTION_STEP_PX: u32 = 64;
+pub(crate) const MAX_DIRECTION_STEP_PX: u32 = 64;
 
 impl ShapeParams {
     fn relations(&self) -> Result<()> {
@@ -300,7 +300,7 @@ const MAX_SIGMA_PX: f32 = 4096.0;
 const MAX_EXPLICIT_STEPS: f64 = 50_000.0;
 
 /// Most scales of one run: twelve octaves in steps of a fifth of one.
-pub const MAX_SCALES: usize = 64;
+pub(crate) const MAX_SCALES: usize = 64;
 
 /// Refuses more than [`MAX_SCALES`] scales.
 ///

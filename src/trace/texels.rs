@@ -59,7 +59,7 @@ const FARTHEST: f64 = 1.25;
 
 /// Where a ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reached<P> {
+pub(crate) enum Reached<P> {
     /// On the surface: the point, and the place of the map that shows it.
     Seen(DVec3, P),
     /// Unseen, on the plane of the surface that this place shows, as far as that goes on.
