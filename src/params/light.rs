@@ -73,7 +73,7 @@ params! {
     }
 }
 
-/// The kinds of light that radiance scaling tells apart.
+/// The kinds of light that radiance scaling distinguishes.
 pub(crate) const TERMS: [&str; 7] = [
     "ambient",
     "diffuse",

@@ -213,12 +213,12 @@ params! {
     }
 }
 
-/// Factor of highlights that are told by their shape alone.
+/// Factor of highlights that are known by their shape alone.
 const HIGHLIGHT: f32 = 0.25;
 
 impl MaterialParams {
     /// The factor of specular light: a quarter for `Phong` and `BlinnPhong`, whose highlight is 1 at its
-    /// brightest; 1 where reflectance tells.
+    /// brightest; 1 where reflectance determines it.
     pub fn specular(&self) -> f32 {
         self.specular_gain.unwrap_or(match self.material {
             Material::Phong | Material::BlinnPhong => HIGHLIGHT,

@@ -143,8 +143,8 @@ impl<'a> DistanceMap<'a> {
     #[inline]
     fn mean_at(&self, point: DVec3, value: impl Fn(&Texel) -> DVec3) -> Option<DVec3> {
         let toward = point - self.surroundings.center;
-        let (_, told, texels) = self.distance_toward(toward.try_normalize()?)?;
-        mean_at(toward.length(), told, &texels, value)
+        let (_, distances, texels) = self.distance_toward(toward.try_normalize()?)?;
+        mean_at(toward.length(), distances, &texels, value)
     }
 
     #[inline]
@@ -154,16 +154,16 @@ impl<'a> DistanceMap<'a> {
         around(map.position(direction), size, Sides::Wraps)
     }
 
-    /// The distance of the surroundings in a unit direction, with what each texel around it tells.
+    /// The distance of the surroundings in a unit direction, with the distance by each texel around it.
     #[inline]
     fn distance_toward(&self, direction: DVec3) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
         let map = self.surroundings;
         let texels = self.texels(direction);
-        let told = texels.map(|t| {
+        let distances = texels.map(|t| {
             let plane = &self.planes[t.y * map.width() + t.x];
             plane.along(DVec3::ZERO, direction)
         });
-        Some((agreed(told, &texels)?, told, texels))
+        Some((agreed(distances, &texels)?, distances, texels))
     }
 }
 

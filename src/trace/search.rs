@@ -34,7 +34,7 @@ pub(crate) enum Crossing {
 /// The first place of a way, in so many even `steps` and `refinements`, where it goes through a surface from the
 /// front.
 ///
-/// `gap` tells how far a place lies in front of the surface, as a share of the distance: above 0 in front, below
+/// `gap` is how far a place lies in front of the surface, as a share of the distance: above 0 in front, below
 /// behind, `None` where there is no surface. Where the gap jumps to below 0 the way passes behind an edge; it is
 /// followed on, unseen, until it comes out in front of a surface again. Source: [LA] section 5.2, after the
 /// linear and secant search in distance maps; the secant rule is the Illinois one, which keeps the surface

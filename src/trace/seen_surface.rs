@@ -164,8 +164,11 @@ impl<'a> SeenSurface<'a> {
     /// The unit normal at a place of the picture where the surface lies at the depth of `point`.
     #[inline]
     pub(crate) fn normal_at(&self, at: DVec2, point: DVec3) -> Option<DVec3> {
-        let (_, told, texels) = self.depth_at(at)?;
-        mean_at(-point.z, told, &texels, |t| self.visible.normal(t.x, t.y))?.try_normalize()
+        let (_, distances, texels) = self.depth_at(at)?;
+        mean_at(-point.z, distances, &texels, |t| {
+            self.visible.normal(t.x, t.y)
+        })?
+        .try_normalize()
     }
 
     /// The colour there.
@@ -176,12 +179,16 @@ impl<'a> SeenSurface<'a> {
         at: DVec2,
         point: DVec3,
     ) -> Option<[f32; 3]> {
-        let (_, told, texels) = self.depth_at(at)?;
+        let (_, distances, texels) = self.depth_at(at)?;
         let own = |t: &Texel| {
             let [r, g, b] = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(t.x, t.y)));
             DVec3::new(r, g, b)
         };
-        Some(mean_at(-point.z, told, &texels, own)?.as_vec3().to_array())
+        Some(
+            mean_at(-point.z, distances, &texels, own)?
+                .as_vec3()
+                .to_array(),
+        )
     }
 
     /// The unit direction there of a field of directions in the picture, each equal to its opposite.
@@ -192,12 +199,12 @@ impl<'a> SeenSurface<'a> {
         at: DVec2,
         point: DVec3,
     ) -> Option<DVec2> {
-        let (_, told, texels) = self.depth_at(at)?;
+        let (_, distances, texels) = self.depth_at(at)?;
         let doubled = |t: &Texel| {
             let [x, y] = [&field.x, &field.y].map(|p| f64::from(p.at(t.x, t.y)));
             DVec3::new(x * x - y * y, 2.0 * x * y, 0.0)
         };
-        let mean = mean_at(-point.z, told, &texels, doubled)?;
+        let mean = mean_at(-point.z, distances, &texels, doubled)?;
         let half = 0.5 * mean.y.atan2(mean.x);
         (mean.length_squared() > 0.0).then(|| DVec2::from_angle(half))
     }
@@ -208,7 +215,7 @@ impl<'a> SeenSurface<'a> {
         (window.width() + window.height()) as f64
     }
 
-    /// Depth along the view axis at a place of the picture, with what each texel around it tells.
+    /// Depth along the view axis at a place of the picture, with the distance by each texel around it.
     #[inline]
     fn depth_at(&self, at: DVec2) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
         let mask = &self.frame().mask;
@@ -223,8 +230,8 @@ impl<'a> SeenSurface<'a> {
         }
         let texels = around(inside, size, Sides::Ends);
         let (start, line) = self.visible.sight.line(at.x, at.y);
-        let told = texels.map(|t| self.planes[t.y * size[0] + t.x].along(start, line));
-        Some((agreed(told, &texels)?, told, texels))
+        let distances = texels.map(|t| self.planes[t.y * size[0] + t.x].along(start, line));
+        Some((agreed(distances, &texels)?, distances, texels))
     }
 
     /// The way of a ray through the picture, as far as it may meet the surface; `None` where it may not.
