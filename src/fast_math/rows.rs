@@ -15,7 +15,7 @@ pub enum Function {
     Tanh,
     /// [`atan`].
     Atan,
-    /// [`tan_to_eighth_turn`].
+    /// `tan_to_eighth_turn`.
     Tan,
     /// [`pow`] with this exponent.
     Pow(f32),

@@ -80,7 +80,7 @@ pub struct Camera {
     pub projection: Projection,
 }
 
-/// Focal lengths, in pixels. With [`PRINCIPAL_PX`] slopes of sight lines stay below 1e9 and 1e9 times the size of a
+/// Focal lengths, in pixels. With `PRINCIPAL_PX` slopes of sight lines stay below 1e9 and 1e9 times the size of a
 /// picture: squares of their squares fit single precision.
 pub(crate) const FOCAL_PX: RangeInclusive<f64> = 0.01..=1e9;
 /// Pixels per unit of length of parallel projections: a picture of stars to one of atoms.
@@ -136,7 +136,7 @@ fn check(
 /// Refuses a place in the world that is too far from its origin.
 ///
 /// # Errors
-/// [`OutOfRange`] naming the first coordinate past [`PLACE`].
+/// [`OutOfRange`] naming the first coordinate past `PLACE`.
 pub(crate) fn check_place(place: DVec3) -> Result<(), OutOfRange> {
     let coordinates = place.to_array().into_iter();
     let mut checked =
@@ -145,8 +145,8 @@ pub(crate) fn check_place(place: DVec3) -> Result<(), OutOfRange> {
 }
 
 impl Camera {
-    /// Refuses numbers that the stages' single precision does not hold: those outside [`FOCAL_PX`],
-    /// [`PIXELS_PER_UNIT`], [`PRINCIPAL_PX`] and [`PLACE`].
+    /// Refuses numbers that the stages' single precision does not hold: those outside `FOCAL_PX`,
+    /// `PIXELS_PER_UNIT`, `PRINCIPAL_PX` and `PLACE`.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the first one.
