@@ -15,7 +15,7 @@ pub(crate) mod cached;
 
 #[cfg(feature = "gpu")]
 pub(crate) use super::response::ENTRIES;
-pub use super::response::MAX_DENSITY;
+pub(crate) use super::response::MAX_DENSITY;
 
 use super::random::Random;
 use super::response::Response;
