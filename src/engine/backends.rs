@@ -22,7 +22,7 @@ pub struct Engine {
     device: OnDevice,
 }
 
-/// What is told of a run while a device does it.
+/// The name of all that a device does, in [`Progress`](crate::engine::Progress).
 #[cfg(feature = "gpu")]
 const DEVICE: &str = "device";
 
