@@ -17,7 +17,8 @@ use relievo::params::{
     ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeParams, Style, Tangent, ToneParams,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
-use relievo::report::light::{bare, environment, lit::some_covered};
+use relievo::report::light::environment;
+use relievo::report::light::lit::{bare, some_covered};
 use relievo::report::light_reference::{
     Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
 };

@@ -163,6 +163,11 @@ impl Product {
         TABLE.iter().map(|row| row.product)
     }
 
+    /// Whether it is of the descriptor, not a picture or a drawing.
+    pub(crate) fn is_of_shape(self) -> bool {
+        self < Self::Picture
+    }
+
     /// What is known of it.
     pub fn row(self) -> &'static Row {
         let row = &TABLE[self as usize];

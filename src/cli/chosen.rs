@@ -1,52 +1,12 @@
 //! What is chosen automatically, as the flags that would choose the same.
 
-use super::job::Done;
+use super::flags::Flag;
 use super::role_args;
 use super::still_camera::{self, StillCamera};
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
-use std::ffi::OsString;
-
-/// A flag with its value: `--name=value`; without one, a switch.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Flag {
-    name: String,
-    value: Option<String>,
-}
-
-impl Flag {
-    pub(super) fn new(name: impl Into<String>, value: impl ToString) -> Self {
-        Self {
-            name: name.into(),
-            value: Some(value.to_string()),
-        }
-    }
-
-    pub(super) fn switch(name: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            value: None,
-        }
-    }
-
-    pub(super) fn name(&self) -> &str {
-        &self.name
-    }
-
-    pub(super) fn value(&self) -> Option<&str> {
-        self.value.as_deref()
-    }
-
-    /// The flag as it is typed.
-    pub(super) fn word(&self) -> OsString {
-        match &self.value {
-            Some(value) => format!("--{}={value}", self.name).into(),
-            None => format!("--{}", self.name).into(),
-        }
-    }
-}
 
 /// Rows of depth that tell how far away a frame's surface is.
 const ROWS_FOR_DISTANCE: usize = 32;
@@ -64,10 +24,6 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    pub(super) fn of(done: &Done) -> Self {
-        Self::made(&done.loaded, &done.outcome)
-    }
-
     /// What was chosen for what was made of `loaded`.
     pub(super) fn made(loaded: &Loaded, outcome: &Outcome) -> Self {
         let single = [

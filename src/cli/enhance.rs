@@ -1,11 +1,12 @@
 //! `relievo enhance`.
 
-use super::args::{EnhanceArgs, WorkArgs};
+use super::args::WorkArgs;
 use super::chosen::Chosen;
+use super::commands::EnhanceArgs;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
 use super::strips::{self, StripWork};
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::engine::{self, Engine};

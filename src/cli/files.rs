@@ -1,47 +1,10 @@
-//! The files that a run reads and writes, checked before any work is done.
+//! The files that a run writes, checked before any work is done.
 
 use super::args::WorkArgs;
-use super::frames::FrameCommand;
 use crate::error::{Error, Result};
-use crate::io::output::{Files, check_writable, directory_of, remove_leftovers};
+use crate::io::output::{check_writable, directory_of, remove_leftovers};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-
-/// Checks all `frames` at once, `None` being a single picture: no output may be an input of any frame, `recipe` included,
-/// or another output.
-///
-/// # Errors
-/// [`Error::BadParameter`] naming the first output that is.
-pub(super) fn refuse_collisions<C: FrameCommand>(
-    command: &C,
-    recipe: Option<&Path>,
-    frames: &[Option<i32>],
-) -> Result<()> {
-    let mut files = Files::default();
-    recipe.into_iter().for_each(|path| files.reads(path));
-    let folder = command.folder();
-    folder.into_iter().for_each(|path| files.reads_all_in(path));
-    let works = frames.iter().map(|&frame| match frame {
-        Some(number) => (frame, command.work().of_frame(number)),
-        None => (frame, command.work().clone()),
-    });
-    let works: Vec<_> = works.collect();
-    for (frame, work) in &works {
-        let of_command = command.files(*frame);
-        for path in work.roles.files(&work.input).iter().chain(&of_command) {
-            files.reads(path);
-        }
-    }
-    for (_, work) in &works {
-        for (name, path) in outputs_of_frame(work) {
-            files.writes(name, path)?;
-        }
-    }
-    match &command.work().run.save_recipe {
-        Some(path) => files.writes("--save-recipe", path),
-        None => Ok(()),
-    }
-}
 
 /// Refuses outputs of `work`, one frame, that could not be written.
 ///
@@ -80,7 +43,8 @@ pub(super) fn sweep(work: &WorkArgs, swept: &mut BTreeSet<PathBuf>) {
     }
 }
 
-fn outputs_of_frame(work: &WorkArgs) -> impl Iterator<Item = (&'static str, &Path)> {
+/// The files that are written of one frame, by their flags.
+pub(super) fn outputs_of_frame(work: &WorkArgs) -> impl Iterator<Item = (&'static str, &Path)> {
     let outputs = [
         ("-o", &work.output.output),
         ("--timings", &work.run.timings),

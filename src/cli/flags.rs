@@ -1,11 +1,51 @@
-//! Flags of parameters, made from their table.
+//! Flags of parameters, made from their table, and flags as they are typed.
 
 use crate::error::{Error, Result};
 use crate::params::{Choice, Kind, Many, Param, Parameters, Params, Style, check_scales, table};
 use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+
+/// A flag with its value: `--name=value`; without one, a switch.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Flag {
+    name: String,
+    value: Option<String>,
+}
+
+impl Flag {
+    pub(super) fn new(name: impl Into<String>, value: impl ToString) -> Self {
+        Self {
+            name: name.into(),
+            value: Some(value.to_string()),
+        }
+    }
+
+    pub(super) fn switch(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            value: None,
+        }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn value(&self) -> Option<&str> {
+        self.value.as_deref()
+    }
+
+    /// The flag as it is typed.
+    pub(super) fn word(&self) -> OsString {
+        match &self.value {
+            Some(value) => format!("--{}={value}", self.name).into(),
+            None => format!("--{}", self.name).into(),
+        }
+    }
+}
 
 /// What the parameters of a command line are, and what flags say beyond.
 #[derive(Debug, Clone)]

@@ -1,8 +1,9 @@
 //! A command on one frame, or on all of a sequence: several at a time, each whole or not at all.
 
 use super::args::WorkArgs;
-use super::chosen::{Chosen, Flag};
+use super::chosen::Chosen;
 use super::files;
+use super::flags::Flag;
 use super::invocation::Invocation;
 use super::job::Job;
 use super::message;
@@ -14,7 +15,7 @@ use super::sequence::MissingArg;
 use super::stop::{self, First};
 use super::threads::{Lanes, on_threads};
 use crate::error::Result;
-use crate::io::output::{is_whole, write_text};
+use crate::io::output::{Files, is_whole, write_text};
 use clap::FromArgMatches;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -111,8 +112,44 @@ fn check<C: FrameCommand>(
     first: &WorkArgs,
 ) -> Result<()> {
     validate(command)?;
-    files::refuse_collisions(command, recipe, frames)?;
+    refuse_collisions(command, recipe, frames)?;
     files::check_outputs(first)
+}
+
+/// Checks all `frames` at once, `None` being a single picture: no output may be an input of any frame, `recipe` included,
+/// or another output.
+///
+/// # Errors
+/// [`Error::BadParameter`] naming the first output that is.
+fn refuse_collisions<C: FrameCommand>(
+    command: &C,
+    recipe: Option<&Path>,
+    frames: &[Option<i32>],
+) -> Result<()> {
+    let mut known = Files::default();
+    recipe.into_iter().for_each(|path| known.reads(path));
+    let folder = command.folder();
+    folder.into_iter().for_each(|path| known.reads_all_in(path));
+    let works = frames.iter().map(|&frame| match frame {
+        Some(number) => (frame, command.work().of_frame(number)),
+        None => (frame, command.work().clone()),
+    });
+    let works: Vec<_> = works.collect();
+    for (frame, work) in &works {
+        let of_command = command.files(*frame);
+        for path in work.roles.files(&work.input).iter().chain(&of_command) {
+            known.reads(path);
+        }
+    }
+    for (_, work) in &works {
+        for (name, path) in files::outputs_of_frame(work) {
+            known.writes(name, path)?;
+        }
+    }
+    match &command.work().run.save_recipe {
+        Some(path) => known.writes("--save-recipe", path),
+        None => Ok(()),
+    }
 }
 
 fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
@@ -169,7 +206,9 @@ fn sequence<C: FrameCommand>(
         making: making(command.work(), frames),
         swept: Mutex::new(swept),
     };
-    Lanes::of(command.work(), &first.input, frames.len()).each(|| run.make_frames());
+    let work = command.work();
+    let in_memory = work.run.max_memory.bytes() / work.frame_bytes(&first.input).max(1);
+    Lanes::of(frames.len(), in_memory).each(|| run.make_frames());
     let failed = run.failed.load(Ordering::Relaxed);
     let tally = told.end(quiet);
     Ok(match stop::asked() {

@@ -1,6 +1,6 @@
 //! `relievo inspect`.
 
-use super::args::InspectArgs;
+use super::commands::InspectArgs;
 use super::enhance::dark_rims;
 use super::message;
 use super::panics::caught;

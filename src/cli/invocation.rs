@@ -1,10 +1,9 @@
 //! A command line in the making: what was typed, what a recipe adds, and what was chosen for a whole sequence.
 
-use super::args::Cli;
-use super::chosen::Flag;
+use super::commands::{Cli, command_named, long, typed_ids};
+use super::flags::Flag;
 use super::recipe::Recipe;
 use crate::error::Result;
-use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -90,29 +89,6 @@ impl Invocation {
                 .collect(),
         }
     }
-}
-
-/// The clap command of that name; the whole program where there is none.
-pub(super) fn command_named(name: &str) -> Command {
-    let cli = Cli::command();
-    cli.find_subcommand(name).cloned().unwrap_or(cli)
-}
-
-/// The argument that is written `--name`.
-pub(super) fn long<'a>(command: &'a Command, name: &str) -> Option<&'a clap::Arg> {
-    command
-        .get_arguments()
-        .find(|arg| arg.get_long() == Some(name))
-}
-
-/// The ids of all arguments that were typed.
-pub(super) fn typed_ids(matches: &ArgMatches) -> impl Iterator<Item = &str> {
-    let ids = matches.ids().map(clap::Id::as_str);
-    ids.filter(|id| {
-        // Groups of flattened arguments have ids, and no values.
-        matches.try_get_raw(id).is_ok()
-            && matches.value_source(id) == Some(ValueSource::CommandLine)
-    })
 }
 
 /// The ids of the arguments in `words`, as far as they can be understood alone.

@@ -42,6 +42,12 @@ pub(super) struct Done {
     pub(super) read: Duration,
 }
 
+impl Done {
+    fn chosen(&self) -> Chosen {
+        Chosen::made(&self.loaded, &self.outcome)
+    }
+}
+
 /// A picture to be written.
 pub(super) struct MadePicture<'a> {
     /// Its colours, where those that were made have other primaries.
@@ -259,7 +265,7 @@ impl<'a> Job<'a> {
         self.write(done, |output| {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
             self.guard(done, &results)?;
-            let recipe = self.recipe(&Chosen::of(done));
+            let recipe = self.recipe(&done.chosen());
             let args = &self.work.output;
             for warning in args.write_exr(output, &done.loaded, channels, recipe)? {
                 self.say_once("warning", &warning, true);
@@ -301,7 +307,7 @@ impl<'a> Job<'a> {
 
     /// Writes through `write` where there is anything to be written, then the timings, and says what was done.
     fn write(&self, done: &Done, write: impl FnOnce(ReadyOutput) -> Result<()>) -> Result<Chosen> {
-        let chosen = Chosen::of(done);
+        let chosen = done.chosen();
         self.write_output(&chosen, |output| {
             let start = Instant::now();
             write(output)?;

@@ -1,7 +1,5 @@
 //! How much memory a run may take.
 
-use super::args::WorkArgs;
-use crate::io::frame_bytes;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -46,13 +44,6 @@ impl MaxMemory {
     /// What pictures that light is read from, or strokes, may take beside the frame: half.
     pub(super) fn for_light(self) -> u64 {
         self.bytes() / 2
-    }
-}
-
-impl WorkArgs {
-    /// About how much memory it takes to work on `picture`.
-    pub(super) fn frame_bytes(&self, picture: &Path) -> u64 {
-        frame_bytes(picture, self.flags.more_scales().len())
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod args;
 mod chosen;
+mod commands;
 mod enhance;
 mod files;
 mod flags;
@@ -36,7 +37,8 @@ mod strips;
 mod threads;
 
 use crate::error::Result;
-use args::{Command, EnhanceArgs, WorkArgs};
+use args::WorkArgs;
+use commands::{Command, EnhanceArgs};
 use invocation::Invocation;
 use line_args::HatchArgs;
 use recipe::Recipe;
@@ -62,7 +64,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
 
 /// The commands and their flags, as clap knows them: for completions, manual pages, and whoever tries them all.
 pub fn command() -> clap::Command {
-    <args::Cli as clap::CommandFactory>::command()
+    <commands::Cli as clap::CommandFactory>::command()
 }
 
 fn run_typed(typed: &Invocation) -> Result<i32> {
@@ -88,7 +90,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
 
 /// Opens the window.
 #[cfg(feature = "view")]
-fn view(args: &args::ViewArgs, typed: &Invocation) -> Result<i32> {
+fn view(args: &commands::ViewArgs, typed: &Invocation) -> Result<i32> {
     threads::use_threads(args.threads);
     let opening = look::Opening::of(args, typed)?;
     crate::view::open(opening).map(|()| 0)
@@ -96,7 +98,7 @@ fn view(args: &args::ViewArgs, typed: &Invocation) -> Result<i32> {
 
 /// Says how to come by a window.
 #[cfg(not(feature = "view"))]
-fn view(_: &args::ViewArgs, _: &Invocation) -> Result<i32> {
+fn view(_: &commands::ViewArgs, _: &Invocation) -> Result<i32> {
     Err(crate::Error::Window {
         found: "this build has no window".into(),
         remedy: "build one with cargo build --release --features view".into(),

@@ -1,23 +1,13 @@
 //! How far a sequence has come: a bar on a terminal, else lines of text or of JSON.
 
-use super::args::RunArgs;
+use super::args::{ProgressArg, RunArgs};
 use super::message::say;
-use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::fmt::Display;
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ProgressArg {
-    Auto,
-    Bar,
-    Plain,
-    Json,
-    None,
-}
 
 /// How one frame ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! `relievo report`.
 
-use super::args::ReportArgs;
+use super::commands::ReportArgs;
 use super::message;
 use super::motion::Steps;
 use super::panics::caught;

@@ -1,7 +1,6 @@
 //! Which layers and files play which role: the names of the inputs.
 
-use super::chosen::Flag;
-use super::flags::one_of;
+use super::flags::{Flag, one_of};
 use super::still_camera::StillCamera;
 use crate::frame::NormalSpace;
 use crate::io::colorspace::ColorSpace;
@@ -40,20 +39,20 @@ pub(super) struct RoleArgs {
     mask: Option<String>,
     /// Space of the normals.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(NORMAL_SPACES))]
-    normal_space: RunLog<NormalSpace>,
+    normal_space: Given<NormalSpace>,
     /// Encoding of the normals.
     #[arg(long, value_name = "ENCODING", default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS))]
-    normal_encoding: RunLog<NormalEncoding>,
+    normal_encoding: Given<NormalEncoding>,
     /// Axes of the normals that point the wrong way: y for DirectX normal maps, none, or auto.
     #[arg(long, value_name = "AXES", default_value = "auto")]
     normal_flip: FlipArg,
     /// What depth measures.
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = auto_or(StoredDepth::ALL))]
-    depth_kind: RunLog<StoredDepth>,
+    depth_kind: Given<StoredDepth>,
     /// What the colours of the inputs mean: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos
     /// are srgb and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(ColorSpace::ALL))]
-    colorspace: RunLog<ColorSpace>,
+    colorspace: Given<ColorSpace>,
     /// The camera of all frames of a sequence, as --save-recipe writes it where it was recovered and stands still.
     #[arg(long, value_name = "JSON", conflicts_with = "camera")]
     still_camera: Option<StillCamera>,
@@ -74,7 +73,7 @@ const NORMAL_ENCODINGS: [(NormalEncoding, &str); 2] = [
     (NormalEncoding::Unsigned, "unsigned"),
 ];
 
-/// Axes that were told, or none told.
+/// Axes that were given, or `auto`.
 #[derive(Debug, Clone, Copy)]
 struct FlipArg(Option<Flip>);
 
@@ -89,16 +88,16 @@ impl std::str::FromStr for FlipArg {
     }
 }
 
-/// One of several that was told, or `auto`.
+/// One of several that was given, or `auto`.
 #[derive(Debug, Clone, Copy)]
-struct RunLog<T>(Option<T>);
+struct Given<T>(Option<T>);
 
 /// Offers `auto` and the names of `all`.
 fn auto_or<T: Copy + Send + Sync + 'static>(
     all: impl IntoIterator<Item = (T, &'static str)>,
-) -> impl TypedValueParser<Value = RunLog<T>> {
+) -> impl TypedValueParser<Value = Given<T>> {
     let all = all.into_iter().map(|(value, name)| (Some(value), name));
-    one_of(std::iter::once((None, "auto")).chain(all)).map(RunLog)
+    one_of(std::iter::once((None, "auto")).chain(all)).map(Given)
 }
 
 /// The flags by which layers are read in the same way.

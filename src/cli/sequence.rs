@@ -1,8 +1,7 @@
 //! Frame by frame: which frames, and the names of their files.
 
-use super::args::WorkArgs;
 use super::role_args::RoleArgs;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::inputs::Inputs;
 use crate::io::sequence::{FrameList, frames_of, of_frame, path_of_frame};
 use clap::{Args, ValueEnum};
@@ -27,7 +26,7 @@ pub(super) struct FramesArg {
 #[command(next_help_heading = "Sequence")]
 pub(super) struct SequenceArgs {
     #[command(flatten)]
-    frames: FramesArg,
+    pub(super) frames: FramesArg,
     /// Frames that all which is automatic is chosen from, once for all: five across --frames where not given;
     /// none lets each frame choose for itself.
     #[arg(long, value_name = "LIST|none", allow_hyphen_values = true)]
@@ -110,45 +109,11 @@ pub(super) fn numbered(name: &str, frame: i32) -> String {
     of_frame(name, frame).unwrap_or_else(|| name.into())
 }
 
-fn numbered_path(path: &Path, frame: i32) -> PathBuf {
+pub(super) fn numbered_path(path: &Path, frame: i32) -> PathBuf {
     path_of_frame(path, frame).unwrap_or_else(|| path.into())
 }
 
-impl WorkArgs {
-    /// The frames asked for; `None` for a single picture.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] for frames and names that do not go together, and for one file of timings.
-    pub(super) fn frames(&self) -> Result<Option<&[i32]>> {
-        let frames = self
-            .sequence
-            .frames
-            .of(&self.input, self.output.output.as_deref())?;
-        match &self.run.timings {
-            Some(path) if frames.is_some() && path_of_frame(path, 0).is_none() => {
-                Err(Error::BadParameter {
-                    name: "--timings",
-                    found: format!("{} is one file for all frames", path.display()),
-                    remedy: "put #### where their numbers go".into(),
-                })
-            }
-            _ => Ok(frames),
-        }
-    }
-
-    /// The same for one frame of a sequence.
-    pub(super) fn of_frame(&self, frame: i32) -> Self {
-        let mut one = self.clone();
-        one.input = numbered_path(&self.input, frame);
-        one.roles.rename(|name| numbered(name, frame));
-        let numbered = |path: &PathBuf| numbered_path(path, frame);
-        one.output.output = self.output.output.as_ref().map(numbered);
-        one.run.timings = self.run.timings.as_ref().map(numbered);
-        one
-    }
-}
-
-/// [`WorkArgs::of_frame`] for inputs alone.
+/// The inputs of one frame of a sequence.
 pub(super) fn inputs_of_frame(roles: &RoleArgs, input: &Path, frame: i32) -> Inputs {
     let mut roles = roles.clone();
     roles.rename(|name| numbered(name, frame));

@@ -6,7 +6,7 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
 use super::output::Kind;
 use super::strips::{self, StripWork};
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::{Outcome, ScaleShape};
 use crate::engine::{self, Engine};

@@ -7,7 +7,7 @@ use super::memory::{MaxMemory, PHOTO_BYTES};
 use super::output::{Kind, ReadyOutput};
 use super::progress::strips_bar;
 use crate::engine;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::guard::not_finite;
 use crate::engine::outcome::Outcome;
@@ -351,7 +351,7 @@ fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<St
         for index in 0..source.strips.count() {
             let (loaded, plan, rows) = source.load(index)?;
             let runner = source.work.runner();
-            source.timed("look", || search.look(runner, &plan, &loaded.frame, rows));
+            source.timed("look", || search.look(runner, &plan, &loaded.frame, rows))?;
             bar.inc(1);
         }
         if look + 1 < looks {

@@ -1,10 +1,8 @@
 //! Threads, and how many frames are made at a time.
 
-use super::args::WorkArgs;
 use super::message;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
-use std::path::Path;
 use std::thread;
 
 /// Most threads that can be asked for; more than any machine has cores for.
@@ -65,17 +63,15 @@ pub(super) struct Lanes {
 
 impl Lanes {
     /// As many frames at a time as there are pairs of threads, two at the least, as far as memory goes: what a frame does
-    /// on one thread, such as reading and compressing, then overlaps with the work of another. `first` is one of the
-    /// frames, by which its memory is judged.
-    pub(super) fn of(work: &WorkArgs, first: &Path, frames: usize) -> Self {
+    /// on one thread, such as reading and compressing, then overlaps with the work of another. `in_memory` of them fit.
+    pub(super) fn of(frames: usize, in_memory: u64) -> Self {
         let threads = rayon::current_num_threads();
-        let most = work.run.max_memory.bytes() / work.frame_bytes(first).max(1);
         let lanes = threads
             .div_ceil(2)
             .max(2)
             .min(threads)
             .min(frames)
-            .min(usize::try_from(most).unwrap_or(usize::MAX))
+            .min(usize::try_from(in_memory).unwrap_or(usize::MAX))
             .max(1);
         let share = |lane: usize| threads / lanes + usize::from(lane < threads % lanes);
         Self {

@@ -4,11 +4,13 @@
 //! pictures of 1e38 that are brightened, is found here, before anything is written.
 
 use crate::engine::cpu;
-use crate::engine::outcome::{Outcome, Shape};
-use crate::frame::CurvaturePlanes;
+use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::params::{Adaptive, Scale, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, Plan, Stage};
+use crate::plan::stage::Step;
+use crate::plan::stages::stages;
+use crate::plan::{Available, Goal, Plan};
+use crate::product::Product;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -118,26 +120,23 @@ fn planes_of(color: &ColorPlanes) -> [&Plane; 3] {
     [&color.r, &color.g, &color.b]
 }
 
-/// The first stage of `plan` that gives samples that are not finite. Everything about shape is made again: this is
+/// The first step of `plan` that gives samples that are not finite. Everything about shape is made again: this is
 /// rare, and a device or a picture alone does not have it.
 fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
     let by_shape = || {
-        plan.has(Stage::Gradient)
-            .then(|| shape_stage(plan, frame, outcome))
-            .flatten()
+        plan.wants_curvature()
+            .then(|| shape_step(plan, frame, outcome))
     };
-    let color_is_finite = |color: &ColorPlanes| planes_of(color).into_iter().all(is_finite);
-    let picture = || !outcome.color.as_ref().is_none_or(color_is_finite);
-    if let Some(stage) = by_shape() {
-        return stage.name().into();
+    if let Some(step) = by_shape().flatten() {
+        return step.name.into();
     }
-    let stages: &[Stage] = match picture() {
-        true => &PICTURE,
-        false if outcome.drawing.is_some() => &DRAWING,
-        false => &[],
+    let spoiled: &[Product] = match outcome.planes(Product::Picture).into_iter().all(is_finite) {
+        false => &[Product::Picture],
+        true if outcome.drawing.is_some() => &[Product::Strokes, Product::Contours],
+        true => &[],
     };
-    let planned = stages.iter().filter(|&&stage| plan.has(stage));
-    let names: Vec<_> = planned.map(|stage| stage.name()).collect();
+    let gives = |step: &&Step| spoiled.iter().any(|product| step.gives.contains(product));
+    let names: Vec<_> = steps(plan).filter(gives).map(|step| step.name).collect();
     match names.is_empty() {
         // All is finite until colours are turned to those of a display.
         true => "view-transform".into(),
@@ -145,31 +144,14 @@ fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
     }
 }
 
-/// The stages that make a picture.
-const PICTURE: [Stage; 11] = [
-    Stage::RadianceScaling,
-    Stage::LightLobes,
-    Stage::LightGroups,
-    Stage::AmbientOcclusion,
-    Stage::CurvatureDisplay,
-    Stage::AlbedoEstimate,
-    Stage::LightSum,
-    Stage::LightLookups,
-    Stage::Contrast,
-    Stage::Tones,
-    Stage::SpecularTrace,
-];
+/// The steps that a plan runs, in their order.
+fn steps(plan: &Plan) -> impl Iterator<Item = &'static Step> {
+    let all = stages().flat_map(|stage| stage.steps);
+    all.filter(|step| plan.runs(step.name))
+}
 
-/// The stages that draw one.
-const DRAWING: [Stage; 4] = [
-    Stage::DirectionField,
-    Stage::Hatching,
-    Stage::Streamlines,
-    Stage::Contours,
-];
-
-/// The stage of shape that first fails: on the CPU, undiffused and diffused, else where it was run.
-fn shape_stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<Stage> {
+/// The step of shape that first fails: on the CPU, undiffused and diffused, else where it was run.
+fn shape_step(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<&'static Step> {
     let again = |scale| {
         let shape = ShapeParams {
             scale,
@@ -180,49 +162,24 @@ fn shape_stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<Stage> {
             ..plan.scaling
         };
         let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling).ok()?;
-        Some(cpu::run(&plan, frame).ok()?.shape)
+        let outcome = cpu::run(&plan, frame).ok()?;
+        first_of_shape(&plan, &outcome)
     };
-    let silhouettes = [
-        Stage::DepthSilhouettes,
-        Stage::OcclusionSilhouettes,
-        Stage::BorderSilhouettes,
-    ];
-    let silhouette = silhouettes.into_iter().find(|&stage| plan.has(stage));
-    let silhouette = silhouette.unwrap_or(Stage::Conductance);
     again(Scale::Iterations(0))
-        .and_then(|shape| first_of_shape(&shape, silhouette, Stage::Gradient))
-        .or_else(|| first_of_shape(&again(plan.shape.scale)?, silhouette, Stage::Diffusion))
-        .or_else(|| first_of_shape(&outcome.shape, silhouette, Stage::Diffusion))
-        .filter(|&stage| stage != Stage::Directions || plan.has(stage))
+        .or_else(|| again(plan.shape.scale))
+        .or_else(|| first_of_shape(plan, outcome))
+        .filter(|step| !step.gives.contains(&Product::ViewDirection) || plan.runs(step.name))
 }
 
-/// The first stage whose planes are not finite, where the gradient comes from the stage `gradient`.
-fn first_of_shape(shape: &Shape, silhouette: Stage, gradient: Stage) -> Option<Stage> {
-    let slopes = shape.gradient.iter().flat_map(|g| [&g.x, &g.y]);
-    let hessian = shape.hessian.iter().flat_map(|h| [&h.xx, &h.xy, &h.yy]);
-    let more = shape.more_scales.iter();
-    let curvatures = shape.curvatures.iter();
-    let curvatures = curvatures.chain(more.clone().map(|scale| &scale.curvatures));
-    let curvatures = curvatures.flat_map(|CurvaturePlanes { u, v, mean }| [u, v, mean]);
-    let directions = shape.direction_view.iter().flat_map(|d| [&d.x, &d.y]);
-    let rays = shape.direction.iter().flat_map(|d| [&d.x, &d.y]);
-    let kappa = shape.kappa.iter().chain(more.map(|scale| &scale.kappa));
-    let all: [(Stage, Vec<&Plane>); 10] = [
-        (silhouette, shape.silhouette.iter().collect()),
-        (Stage::Creases, shape.crease.iter().collect()),
-        (Stage::Conductance, shape.conductance.iter().collect()),
-        (gradient, slopes.collect()),
-        (Stage::Trace, shape.trace.iter().collect()),
-        (Stage::Hessian, hessian.collect()),
-        (Stage::Curvatures, curvatures.collect()),
-        (Stage::Directions, directions.collect()),
-        (Stage::NormalRays, rays.collect()),
-        (Stage::MappedCurvature, kappa.collect()),
-    ];
-    let mut bad = all
-        .into_iter()
-        .filter(|(_, planes)| !planes.iter().all(|p| is_finite(p)));
-    bad.next().map(|(stage, _)| stage)
+/// The first step of shape whose planes are not finite. Of a product that is made in several, the last one is blamed:
+/// where the gradient is diffused, what it was before is not there to be looked at.
+fn first_of_shape(plan: &Plan, outcome: &Outcome) -> Option<&'static Step> {
+    let mut bad = Product::all()
+        .filter(|product| product.is_of_shape() && !outcome.at_all_scales(*product).all(is_finite));
+    let product = bad.next()?;
+    steps(plan)
+        .filter(|step| step.gives.contains(&product))
+        .last()
 }
 
 #[cfg(test)]

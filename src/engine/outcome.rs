@@ -95,6 +95,8 @@ pub struct Outcome {
 trait Planes {
     fn planes(&self) -> Vec<&Plane>;
     fn planes_mut(&mut self) -> Vec<&mut Plane>;
+    #[cfg(feature = "gpu")]
+    fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self;
 }
 
 /// Planes as the fields of a struct, in the order of the product's components.
@@ -107,6 +109,11 @@ macro_rules! planes {
 
             fn planes_mut(&mut self) -> Vec<&mut Plane> {
                 vec![$(&mut self.$field),+]
+            }
+
+            #[cfg(feature = "gpu")]
+            fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self {
+                Self { $($field: Plane::of_planes(planes)),+ }
             }
         }
     )*};
@@ -127,6 +134,11 @@ impl Planes for Plane {
     fn planes_mut(&mut self) -> Vec<&mut Plane> {
         vec![self]
     }
+
+    #[cfg(feature = "gpu")]
+    fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self {
+        planes.next().expect("every component is there")
+    }
 }
 
 impl<P: Planes> Planes for Option<P> {
@@ -136,6 +148,11 @@ impl<P: Planes> Planes for Option<P> {
 
     fn planes_mut(&mut self) -> Vec<&mut Plane> {
         self.as_mut().map_or_else(Vec::new, Planes::planes_mut)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self {
+        Some(P::of_planes(planes))
     }
 }
 
@@ -172,8 +189,46 @@ impl Outcome {
         held!(self, product, planes, as_ref)
     }
 
+    /// The same with those of further scales.
+    pub(crate) fn at_all_scales(&self, product: Product) -> impl Iterator<Item = &Plane> {
+        let scales = self.shape.more_scales.iter();
+        let more = scales.flat_map(move |scale| scale.planes(product));
+        self.planes(product).into_iter().chain(more)
+    }
+
     fn planes_mut(&mut self, product: Product) -> Vec<&mut Plane> {
         held!(self, product, planes_mut, as_mut)
+    }
+
+    /// Takes a product of the descriptor, or a picture, from planes that begin with its own.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
+        let shape = &mut self.shape;
+        match product {
+            Product::Silhouette => shape.silhouette = Planes::of_planes(planes),
+            Product::Crease => shape.crease = Planes::of_planes(planes),
+            Product::Conductance => shape.conductance = Planes::of_planes(planes),
+            Product::Gradient => shape.gradient = Planes::of_planes(planes),
+            Product::Trace => shape.trace = Planes::of_planes(planes),
+            Product::Hessian => shape.hessian = Planes::of_planes(planes),
+            Product::Curvature => shape.curvatures = Planes::of_planes(planes),
+            Product::MappedCurvature => shape.kappa = Planes::of_planes(planes),
+            Product::Direction => shape.direction = Planes::of_planes(planes),
+            Product::ViewDirection => shape.direction_view = Planes::of_planes(planes),
+            Product::Picture => self.color = Planes::of_planes(planes),
+            // Drawings are put together with their lines.
+            Product::Strokes | Product::Contours => {}
+        }
+    }
+
+    /// Takes curvature at a further scale from planes that begin with it.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn put_scale(&mut self, sigma_px: f32, planes: &mut dyn Iterator<Item = Plane>) {
+        self.shape.more_scales.push(ScaleShape {
+            sigma_px,
+            curvatures: Planes::of_planes(planes),
+            kappa: Planes::of_planes(planes),
+        });
     }
 
     /// All products that were made, those of further scales after that of the first.

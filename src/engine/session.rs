@@ -2,7 +2,7 @@
 
 use crate::engine::backends::Engine;
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::run::Runner;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
@@ -96,7 +96,6 @@ impl<F: AsRef<Frame>> Session<F> {
         let mut last = std::mem::take(&mut self.outcome);
         self.kept.recycle(&mut last);
         self.runner.recycle(last);
-        self.kept.invalidate_for(plan);
         let (frame, kept) = (self.held.as_ref(), Some(&mut self.kept));
         self.outcome = run.install(|| {
             self.runner

@@ -3,6 +3,7 @@
 pub mod albedo;
 pub mod batch;
 pub mod brdf;
+pub(crate) mod enhancement;
 pub mod environment;
 pub mod environment_layout;
 pub mod glossy;
@@ -19,5 +20,6 @@ pub(crate) mod relight;
 pub mod sum;
 pub(crate) mod texels;
 pub mod tones;
+pub(crate) mod white_level;
 
 pub(crate) use texels::sane;

@@ -1,11 +1,16 @@
 //! Lines along the surface: the directions they follow, the strokes drawn along them. Pure kernels, no
 //! files, threads or clock.
 
+pub(crate) mod canvas;
 pub mod contours;
 pub(crate) mod density;
 pub mod direction;
 pub mod direction_field;
 pub(crate) mod drawing;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_drawing;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_drawing_strips;
 pub mod hatching;
 pub mod linear_camera;
 pub mod normal_rays;

@@ -15,8 +15,6 @@
 //! assert!(table().iter().any(|row| row.unit.suffix() == "px"));
 //! ```
 
-use crate::error::{Error, Result, short};
-use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 #[macro_use]
@@ -25,6 +23,7 @@ pub(crate) mod table;
 pub(crate) mod value;
 mod light;
 mod line;
+mod range;
 mod relight;
 mod run;
 mod shape;
@@ -35,6 +34,7 @@ pub use line::{
     ContourParams, Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke,
     StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
 };
+pub(crate) use range::in_range;
 pub use relight::{
     AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,
     RelightParams, Samples, Tangent, WarpBy, WarpingParams,
@@ -71,7 +71,7 @@ params! {
         /// Turns the environment about the vertical.
         environment_rotate_deg: f32 = 0.0,
             flag: "--environment-rotate", form: "DEG", unit: Unit::Degrees,
-            valid: ANGLES_DEG, useful: table::even(-180.0, 180.0);
+            valid: range::ANGLES_DEG, useful: table::even(-180.0, 180.0);
         /// How the surface is lit.
         relight: RelightParams;
         /// How what mirrors and lenses show is searched for.
@@ -83,9 +83,6 @@ params! {
         line: LineParams;
     }
 }
-
-/// Angles in degrees: past a million turns single precision tells no direction.
-const ANGLES_DEG: RangeInclusive<f32> = -1e6..=1e6;
 
 /// The whole table.
 pub fn table() -> &'static [&'static Param] {
@@ -103,21 +100,6 @@ pub fn param(name: &str) -> Option<&'static Param> {
         .iter()
         .find(|row| row.has_flag() && row.name() == name)
         .copied()
-}
-
-/// Refuses a `value` of the parameter `name` unless it lies in `range`.
-///
-/// # Errors
-/// [`Error::BadParameter`] telling the range.
-pub(crate) fn in_range(name: &'static str, value: f32, range: RangeInclusive<f32>) -> Result<()> {
-    if range.contains(&value) {
-        return Ok(());
-    }
-    Err(Error::BadParameter {
-        name,
-        found: format!("is {}", short(value)),
-        remedy: format!("give {} to {}", short(*range.start()), short(*range.end())),
-    })
 }
 
 #[cfg(test)]

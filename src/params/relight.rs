@@ -1,6 +1,7 @@
 //! The parameters of relighting: how light is altered, what the surface is made of, how finely light is sampled.
 
 use super::light::LEVELS;
+use super::range::ANGLES_DEG;
 use super::table::{Unit, by_factors, even};
 use super::{Adaptive, Group};
 use std::ops::RangeInclusive;
@@ -78,9 +79,6 @@ const FACTORS: RangeInclusive<f32> = 0.0..=1e6;
 
 /// Exponents of highlights: at a million they are a twentieth of a degree wide.
 const EXPONENTS: RangeInclusive<f32> = 0.0..=1e6;
-
-/// Angles in degrees: past a million turns single precision tells no direction.
-pub(crate) const ANGLES_DEG: RangeInclusive<f32> = -1e6..=1e6;
 
 /// Samples of an environment where none are asked for: [LW] figure 1.
 pub const AUTO_SAMPLES: u32 = 54;

@@ -1,9 +1,10 @@
 //! The parameters of shape analysis.
 
 use crate::error::{Error, Result};
+use crate::params::range::in_range;
 use crate::params::table::{Kind, Many, Unit, by_factors, even};
 use crate::params::value::{Value, finite};
-use crate::params::{Adaptive, Param, Parameters, in_range};
+use crate::params::{Adaptive, Param, Parameters};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
@@ -103,7 +104,7 @@ const _: () = {
         fn check(&self) -> Result<()> {
             match self {
                 Self::Iterations(_) => Ok(()),
-                Self::Sigma(sigma) => scale.check(sigma),
+                Self::Sigma(sigma) => scale.check(sigma.outside(&scale)),
             }
         }
     }

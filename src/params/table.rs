@@ -1,7 +1,6 @@
 //! The table of parameters. A row is written once, where its struct is defined by [`params!`]: from it come the field,
 //! its default, the check of its range, the flag with its help, the recipe's key and schema, and the viewer's control.
 
-use super::value::Value;
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
 
@@ -238,12 +237,9 @@ impl Param {
         matches!(self.kind, Kind::Number { whole: true, .. })
     }
 
-    /// Refuses a value outside the range.
-    pub(super) fn check(&self, value: &impl Value) -> Result<()> {
-        match value.outside(self) {
-            Some(number) => Err(self.out_of_range(&number)),
-            None => Ok(()),
-        }
+    /// Refuses a value of which a number lies `outside` the range.
+    pub(super) fn check(&self, outside: Option<String>) -> Result<()> {
+        outside.map_or(Ok(()), |number| Err(self.out_of_range(&number)))
     }
 
     fn out_of_range(&self, number: &str) -> Error {
@@ -388,7 +384,9 @@ macro_rules! params {
         }
     };
 
-    (@check $this:ident $field:ident = $default:expr) => { $field.check(&$this.$field)? };
+    (@check $this:ident $field:ident = $default:expr) => {
+        $field.check($crate::params::value::Value::outside(&$this.$field, &$field))?
+    };
     (@check $this:ident $field:ident) => { Parameters::check(&$this.$field)? };
 }
 

@@ -10,8 +10,8 @@ pub(super) use crate::engine::inputs::Inputs;
 use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::params::{
-    Adaptive, FieldParams, LineParams, RelightParams, RunOptions, ScalingParams, ShapeParams,
-    StrokeDirections, ToneParams,
+    Adaptive, FieldParams, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
+    ToneParams,
 };
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 pub(super) use crate::product::Product;
@@ -51,10 +51,6 @@ pub(super) fn painted() -> ToneParams {
 pub(super) struct Session(Runner);
 
 impl Session {
-    pub(super) fn new(options: RunOptions) -> Self {
-        Self(Runner::new(options))
-    }
-
     /// Runs `plan`.
     ///
     /// # Panics

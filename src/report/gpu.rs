@@ -4,8 +4,6 @@
 use super::engine::{
     Inputs, KERNELS, Outcome, Product, READ_BACK, RECORD, Session, UPLOAD, hatch_plan, relight_plan,
 };
-use super::pictures::PictureRow;
-use super::sweeps::solver::Row;
 use super::timing::{self, Effort, Timed, Times};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
@@ -86,16 +84,6 @@ pub(crate) struct StageTimes {
     pub times: Times,
 }
 
-/// Errors and times of a setting on a device.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct GpuRow {
-    /// As those of the CPU.
-    #[serde(flatten)]
-    pub row: Row,
-    #[serde(flatten)]
-    pub parts: GpuParts,
-}
-
 /// How far the products of one kind are from the CPU's.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ProductRow {
@@ -105,23 +93,6 @@ pub(crate) struct ProductRow {
     pub frame: String,
     pub tolerance: f64,
     pub is_within: bool,
-}
-
-/// Results of a device.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum GpuReport {
-    /// The reason why none was measured.
-    NotMeasured(String),
-    /// It was measured.
-    Measured {
-        device: String,
-        is_software: bool,
-        /// How far its products are from the CPU's.
-        products: Vec<ProductRow>,
-        /// New light and drawings.
-        pictures: Vec<PictureRow>,
-    },
 }
 
 impl<'a> Gpu<'a> {
@@ -199,21 +170,14 @@ impl<'a> Gpu<'a> {
         Ok(rows)
     }
 
-    /// The results, with `products` from [`Gpu::products`].
-    pub(crate) fn report(
-        &self,
-        products: Vec<ProductRow>,
-        pictures: Vec<PictureRow>,
-    ) -> Result<GpuReport> {
+    /// Why it failed, if it did.
+    ///
+    /// # Errors
+    /// The failure of a device that is required.
+    pub(crate) fn failure(&self) -> Result<Option<String>> {
         match self.failed.take() {
             Some(error) if self.is_required => Err(error),
-            Some(error) => Ok(GpuReport::NotMeasured(error.to_string())),
-            None => Ok(GpuReport::Measured {
-                device: self.name.clone(),
-                is_software: self.is_software,
-                products,
-                pictures,
-            }),
+            failed => Ok(failed.map(|error| error.to_string())),
         }
     }
 }
@@ -302,11 +266,11 @@ fn differences(
     found: &Outcome,
     expected: &Outcome,
 ) -> impl Iterator<Item = (Product, f64)> {
-    let (goal, is_drawn) = (plan.goal, plan.drawing.is_some());
+    let (is_drawn, of_layers) = (plan.drawing.is_some(), plan.wants(Product::MappedCurvature));
     let is_meant = move |product: &Product| match product {
         Product::Strokes | Product::Contours => is_drawn,
-        Product::Picture => !is_drawn && goal != Goal::Layers,
-        _ => goal == Goal::Layers,
+        Product::Picture => !is_drawn && !of_layers,
+        _ => of_layers,
     };
     let kinds = Product::all().filter(is_meant);
     kinds.filter_map(move |product| {
@@ -439,8 +403,8 @@ mod tests {
             let frames = [("waves", &frame, ShapeParams::default())];
             assert!(gpu.products(&frames).unwrap().is_empty());
             assert_eq!(asked.get(), 2);
-            match gpu.report(Vec::new(), Vec::new()) {
-                Ok(GpuReport::NotMeasured(why)) => assert!(!is_required && why.contains("lost")),
+            match gpu.failure() {
+                Ok(Some(why)) => assert!(!is_required && why.contains("lost")),
                 Err(error) => assert!(is_required, "{error}"),
                 other => panic!("{other:?}"),
             }

@@ -184,7 +184,7 @@ fn enough(report: &Report) -> String {
 
 fn not_needed(report: &Report) -> String {
     let skipped = report.decisions.iter().filter(|d| !d.kept);
-    let lines = skipped.map(|d| format!("- {}: {}\n", d.stage.name(), d.reason));
+    let lines = skipped.map(|d| format!("- {}: {}\n", d.step, d.reason));
     format!(
         "## What a picture of this frame's curvature does not need\n\n{}",
         lines.collect::<String>()

@@ -6,6 +6,7 @@
 
 pub(crate) mod advice;
 mod asked;
+mod beside;
 pub mod coherence;
 pub mod compare;
 mod drawing;
@@ -32,7 +33,8 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams};
 use crate::plan::{Decision, Goal};
-use gpu::{Device, GpuReport};
+use beside::GpuReport;
+use gpu::Device;
 use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
@@ -181,32 +183,13 @@ fn sweeps(
             name: scene.name,
             about: scene.about,
             frame: &scene.frame,
-            shape: shape_of(scene, asked.shape.tolerance),
+            shape: scene.shape(asked.shape.tolerance),
             closed_form: Some(&closed_form),
             gpu,
         };
         scenes.push(sweep(&subject, scene_scales(asked.extent))?);
     }
-    Ok((frame, scenes, beside(device, asked, &all)?))
-}
-
-/// The device in the end, and how far it is from the CPU.
-fn beside(device: &Device, asked: &Asked, scenes: &[Scene]) -> Result<Option<GpuReport>> {
-    let gpu = match device {
-        Device::Unknown => return Ok(None),
-        Device::NotMeasured(why) => return Ok(Some(GpuReport::NotMeasured(why.clone()))),
-        Device::Measured(gpu) => gpu,
-    };
-    (asked.progress)("the device's products and pictures beside the CPU's");
-    let scenes = scenes.iter().map(|scene| {
-        let shape = shape_of(scene, asked.shape.tolerance);
-        (scene.name, &scene.frame, shape)
-    });
-    let own = (asked.name, asked.frame, asked.shape);
-    let frames: Vec<_> = std::iter::once(own).chain(scenes).collect();
-    let products = gpu.products(&frames)?;
-    let pictures = pictures::rows(gpu, asked.frame, asked.shape, asked.effort())?;
-    gpu.report(products, pictures).map(Some)
+    Ok((frame, scenes, beside::measured(device, asked, &all)?))
 }
 
 fn runs(asked: &Asked) -> Result<Vec<run::Row>> {
@@ -258,15 +241,6 @@ fn scene_scales(extent: Extent) -> &'static [Scale] {
     match extent {
         Extent::Full => &[Scale::Iterations(50), Scale::Sigma(6.0), Scale::Sigma(20.0)],
         Extent::Quick => &[Scale::Sigma(6.0)],
-    }
-}
-
-/// How the shape of an exact scene is found, but for its scale.
-fn shape_of(scene: &Scene, tolerance: f32) -> ShapeParams {
-    ShapeParams {
-        foreshortening: scene.foreshortening,
-        tolerance,
-        ..ShapeParams::default()
     }
 }
 

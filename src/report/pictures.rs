@@ -6,8 +6,8 @@
 use super::compare::{Errors, Tally, compare_where};
 use super::engine::{Inputs, Outcome, Session, hatch_plan, relight_plan};
 use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
-use super::light::lit::{off, some_covered, white};
-use super::light::{bare, environment};
+use super::light::environment;
+use super::light::lit::{bare, off, some_covered, white};
 use super::light_reference::lit_at;
 use super::timing::{Effort, Times};
 use crate::error::Result;

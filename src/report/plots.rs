@@ -5,11 +5,12 @@ mod sequence;
 
 use super::Report;
 use super::advice::{altered, noun};
+use super::beside::GpuReport;
 use super::drawing::{field, strokes};
-use super::gpu::GpuReport;
 use super::light::Subject;
 use super::light::samples::Sample;
-use super::mirrors::{MirrorReport, Row as MirrorRow};
+use super::mirrors::MirrorReport;
+use super::mirrors::bench::Row as MirrorRow;
 use super::pictures::PictureRow;
 use super::sweeps::directions;
 use super::sweeps::precision::Stored;

@@ -3,11 +3,12 @@
 //! Runs follow one another in the memory of those before: times are those of the second and later frames of
 //! a sequence. The first of a program takes longer, as the system has to hand out its memory.
 
-use super::engine::{Inputs, Outcome, Runner, Session};
 use super::machine::Machine;
 use super::numbers::milliseconds;
 use super::work::Work;
 use crate::Result;
+use crate::engine::cpu::{Outcome, Runner};
+use crate::engine::inputs::Inputs;
 use crate::frame::Frame;
 use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
@@ -115,7 +116,7 @@ impl Timed {
 /// Times of the stages of one run.
 pub(super) type Timings = Vec<(&'static str, Duration)>;
 
-/// The plan for `goal` over `frame`.
+/// The plan for `goal`, of the shape of `frame`.
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
@@ -128,7 +129,7 @@ pub fn plan(goal: Goal, frame: &Frame, shape: ShapeParams) -> Result<Plan> {
     )
 }
 
-/// Runs `plan` once to warm up, then as often as `effort` says.
+/// Runs `plan`, for shape, once to warm up, then as often as `effort` says.
 pub fn measure(plan: &Plan, frame: &Frame, effort: Effort) -> (Outcome, Timed) {
     measure_with(RunOptions::default(), plan, frame, effort)
 }
@@ -140,17 +141,24 @@ pub(super) fn measure_with(
     frame: &Frame,
     effort: Effort,
 ) -> (Outcome, Timed) {
-    Session::new(options).measure(plan, frame, Inputs::default(), effort)
+    let runner = Runner::new(options);
+    measure_runs(&runner, effort, || of_shape(&runner, plan, frame))
+}
+
+/// What a plan that takes nothing beside the frame gives.
+fn of_shape(runner: &Runner, plan: &Plan, frame: &Frame) -> Outcome {
+    let outcome = runner.execute(plan, frame, Inputs::default());
+    outcome.expect("plans of reports are made for what they are run on")
 }
 
 /// Runs `plans` in turn, round after round: a busy machine slows all of them alike.
 pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
-    let session = Session::default();
-    let run = |plan| session.run(plan, frame, Inputs::default());
+    let runner = Runner::default();
+    let run = |plan| of_shape(&runner, plan, frame);
     plans
         .first()
         .into_iter()
-        .for_each(|plan| session.recycle(run(plan)));
+        .for_each(|plan| runner.recycle(run(plan)));
     let mut runs: Vec<Vec<Timings>> = vec![Vec::new(); plans.len()];
     let mut spent = vec![Duration::ZERO; plans.len()];
     for round in 0..effort.runs.max(2) {
@@ -160,7 +168,7 @@ pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> 
                 let mut outcome = run(plan);
                 spent[i] += start.elapsed();
                 runs[i].push(std::mem::take(&mut outcome.timings));
-                session.recycle(outcome);
+                runner.recycle(outcome);
             }
         }
     }

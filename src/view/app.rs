@@ -22,7 +22,7 @@ const SURROUND: Color32 = Color32::from_gray(38);
 
 /// A line for the user.
 #[derive(Debug, Clone)]
-pub(super) struct RunLog {
+pub(super) struct Notice {
     pub(super) text: String,
     pub(super) is_error: bool,
 }
@@ -55,7 +55,7 @@ pub struct View {
     pub(super) frames: Option<Vec<i32>>,
     pub(super) frame_index: usize,
     pub(super) shown: Option<Box<Shown>>,
-    pub(super) said: Option<RunLog>,
+    pub(super) said: Option<Notice>,
     pub(super) zoom: f32,
     input: Option<PathBuf>,
     controls: Controls,
@@ -360,7 +360,7 @@ impl View {
 
     pub(super) fn say(&mut self, text: String, is_error: bool) {
         let text = text.replace('\n', " ");
-        self.said = Some(RunLog { text, is_error });
+        self.said = Some(Notice { text, is_error });
     }
 
     pub(super) fn input(&self) -> Option<&Path> {

@@ -7,7 +7,7 @@ use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::Window;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
-use relievo::plan::{Goal, Stage};
+use relievo::plan::Goal;
 use relievo::report::scenes::frames::masked;
 
 /// What no renderer means by a colour.
@@ -165,7 +165,7 @@ fn a_device_that_takes_small_planes_makes_strips() {
             ..ShapeParams::default()
         };
         let plan = plan(goal, &frame, shape, ScalingParams::default());
-        if plan.has(Stage::NormalRays) {
+        if plan.runs("normal-rays") {
             // Directions come from farther away than 50 rows.
             assert!(runner.execute(&plan, &frame, Inputs::default()).is_err());
         } else {

@@ -54,7 +54,7 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame).unwrap();
     let found = runner.execute(plan, frame, Inputs::default()).unwrap();
-    let layers = plan.goal == Goal::Layers;
+    let layers = plan.wants(Product::MappedCurvature);
     assert_alike(name, &found, &expected, |product| {
         (layers != (product == Product::Picture)).then(|| product.tolerance())
     });

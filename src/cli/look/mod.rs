@@ -7,9 +7,10 @@ mod studio;
 pub(crate) use setting::{Kind, Setting, settings_of};
 pub(crate) use studio::{Pixels, Reading, ViewSession, What};
 
-use super::args::ViewArgs;
-use super::chosen::{Chosen, Flag};
-use super::invocation::{Invocation, Parsed, command_named, long, typed_ids};
+use super::chosen::Chosen;
+use super::commands::{ViewArgs, command_named, long, typed_ids};
+use super::flags::Flag;
+use super::invocation::{Invocation, Parsed};
 use super::message;
 use super::recipe::{COMMANDS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
 use crate::engine::Engine;

@@ -1,6 +1,6 @@
 //! The settings of a command: its parameters from their table, its inputs and outputs from their flags.
 
-use super::super::invocation::command_named;
+use super::super::commands::command_named;
 use super::super::recipe::{is_repeatable, is_setting, is_switch};
 use crate::params::{self, Param, Useful, param};
 use clap::Arg;

@@ -1,8 +1,8 @@
 //! From TOML to flags.
 
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
-use crate::cli::chosen::Flag;
-use crate::cli::invocation::{command_named, long};
+use crate::cli::commands::{command_named, long};
+use crate::cli::flags::Flag;
 use crate::error::{Error, Result};
 use crate::io::open::open_input;
 use clap::{Arg, Command};

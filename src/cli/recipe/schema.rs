@@ -1,7 +1,7 @@
 //! The JSON schema of recipes, from the table of parameters and the other flags.
 
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
-use crate::cli::invocation::command_named;
+use crate::cli::commands::command_named;
 use crate::params::{Kind, Many, Param, param};
 use clap::{Arg, Command};
 use serde_json::{Map, Value, json};

@@ -1,8 +1,9 @@
 //! From flags to TOML.
 
 use super::{VERSION, is_repeatable, is_setting, is_switch};
-use crate::cli::chosen::{Chosen, Flag};
-use crate::cli::invocation::{command_named, long, typed_ids};
+use crate::cli::chosen::Chosen;
+use crate::cli::commands::{command_named, long, typed_ids};
+use crate::cli::flags::Flag;
 use clap::{Arg, ArgMatches};
 use std::collections::BTreeMap;
 use toml::Value;

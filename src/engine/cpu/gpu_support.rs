@@ -2,7 +2,7 @@
 //! what is chosen from, or found on, a frame that a device takes in strips.
 
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::run::Runner;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::light::layers::cpu as light_layers;
 use crate::light::layers::terms::light_terms;
@@ -12,8 +12,7 @@ use crate::line::contours::cpu as contours;
 use crate::line::contours::found::FoundEdges;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::streamlines::Streamline;
-use crate::line::texture_coordinates::cpu::SequenceInputs;
-use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::line::tone::{Densities, ToneOf};
 use crate::params::{ContourParams, LineParams, ScalingParams, StrokeParams};

@@ -1,33 +1,20 @@
 //! The CPU as a caller sees it: plans run one after another, in memory that is kept.
 
-use crate::engine::cpu::Run;
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::run::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene, Vector2Planes};
-use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::specular;
-use crate::line::specular::map_directions::DirectionCache;
-use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{FieldParams, LineParams, RunOptions, StrokeDirections};
-use crate::plan::{Plan, Stage};
+use crate::plan::Plan;
+use crate::plan::stage::Stage;
+use crate::plan::stages::{SHAPE, stages};
+use crate::product::Product;
 use crate::shape::edges::cpu as edges;
-
-/// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
-/// and it keeps what it made of the last environment and the last texture of strokes; all are faster. None of
-/// its options changes a bit of the outcome.
-#[derive(Debug, Default)]
-pub struct Runner {
-    pub(crate) options: RunOptions,
-    pub(crate) memory: Memory,
-    pub(crate) environment: EnvironmentCache,
-    pub(crate) art_map: ArtMapCache,
-    pub(crate) map_directions: DirectionCache,
-}
 
 impl Runner {
     /// A runner with these options.
@@ -59,18 +46,13 @@ impl Runner {
         kept: Option<&mut FrameCache>,
     ) -> Result<Outcome> {
         inputs.check(plan, frame)?;
-        self.start(plan, frame, watch, kept, |run| {
-            match inputs.illumination {
-                Some(light) if plan.relighting.is_some() => run.relight(light, inputs.specular),
-                _ => run.enhance(),
-            }
-            let Some(params) = &plan.drawing else {
-                return Ok(());
-            };
-            watch.check()?;
-            run.draw(params, inputs);
-            Ok(())
-        })
+        let mut run = Run {
+            watch,
+            kept,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        run.go_through(stages())?;
+        Ok(run.outcome)
     }
 
     /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
@@ -85,7 +67,7 @@ impl Runner {
         params: &FieldParams,
         directions: StrokeDirections,
     ) -> Vec<Vector2Planes> {
-        assert!(plan.has(Stage::Conductance), "strokes stop at edges");
+        assert!(plan.wants(Product::Conductance), "strokes stop at edges");
         let (edges, _) = edges::edges_and_gradient(plan, frame, &self.memory);
         let memory = &self.memory;
         let conductance = &edges.conductance;
@@ -123,29 +105,15 @@ impl Runner {
     }
 
     /// The shape alone, whatever light `plan` is for.
-    pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame) -> Outcome {
-        let mut run = Run::new(self, plan, frame);
-        run.find_planned_shape();
-        run.outcome
-    }
-
-    fn start(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        watch: Watch,
-        kept: Option<&mut FrameCache>,
-        light: impl FnOnce(&mut Run) -> Result<()>,
-    ) -> Result<Outcome> {
-        watch.check()?;
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame, watch: Watch) -> Result<Outcome> {
         let mut run = Run {
             watch,
-            kept,
-            ..Run::new(self, plan, frame)
+            ..Run::new(self, plan, frame, Inputs::default())
         };
-        run.find_planned_shape();
-        watch.check()?;
-        light(&mut run)?;
+        run.go_through(SHAPE)?;
         Ok(run.outcome)
     }
 
@@ -157,5 +125,24 @@ impl Runner {
     /// Takes an outcome that is no longer needed.
     pub fn recycle(&self, outcome: Outcome) {
         self.memory.recycle(outcome.into_planes());
+    }
+}
+
+impl Run<'_> {
+    /// Those of the stages that the plan runs.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before each of them.
+    pub(crate) fn go_through(
+        &mut self,
+        stages: impl IntoIterator<Item = &'static Stage>,
+    ) -> Result<()> {
+        let plan = self.plan;
+        let planned = stages.into_iter();
+        for stage in planned.filter(|stage| plan.stages().contains(&stage.name)) {
+            self.watch.check()?;
+            (stage.cpu)(self);
+        }
+        Ok(())
     }
 }

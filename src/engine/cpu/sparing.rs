@@ -1,15 +1,20 @@
 //! Drawings of large pictures: the shape and the tone are made in bands, and what strokes do not take is not kept.
 
-use crate::engine::cpu::Run;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::run::Watch;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Window, luminance};
+use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu as light;
+use crate::light::radiance_scaling::stage::scaler;
+use crate::light::white_level::choose_picture_white;
+use crate::line::canvas::Canvas;
 use crate::params::Adaptive;
-use crate::plan::{Goal, Plan, Stage};
+use crate::plan::Plan;
+use crate::plan::stages::DRAWING;
+use crate::shape::auto_levels::stage::choose_gain;
 use std::ops::Range;
 
 /// Pixels beyond which a drawing is made sparingly.
@@ -32,7 +37,7 @@ impl Runner {
         watch: Watch,
     ) -> Result<Outcome> {
         let is_large = frame.mask.width() * frame.mask.height() > LARGE;
-        if !(is_large && plan.drawing.is_some() && goes_in_bands(plan, frame)) {
+        if !(is_large && plan.drawing.is_some() && goes_in_bands(plan)) {
             return self.execute_watched(plan, frame, inputs, watch, None);
         }
         inputs.check(plan, frame)?;
@@ -47,25 +52,25 @@ impl Runner {
         watch: Watch,
         rows: usize,
     ) -> Result<Outcome> {
-        let params = plan.drawing.as_ref().expect("a drawing is planned");
         let mut run = self.shape_in_bands(plan, frame, watch, rows)?;
+        choose_gain(&mut run);
+        choose_picture_white(&mut run);
         let trace = run.outcome.shape.trace.take();
         let trace = trace.expect("the tone takes the trace");
-        let conductance = run.outcome.shape.conductance.take();
-        let conductance = conductance.expect("the trace takes the conductance");
-        run.choose_gain(&trace, &conductance);
-        run.outcome.shape.conductance = Some(conductance);
-        let scaler = run.scaler();
-        let outcome = run.outcome;
+        let (scaler, outcome) = (scaler(&run), run.outcome);
         let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
         drop(trace);
         watch.check()?;
         let mut run = Run {
             watch,
             outcome,
-            ..Run::new(self, plan, frame)
+            canvas: Canvas {
+                luminance: Some(luminance),
+                ..Canvas::default()
+            },
+            ..Run::new(self, plan, frame, inputs)
         };
-        run.draw_tone(params, inputs, Some(&luminance));
+        run.go_through(DRAWING)?;
         Ok(Outcome {
             shape: Shape::default(),
             ..run.outcome
@@ -86,11 +91,11 @@ impl Runner {
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
         let mut run = Run {
             watch,
-            ..Run::new(self, plan, frame)
+            ..Run::new(self, plan, frame, Inputs::default())
         };
         for (takes, gives) in bands(whole.height(), rows, reach) {
-            watch.check()?;
-            let made = self.find_shape(&given, &frame.crop(rows_of(whole, &takes)));
+            let band = frame.crop(rows_of(whole, &takes));
+            let made = self.find_shape(&given, &band, watch)?;
             let outcome = &mut run.outcome;
             let (to, from) = (&mut outcome.shape, &made.shape);
             for (to, from) in [
@@ -119,21 +124,13 @@ impl Runner {
 }
 
 /// Whether a drawing takes nothing of the shape but edges, and of the light nothing but the picture's radiance.
-fn goes_in_bands(plan: &Plan, frame: &Frame) -> bool {
-    let takes_more = [
-        Stage::Hessian,
-        Stage::Curvatures,
-        Stage::CurvatureDisplay,
-        Stage::LightLobes,
-        Stage::LightGroups,
-        Stage::AmbientOcclusion,
-    ];
-    plan.goal != Goal::Relight
-        && plan.specular.is_none()
-        && !frame.light.picture_is_occlusion
-        && plan.has(Stage::Trace)
-        && plan.has(Stage::RadianceScaling)
-        && !takes_more.into_iter().any(|stage| plan.has(stage))
+fn goes_in_bands(plan: &Plan) -> bool {
+    let scales_picture = plan.enhancement.is_some_and(|enhancement| {
+        enhancement.subject == Subject::Picture
+            && enhancement.magnitude > 0.0
+            && enhancement.occlusion == 0.0
+    });
+    scales_picture && plan.specular.is_none() && !plan.available.light.picture_is_occlusion
 }
 
 /// The rows that each band takes, and those of them that it gives.
@@ -228,7 +225,7 @@ mod tests {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let available = Available::in_frame(&frame);
         let plan = Plan::hatch(available, shape, scaling, tone, LineParams::default()).unwrap();
-        assert!(goes_in_bands(&plan, &frame));
+        assert!(goes_in_bands(&plan));
         let runner = Runner::default();
         let inputs = Inputs::default();
         let whole = runner.execute(&plan, &frame, inputs).unwrap();

@@ -1,14 +1,19 @@
 //! What is chosen from a whole picture that comes strip by strip.
 
 use crate::engine::cpu::percentile::PercentileSearch;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::run::Runner;
 use crate::engine::outcome::Shape;
+use crate::engine::run::Watch;
+use crate::error::Result;
 use crate::frame::{Frame, Window};
 use crate::light::albedo::AlbedoEstimate;
+use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::add_to_searches;
 use crate::light::relight::albedo::AlbedoSearch;
+use crate::light::white_level::chosen_for;
 use crate::params::{Adaptive, ScalingParams};
-use crate::plan::{Plan, Stage};
+use crate::plan::{Albedo, Plan};
+use crate::product::Product;
 use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::cpu::{GainSearch, luminances, white_of};
 use std::ops::Range;
@@ -45,17 +50,18 @@ impl StripSearch {
     /// A search in a picture of this window for what `plan` leaves open; `None` where that is nothing.
     pub fn new(plan: &Plan, whole: Window) -> Option<Self> {
         let size = [whole.width(), whole.height()];
-        let scales = plan.scaling.curvature_gain == Adaptive::Auto && plan.has(Stage::AutoGain);
         let factor = plan.resolution_factor as f32;
+        let relighting = plan.relighting.as_ref();
+        let estimates_albedo = relighting.is_some_and(|r| r.albedo == Albedo::Estimate);
         let search = Self {
-            gain: scales.then(|| GainSearch::new(size, factor)),
-            white: (plan.has(Stage::AutoWhite) && plan.has(Stage::RadianceScaling))
+            gain: plan.chooses_gain().then(|| GainSearch::new(size, factor)),
+            white: (chosen_for(plan) == Some(Subject::Picture))
                 .then(|| PercentileSearch::new(WHITE_PERCENT)),
             terms: Vec::new(),
-            albedo: plan.has(Stage::AlbedoEstimate).then(AlbedoSearch::new),
+            albedo: estimates_albedo.then(AlbedoSearch::new),
             ended: 0,
         };
-        let open = search.gain.is_some() || search.albedo.is_some() || plan.has(Stage::AutoWhite);
+        let open = search.gain.is_some() || search.albedo.is_some() || chosen_for(plan).is_some();
         open.then_some(search)
     }
 
@@ -67,22 +73,31 @@ impl StripSearch {
 
     /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
     ///
+    /// # Errors
+    /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs than the strip holds.
+    ///
     /// # Panics
-    /// If the plan was made for other inputs than the strip holds, or is for a drawing.
-    pub fn look(&mut self, runner: &Runner, plan: &Plan, strip: &Frame, rows: Range<usize>) {
+    /// If it is for a drawing.
+    pub fn look(
+        &mut self,
+        runner: &Runner,
+        plan: &Plan,
+        strip: &Frame,
+        rows: Range<usize>,
+    ) -> Result<()> {
         assert!(plan.drawing.is_none(), "a drawing takes the picture whole");
         if let Some(search) = &mut self.albedo {
             let weights = strip.luminance_weights();
             search.add(strip, weights, rows.clone(), &runner.memory);
         }
         if self.ended >= PERCENTILE_LOOKS {
-            return;
+            return Ok(());
         }
         if let Some(search) = &mut self.gain {
             // The gain depends neither on itself nor on directions.
-            let mut given = plan.clone().without_directions();
+            let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-            let outcome = runner.find_shape(&given, strip);
+            let outcome = runner.find_shape(&given, strip, Watch::default())?;
             let Shape {
                 trace,
                 curvatures,
@@ -101,10 +116,11 @@ impl StripSearch {
             let weights = strip.luminance_weights();
             search.add(rows.clone(), |y| luminances(color, weights, &strip.mask, y));
         }
-        if plan.has(Stage::AutoWhite) && plan.has(Stage::LightLobes) {
+        if chosen_for(plan) == Some(Subject::Lobes) {
             let (searches, memory) = (&mut self.terms, &runner.memory);
             add_to_searches(searches, strip, &plan.scaling, &rows, memory);
         }
+        Ok(())
     }
 
     /// Ends a look, and begins the next.

@@ -1,10 +1,9 @@
 //! What the kernels take of a device, and how large a picture may be.
 
-use crate::engine::gpu::choose::MOST_GROUPS;
 use crate::engine::gpu::constants::{
-    GROUP, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS,
+    GROUP, MOST_COUNTING_GROUPS, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS,
+    SWEEPS_PER_PASS,
 };
-use crate::engine::gpu::diffusion::SWEEPS_PER_PASS;
 
 /// Storage buffers that a kernel takes at the most.
 const STORAGE_BUFFERS: u32 = 16;
@@ -72,7 +71,7 @@ fn needs() -> [Need; 11] {
             REGION_BYTES.max(4 * SEARCH_BINS),
             |l| l.max_compute_workgroup_storage_size.into(),
         ),
-        need("workgroups in a row", MOST_GROUPS, |l| {
+        need("workgroups in a row", MOST_COUNTING_GROUPS, |l| {
             l.max_compute_workgroups_per_dimension.into()
         }),
     ]
@@ -105,7 +104,7 @@ pub(crate) fn most_pixels(groups: u32) -> [u64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::gpu::kernels::kernel_sources;
+    use crate::engine::gpu::all_kernels::kernel_sources;
     use wgpu::Limits;
     use wgpu::naga::front::wgsl;
     use wgpu::naga::proc::Layouter;

@@ -14,8 +14,8 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-/// A kernel with its switches, as it was compiled for the device.
-type Compiled = HashMap<(Kernel, Vec<(&'static str, bool)>), Arc<Program>>;
+/// A kernel, by its name, with its switches, as it was compiled for the device.
+type Compiled = HashMap<(&'static str, Vec<(&'static str, bool)>), Arc<Program>>;
 
 /// A pipeline, and the names of what it is given in the order of its bindings.
 #[derive(Debug)]
@@ -38,17 +38,17 @@ impl Programs {
     fn of(
         &self,
         device: &wgpu::Device,
-        kernel: Kernel,
+        kernel: &Kernel,
         switches: &[(&'static str, bool)],
     ) -> Arc<Program> {
         let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (kernel, switches.to_vec());
+        let key = (kernel.name, switches.to_vec());
         if let Some(program) = compiled.get(&key) {
             return program.clone();
         }
-        let label = format!("{kernel:?}");
+        let label = Some(kernel.name);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
+            label,
             source: wgpu::ShaderSource::Wgsl(kernel.source().into()),
         });
         let constants: Vec<_> = switches
@@ -56,7 +56,7 @@ impl Programs {
             .map(|&(name, on)| (name, f64::from(u8::from(on))))
             .collect();
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(&label),
+            label,
             layout: None,
             module: &module,
             entry_point: Some("main"),
@@ -128,14 +128,15 @@ impl<'d> Recorder<'d> {
     }
 
     /// Runs a kernel over as many workgroups.
-    pub(crate) fn dispatch<U: Uniforms>(
+    pub(crate) fn dispatch<U: Uniforms, B: Bindings>(
         &mut self,
         stage: &'static str,
-        (kernel, switches): (Kernel, &[(&'static str, bool)]),
+        (kernel, switches): (&Kernel, &[(&'static str, bool)]),
         uniforms: &U,
-        buffers: &impl Bindings,
+        buffers: &B,
         groups: [u32; 2],
     ) {
+        debug_assert!(kernel.takes::<U, B>(), "{} is given its own", kernel.name);
         let device = &self.device.device;
         let program = self.programs.of(device, kernel, switches);
         let bytes = uniforms.bytes();
@@ -195,7 +196,7 @@ impl<'d> Recorder<'d> {
     pub(crate) fn over_pixels<U: Uniforms>(
         &mut self,
         stage: &'static str,
-        kernel: (Kernel, &[(&'static str, bool)]),
+        kernel: (&Kernel, &[(&'static str, bool)]),
         uniforms: &U,
         buffers: &impl Bindings,
         [width, height]: [u32; 2],
@@ -208,7 +209,7 @@ impl<'d> Recorder<'d> {
     pub(crate) fn over_rows<U: Uniforms>(
         &mut self,
         stage: &'static str,
-        kernel: (Kernel, &[(&'static str, bool)]),
+        kernel: (&Kernel, &[(&'static str, bool)]),
         uniforms: &U,
         buffers: &impl Bindings,
         [width, height]: [u32; 2],

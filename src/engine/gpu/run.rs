@@ -2,10 +2,13 @@
 
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
+use crate::engine::gpu::made::{Made, Shape};
 use crate::engine::gpu::recorder::{Programs, Recorder, Timings};
-use crate::engine::gpu::surface::{Surface, Upload};
+use crate::engine::gpu::surface::{Picture, Surface, Upload};
 use crate::error::Result;
-use crate::frame::{Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::light::relight::gpu_lights::Light;
+use crate::plan::Plan;
 use std::ops::Range;
 
 /// Bytes of a buffer that nothing is written to.
@@ -13,18 +16,24 @@ pub(crate) const NOWHERE: u64 = 16;
 
 /// What is being recorded.
 pub(crate) struct Run<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) frame: &'a Frame,
+    /// New light, where the frame gets any.
+    pub(crate) light: Option<&'a Light<'a>>,
     pub(crate) device: &'a Device,
     pub(crate) buffers: &'a Buffers,
     pub(crate) recorder: Recorder<'a>,
     pub(crate) surface: Surface,
     /// The numbers that are chosen from the whole picture: gain and white level.
     pub(crate) chosen: wgpu::Buffer,
+    pub(crate) made: Made,
     /// What was copied to the device while kernels were recorded.
     held: Vec<wgpu::Buffer>,
 }
 
 impl<'a> Run<'a> {
     pub(crate) fn new(
+        (plan, frame): (&'a Plan, &'a Frame),
         device: &'a Device,
         programs: &'a Programs,
         buffers: &'a Buffers,
@@ -33,6 +42,10 @@ impl<'a> Run<'a> {
     ) -> Self {
         let upload = Upload { device, buffers };
         Self {
+            plan,
+            frame,
+            light: None,
+            made: Made::default(),
             device,
             buffers,
             recorder: Recorder::new(device, programs, buffers),
@@ -40,6 +53,28 @@ impl<'a> Run<'a> {
             chosen: upload.bytes(bytemuck::cast_slice(&chosen)),
             held: Vec::new(),
         }
+    }
+
+    /// The shape alone, as far as the gain takes it.
+    pub(crate) fn find_shape(&mut self) -> Shape {
+        let (plan, frame) = (self.plan, self.frame);
+        let edges = self.edges(plan, frame);
+        let diffused = self.with_diffusion(edges);
+        self.with_hessian(diffused)
+    }
+
+    /// Goes on with the shape.
+    pub(crate) fn change_shape(&mut self, change: impl FnOnce(&mut Self, Shape) -> Shape) {
+        let shape = self.made.shape.take().expect("edges come first");
+        self.made.shape = Some(change(self, shape));
+    }
+
+    /// Changes the picture in place, by the shape.
+    pub(crate) fn change_picture(&mut self, change: impl FnOnce(&mut Self, &Shape, &Picture)) {
+        let shape = self.made.shape.take().expect("scaling takes the shape");
+        let picture = self.made.picture.take().expect("enhancing takes a picture");
+        change(self, &shape, &picture);
+        (self.made.shape, self.made.picture) = (Some(shape), Some(picture));
     }
 
     /// A buffer of this many bytes, whose contents mean nothing.

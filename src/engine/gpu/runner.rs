@@ -5,41 +5,31 @@ use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
-use crate::engine::gpu::enhance::known_white_level;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
-use crate::engine::gpu::hatching::TextureCache;
-use crate::engine::gpu::light::{Light, MapCache};
-use crate::engine::gpu::light_layers::{TermWhites, levels_of};
-use crate::engine::gpu::patches::largest_buffer;
+use crate::engine::gpu::made::Layer;
 use crate::engine::gpu::recorder::{Programs, add_timings};
-use crate::engine::gpu::relight::frame_lit;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::shape::{Curvatures, Shape};
 use crate::engine::gpu::strips::Strips;
-use crate::engine::gpu::surface::Upload;
+use crate::engine::gpu::surface::{Upload, WIDEST, apart};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
-use crate::engine::outcome::{Outcome, ScaleShape};
+use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
-use crate::frame::CurvaturePlanes;
-use crate::frame::{ColorPlanes, Frame, Plane, SymmetricPlanes, Vector2Planes};
-use crate::light::prepared_environment::EnvironmentCache;
+use crate::frame::{Frame, Plane};
+use crate::light::enhancement::Subject;
+use crate::light::layers::gpu::levels_of;
+use crate::light::radiance_scaling::gpu::known_white_level;
+use crate::light::relight::gpu::frame_lit;
+use crate::light::relight::gpu_lights::{Light, LightCache};
+use crate::line::direction_field::gpu_patches::largest_buffer;
+use crate::line::hatching::gpu::TextureCache;
 use crate::params::Adaptive;
-use crate::plan::{Goal, Plan, Stage};
-use rayon::prelude::*;
+use crate::params::Style;
+use crate::plan::Plan;
+use crate::plan::resolve::running;
+use crate::product::Product;
 use std::ops::Range;
 use std::time::Instant;
-
-/// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
-pub(crate) const WIDEST: u64 = 4;
-
-/// Stages that change the picture.
-pub(crate) const SCALES: [Stage; 4] = [
-    Stage::RadianceScaling,
-    Stage::LightLobes,
-    Stage::LightGroups,
-    Stage::AmbientOcclusion,
-];
 
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
 #[derive(Debug)]
@@ -51,8 +41,7 @@ pub struct Runner {
     pub(crate) texture: TextureCache,
     /// What makes the parts of drawings that have no kernels.
     pub(crate) host: cpu::Runner,
-    pub(crate) environment: EnvironmentCache,
-    pub(crate) maps: MapCache,
+    light: LightCache,
 }
 
 impl Runner {
@@ -64,8 +53,7 @@ impl Runner {
             buffers: Buffers::default(),
             texture: TextureCache::default(),
             host: cpu::Runner::default(),
-            environment: EnvironmentCache::default(),
-            maps: MapCache::default(),
+            light: LightCache::default(),
         }
     }
 
@@ -81,15 +69,7 @@ impl Runner {
 
     /// What of `plan` has no kernels, in a few words; `None` where all of it has.
     pub fn lacks(plan: &Plan) -> Option<&'static str> {
-        let relighting = plan.relighting.as_ref();
-        let is_traced = relighting.is_some_and(|relighting| relighting.traced);
-        if is_traced || plan.has(Stage::SpecularTrace) {
-            Some("mirrors and lenses that show what is traced")
-        } else if relighting.is_some_and(|relighting| relighting.grain) {
-            Some("a grain along the curvature")
-        } else {
-            None
-        }
+        running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
     }
 
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and its tone where that was made.
@@ -125,12 +105,12 @@ impl Runner {
         plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
         self.guarded(|| {
-            if plan.goal != Goal::Relight {
+            if plan.relighting.is_none() {
                 return self.run_parts(plan, frame, None, inputs, plane_bytes);
             }
             let illumination = inputs.illumination;
             let illumination = illumination.expect("new light is planned with its lights");
-            let light = self.light(plan, frame, illumination)?;
+            let light = self.light.light(&self.device, plan, frame, illumination)?;
             let mut outcome = self.run_parts(plan, frame, Some(&light), inputs, plane_bytes)?;
             outcome.environment_gain = light.around.gain();
             outcome.timings.splice(0..0, light.timings);
@@ -150,7 +130,7 @@ impl Runner {
         if done.is_err() {
             self.buffers.forget();
             self.programs.forget();
-            self.maps.forget();
+            self.light.forget_maps();
             self.texture.forget();
             // Memory is free when nothing uses it any more; that a lost device does not answer was told.
             let _ = wait_for(&self.device.device, None);
@@ -188,7 +168,7 @@ impl Runner {
             // Lines are placed when all of the tone is there, as that of a drawing in strips is.
             Some(params)
                 if is_whole
-                    && !plan.has(Stage::Streamlines)
+                    && params.strokes.style != Style::Lines
                     && largest_buffer(&params.field, frame) <= plane_bytes =>
             {
                 let drawn = self.draw_whole(plan, frame, params, light, inputs)?;
@@ -201,7 +181,7 @@ impl Runner {
         }
         let reach = match drawing {
             // The directions of a drawing are found on the whole.
-            Some(_) => plan.clone().without_directions().reach(),
+            Some(_) => plan.clone().without(Product::Direction).reach(),
             None => plan.reach(),
         };
         let Some(strips) = Strips::new(reach, height, most_rows as usize) else {
@@ -223,7 +203,7 @@ impl Runner {
     }
 
     /// Copies what `plan` takes of `frame` to the device, and begins to record.
-    pub(crate) fn start(&self, plan: &Plan, frame: &Frame) -> Run<'_> {
+    pub(crate) fn start<'a>(&'a self, plan: &'a Plan, frame: &'a Frame) -> Run<'a> {
         self.buffers.begin_run();
         let mut chosen = [0.0; 2];
         chosen[WHITE as usize] = known_white_level(plan, frame).unwrap_or(1.0);
@@ -236,7 +216,14 @@ impl Runner {
             // Where it fails, so does the run.
             let _ = wait_for(&self.device.device, None);
         }
-        Run::new(&self.device, &self.programs, &self.buffers, surface, chosen)
+        Run::new(
+            (plan, frame),
+            &self.device,
+            &self.programs,
+            &self.buffers,
+            surface,
+            chosen,
+        )
     }
 
     /// Runs `plan` on a frame whose planes the device takes: on these rows of the one that the light was made for.
@@ -247,42 +234,29 @@ impl Runner {
         light: Option<&Light>,
         rows: Range<usize>,
     ) -> Result<Outcome> {
-        let (width, height) = (frame.mask.width(), frame.mask.height());
         let start = Instant::now();
-        let mut picture = match light {
+        let copied = match light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
-            None if plan.goal == Goal::Enhance => self.upload().picture(frame),
+            None if plan.makes_picture() && !plan.display => self.upload().picture(frame),
             None => None,
         };
-        let is_copied = picture.is_some();
+        let is_copied = copied.is_some();
         let mut run = self.start(plan, frame);
+        (run.light, run.made.picture) = (light, copied);
         let uploaded = start.elapsed();
+        running(plan).for_each(|stage| (stage.gpu)(&mut run));
 
-        let shape = plan.has(Stage::Conductance).then(|| {
-            let shape = run.find_shape(plan, frame);
-            run.choose_gain(plan, &shape);
-            shape
-        });
-        let mut layers = Vec::new();
-        let mut term_whites = TermWhites::new();
-        match (plan.goal, &shape) {
-            (Goal::Layers, Some(shape)) => layers = layers_of(&mut run, plan, frame, shape),
-            (Goal::Display, Some(shape)) => picture = Some(run.display(shape)),
-            (Goal::Enhance, Some(shape)) => {
-                let picture = picture.as_ref().expect("enhancing takes a picture");
-                run.scale(plan, frame, shape, picture);
-                term_whites = run.scale_layers(plan, frame, shape, picture);
-            }
-            _ => {}
-        }
-        if let Some(light) = light {
-            picture = Some(run.relight(plan, frame, light, shape.as_ref(), picture));
-        }
+        let mut made = std::mem::take(&mut run.made);
+        let layers = match plan.wants(Product::Curvature) {
+            true => made.layers(),
+            false => Vec::new(),
+        };
+        let picture = made.picture.take();
         let numbers = run.chosen.clone();
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten());
-        wanted.extend(&layers);
-        wanted.extend(term_whites.iter().map(|(_, white)| white));
+        wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
+        wanted.extend(made.term_whites.iter().map(|(_, white)| white));
         let (read, timings) = run.finish(&wanted)?;
 
         let mut read = read.into_iter();
@@ -291,27 +265,20 @@ impl Runner {
         outcome.timings.push((UPLOAD, uploaded));
         outcome.timings.extend(timings);
         let start = Instant::now();
-        if plan.goal != Goal::Layers && picture.is_some() {
-            let mut plane = || {
-                let samples = read.next().expect("a picture has three planes");
-                Plane::from_samples(width, height, samples)
-            };
-            let [r, g, b] = [plane(), plane(), plane()];
-            let is_made = plan.goal != Goal::Enhance || SCALES.iter().any(|&stage| plan.has(stage));
-            outcome.color = is_made.then_some(ColorPlanes { r, g, b });
-            if let (Some(color), Goal::Relight) = (&mut outcome.color, plan.goal) {
-                frame_lit(color, frame);
-            }
-            outcome.term_white_levels = levels_of(&term_whites, read.by_ref());
+        if picture.is_some() {
+            let mut planes = read.by_ref().map(|samples| plane(frame, samples));
+            outcome.put(Product::Picture, &mut planes);
         }
-        if plan.goal == Goal::Layers {
-            describe(&mut outcome, plan, frame, read);
+        if let (Some(color), Some(_)) = (&mut outcome.color, light) {
+            frame_lit(color, frame);
         }
+        put_layers(&mut outcome, plan, frame, &layers, read.by_ref());
+        outcome.term_white_levels = levels_of(&made.term_whites, read);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        if plan.has(Stage::Trace) || plan.has(Stage::Hessian) {
+        if plan.wants_curvature() {
             outcome.gain = Some(chosen[GAIN as usize]);
         }
-        if plan.has(Stage::RadianceScaling) {
+        if plan.scaled() == Some(Subject::Picture) {
             outcome.white_level = Some(chosen[WHITE as usize]);
         }
         let picture = picture.into_iter().flatten();
@@ -319,94 +286,51 @@ impl Runner {
             true => self.buffers.take_back_copied(picture),
             false => self.buffers.recycle(picture),
         }
-        self.buffers.recycle(layers);
-        if let Some(shape) = shape {
-            self.buffers.recycle(shape.into_buffers());
-        }
+        self.buffers.recycle(made.into_buffers());
         Ok(outcome)
     }
 }
 
-/// Puts what was read of the layers into the outcome, in the order of [`layers_of`].
-fn describe(
+fn plane(frame: &Frame, samples: Vec<f32>) -> Plane {
+    Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
+}
+
+/// Puts what was read of the layers into the outcome: each product once, then those of further scales.
+fn put_layers(
     outcome: &mut Outcome,
     plan: &Plan,
     frame: &Frame,
+    layers: &[Layer],
     mut read: impl Iterator<Item = Vec<f32>>,
 ) {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    let mut next = || read.next().expect("every layer is read");
-    let plane = |samples| Plane::from_samples(width, height, samples);
-    let pair = |samples: Vec<f32>| {
-        let [x, y] = apart::<2>(&samples).map(plane);
-        Vector2Planes { x, y }
-    };
-    let shape = &mut outcome.shape;
-    let conductance = plane(next());
-    let weights = pair(next());
-    (shape.silhouette, shape.crease) = (Some(weights.x), Some(weights.y));
-    shape.gradient = Some(pair(next()));
-    let [xx, xy, yy] = [plane(next()), plane(next()), plane(next())];
-    shape.hessian = Some(SymmetricPlanes { xx, xy, yy });
-    let curvatures = |samples: Vec<f32>| {
-        let [u, v, mean, kappa] = apart::<4>(&samples).map(plane);
-        (CurvaturePlanes { u, v, mean }, kappa)
-    };
-    let (first, kappa) = curvatures(next());
-    (shape.curvatures, shape.kappa) = (Some(first), Some(kappa));
-    shape.direction_view = Some(pair(next()));
-    for &sigma_px in &plan.more_px {
-        let (curvatures, kappa) = curvatures(next());
-        shape.more_scales.push(ScaleShape {
-            sigma_px,
-            curvatures,
-            kappa,
+    let mut sigmas = plan.more_px.iter();
+    for layer in layers {
+        let components = layer.products.iter();
+        let components: usize = components.map(|p| p.row().components.len()).sum();
+        let samples = read.by_ref().take(layer.buffers.len());
+        let planes = samples.flat_map(|samples| match components / layer.buffers.len() {
+            1 => vec![samples],
+            2 => apart::<2>(&samples).into(),
+            _ => apart::<4>(&samples).into(),
         });
+        let mut planes = planes.map(|samples| plane(frame, samples));
+        let is_there = |product: &Product| !outcome.planes(*product).is_empty();
+        match layer.products.iter().any(is_there) {
+            true => outcome.put_scale(*sigmas.next().expect("a scale each"), &mut planes),
+            false => layer
+                .products
+                .iter()
+                .for_each(|&product| outcome.put(product, &mut planes)),
+        }
     }
-    if plan.has(Stage::NormalRays) {
-        let [x, y] = [plane(next()), plane(next())];
-        shape.direction = Some(Vector2Planes { x, y });
-    }
-    shape.conductance = Some(conductance);
 }
 
 /// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, only of layers wider ones.
 fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
-    let has_layers = plan.has(Stage::LightLobes) || plan.has(Stage::LightGroups);
-    let widest = match plan.goal == Goal::Layers || has_layers {
+    let has_layers = matches!(plan.scaled(), Some(Subject::Lobes | Subject::Groups));
+    let widest = match plan.wants(Product::Curvature) || has_layers {
         true => WIDEST,
         false => 2,
     };
     4 * widest * frame.mask.width() as u64
-}
-
-/// The buffers of all layers, in order; those that `shape` keeps are shared with it.
-fn layers_of(run: &mut Run, plan: &Plan, frame: &Frame, shape: &Shape) -> Vec<wgpu::Buffer> {
-    let hessian = shape.hessian.as_ref().expect("layers take the Hessian");
-    let Curvatures {
-        curvature,
-        direction,
-    } = run.curvatures(hessian);
-    let entries = hessian.entries.as_ref().expect("layers take its entries");
-    let mut layers = vec![
-        shape.conductance.clone(),
-        shape.weights.clone().expect("layers take the weights"),
-        shape.gradient.clone(),
-    ];
-    layers.extend(entries.iter().cloned());
-    layers.extend([curvature, direction]);
-    for gradient in &shape.more_gradients {
-        let hessian = run.hessian(plan, gradient, &shape.conductance, true);
-        layers.push(run.curvatures(&hessian).curvature);
-    }
-    if plan.has(Stage::NormalRays) {
-        layers.extend(run.surface_directions(plan, frame, &shape.conductance));
-    }
-    layers
-}
-
-/// The components of vectors that stand one after the other.
-pub(crate) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
-    let (vectors, _) = samples.as_chunks::<N>();
-    std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

@@ -1,7 +1,15 @@
-//! Sight lines as uniforms.
+//! Sight lines as uniforms, and in WGSL.
 
-use crate::frame::{Frame, Projection, SightLines};
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::frame::{Frame, MIN_SEEN, Projection, SightLines};
 use glam::{DVec2, DVec3};
+
+/// Sight lines, and how tangents are seen along them.
+pub(crate) const SIGHT_LINES: Wgsl = wgsl!(
+    "../../frame/sight_lines.wgsl",
+    [("MIN_SEEN", F32(MIN_SEEN as f32))]
+);
 
 /// A vector that is linear in column and row: at the first of both, and what each further one adds.
 pub(crate) struct Linear {

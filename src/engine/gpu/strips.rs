@@ -1,22 +1,14 @@
 //! Pictures whose planes are larger than a device takes: strip by strip.
 
-use crate::engine::cpu::gpu_support::term_white_levels;
-use crate::engine::gpu::choose::{Search, Searching};
-use crate::engine::gpu::constants::{GAIN, SEARCH_PASSES, WHITE};
-use crate::engine::gpu::enhance::known_white_level;
-use crate::engine::gpu::light::Light;
 use crate::engine::gpu::recorder::add_timings;
-use crate::engine::gpu::runner::Runner;
 use crate::engine::outcome::Outcome;
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Plane, Window};
-use crate::params::Adaptive;
-use crate::plan::{Plan, Stage};
+use crate::frame::{Frame, Plane, Window};
 use std::ops::Range;
 
 /// How a picture is cut into strips.
 pub(crate) struct Strips {
-    height: usize,
+    pub(crate) height: usize,
     /// Rows that a strip gives, and those it takes above and below.
     rows: usize,
     reach: usize,
@@ -76,7 +68,7 @@ impl Strips {
     }
 
     /// The rows that each strip takes of the picture, and those of these that it gives.
-    fn each(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+    pub(crate) fn each(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         (0..self.height).step_by(self.rows).map(|start| {
             let end = (start + self.rows).min(self.height);
             let takes = start.saturating_sub(self.reach)..(end + self.reach).min(self.height);
@@ -86,110 +78,14 @@ impl Strips {
     }
 }
 
-fn strip_of(frame: &Frame, rows: &Range<usize>) -> Frame {
+/// The rows of a frame, as one of their own.
+pub(crate) fn strip_of(frame: &Frame, rows: &Range<usize>) -> Frame {
     let whole = frame.data_window;
     frame.crop(Window {
         y0: whole.y0 + rows.start as i32,
         y1: whole.y0 + rows.end as i32,
         ..whole
     })
-}
-
-impl Runner {
-    /// Runs `plan` on the strips of a frame, with what is chosen from all of it.
-    pub(crate) fn run_strips(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        light: Option<&Light>,
-        strips: &Strips,
-    ) -> Result<Outcome> {
-        let mut plan = plan.clone();
-        let chosen = self.choose(&plan, frame, strips)?;
-        if plan.has(Stage::AutoGain) {
-            plan.scaling.curvature_gain = Adaptive::Fixed(chosen[GAIN as usize]);
-        }
-        if plan.has(Stage::AutoWhite) && plan.has(Stage::RadianceScaling) {
-            plan.scaling.white_level = Adaptive::Fixed(chosen[WHITE as usize]);
-        }
-        if plan.has(Stage::AutoWhite) && plan.has(Stage::LightLobes) {
-            let levels = term_white_levels(frame, &plan.scaling);
-            let known = plan.scaling.term_white_levels;
-            plan.scaling.term_white_levels = known.or(levels.into_iter());
-        }
-        strips.run(frame, |strip, rows| {
-            self.run_whole(&plan, strip, light, rows.clone())
-        })
-    }
-
-    /// Gain and white level of the whole picture, as far as they are left open.
-    fn choose(&self, plan: &Plan, frame: &Frame, strips: &Strips) -> Result<[f32; 2]> {
-        let gain = plan.has(Stage::AutoGain).then(|| Search::Gain {
-            size: [frame.mask.width(), frame.mask.height()],
-            factor: plan.resolution_factor as f32,
-        });
-        let is_open = plan.has(Stage::AutoWhite)
-            && plan.has(Stage::RadianceScaling)
-            && known_white_level(plan, frame).is_none();
-        let white = is_open.then(|| Search::White(frame.luminance_weights()));
-        let searches: Vec<Search> = gain.into_iter().chain(white).collect();
-        self.search(plan, frame, frame.color.as_ref(), &searches, strips)
-    }
-
-    /// What searches in the shape of a frame and in a picture come to; 1 where nothing is searched for.
-    pub(crate) fn search(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        picture: Option<&ColorPlanes>,
-        searches: &[Search],
-        strips: &Strips,
-    ) -> Result<[f32; 2]> {
-        let mut found = vec![1.0; 2];
-        if searches.is_empty() {
-            return Ok([1.0; 2]);
-        }
-        let of_shape = searches.iter().any(|search| !search.is_of_picture());
-        let picture = picture.filter(|_| searches.iter().any(Search::is_of_picture));
-        let mut searching: Vec<Searching> = Vec::new();
-        for pass in 0..SEARCH_PASSES {
-            for (takes, gives) in strips.each() {
-                let strip = strip_of(frame, &takes);
-                let mut run = self.start(plan, &strip);
-                let fresh = searches.iter().skip(searching.len());
-                let fresh = fresh.map(|&search| Searching::new(&mut run, search));
-                let fresh: Vec<_> = fresh.collect();
-                searching.extend(fresh);
-                let shape = of_shape.then(|| run.find_shape(plan, &strip));
-                let picture = picture.map(|picture| self.upload().rows(picture, &takes));
-                let rows = gives.start as u32..gives.end as u32;
-                for (search, kind) in searching.iter().zip(searches) {
-                    let planes = match (kind.is_of_picture(), &shape, &picture) {
-                        (false, Some(shape), _) => shape.of_gain(),
-                        (true, _, Some(picture)) => picture.each_ref(),
-                        _ => continue,
-                    };
-                    search.count(&mut run, pass, planes, rows.clone());
-                }
-                if takes.end == strips.height && gives.end == takes.len() {
-                    let chosen = run.chosen.clone();
-                    searching
-                        .iter()
-                        .for_each(|s| s.narrow(&mut run, pass, &chosen));
-                }
-                let chosen = run.chosen.clone();
-                let (read, _) = run.finish(&[&chosen])?;
-                found = read.into_iter().next().expect("what was chosen is read");
-                let shape = shape.into_iter().flat_map(|shape| shape.into_buffers());
-                self.buffers.recycle(shape);
-                self.buffers.take_back_copied(picture.into_iter().flatten());
-            }
-        }
-        let searching = searching.into_iter();
-        self.buffers
-            .recycle(searching.flat_map(Searching::into_buffers));
-        Ok([found[GAIN as usize], found[WHITE as usize]])
-    }
 }
 
 /// Copies the rows `from` of a strip to those of `whole` from `start` on.

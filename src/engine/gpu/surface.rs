@@ -3,10 +3,16 @@
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
-use crate::plan::{Plan, Stage};
+use crate::plan::Plan;
+use crate::product::Product;
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
+use crate::shape::edges::SilhouetteSource;
+use rayon::prelude::*;
 use std::ops::Range;
+
+/// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
+pub(crate) const WIDEST: u64 = 4;
 
 /// A picture on the device: red, green and blue.
 pub(crate) type Picture = [wgpu::Buffer; 3];
@@ -99,12 +105,11 @@ impl Upload<'_> {
 
     /// What `plan` takes of `frame`.
     pub(crate) fn surface(self, plan: &Plan, frame: &Frame) -> Surface {
-        let map = if plan.has(Stage::DepthSilhouettes) {
-            frame.depth.as_ref()
-        } else if plan.has(Stage::OcclusionSilhouettes) {
-            frame.occlusion.as_ref()
-        } else {
-            None
+        let map = match SilhouetteSource::of(plan) {
+            _ if !plan.wants(Product::Conductance) => None,
+            SilhouetteSource::Depth => frame.depth.as_ref(),
+            SilhouetteSource::Occlusion => frame.occlusion.as_ref(),
+            SilhouetteSource::Border => None,
         };
         let normal = &frame.normal;
         Surface {
@@ -133,4 +138,10 @@ impl Surface {
             .chain(self.map)
             .chain(importance)
     }
+}
+
+/// The components of vectors that stand one after the other.
+pub(crate) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
+    let (vectors, _) = samples.as_chunks::<N>();
+    std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

@@ -8,6 +8,9 @@
 //! is, and so does a picture of which nothing changes.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+pub(crate) mod stage;
 pub(crate) mod terms;
 
 use super::radiance_scaling::{scaled, scaling};

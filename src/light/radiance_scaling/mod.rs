@@ -6,6 +6,9 @@
 //! fraction loses 5 % in f32 at gamma 14 and everything at 20; the form below holds 1e-7.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+pub(crate) mod stage;
 
 use crate::fast_math::exp;
 

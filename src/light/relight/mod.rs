@@ -3,29 +3,31 @@
 pub(crate) mod albedo;
 pub(crate) mod batch;
 pub(crate) mod curvature;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_lights;
 pub(crate) mod look_up;
 pub(crate) mod rim;
+pub(crate) mod setting;
 pub(crate) mod shade;
+pub(crate) mod stage;
 pub(crate) mod traced;
 
-use crate::engine::cpu::Run;
-use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::run::Run;
 use crate::engine::cpu::simd::Simd;
 use crate::engine::outcome::Shape;
-use crate::frame::{
-    ColorPlanes, Frame, Mask, Plane, Projection, SightLines, SpecularScene, Vector2Planes,
-};
-use crate::light::lights::{DirectionalLight, Illumination, PointLight};
+use crate::frame::{ColorPlanes, Frame, Mask, Projection, SightLines, Vector2Planes};
+use crate::light::lights::{DirectionalLight, PointLight};
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Kind};
 use crate::light::relight::traced::Mirrors;
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
-use crate::line::normal_rays::cpu as normal_rays;
-use crate::params::{Adaptive, Magnitudes, Quantisation, RelightParams};
-use crate::plan::Stage;
-use crate::plan::{Albedo, Relighting};
+use crate::params::{Magnitudes, Quantisation, RelightParams};
+use crate::plan::{Albedo, Plan, Relighting};
+use crate::product::Product;
 use rayon::prelude::*;
 
 /// Rows that one task lights: few, so that threads end together, and enough to fill batches.
@@ -68,138 +70,117 @@ impl Scene<'_> {
     }
 }
 
-impl Run<'_> {
-    /// Lights the frame anew.
-    pub(crate) fn relight(
-        &mut self,
-        illumination: &Illumination,
-        specular: Option<&SpecularScene>,
-    ) {
-        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        let relighting = plan
-            .relighting
-            .as_ref()
-            .expect("the plan says how to light");
-        let weights = frame.luminance_weights();
-        let kept = &self.runner.environment;
-        let around = Illuminants::new(illumination, relighting, weights, kept, |make| {
-            self.timed("environment", make)
-        });
-        self.outcome.environment_gain = around.gain();
-        let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
-            let kept = |kept: &mut FrameCache| kept.albedo.take();
-            self.kept_or(kept, "albedo-estimate", || match &relighting.estimate {
+/// Lights the frame of a run anew.
+pub(crate) fn relight(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let relighting = plan
+        .relighting
+        .as_ref()
+        .expect("the plan says how to light");
+    let (illumination, specular) = (run.inputs.illumination, run.inputs.specular);
+    let illumination = illumination.expect("new light has lights");
+    let weights = frame.luminance_weights();
+    let kept = &run.runner.environment;
+    let around = Illuminants::new(illumination, relighting, weights, kept, |make| {
+        run.timed("environment", make)
+    });
+    run.outcome.environment_gain = around.gain();
+    let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
+        run.kept_or(
+            "",
+            |kept| &mut kept.albedo,
+            "albedo-estimate",
+            || match &relighting.estimate {
                 Some(found) => albedo::by_estimate(frame, found, memory),
                 None => albedo::estimated(frame, weights, memory),
-            })
-        });
-        let traced = specular.zip(plan.specular).filter(|_| relighting.traced);
-        let mirrors = traced.and_then(|(scene, params)| {
-            self.timed("specular-maps", || {
-                Mirrors::new(frame, scene, &params, weights)
-            })
-        });
-        let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));
-        let shape = std::mem::take(&mut self.outcome.shape);
-        let gain = self.outcome.gain.unwrap_or(0.0);
-        let eye = eye_directions(frame);
-        let shading = self.shading(relighting, gain, eye.is_none());
-        let scene = Scene {
-            frame,
-            relighting,
-            curvature: self.curvature(&shape),
-            grain: shape.direction.as_ref().filter(|_| relighting.grain),
-            albedo: match relighting.albedo {
-                Albedo::Layer => frame.albedo.as_ref(),
-                Albedo::Picture => frame.color.as_ref(),
-                Albedo::Estimate => estimate.as_ref(),
-                Albedo::White => None,
             },
-            gain,
-            magnitudes: plan.scaling.magnitudes(),
-            invariant_point: plan.scaling.invariant_point,
-            luminance: weights,
-            is_glossy: mirrors.is_some()
-                || around.is_mirrored()
-                || shading.is_some_and(|s| s.lobes.are_glossy()),
-            shading,
-            lights: &illumination.directional,
-            points: &illumination.points,
-            sight: SightLines::of(frame),
-            around,
-            mirrors,
-            lit: specular_mask.as_ref().unwrap_or(&frame.mask),
-            eye,
-            tones: relighting.params.tones(),
-        };
-        let color = self.timed("relight", || lit(&scene, memory));
-        drop(scene);
-        match (estimate, &mut self.kept) {
-            (Some(estimate), Some(kept)) => kept.albedo = Some(estimate),
-            (Some(ColorPlanes { r, g, b }), None) => memory.recycle([r, g, b]),
-            (None, _) => {}
-        }
-        self.outcome.shape = shape;
-        self.outcome.color = Some(color);
-    }
-
-    /// What curvature is made of, where it is needed.
-    fn curvature<'s>(&self, shape: &'s Shape) -> Option<Curvature<'s>> {
-        let kind = match &shape.trace {
-            _ if self.plan.has(Stage::Hessian) => Kind::Hessian,
-            Some(trace) => Kind::Made(trace),
-            None if self.plan.has(Stage::Trace) => Kind::Trace,
-            None => return None,
-        };
-        let shape_is_there = "curvature is planned with its gradient";
-        Some(Curvature {
-            gradient: shape.gradient.as_ref().expect(shape_is_there),
-            conductance: shape.conductance.as_ref().expect(shape_is_there),
-            factor: self.plan.resolution_factor as f32,
-            kind,
+        )
+    });
+    let traced = specular.zip(plan.specular).filter(|_| relighting.traced);
+    let mirrors = traced.and_then(|(scene, params)| {
+        run.timed("specular-maps", || {
+            Mirrors::new(frame, scene, &params, weights)
         })
+    });
+    let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let gain = run.outcome.gain.unwrap_or(0.0);
+    let eye = eye_directions(frame);
+    let shading = shading(plan, relighting, gain, eye.is_none());
+    let scene = Scene {
+        frame,
+        relighting,
+        curvature: curvature(plan, &shape),
+        grain: shape.direction.as_ref().filter(|_| relighting.grain),
+        albedo: match relighting.albedo {
+            Albedo::Layer => frame.albedo.as_ref(),
+            Albedo::Picture => frame.color.as_ref(),
+            Albedo::Estimate => estimate.as_ref(),
+            Albedo::White => None,
+        },
+        gain,
+        magnitudes: plan.scaling.magnitudes(),
+        invariant_point: plan.scaling.invariant_point,
+        luminance: weights,
+        is_glossy: mirrors.is_some()
+            || around.is_mirrored()
+            || shading.is_some_and(|s| s.lobes.are_glossy()),
+        shading,
+        lights: &illumination.directional,
+        points: &illumination.points,
+        sight: SightLines::of(frame),
+        around,
+        mirrors,
+        lit: specular_mask.as_ref().unwrap_or(&frame.mask),
+        eye,
+        tones: relighting.params.tones(),
+    };
+    let color = run.timed("relight", || lit(&scene, memory));
+    drop(scene);
+    match (estimate, &mut run.kept) {
+        (Some(estimate), Some(kept)) => kept.albedo.put(estimate),
+        (Some(ColorPlanes { r, g, b }), None) => memory.recycle([r, g, b]),
+        (None, _) => {}
     }
+    run.outcome.shape = shape;
+    run.outcome.color = Some(color);
+}
 
-    /// How single lights act, where any are summed.
-    fn shading(&self, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
-        let scaling = &self.plan.scaling;
-        let magnitudes = scaling.magnitudes();
-        let toward_light = relighting.toward_light.then_some(TowardLight {
-            gain,
-            anisotropy: scaling.anisotropy,
-            magnitudes: [magnitudes.diffuse, magnitudes.specular],
-        });
-        let lobes = Lobes::of(&relighting.params.material, far)?;
-        relighting.sums.then_some(Shading {
-            warped: relighting.has_jacobian(),
-            scaled: relighting.scales.then_some(Scaled {
-                invariant_point: scaling.invariant_point,
-                toward_light,
-            }),
-            lobes,
-        })
-    }
+/// What curvature is made of, where it is needed.
+fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
+    let kind = match &shape.trace {
+        _ if plan.wants(Product::Hessian) => Kind::Hessian,
+        Some(trace) => Kind::Made(trace),
+        None if plan.wants(Product::Trace) => Kind::Trace,
+        None => return None,
+    };
+    let shape_is_there = "curvature is planned with its gradient";
+    Some(Curvature {
+        gradient: shape.gradient.as_ref().expect(shape_is_there),
+        conductance: shape.conductance.as_ref().expect(shape_is_there),
+        factor: plan.resolution_factor as f32,
+        kind,
+    })
+}
 
-    /// What of the shape has to be there before any light comes: a gain that is chosen from the frame, the
-    /// direction that a grain follows. Curvature itself is made row by row, where it is used.
-    pub(crate) fn prepare_light(&mut self, gradient: &Vector2Planes, conductance: &Plane) {
-        let (plan, frame, memory) = (self.plan, self.frame, &self.runner.memory);
-        if plan.has(Stage::AutoGain) {
-            self.find_trace(gradient, conductance);
-        } else if let Adaptive::Fixed(gain) = plan.scaling.curvature_gain
-            && (plan.has(Stage::Hessian) || plan.has(Stage::Trace))
-        {
-            self.outcome.gain = Some(gain);
-        }
-        let has_grain = plan.relighting.is_some_and(|relighting| relighting.grain);
-        if has_grain && plan.has(Stage::NormalRays) {
-            let kept = |kept: &mut FrameCache| kept.rays.take();
-            let direction = self.kept_or(kept, "normal-rays", || {
-                normal_rays::directions(plan, frame, conductance, memory)
-            });
-            self.outcome.shape.direction = Some(direction);
-        }
-    }
+/// How single lights act, where any are summed.
+fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
+    let scaling = &plan.scaling;
+    let magnitudes = scaling.magnitudes();
+    let toward_light = relighting.toward_light.then_some(TowardLight {
+        gain,
+        anisotropy: scaling.anisotropy,
+        magnitudes: [magnitudes.diffuse, magnitudes.specular],
+    });
+    let lobes = Lobes::of(&relighting.params.material, far)?;
+    relighting.sums.then_some(Shading {
+        warped: relighting.has_jacobian(),
+        scaled: relighting.scales.then_some(Scaled {
+            invariant_point: scaling.invariant_point,
+            toward_light,
+        }),
+        lobes,
+    })
 }
 
 /// Directions to the eye by column and by row; `None` where all are along z.

@@ -1,11 +1,12 @@
 //! Lines along silhouettes and creases: found, joined, and drawn.
 
 use crate::frame::{Frame, Plane};
-use crate::line::contours::cracks::{Crack, cracks};
+use crate::line::contours::cracks::{self, Crack};
+#[cfg(feature = "gpu")]
+use crate::line::contours::found::FoundEdges;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::Ground;
 use crate::line::contours::network::{End, Line, Spot};
-use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
 use crate::line::contours::{creases, silhouettes};
 use crate::params::{ContourParams, ShapeParams};
@@ -28,16 +29,13 @@ const CREASE_LENGTHS: f32 = 2.0;
 /// The weight that a crease must have somewhere.
 const PLAIN_CREASE: f32 = 0.5;
 
-/// Branches of a line with fewer spots than this are remains of thinning, or of noise.
-pub(crate) const SHORTEST_BRANCH: usize = 4;
-
 /// Edges, as far as lines are made of them.
-pub(crate) struct Edges<'a> {
+struct Edges<'a> {
     /// The cracks that silhouettes pass, by corner and step.
-    pub(crate) cracks: Vec<Crack>,
+    cracks: Vec<Crack>,
     /// The pixels that have a crease weight, in order, and the weight of every pixel.
-    pub(crate) crease_pixels: Vec<u32>,
-    pub(crate) crease: &'a Plane,
+    crease_pixels: Vec<u32>,
+    crease: &'a Plane,
 }
 
 /// The contours of a frame with these edges, silhouettes first. The same for any number of threads.
@@ -48,7 +46,7 @@ pub(crate) fn contours(
     params: &ContourParams,
 ) -> Vec<Contour> {
     let edges = Edges {
-        cracks: cracks(weights.silhouette, frame, shape),
+        cracks: cracks::cracks(weights.silhouette, frame, shape),
         crease_pixels: match params.has_creases() {
             true => creases::pixels(weights.crease, &frame.mask),
             false => Vec::new(),
@@ -59,7 +57,7 @@ pub(crate) fn contours(
 }
 
 /// The contours of a frame along these edges, silhouettes first.
-pub(crate) fn contours_along(
+fn contours_along(
     edges: Edges,
     frame: &Frame,
     shape: &ShapeParams,
@@ -112,6 +110,28 @@ pub(crate) fn contours_along(
     contours
 }
 
+#[cfg(feature = "gpu")]
+impl FoundEdges {
+    /// The contours of a frame along them, silhouettes first.
+    pub(crate) fn contours(
+        &self,
+        frame: &Frame,
+        shape: &ShapeParams,
+        params: &ContourParams,
+    ) -> Vec<Contour> {
+        let mut crease = Plane::filled(frame.mask.width(), frame.mask.height(), 0.0);
+        for &(pixel, weight) in &self.creases {
+            crease.samples_mut()[pixel as usize] = weight;
+        }
+        let edges = Edges {
+            cracks: cracks::found(&self.cracks, frame, shape),
+            crease_pixels: self.creases.iter().map(|&(pixel, _)| pixel).collect(),
+            crease: &crease,
+        };
+        contours_along(edges, frame, shape, params)
+    }
+}
+
 /// How far inside the picture the end of a line may lie that goes on beyond it.
 const ROOM_PX: f32 = 3.0;
 
@@ -127,15 +147,6 @@ fn run_off(line: &mut Line, by_px: f32) {
         };
         line.spots.insert(index + end, beyond);
     }
-}
-
-/// Evens out lines whose spots may lie so far beside the edge.
-pub(crate) fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
-    let smoothing = Smoothing {
-        tolerance_px,
-        reach: params.smoothing_px as usize,
-    };
-    lines.par_iter_mut().for_each(|line| line.smooth(smoothing));
 }
 
 /// What lines must have to be drawn.

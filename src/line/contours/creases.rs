@@ -2,11 +2,10 @@
 
 use crate::fast_math::ln;
 use crate::frame::{Frame, Mask, Plane};
-use crate::line::contours::cpu::{SHORTEST_BRANCH, smooth};
 use crate::line::contours::ground::Ground;
 use crate::line::contours::lattice::Path;
 use crate::line::contours::network;
-use crate::line::contours::network::{Line, Spot};
+use crate::line::contours::network::{Line, Spot, smooth};
 use crate::line::contours::ridge::Bands;
 use crate::params::ContourParams;
 use glam::Vec2;
@@ -81,12 +80,7 @@ pub(crate) fn lines(
         });
         inner.map(|(_, node)| spot(node)).collect()
     };
-    network::lines(
-        &ridges,
-        place,
-        spots,
-        SHORTEST_BRANCH,
-        RIM,
-        |lines: &mut [Line]| smooth(lines, params, MIDDLE_PX),
-    )
+    network::lines(&ridges, place, spots, RIM, |lines: &mut [Line]| {
+        smooth(lines, params, MIDDLE_PX)
+    })
 }

@@ -1,11 +1,5 @@
 //! Edges that a device found, as lists.
 
-use crate::frame::{Frame, Plane};
-use crate::line::contours::Contour;
-use crate::line::contours::cpu::{Edges, contours_along};
-use crate::line::contours::cracks;
-use crate::params::{ContourParams, ShapeParams};
-
 /// A crack that a silhouette passes. Where it is the border of coverage, only the place of the crack counts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FoundCrack {
@@ -30,25 +24,4 @@ pub(crate) struct FoundEdges {
     pub(crate) cracks: Vec<FoundCrack>,
     /// The pixels that have a crease weight, in order, with their weights.
     pub(crate) creases: Vec<(u32, f32)>,
-}
-
-impl FoundEdges {
-    /// The contours of a frame along them, silhouettes first.
-    pub(crate) fn contours(
-        &self,
-        frame: &Frame,
-        shape: &ShapeParams,
-        params: &ContourParams,
-    ) -> Vec<Contour> {
-        let mut crease = Plane::filled(frame.mask.width(), frame.mask.height(), 0.0);
-        for &(pixel, weight) in &self.creases {
-            crease.samples_mut()[pixel as usize] = weight;
-        }
-        let edges = Edges {
-            cracks: cracks::found(&self.cracks, frame, shape),
-            crease_pixels: self.creases.iter().map(|&(pixel, _)| pixel).collect(),
-            crease: &crease,
-        };
-        contours_along(edges, frame, shape, params)
-    }
 }

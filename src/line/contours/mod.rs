@@ -12,9 +12,14 @@ pub(crate) mod cracks;
 pub(crate) mod creases;
 #[cfg(feature = "gpu")]
 pub(crate) mod found;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_coverage;
 pub(crate) mod ground;
 pub(crate) mod map_tile;
 pub(crate) mod silhouettes;
+pub(crate) mod stage;
 
 pub mod crack;
 pub mod gaps;

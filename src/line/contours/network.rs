@@ -2,7 +2,9 @@
 
 use crate::line::contours::lattice::{Lattice, Path};
 use crate::line::contours::polyline::{Smoothing, length, smoothed};
+use crate::params::ContourParams;
 use glam::Vec2;
+use rayon::prelude::*;
 
 /// A point that a line passes, and what its width depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +43,15 @@ pub struct Line {
     pub part: usize,
 }
 
+/// Evens out lines whose spots may lie so far beside the edge.
+pub(crate) fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
+    let smoothing = Smoothing {
+        tolerance_px,
+        reach: params.smoothing_px as usize,
+    };
+    lines.par_iter_mut().for_each(|line| line.smooth(smoothing));
+}
+
 /// Paths, and the spots along them.
 struct Strand {
     spots: Vec<Spot>,
@@ -59,6 +70,9 @@ struct Tip {
     away: Vec2,
 }
 
+/// Branches of a line with fewer spots than this are remains of thinning, or of noise.
+const SHORTEST_BRANCH: usize = 4;
+
 /// Spots past which a strand's direction at its end is measured.
 const DIRECTION_REACH: usize = 6;
 
@@ -66,14 +80,13 @@ const DIRECTION_REACH: usize = 6;
 const STRAIGHT: f32 = 0.77;
 
 /// The lines along the links of `lattice`. `spots` gives those of a path, which leave out its junctions;
-/// branches with fewer spots than `shortest_branch` that end in the open are left out, and so are the fainter
+/// branches with fewer spots than `SHORTEST_BRANCH` that end in the open are left out, and so are the fainter
 /// sides of slivers. Those that end up to `rim` steps from the border of the picture go on beyond it. `smooth`
 /// evens out all lines before they are led to meet.
 pub fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,
     spots: impl Fn(&Path) -> Vec<Spot>,
-    shortest_branch: usize,
     rim: usize,
     smooth: impl FnOnce(&mut [Line]),
 ) -> Vec<Line> {
@@ -92,7 +105,7 @@ pub fn lines(
         let open_end = strand.nodes[usize::from(joined[0])];
         !strand.closed && joined[0] != joined[1] && !lattice.on_rim(open_end, rim)
     };
-    let is_short = |strand: &Strand| strand.spots.len() < shortest_branch && is_branch(strand);
+    let is_short = |strand: &Strand| strand.spots.len() < SHORTEST_BRANCH && is_branch(strand);
     let doubled = doubled(&strands, is_junction);
     let strands: Vec<Strand> = (strands.into_iter().zip(doubled))
         .filter(|(strand, is_doubled)| !is_doubled && !is_short(strand))

@@ -1,20 +1,16 @@
 //! Silhouettes: the lines along the cracks that they pass.
 
 use crate::frame::Frame;
-use crate::line::contours::cpu::smooth;
 use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};
 use crate::line::contours::lattice::{Lattice, Path};
 use crate::line::contours::network;
-use crate::line::contours::network::Line;
+use crate::line::contours::network::{Line, smooth};
 use crate::params::{ContourParams, ShapeParams};
 use glam::Vec2;
 
 /// How far beside an edge a line through middles of cracks lies: half a pixel, and a little more where the
 /// edge bends.
 const STEP_PX: f32 = 0.6;
-
-/// Branches with fewer cracks than this are noise.
-const SHORTEST_BRANCH: usize = 4;
 
 /// The lines along all silhouettes, through these cracks by corner and step.
 pub(crate) fn lines(
@@ -56,5 +52,5 @@ pub(crate) fn lines(
         pairs.chain(closing).collect()
     };
     let smooth = |lines: &mut [Line]| smooth(lines, params, STEP_PX);
-    network::lines(&lattice, place, spots, SHORTEST_BRANCH, 0, smooth)
+    network::lines(&lattice, place, spots, 0, smooth)
 }

@@ -1,6 +1,8 @@
 //! Directions in the picture, each equal to its opposite: their mean, and one for want of any.
 
 pub(crate) mod fill;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 
 use crate::frame::SightLines;
 use glam::{DVec3, Vec2};

@@ -12,8 +12,15 @@
 pub(crate) mod between_patches;
 pub(crate) mod chains;
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_kernels;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_patches;
 pub(crate) mod patches;
 pub(crate) mod setting;
+pub(crate) mod stage;
 
 use crate::engine::cpu::simd::widened;
 use glam::{DVec2, Vec2};

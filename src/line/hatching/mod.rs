@@ -13,6 +13,9 @@
 //! vectorised but for the loads of texels.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+pub(crate) mod stage;
 
 use super::random::Random;
 pub use super::stroke_texture::BATCH;

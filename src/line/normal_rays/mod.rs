@@ -11,7 +11,10 @@
 //! on the same surface only, a few pixels away where normals are coarse.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod setting;
+pub(crate) mod stage;
 
 use glam::{DVec2, DVec3};
 

@@ -3,6 +3,7 @@
 pub(crate) mod map_directions;
 pub(crate) mod met_points;
 pub(crate) mod seen;
+pub(crate) mod stage;
 pub(crate) mod tangents;
 
 pub(crate) use crate::line::specular::map_directions::DirectionCache;

@@ -7,6 +7,7 @@
 //! ink is wanted and stop where none is; nothing crosses an edge on which the caller wants none.
 
 pub(crate) mod cpu;
+pub(crate) mod stage;
 
 use super::contours::polyline::evened;
 use crate::frame::{Plane, Vector2Planes};

@@ -10,7 +10,7 @@ use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::origin;
-use crate::line::texture_coordinates::places::Surface;
+use crate::line::texture_coordinates::places::{PlaceMap, Surface};
 use crate::line::texture_coordinates::shares::Weighed;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::step::Step;
@@ -54,18 +54,6 @@ pub struct TextureCoordinates {
     pub(crate) born: u32,
 }
 
-/// A map of places that moves with the surface.
-#[derive(Debug, Clone)]
-pub(crate) struct PlaceMap {
-    /// Pixel coordinates, rows down, in which the texture lies still.
-    pub(crate) place: Vector2Planes,
-    /// Share of the drawing, 0..1; `None` is 1.
-    pub(crate) share: Option<Plane>,
-    /// 1; falls to 0 where the map has to make room.
-    pub(crate) fade: f32,
-    pub(crate) generation: u32,
-}
-
 impl TextureCoordinates {
     /// Those of a first frame: the texture lies as in a still picture.
     pub fn new(frame: &Frame) -> Self {
@@ -97,7 +85,7 @@ impl TextureCoordinates {
     }
 
     fn advanced_in(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
-        let step = Step::new(self, frame, motion);
+        let step = Step::new(self.window, self.surface(), frame, motion);
         let origins = step.origins();
         let hidden = Hidden::find(&origins, Surface::of(frame, Some(motion)));
         let maps = self.maps.iter().filter_map(|map| {
@@ -127,7 +115,7 @@ impl TextureCoordinates {
 
     /// The pixels of `frame` whose surface was wholly seen in the frame before too, where `motion` comes from.
     pub fn seen_before(&self, frame: &Frame, motion: &Vector2Planes) -> Mask {
-        let origins = Step::new(self, frame, motion).origins();
+        let origins = Step::new(self.window, self.surface(), frame, motion).origins();
         Mask::new(origins.map(|origin| origin.whole))
     }
 
@@ -204,27 +192,4 @@ impl TextureCoordinates {
         }
         self.maps = served;
     }
-}
-
-impl PlaceMap {
-    /// A map that is laid over `frame` as it is.
-    fn laid(generation: u32, frame: &Frame) -> Self {
-        let (width, height) = (frame.mask.width(), frame.mask.height());
-        let [left, top] = origin_in(generation, frame.data_window);
-        Self {
-            place: Vector2Planes {
-                x: Plane::from_fn(width, height, |x, _| left + x as f32),
-                y: Plane::from_fn(width, height, |_, y| top + y as f32),
-            },
-            share: None,
-            fade: 1.0,
-            generation,
-        }
-    }
-}
-
-/// The place of the centre of the first pixel of `window`.
-pub(crate) fn origin_in(generation: u32, window: Window) -> [f32; 2] {
-    let [x, y] = origin(generation);
-    [x + window.x0 as f32 + 0.5, y + window.y0 as f32 + 0.5]
 }

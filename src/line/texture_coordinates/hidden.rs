@@ -1,8 +1,8 @@
 //! What comes into view: places for surface that was not seen before.
 
 use crate::frame::{Plane, Vector2Planes};
+use crate::line::texture_coordinates::origin::Origin;
 use crate::line::texture_coordinates::places::{Surface, jacobian_at, place_at};
-use crate::line::texture_coordinates::step::Origin;
 use crate::line::texture_coordinates::{continued, turn};
 use std::collections::VecDeque;
 

@@ -13,10 +13,14 @@
 //! distort nothing and hand over nothing.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod hidden;
+pub(crate) mod origin;
 pub(crate) mod places;
 pub(crate) mod shares;
 pub(crate) mod sheet;
+pub(crate) mod stage;
 pub(crate) mod step;
 
 use super::random::Random;

@@ -1,12 +1,49 @@
 //! Maps of places: what lies next to what in them.
 
-use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::line::texture_coordinates::{Jacobian, calmed, is_one_depth, is_one_motion, jacobian};
+use crate::frame::{Frame, Plane, Vector2Planes, Window};
+use crate::line::texture_coordinates::{
+    Jacobian, calmed, is_one_depth, is_one_motion, jacobian, origin,
+};
 
 /// The place that a map gives the pixel of an index.
 #[inline(always)]
 pub(crate) fn place_at(map: &Vector2Planes, at: usize) -> [f32; 2] {
     [map.x.samples()[at], map.y.samples()[at]]
+}
+
+/// A map of places that moves with the surface.
+#[derive(Debug, Clone)]
+pub(crate) struct PlaceMap {
+    /// Pixel coordinates, rows down, in which the texture lies still.
+    pub(crate) place: Vector2Planes,
+    /// Share of the drawing, 0..1; `None` is 1.
+    pub(crate) share: Option<Plane>,
+    /// 1; falls to 0 where the map has to make room.
+    pub(crate) fade: f32,
+    pub(crate) generation: u32,
+}
+
+impl PlaceMap {
+    /// A map that is laid over `frame` as it is.
+    pub(crate) fn laid(generation: u32, frame: &Frame) -> Self {
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        let [left, top] = origin_in(generation, frame.data_window);
+        Self {
+            place: Vector2Planes {
+                x: Plane::from_fn(width, height, |x, _| left + x as f32),
+                y: Plane::from_fn(width, height, |_, y| top + y as f32),
+            },
+            share: None,
+            fade: 1.0,
+            generation,
+        }
+    }
+}
+
+/// The place of the centre of the first pixel of `window`.
+pub(crate) fn origin_in(generation: u32, window: Window) -> [f32; 2] {
+    let [x, y] = origin(generation);
+    [x + window.x0 as f32 + 0.5, y + window.y0 as f32 + 0.5]
 }
 
 /// Which pixels belong together.

@@ -3,8 +3,7 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::frame::{Mask, Plane};
-use crate::line::texture_coordinates::cpu::PlaceMap;
-use crate::line::texture_coordinates::places::{Surface, jacobian_at};
+use crate::line::texture_coordinates::places::{PlaceMap, Surface, jacobian_at};
 use crate::line::texture_coordinates::{distortion, soundness};
 use rayon::prelude::*;
 

@@ -3,12 +3,14 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::engine::cpu::rows::map_rows;
-use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::line::texture_coordinates::cpu::{PlaceMap, TextureCoordinates, origin_in};
+use crate::frame::{Frame, Plane, Vector2Planes, Window};
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::is_one_depth;
 use crate::line::texture_coordinates::is_one_motion;
-use crate::line::texture_coordinates::places::{Surface, calmed_at, jacobian_at, place_at};
+use crate::line::texture_coordinates::origin::Origin;
+use crate::line::texture_coordinates::places::{
+    PlaceMap, Surface, calmed_at, jacobian_at, origin_in, place_at,
+};
 use crate::line::texture_coordinates::{extrapolated, is_joined};
 use crate::quantile::quantile;
 use rayon::prelude::*;
@@ -20,68 +22,23 @@ const CALMINGS: usize = 2;
 /// Pixels along each axis from one to the next that is looked at for the change of all depth.
 const STRIDE: usize = 8;
 
+/// Weights below this are those of rounding.
+const LEAST_WEIGHT: f32 = 1e-4;
+
 /// From one frame to the next.
 pub(crate) struct Step<'a> {
-    before: &'a TextureCoordinates,
+    window_before: Window,
+    before: Surface<'a>,
     frame: &'a Frame,
     motion: &'a Vector2Planes,
     /// Depth now over depth before, in the median.
     depth_ratio: f32,
 }
 
-/// Where the surface of a pixel was in the frame before: between four pixels.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Origin {
-    /// Column and row of the left upper one; one less than the first may be meant.
-    left: i32,
-    top: i32,
-    /// How far right and below of it.
-    across: f32,
-    down: f32,
-    /// Which of the four show that surface, a bit each, row by row.
-    seen: u8,
-    /// Whether all of them do that have a weight.
-    pub(crate) whole: bool,
-}
-
-/// Weights below this are those of rounding.
-const LEAST_WEIGHT: f32 = 1e-4;
-
-impl Origin {
-    /// Whether the surface was seen at all.
-    pub(crate) fn is_known(&self) -> bool {
-        self.seen != 0
-    }
-
-    /// From one of the four pixels to where the surface was.
-    #[inline(always)]
-    fn offset(&self, k: usize) -> [f32; 2] {
-        [self.across - (k % 2) as f32, self.down - (k / 2) as f32]
-    }
-
-    #[inline(always)]
-    fn weight(&self, k: usize) -> f32 {
-        let [x, y] = self.offset(k);
-        (1.0 - x.abs()) * (1.0 - y.abs())
-    }
-
-    /// Column and row of one of the four, if it has a weight and lies within `width` x `height`.
-    #[inline(always)]
-    fn pixel(&self, k: usize, width: usize, height: usize) -> Option<[usize; 2]> {
-        let (x, y) = (self.left + (k % 2) as i32, self.top + (k / 2) as i32);
-        let inside = (0..width as i32).contains(&x) && (0..height as i32).contains(&y);
-        inside.then_some([x as usize, y as usize])
-    }
-
-    #[inline(always)]
-    fn is_seen(&self, k: usize) -> bool {
-        self.seen >> k & 1 == 1
-    }
-}
-
 impl<'a> Step<'a> {
     pub(crate) fn new(
-        before: &'a TextureCoordinates,
+        window_before: Window,
+        before: Surface<'a>,
         frame: &'a Frame,
         motion: &'a Vector2Planes,
     ) -> Self {
@@ -92,6 +49,7 @@ impl<'a> Step<'a> {
             "motion has the size of its frame"
         );
         let mut step = Self {
+            window_before,
             before,
             frame,
             motion,
@@ -104,13 +62,13 @@ impl<'a> Step<'a> {
     /// Between which pixels the surface of a pixel was; `None` outside all of them.
     #[inline(always)]
     fn between(&self, x: usize, y: usize) -> Option<Origin> {
-        let (now, then) = (self.frame.data_window, self.before.window);
+        let (now, then) = (self.frame.data_window, self.window_before);
         let from = |at: usize, shift: i32, moved: f32, length: usize| {
             let from = at as f64 + f64::from(shift) - f64::from(moved);
             // A motion that is not a number leads nowhere either.
             (from > -1.0 && from < length as f64).then(|| (from.floor(), from))
         };
-        let (width, height) = (self.before.mask.width(), self.before.mask.height());
+        let (width, height) = (self.before.covered.width(), self.before.covered.height());
         let (left, u) = from(x, now.x0 - then.x0, self.motion.x.at(x, y), width)?;
         let (top, v) = from(y, now.y0 - then.y0, -self.motion.y.at(x, y), height)?;
         Some(Origin {
@@ -129,15 +87,15 @@ impl<'a> Step<'a> {
         let Some(mut origin) = self.between(x, y) else {
             return Origin::default();
         };
-        let mask = &self.before.mask;
+        let covered = self.before.covered;
         origin.whole = true;
         for k in 0..4 {
             if origin.weight(k) < LEAST_WEIGHT {
                 continue;
             }
-            let pixel = origin.pixel(k, mask.width(), mask.height());
+            let pixel = origin.pixel(k, covered.width(), covered.height());
             let seen =
-                pixel.filter(|&[u, v]| mask.at(u, v) && self.is_same_surface([x, y], [u, v]));
+                pixel.filter(|&[u, v]| covered.at(u, v) && self.is_same_surface([x, y], [u, v]));
             origin.seen |= u8::from(seen.is_some()) << k;
             origin.whole &= seen.is_some();
         }
@@ -146,11 +104,11 @@ impl<'a> Step<'a> {
 
     #[inline(always)]
     fn is_same_surface(&self, now: [usize; 2], then: [usize; 2]) -> bool {
-        if let (Some(depth), Some(before)) = (&self.frame.depth, &self.before.depth) {
+        if let (Some(depth), Some(before)) = (&self.frame.depth, self.before.depth) {
             let before = self.depth_ratio * before.at(then[0], then[1]);
             return is_one_depth(depth.at(now[0], now[1]), before);
         }
-        let Some(before) = &self.before.motion else {
+        let Some(before) = self.before.motion else {
             return true;
         };
         let at =
@@ -160,17 +118,17 @@ impl<'a> Step<'a> {
 
     /// What the depth of most of the frame changed by: a camera may move fast.
     fn median_depth_ratio(&self) -> f32 {
-        let (Some(depth), Some(before)) = (&self.frame.depth, &self.before.depth) else {
+        let (Some(depth), Some(before)) = (&self.frame.depth, self.before.depth) else {
             return 1.0;
         };
-        let mask = &self.before.mask;
+        let covered = self.before.covered;
         let mut ratios = Vec::new();
         for y in (0..self.frame.mask.height()).step_by(STRIDE) {
             for x in (0..self.frame.mask.width()).step_by(STRIDE) {
-                let covered = self.frame.mask.at(x, y);
-                let origin = self.between(x, y).filter(|_| covered);
-                let pixel = origin.and_then(|o| o.pixel(0, mask.width(), mask.height()));
-                if let Some([u, v]) = pixel.filter(|&[u, v]| mask.at(u, v)) {
+                let is_seen = self.frame.mask.at(x, y);
+                let origin = self.between(x, y).filter(|_| is_seen);
+                let pixel = origin.and_then(|o| o.pixel(0, covered.width(), covered.height()));
+                if let Some([u, v]) = pixel.filter(|&[u, v]| covered.at(u, v)) {
                     ratios.push(depth.at(x, y) / before.at(u, v));
                 }
             }
@@ -254,8 +212,7 @@ impl<'a> Step<'a> {
         if joined {
             return Some(moved);
         }
-        let surface = self.before.surface();
-        let by = jacobian_at(&map.place, &surface, x, y);
+        let by = jacobian_at(&map.place, &self.before, x, y);
         Some(extrapolated(here, &by, origin.offset(nearest)))
     }
 }

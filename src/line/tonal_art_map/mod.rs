@@ -12,6 +12,7 @@
 //! mean of a drawn tone is that tone.
 
 pub(crate) mod cached;
+pub(crate) mod stage;
 
 #[cfg(feature = "gpu")]
 pub(crate) use super::response::ENTRIES;

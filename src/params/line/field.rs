@@ -1,6 +1,6 @@
 //! The parameters of stroke directions.
 
-use crate::params::ANGLES_DEG;
+use crate::params::range::ANGLES_DEG;
 use crate::params::table::{Unit, even};
 
 params! {

@@ -1,9 +1,10 @@
 //! Strokes: how each is drawn, and how directions are cut into partitions.
 
 use crate::error::Result;
+use crate::params::Param;
+use crate::params::range::in_range;
 use crate::params::table::{Choice, Kind, Unit, even};
 use crate::params::value::{Value, finite};
-use crate::params::{Param, in_range};
 use serde::Serialize;
 
 /// What strokes are drawn with.

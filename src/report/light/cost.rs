@@ -1,7 +1,7 @@
 //! Cost of lighting by the number of lights, and by the share of the frame that is covered.
 
-use super::bare;
 use super::lit::LitFrame;
+use super::lit::bare;
 use crate::Result;
 use crate::frame::{Frame, Mask, Plane};
 use crate::light::environment::Environment;

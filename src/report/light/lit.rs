@@ -1,13 +1,13 @@
 //! Pictures under the report's environment, timed, and compared with one under many lights.
 
-use super::bare;
 use crate::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
 use crate::params::{
-    Material, MaterialParams, Method, RelightParams, Samples, ShapeParams, WarpBy,
+    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples, ShapeParams,
+    WarpBy,
 };
 use crate::plan::Plan;
 use crate::report::compare::{Errors, Tally, compare, covered, larger};
@@ -15,6 +15,25 @@ use crate::report::engine::{Inputs, Outcome, Session, relight_plan};
 use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
+
+/// White of one material with gains of 1, no even light, and an environment as bright as it comes: a formula
+/// gives its picture.
+pub fn bare(material: Material, method: Method) -> RelightParams {
+    let base = RelightParams::default();
+    RelightParams {
+        method,
+        albedo: AlbedoSource::White,
+        environment_gain: Adaptive::Fixed(1.0),
+        material: MaterialParams {
+            material,
+            ambient: 0.0,
+            diffuse_gain: 1.0,
+            specular_gain: Some(1.0),
+            ..base.material
+        },
+        ..base
+    }
+}
 
 /// The materials that are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -17,9 +17,7 @@ use super::timing::Effort;
 use crate::Result;
 use crate::frame::{Frame, Window};
 use crate::light::environment::Environment;
-use crate::params::{
-    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, ShapeParams,
-};
+use crate::params::ShapeParams;
 use glam::Vec3;
 use lit::LitFrame;
 use serde::Serialize;
@@ -53,25 +51,6 @@ pub fn environment() -> Environment {
             0.08 + 2.5 * up + 0.5 * glow + 0.7 * disc,
         ]
     })
-}
-
-/// White of one material with gains of 1, no even light, and an environment as bright as it comes: a formula
-/// gives its picture.
-pub fn bare(material: Material, method: Method) -> RelightParams {
-    let base = RelightParams::default();
-    RelightParams {
-        method,
-        albedo: AlbedoSource::White,
-        environment_gain: Adaptive::Fixed(1.0),
-        material: MaterialParams {
-            material,
-            ambient: 0.0,
-            diffuse_gain: 1.0,
-            specular_gain: Some(1.0),
-            ..base.material
-        },
-        ..base
-    }
 }
 
 /// Results of one frame.

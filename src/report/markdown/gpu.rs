@@ -2,10 +2,12 @@
 
 use super::{or_blank, place, table, yes_or};
 use crate::report::Report;
-use crate::report::gpu::{GpuReport, GpuRow, ProductRow};
+use crate::report::beside::GpuReport;
+use crate::report::gpu::ProductRow;
 use crate::report::numbers::scientific;
 use crate::report::pictures::{COMPARED, PictureRow, Reference};
 use crate::report::plots::PICTURES;
+use crate::report::sweeps::solver::GpuRow;
 
 /// The section; empty in a build without devices.
 pub(super) fn section(report: &Report) -> String {

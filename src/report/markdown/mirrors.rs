@@ -2,7 +2,8 @@
 
 use super::{percent_to_a_tenth, table};
 use crate::report::advice::of_mirrors;
-use crate::report::mirrors::{EDGE_PX, FACING, MirrorReport, Setting, Spread, Varied};
+use crate::report::mirrors::bench::{Setting, Spread};
+use crate::report::mirrors::{EDGE_PX, FACING, MirrorReport, Varied};
 use crate::report::numbers::{rounded, scientific};
 use crate::report::plots::MIRRORS;
 

@@ -40,7 +40,7 @@ fn outcome(verdict: &Verdict) -> (&'static str, String) {
             ink,
             bounds: [least, most],
         } => ("drawn", format!("ink {ink:.4} of {least} to {most}")),
-        Verdict::Warned { message, .. } | Verdict::RunLog { message, .. } => {
+        Verdict::Warned { message, .. } | Verdict::WarnedPicture { message, .. } => {
             ("warned", message.clone())
         }
         Verdict::Refused { message } => ("refused", message.clone()),

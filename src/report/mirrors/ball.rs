@@ -28,6 +28,12 @@ pub(super) struct Shown {
     pub(super) direction: Option<DVec2>,
 }
 
+impl Shown {
+    pub(super) fn is_column(&self) -> bool {
+        matches!(self.hit.surface, Surface::Column(_))
+    }
+}
+
 /// The ball in so many pixels each way.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ball {

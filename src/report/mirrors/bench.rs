@@ -1,10 +1,12 @@
 //! The ball traced by one setting after another.
 
 use super::ball::{Ball, Shown};
-use super::{Row, Setting, Spread, is_column, room};
+use super::room;
 use crate::Result;
 use crate::frame::{Frame, SpecularScene};
-use crate::params::{Bend, Fallback, FieldParams, LineParams, ShapeParams, SpecularParams};
+use crate::params::{
+    Bend, Fallback, FieldParams, LineParams, SearchParams, ShapeParams, SpecularParams,
+};
 use crate::plan::{Available, Plan};
 use crate::report::compare::Tally;
 use crate::report::engine::{Inputs, Session, hatch_plan};
@@ -14,7 +16,76 @@ use crate::report::timing::{Effort, Times};
 use crate::trace::Tracer;
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::sync::Arc;
+
+/// Rows of the map where they are not varied.
+pub(super) const USUAL_MAP_HEIGHT: usize = 256;
+
+/// Half of all errors stay below the median, 95 in 100 below the other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Spread {
+    pub median: f64,
+    /// 95 in 100 stay below it.
+    pub p95: f64,
+}
+
+impl Spread {
+    fn of(mut tally: Tally) -> Self {
+        Self {
+            median: tally.quantile(0.5),
+            p95: tally.quantile(0.95),
+        }
+    }
+}
+
+/// How a ball is traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub(crate) struct Setting {
+    /// Search for the ends of sight lines.
+    pub search: SearchParams,
+    /// Rows of the map; it has twice as many columns.
+    pub map_height: usize,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self {
+            search: SearchParams::default(),
+            map_height: USUAL_MAP_HEIGHT,
+        }
+    }
+}
+
+/// Results of one setting. Shares are 0..1.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Row {
+    pub setting: Setting,
+    /// Share of the pixels whose sight line is found to end on something seen.
+    pub found: f64,
+    /// Share of the pixels where that is another surface than the exact one.
+    pub wrong_surface: f64,
+    /// Share of the pixels that show a column where it is not found.
+    pub columns_missed: f64,
+    /// From the exact points to those found, relative to their distance from the middle of the room.
+    pub position: Spread,
+    /// The same where the exact point is on a column.
+    pub position_on_columns: Spread,
+    /// From the exact directions of strokes to those found, in degrees, farther than [`EDGE_PX`](super::EDGE_PX) from edges; 90 where none
+    /// is found.
+    pub direction: Spread,
+    /// The same on columns, where the map's own curvature leads strokes.
+    pub direction_on_columns: Spread,
+    /// Time of the stage that traces specular pixels.
+    pub stage: Times,
+}
+
+impl Row {
+    /// Share of the pixels whose sight line is not found to end on the right surface.
+    pub(crate) fn astray(&self) -> f64 {
+        1.0 - self.found + self.wrong_surface
+    }
+}
 
 /// The ball, to be traced again and again in the same memory.
 pub(super) struct MirrorBench {
@@ -127,7 +198,7 @@ impl MirrorBench {
             };
             let angle = angle_deg(vector_at(&field, *at), exact);
             all.add(*at, angle);
-            if is_column(shown) {
+            if shown.is_column() {
                 columns.add(*at, angle);
             }
         }
@@ -175,7 +246,7 @@ struct Ends {
 
 impl Ends {
     fn add(&mut self, at: [usize; 2], shown: &Shown, found: Option<DVec3>) {
-        let (exact, is_column) = (&shown.hit, is_column(shown));
+        let (exact, is_column) = (&shown.hit, shown.is_column());
         let is_right = found.is_some_and(|point| room::nearest_surface(point) == exact.surface);
         let one_if = |holds: bool| f64::from(u8::from(holds));
         self.pixels += 1.0;

@@ -5,20 +5,18 @@
 //! go there.
 
 mod ball;
-mod bench;
+pub(super) mod bench;
 mod room;
 
 pub(super) use ball::{EDGE_PX, FACING};
 pub(super) use room::ABOUT;
 
 use super::asked::Extent;
-use super::compare::Tally;
-use super::timing::{Effort, Times};
+use super::timing::Effort;
 use crate::Result;
 use crate::params::SearchParams;
 use ball::{Ball, Shown};
-use bench::MirrorBench;
-use room::Surface;
+use bench::{MirrorBench, Row, Setting};
 use serde::Serialize;
 
 /// Steps of the search that are tried. They are those of half a turn; a mirrored ray turns by a quarter of one at most, and
@@ -28,74 +26,6 @@ pub(super) const STEPS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 pub(super) const REFINEMENTS: [u32; 4] = [1, 2, 4, 12];
 /// Rows of the map that are tried.
 pub(super) const MAP_HEIGHTS: [usize; 6] = [16, 32, 64, 128, 256, 512];
-/// Rows of the map where they are not varied.
-pub(super) const USUAL_MAP_HEIGHT: usize = 256;
-
-/// Half of all errors stay below the median, 95 in 100 below the other.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Spread {
-    pub median: f64,
-    /// 95 in 100 stay below it.
-    pub p95: f64,
-}
-
-impl Spread {
-    fn of(mut tally: Tally) -> Self {
-        Self {
-            median: tally.quantile(0.5),
-            p95: tally.quantile(0.95),
-        }
-    }
-}
-
-/// How a ball is traced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub(crate) struct Setting {
-    /// Search for the ends of sight lines.
-    pub search: SearchParams,
-    /// Rows of the map; it has twice as many columns.
-    pub map_height: usize,
-}
-
-impl Default for Setting {
-    fn default() -> Self {
-        Self {
-            search: SearchParams::default(),
-            map_height: USUAL_MAP_HEIGHT,
-        }
-    }
-}
-
-/// Results of one setting. Shares are 0..1.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
-    pub setting: Setting,
-    /// Share of the pixels whose sight line is found to end on something seen.
-    pub found: f64,
-    /// Share of the pixels where that is another surface than the exact one.
-    pub wrong_surface: f64,
-    /// Share of the pixels that show a column where it is not found.
-    pub columns_missed: f64,
-    /// From the exact points to those found, relative to their distance from the middle of the room.
-    pub position: Spread,
-    /// The same where the exact point is on a column.
-    pub position_on_columns: Spread,
-    /// From the exact directions of strokes to those found, in degrees, farther than [`EDGE_PX`] from edges; 90 where none
-    /// is found.
-    pub direction: Spread,
-    /// The same on columns, where the map's own curvature leads strokes.
-    pub direction_on_columns: Spread,
-    /// Time of the stage that traces specular pixels.
-    pub stage: Times,
-}
-
-impl Row {
-    /// Share of the pixels whose sight line is not found to end on the right surface.
-    pub(crate) fn astray(&self) -> f64 {
-        1.0 - self.found + self.wrong_surface
-    }
-}
-
 /// Everything that was measured of mirrors.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct MirrorReport {
@@ -179,14 +109,10 @@ pub(super) fn run(extent: Extent, progress: &dyn Fn(&str)) -> Result<MirrorRepor
         about: ABOUT,
         size,
         pixels,
-        pixels_of_columns: count(|shown| shown.in_map && is_column(shown)),
+        pixels_of_columns: count(|shown| shown.in_map && shown.is_column()),
         hidden: 1.0 - pixels as f64 / bench.shown.len() as f64,
         steps,
         refinements,
         map_heights,
     })
-}
-
-fn is_column(shown: &Shown) -> bool {
-    matches!(shown.hit.surface, Surface::Column(_))
 }

@@ -12,6 +12,7 @@ pub use exact::{Exact, ExactScene, ball_trace};
 pub use surfaces::Surface;
 
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
+use crate::params::ShapeParams;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -48,6 +49,15 @@ pub const HEIGHT: f64 = 5.0;
 const DISTANCE: f64 = 2000.0;
 
 impl Scene {
+    /// How its shape is found, but for the scale.
+    pub(super) fn shape(&self, tolerance: f32) -> ShapeParams {
+        ShapeParams {
+            foreshortening: self.foreshortening,
+            tolerance,
+            ..ShapeParams::default()
+        }
+    }
+
     /// All scenes, at one size.
     pub fn all(width: usize, height: usize) -> Vec<Self> {
         vec![
@@ -404,7 +414,7 @@ mod tests {
     #[test]
     fn barriers_are_of_every_strength() {
         use crate::engine::cpu;
-        use crate::params::{ScalingParams, ShapeParams};
+        use crate::params::ScalingParams;
         use crate::plan::{Available, Goal, Plan};
         let frame = Scene::barriers(320, 240).frame;
         let plan = Plan::new(

@@ -1,6 +1,7 @@
 //! The list of cases, continued: everything that a drawing could stumble over.
 
-use super::cases::case;
+use super::cases::{case, cases};
+use super::frames::random;
 use super::{Case, Expected, Verdict};
 use crate::Result;
 use crate::engine::Inputs;
@@ -12,7 +13,7 @@ use crate::params::{
 };
 use crate::plan::{Available, Plan, ToneFrom};
 use crate::report::scenes::Scene;
-use crate::report::scenes::frames::{grey, masked, normals, relief, rough};
+use crate::report::scenes::frames::{grey, masked};
 
 /// Every case of a drawing.
 pub(super) fn all() -> Vec<Case> {
@@ -74,105 +75,39 @@ fn strokes(change: impl Fn(&mut StrokeParams)) -> LineParams {
 }
 
 fn surfaces() -> Vec<Case> {
-    let random = || Frame {
-        normal: normals(200, 200, rough),
-        ..relief(200, 200)
-    };
-    vec![
-        drawn(
-            "drawing of umbilics",
-            "a ball: no direction anywhere",
-            || ball(0.5),
-            crossed(),
-            HALF,
-        ),
-        drawn(
-            "drawing of a plane",
-            "no curvature anywhere",
-            || plane(0.5),
-            crossed(),
-            HALF,
-        ),
-        drawn(
-            "drawing of noise",
-            "random unit normals",
-            move || grey(random(), 0.5),
-            crossed(),
-            ANY,
-        ),
-        drawn(
-            "drawing without passes",
-            "on a ball, nothing averaged",
-            || ball(0.5),
-            with(|line| line.field.passes = 0),
-            HALF,
-        ),
-    ]
+    cases! {
+        drawn("drawing of umbilics", "a ball: no direction anywhere", || ball(0.5), crossed(), HALF);
+        drawn("drawing of a plane", "no curvature anywhere", || plane(0.5), crossed(), HALF);
+        drawn("drawing of noise", "random unit normals", || grey(random(200, 200)(), 0.5), crossed(), ANY);
+        drawn("drawing without passes", "on a ball, nothing averaged", || ball(0.5),
+            with(|line| line.field.passes = 0), HALF);
+    }
 }
 
 fn tones() -> Vec<Case> {
     let named = |name, done, tone: f32, ink| drawn(name, done, move || ball(tone), crossed(), ink);
-    vec![
-        named("drawing of black", "tone 0 everywhere", 0.0, ALL),
-        named("drawing of white", "tone 1 everywhere", 1.0, NONE),
-        named("drawing of light", "a picture of 3e38", 3e38, NONE),
-        named(
-            "drawing of infinity",
-            "an infinite picture",
-            f32::INFINITY,
-            NONE,
-        ),
-        named("drawing of a debt", "a picture of -1", -1.0, ALL),
-        named("drawing of NaN", "a picture of no numbers", f32::NAN, ALL),
-        drawn(
-            "drawing of auto black",
-            "the white point of a black picture",
-            || ball(0.0),
-            with(|line| line.tone.white_point = Adaptive::Auto),
-            ALL,
-        ),
-    ]
+    cases! {
+        named("drawing of black", "tone 0 everywhere", 0.0, ALL);
+        named("drawing of white", "tone 1 everywhere", 1.0, NONE);
+        named("drawing of light", "a picture of 3e38", 3e38, NONE);
+        named("drawing of infinity", "an infinite picture", f32::INFINITY, NONE);
+        named("drawing of a debt", "a picture of -1", -1.0, ALL);
+        named("drawing of NaN", "a picture of no numbers", f32::NAN, ALL);
+        drawn("drawing of auto black", "the white point of a black picture", || ball(0.0),
+            with(|line| line.tone.white_point = Adaptive::Auto), ALL);
+    }
 }
 
 fn sizes() -> Vec<Case> {
     let sized = |width, height| move || grey(Scene::plane(width, height).frame, 0.5);
-    vec![
-        drawn(
-            "drawing of nothing",
-            "no pixel covered",
-            || masked(ball(0.5), |_, _| false),
-            crossed(),
-            NONE,
-        ),
-        drawn(
-            "drawing of one pixel",
-            "of 200x200",
-            || masked(ball(0.5), |x, y| (x, y) == (100, 100)),
-            crossed(),
-            ANY,
-        ),
-        drawn(
-            "drawing of 1x1",
-            "one pixel in all",
-            sized(1, 1),
-            crossed(),
-            ANY,
-        ),
-        drawn(
-            "drawing of 1xN",
-            "a column of 300",
-            sized(1, 300),
-            crossed(),
-            ANY,
-        ),
-        drawn(
-            "drawing of Nx1",
-            "a row of 300",
-            sized(300, 1),
-            crossed(),
-            ANY,
-        ),
-    ]
+    cases! {
+        drawn("drawing of nothing", "no pixel covered", || masked(ball(0.5), |_, _| false), crossed(), NONE);
+        drawn("drawing of one pixel", "of 200x200", || masked(ball(0.5), |x, y| (x, y) == (100, 100)), crossed(),
+            ANY);
+        drawn("drawing of 1x1", "one pixel in all", sized(1, 1), crossed(), ANY);
+        drawn("drawing of 1xN", "a column of 300", sized(1, 300), crossed(), ANY);
+        drawn("drawing of Nx1", "a row of 300", sized(300, 1), crossed(), ANY);
+    }
 }
 
 /// Settings at the ends of their ranges, by name.
@@ -210,87 +145,26 @@ fn settings() -> Vec<Setting> {
     let on_plane = |name, done, line, ink| on(plane, name, done, line, ink);
     let on_ball = |name, done, line, ink| on(ball, name, done, line, ink);
     let scale = |factor| strokes(|s| s.scale = StrokeScale::Factor(factor));
-    vec![
-        on_ball(
-            "strokes of scale 0.1",
-            "a sixth of a pixel wide",
-            scale(0.1),
-            HALF,
-        ),
-        on_ball(
-            "strokes of scale 500",
-            "each wider than the picture",
-            scale(500.0),
-            ANY,
-        ),
-        on_ball(
-            "lines of scale 0.1",
-            "an eighth of a pixel wide",
-            strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(0.1))),
-            ANY,
-        ),
-        on_ball(
-            "lines of scale 500",
-            "each wider than the picture",
-            strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(500.0))),
-            ANY,
-        ),
-        on_ball(
-            "1 level",
-            "one angle for all",
-            strokes(|s| s.levels = 1),
-            HALF,
-        ),
-        on_ball(
-            "360 levels",
-            "half a degree apart",
-            strokes(|s| s.levels = 360),
-            HALF,
-        ),
-        on_ball(
-            "8 sets of 360 levels",
-            "the most there are",
-            strokes(|s| (s.levels, s.sets) = (360, 8)),
-            HALF,
-        ),
-        on_plane(
-            "pencil pressed hard",
-            "pressure 1, wobble 1",
-            strokes(|s| {
-                (s.style, s.pressure, s.wobble) = (Style::Pencil, Some(1.0), Some(1.0));
-            }),
-            HALF,
-        ),
-        on_plane(
-            "hairs far apart",
-            "0.05 px wide, 1000 px apart",
-            strokes(|s| {
-                (s.width_px, s.spacing_px) = (Some(0.05), Some(1000.0));
-            }),
-            ANY,
-        ),
-        on_plane(
-            "dots for strokes",
-            "100 px wide, 1 px long",
-            strokes(|s| {
-                (s.width_px, s.length_px) = (Some(100.0), Some(1.0));
-            }),
-            ANY,
-        ),
-        on_ball(
-            "field as fine as the picture",
-            "and 6 passes of 64 px",
-            with(|line| {
-                line.field = FieldParams {
-                    cell_px: 1,
-                    passes: 6,
-                    radius_px: 64.0,
-                    ..line.field
-                };
-            }),
-            HALF,
-        ),
-    ]
+    cases! {
+        on_ball("strokes of scale 0.1", "a sixth of a pixel wide", scale(0.1), HALF);
+        on_ball("strokes of scale 500", "each wider than the picture", scale(500.0), ANY);
+        on_ball("lines of scale 0.1", "an eighth of a pixel wide",
+            strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(0.1))), ANY);
+        on_ball("lines of scale 500", "each wider than the picture",
+            strokes(|s| (s.style, s.scale) = (Style::Lines, StrokeScale::Factor(500.0))), ANY);
+        on_ball("1 level", "one angle for all", strokes(|s| s.levels = 1), HALF);
+        on_ball("360 levels", "half a degree apart", strokes(|s| s.levels = 360), HALF);
+        on_ball("8 sets of 360 levels", "the most there are", strokes(|s| (s.levels, s.sets) = (360, 8)), HALF);
+        on_plane("pencil pressed hard", "pressure 1, wobble 1",
+            strokes(|s| { (s.style, s.pressure, s.wobble) = (Style::Pencil, Some(1.0), Some(1.0)); }), HALF);
+        on_plane("hairs far apart", "0.05 px wide, 1000 px apart",
+            strokes(|s| { (s.width_px, s.spacing_px) = (Some(0.05), Some(1000.0)); }), ANY);
+        on_plane("dots for strokes", "100 px wide, 1 px long",
+            strokes(|s| { (s.width_px, s.length_px) = (Some(100.0), Some(1.0)); }), ANY);
+        on_ball("field as fine as the picture", "and 6 passes of 64 px",
+            with(|line| { line.field = FieldParams { cell_px: 1, passes: 6, radius_px: 64.0, ..line.field }; }),
+            HALF);
+    }
 }
 
 fn refusals() -> Vec<Case> {
@@ -299,30 +173,14 @@ fn refusals() -> Vec<Case> {
             judged(&ball(0.5), line, ANY)
         })
     };
-    vec![
-        refused("0 levels", "less than one", strokes(|s| s.levels = 0)),
-        refused(
-            "361 levels",
-            "more than there are",
-            strokes(|s| s.levels = 361),
-        ),
-        refused(
-            "strokes of scale 0",
-            "no size",
-            strokes(|s| s.scale = StrokeScale::Factor(0.0)),
-        ),
-        refused(
-            "strokes of NaN mm",
-            "no number",
-            strokes(|s| s.scale = StrokeScale::Millimetres(f32::NAN)),
-        ),
-        case(
-            "drawing without a picture",
-            "and without light",
-            Expected::Refused,
-            || judged(&Scene::ball(40, 40).frame, crossed(), ANY),
-        ),
-    ]
+    cases! {
+        refused("0 levels", "less than one", strokes(|s| s.levels = 0));
+        refused("361 levels", "more than there are", strokes(|s| s.levels = 361));
+        refused("strokes of scale 0", "no size", strokes(|s| s.scale = StrokeScale::Factor(0.0)));
+        refused("strokes of NaN mm", "no number", strokes(|s| s.scale = StrokeScale::Millimetres(f32::NAN)));
+        case("drawing without a picture", "and without light", Expected::Refused,
+            || judged(&Scene::ball(40, 40).frame, crossed(), ANY));
+    }
 }
 
 /// Draws `frame` in the tone of its picture and holds the ink of its strokes against `bounds`.

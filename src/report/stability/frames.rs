@@ -5,7 +5,7 @@ use crate::frame::{Frame, NormalSpace, Plane};
 use crate::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use crate::io::inputs::Inputs;
 use crate::io::{self, Loaded, Needs};
-use crate::report::scenes::frames::{normals, relief};
+use crate::report::scenes::frames::{normals, relief, rough};
 use glam::Vec3;
 
 /// A relief of 29x23 with other normals.
@@ -35,6 +35,29 @@ pub(super) fn with_conductance(open: impl Fn(usize, usize) -> bool) -> Frame {
         normal_length: Some(length),
         ..frame
     }
+}
+
+/// A relief of random unit normals, the far side too.
+pub(super) fn random(width: usize, height: usize) -> impl Fn() -> Frame {
+    move || Frame {
+        normal: normals(width, height, rough),
+        ..relief(width, height)
+    }
+}
+
+/// A ball, or where `bend` is negative a bowl.
+pub(super) fn ball(bend: f32) -> Frame {
+    with_normals(move |x, y| {
+        Vec3::new(bend * (x as f32 - 14.0), bend * (11.0 - y as f32), 0.7).normalize()
+    })
+}
+
+/// A tilted cylinder.
+pub(super) fn cylinder() -> Frame {
+    with_normals(|x, y| {
+        let across = 0.03 * (x as f32 - 14.0) + 0.02 * (11.0 - y as f32);
+        Vec3::new(0.83 * across, 0.55 * across, 1.0).normalize()
+    })
 }
 
 /// The frame as it is read from an EXR that holds its normals, depth and picture as floats.

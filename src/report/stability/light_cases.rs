@@ -1,7 +1,7 @@
 //! The list of cases, continued: everything that light could stumble over.
 
-use super::cases::case;
-use super::frames::{through_a_file, with_normals};
+use super::cases::{case, cases};
+use super::frames::{ball, cylinder, random, through_a_file, with_normals};
 use super::lit::{Asked, judged, judged_picture};
 use super::{Case, Expected};
 use crate::frame::{ColorPlanes, Frame, Plane};
@@ -11,7 +11,7 @@ use crate::light::lights::{DirectionalLight, Illumination};
 use crate::params::{
     Adaptive, Material, Method, Samples, ScalingParams, ShapeParams, Tangent, WarpBy,
 };
-use crate::report::scenes::frames::{gentle, masked, normals, relief, rough};
+use crate::report::scenes::frames::{gentle, masked, relief};
 use glam::Vec3;
 
 /// Every case of light.
@@ -75,50 +75,18 @@ fn light_cases() -> Vec<Case> {
             .collect(),
         ..Illumination::default()
     };
-    vec![
-        lit(
-            "light at -z",
-            "straight behind a surface that faces the viewer: black",
-            rolling,
-            Asked {
-                dark: true,
-                ..under(from(Vec3::NEG_Z))
-            },
-        ),
-        lit(
-            "light at -z, far sides too",
-            "random unit normals",
-            || with_normals(rough),
-            under(from(Vec3::NEG_Z)),
-        ),
-        lit(
-            "light beside -z",
-            "where the printed warp has lost its digits",
-            || with_normals(rough),
-            under(from(Vec3::new(1e-4, -1e-5, -1.0))),
-        ),
-        lit(
-            "light below the surface",
-            "30 degrees under a plane: black",
-            flat,
-            Asked {
-                dark: true,
-                ..under(from(Vec3::new(0.75_f32.sqrt(), 0.0, -0.5)))
-            },
-        ),
-        case(
-            "no lights",
-            "and nothing else that shines",
-            Expected::Refused,
-            || judged(&rolling(), &under(Illumination::default())),
-        ),
-        lit(
-            "1e5 lights",
-            "in even directions, together 1",
-            rolling,
-            under(many),
-        ),
-    ]
+    cases! {
+        lit("light at -z", "straight behind a surface that faces the viewer: black", rolling,
+            Asked { dark: true, ..under(from(Vec3::NEG_Z)) });
+        lit("light at -z, far sides too", "random unit normals", random(29, 23), under(from(Vec3::NEG_Z)));
+        lit("light beside -z", "where the printed warp has lost its digits", random(29, 23),
+            under(from(Vec3::new(1e-4, -1e-5, -1.0))));
+        lit("light below the surface", "30 degrees under a plane: black", flat,
+            Asked { dark: true, ..under(from(Vec3::new(0.75_f32.sqrt(), 0.0, -0.5))) });
+        case("no lights", "and nothing else that shines", Expected::Refused,
+            || judged(&rolling(), &under(Illumination::default())));
+        lit("1e5 lights", "in even directions, together 1", rolling, under(many));
+    }
 }
 
 fn material_cases() -> Vec<Case> {
@@ -134,50 +102,15 @@ fn material_cases() -> Vec<Case> {
         asked
     };
     let [along, grain] = [Tangent::Degrees(20.0), Tangent::Curvature];
-    vec![
-        lit(
-            "eta 0",
-            "Phong's lobe is a hemisphere",
-            rolling,
-            shiny(Material::Phong, 0.0),
-        ),
-        lit(
-            "eta 1e6",
-            "Phong's lobe is a point",
-            rolling,
-            shiny(Material::Phong, 1e6),
-        ),
-        lit(
-            "eta 0, Blinn",
-            "the same of Blinn's",
-            rolling,
-            shiny(Material::BlinnPhong, 0.0),
-        ),
-        lit(
-            "eta 1e6, Blinn",
-            "the same of Blinn's",
-            rolling,
-            shiny(Material::BlinnPhong, 1e6),
-        ),
-        lit(
-            "n_u, n_v 0",
-            "no coat to speak of",
-            rolling,
-            coated([0.0; 2], along),
-        ),
-        lit(
-            "n_u, n_v 1e5",
-            "a mirror of a coat",
-            rolling,
-            coated([1e5; 2], along),
-        ),
-        lit(
-            "n_u 0, n_v 1e5",
-            "as brushed as can be, along the curvature",
-            rolling,
-            coated([0.0, 1e5], grain),
-        ),
-    ]
+    cases! {
+        lit("eta 0", "Phong's lobe is a hemisphere", rolling, shiny(Material::Phong, 0.0));
+        lit("eta 1e6", "Phong's lobe is a point", rolling, shiny(Material::Phong, 1e6));
+        lit("eta 0, Blinn", "the same of Blinn's", rolling, shiny(Material::BlinnPhong, 0.0));
+        lit("eta 1e6, Blinn", "the same of Blinn's", rolling, shiny(Material::BlinnPhong, 1e6));
+        lit("n_u, n_v 0", "no coat to speak of", rolling, coated([0.0; 2], along));
+        lit("n_u, n_v 1e5", "a mirror of a coat", rolling, coated([1e5; 2], along));
+        lit("n_u 0, n_v 1e5", "as brushed as can be, along the curvature", rolling, coated([0.0, 1e5], grain));
+    }
 }
 
 /// A dim sky in which one pixel is `spot`.
@@ -203,64 +136,18 @@ fn environment_cases() -> Vec<Case> {
     let (some, none) = (Samples::Fixed(54), Samples::Fixed(0));
     let most = Samples::Fixed(crate::params::MAX_LIGHTS);
     let by_lights = around(Material::BlinnPhong, lights, some, 1e6);
-    vec![
-        lit(
-            "one pixel of 1e6, lights",
-            "54 by median cut",
-            rolling,
-            by_lights,
-        ),
-        lit(
-            "one pixel of 1e6, look-ups",
-            "in 54 directions",
-            rolling,
-            around(Material::BlinnPhong, lookups, some, 1e6),
-        ),
-        lit(
-            "one pixel of 1e6, prefiltered",
-            "both maps",
-            rolling,
-            around(Material::Phong, lookups, none, 1e6),
-        ),
-        lit(
-            "one pixel of 1e6, mirrored",
-            "as it is",
-            rolling,
-            around(Material::Mirror, lookups, Samples::Auto, 1e6),
-        ),
-        lit(
-            "one pixel infinite",
-            "read as 65504",
-            rolling,
-            around(Material::BlinnPhong, lights, some, f32::INFINITY),
-        ),
-        lit(
-            "one pixel NaN",
-            "read as 0",
-            rolling,
-            around(Material::BlinnPhong, lights, some, f32::NAN),
-        ),
-        lit(
-            "more lights than pixels",
-            "1e5 of 2048",
-            rolling,
-            around(Material::Lambert, lights, most, 1.0),
-        ),
-    ]
-}
-
-/// A ball, or where `bend` is negative a bowl.
-fn ball(bend: f32) -> Frame {
-    with_normals(move |x, y| {
-        Vec3::new(bend * (x as f32 - 14.0), bend * (11.0 - y as f32), 0.7).normalize()
-    })
-}
-
-fn cylinder() -> Frame {
-    with_normals(|x, y| {
-        let across = 0.03 * (x as f32 - 14.0) + 0.02 * (11.0 - y as f32);
-        Vec3::new(0.83 * across, 0.55 * across, 1.0).normalize()
-    })
+    cases! {
+        lit("one pixel of 1e6, lights", "54 by median cut", rolling, by_lights);
+        lit("one pixel of 1e6, look-ups", "in 54 directions", rolling,
+            around(Material::BlinnPhong, lookups, some, 1e6));
+        lit("one pixel of 1e6, prefiltered", "both maps", rolling, around(Material::Phong, lookups, none, 1e6));
+        lit("one pixel of 1e6, mirrored", "as it is", rolling,
+            around(Material::Mirror, lookups, Samples::Auto, 1e6));
+        lit("one pixel infinite", "read as 65504", rolling,
+            around(Material::BlinnPhong, lights, some, f32::INFINITY));
+        lit("one pixel NaN", "read as 0", rolling, around(Material::BlinnPhong, lights, some, f32::NAN));
+        lit("more lights than pixels", "1e5 of 2048", rolling, around(Material::Lambert, lights, most, 1.0));
+    }
 }
 
 fn curvature_cases() -> Vec<Case> {
@@ -277,50 +164,17 @@ fn curvature_cases() -> Vec<Case> {
         asked.relight.material.coat = [10.0, 1000.0];
         asked
     };
-    vec![
-        lit(
-            "alpha k to -1e30",
-            "a ball, warped without end",
-            || ball(0.05),
-            strong(2e25),
-        ),
-        lit(
-            "alpha k to 1e30",
-            "a bowl, warped without end",
-            || ball(-0.05),
-            strong(2e25),
-        ),
-        lit(
-            "alpha 1e36",
-            "the largest gain of the strongest warp",
-            || with_normals(rough),
-            strong(1e30),
-        ),
-        lit(
-            "light on a ball",
-            "umbilic everywhere: no grain",
-            || ball(0.05),
-            brushed(),
-        ),
-        lit(
-            "light on a plane",
-            "planar everywhere: no curvature",
-            || with_normals(|_, _| Vec3::new(0.6, 0.0, 0.8)),
-            brushed(),
-        ),
-        lit(
-            "light on a cylinder",
-            "parabolic everywhere",
-            cylinder,
-            brushed(),
-        ),
-        lit(
-            "light on chaos",
-            "random normals, the far side too",
-            || with_normals(rough),
-            of(Material::Phong, Method::Both),
-        ),
-    ]
+    cases! {
+        lit("alpha k to -1e30", "a ball, warped without end", || ball(0.05), strong(2e25));
+        lit("alpha k to 1e30", "a bowl, warped without end", || ball(-0.05), strong(2e25));
+        lit("alpha 1e36", "the largest gain of the strongest warp", random(29, 23), strong(1e30));
+        lit("light on a ball", "umbilic everywhere: no grain", || ball(0.05), brushed());
+        lit("light on a plane", "planar everywhere: no curvature", || with_normals(|_, _| Vec3::new(0.6, 0.0, 0.8)),
+            brushed());
+        lit("light on a cylinder", "parabolic everywhere", cylinder, brushed());
+        lit("light on chaos", "random normals, the far side too", random(29, 23),
+            of(Material::Phong, Method::Both));
+    }
 }
 
 fn scaling_cases() -> Vec<Case> {
@@ -340,46 +194,16 @@ fn scaling_cases() -> Vec<Case> {
             judged_picture(&loaded.frame, &loaded.warnings)
         })
     };
-    vec![
-        lit("gamma 0", "nothing is scaled", rolling, scaled(0.0, 0.25)),
-        lit(
-            "gamma 1e3",
-            "the exponent ends at 60",
-            rolling,
-            scaled(1e3, 0.25),
-        ),
-        lit(
-            "alpha 0",
-            "an invariant point of 0",
-            rolling,
-            scaled(1.0, 0.0),
-        ),
-        lit(
-            "alpha 1",
-            "an invariant point of 1",
-            rolling,
-            scaled(1.0, 1.0),
-        ),
-        lit("gamma 1e3, alpha 0", "both", rolling, scaled(1e3, 0.0)),
-        picture(
-            "delta 50",
-            "a pixel of a picture fifty times white",
-            Expected::Lit,
-            50.0,
-        ),
-        picture(
-            "delta NaN",
-            "a pixel of a picture NaN",
-            Expected::Warned,
-            f32::NAN,
-        ),
-        picture(
-            "delta inf",
-            "a pixel of a picture infinite",
-            Expected::Warned,
-            f32::INFINITY,
-        ),
-    ]
+    cases! {
+        lit("gamma 0", "nothing is scaled", rolling, scaled(0.0, 0.25));
+        lit("gamma 1e3", "the exponent ends at 60", rolling, scaled(1e3, 0.25));
+        lit("alpha 0", "an invariant point of 0", rolling, scaled(1.0, 0.0));
+        lit("alpha 1", "an invariant point of 1", rolling, scaled(1.0, 1.0));
+        lit("gamma 1e3, alpha 0", "both", rolling, scaled(1e3, 0.0));
+        picture("delta 50", "a pixel of a picture fifty times white", Expected::Lit, 50.0);
+        picture("delta NaN", "a pixel of a picture NaN", Expected::Warned, f32::NAN);
+        picture("delta inf", "a pixel of a picture infinite", Expected::Warned, f32::INFINITY);
+    }
 }
 
 /// A relief with a grey picture, of which one pixel is `spot`.
@@ -399,12 +223,6 @@ fn pictured(spot: f32) -> Frame {
 }
 
 fn size_cases() -> Vec<Case> {
-    let random = |width: usize, height: usize| {
-        move || Frame {
-            normal: normals(width, height, rough),
-            ..relief(width, height)
-        }
-    };
     let sampled = || {
         let mut asked = Asked::of(Material::AshikhminShirley, Method::Both, spotted(10.0));
         asked.relight.samples = Samples::Fixed(54);
@@ -412,26 +230,11 @@ fn size_cases() -> Vec<Case> {
         asked
     };
     let one = || masked(rolling(), |x, y| (x, y) == (14, 11));
-    vec![
-        lit(
-            "light on nothing",
-            "no pixel covered",
-            || masked(rolling(), |_, _| false),
-            sampled(),
-        ),
-        lit("light on one pixel", "of 29x23", one, sampled()),
-        lit("light on 1x1", "one pixel in all", random(1, 1), sampled()),
-        lit(
-            "light on 1xN",
-            "a column of 300 pixels",
-            random(1, 300),
-            sampled(),
-        ),
-        lit(
-            "light on Nx1",
-            "a row of 300 pixels",
-            random(300, 1),
-            sampled(),
-        ),
-    ]
+    cases! {
+        lit("light on nothing", "no pixel covered", || masked(rolling(), |_, _| false), sampled());
+        lit("light on one pixel", "of 29x23", one, sampled());
+        lit("light on 1x1", "one pixel in all", random(1, 1), sampled());
+        lit("light on 1xN", "a column of 300 pixels", random(1, 300), sampled());
+        lit("light on Nx1", "a row of 300 pixels", random(300, 1), sampled());
+    }
 }

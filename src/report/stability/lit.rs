@@ -4,13 +4,13 @@ use super::{Verdict, largest};
 use crate::Result;
 use crate::engine::Inputs;
 use crate::engine::cpu;
-use crate::engine::cpu::runner::Runner;
+use crate::engine::cpu::Runner;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Adaptive, Material, Method, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::LightKinds;
 use crate::plan::{Available, Goal, Plan};
-use crate::report::light::bare;
+use crate::report::light::lit::bare;
 use crate::report::timing;
 
 /// What a case asks for; the rest is as it comes.
@@ -121,7 +121,7 @@ pub(super) fn judged_picture(frame: &Frame, warnings: &[String]) -> Result<Verdi
     let strongest = f64::from(ScalingParams::default().scaling).exp();
     let bound = brightest(before) * strongest * (1.0 + ROUNDING);
     Ok(match (held(color, bound), warnings) {
-        (Verdict::Lit { .. }, [_, ..]) => Verdict::RunLog {
+        (Verdict::Lit { .. }, [_, ..]) => Verdict::WarnedPicture {
             message: warnings.join("; "),
             largest: brightest(color),
             bound,

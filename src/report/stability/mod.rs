@@ -73,19 +73,19 @@ pub enum Verdict {
         /// What it may be.
         bounds: [f64; 2],
     },
-    /// A picture within its bound, and the user is told something.
+    /// A picture within its bound, and with a word to the user.
     #[serde(rename = "warned")]
-    RunLog {
-        /// What the user is told.
+    WarnedPicture {
+        /// What is said to the user.
         message: String,
         /// The largest value.
         largest: f64,
         /// What it may be at most.
         bound: f64,
     },
-    /// Every value of a descriptor is a number within its bounds, and the user is told something.
+    /// Every value of a descriptor is a number within its bounds, and with a word to the user.
     Warned {
-        /// What the user is told.
+        /// What is said to the user.
         message: String,
         /// The values.
         bounds: Bounds,
@@ -109,7 +109,7 @@ impl Verdict {
             Self::Bounded(_) => expected == Expected::Bounded,
             Self::Lit { .. } => expected == Expected::Lit,
             Self::Drawn { .. } => expected == Expected::Drawn,
-            Self::RunLog { .. } | Self::Warned { .. } => expected == Expected::Warned,
+            Self::WarnedPicture { .. } | Self::Warned { .. } => expected == Expected::Warned,
             Self::Refused { .. } => expected == Expected::Refused,
             Self::Failed { .. } => false,
         }

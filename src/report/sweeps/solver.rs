@@ -9,7 +9,7 @@ use crate::plan::{DiffusionSchedule, Goal, Plan, Recurrence};
 use crate::report::asked::On;
 use crate::report::compare::{Errors, Tally, compare, pixels};
 use crate::report::engine::{self, Layers};
-use crate::report::gpu::{Gpu, GpuRow};
+use crate::report::gpu::{Gpu, GpuParts};
 use crate::report::machine::Machine;
 use crate::report::pareto;
 use crate::report::timing::{self, Effort, Timed, Times, Utilisation, measure_in_turn};
@@ -59,6 +59,16 @@ pub(crate) struct Row {
     pub utilisation: Option<Utilisation>,
     /// Whether no other row of the scale is both faster and better.
     pub on_front: bool,
+}
+
+/// Errors and times of a setting on a device.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct GpuRow {
+    /// As those of the CPU.
+    #[serde(flatten)]
+    pub row: Row,
+    #[serde(flatten)]
+    pub parts: GpuParts,
 }
 
 /// All settings at one scale.

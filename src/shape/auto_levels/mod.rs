@@ -1,6 +1,9 @@
 //! What is chosen from the whole frame: the gain of the curvature mapping and white levels, as every backend chooses.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+pub(crate) mod stage;
 
 /// Percentage of the surface whose curvature the gain leaves below [`TYPICAL_KAPPA`].
 pub(crate) const CURVATURE_PERCENT: u32 = 80;

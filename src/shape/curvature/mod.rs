@@ -2,6 +2,9 @@
 //! curvature to -1..1.
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
+pub(crate) mod stage;
 
 use crate::fast_math::tanh;
 

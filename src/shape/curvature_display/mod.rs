@@ -1,6 +1,9 @@
 //! The coloured curvature display of [LW] figure 6.
 
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod palette;
+pub(crate) mod stage;
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_covered;

@@ -8,7 +8,10 @@
 use crate::engine::cpu::simd::widened;
 
 pub(crate) mod cpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod importance;
+pub(crate) mod stage;
 pub(crate) mod sweeps;
 pub(crate) mod tiles;
 pub(crate) mod wavefront;

@@ -4,9 +4,11 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::{ShapeParams, SoftThreshold};
-use crate::plan::{Plan, Stage};
+use crate::plan::Plan;
+use crate::product::Product;
 use crate::shape::Rows;
 use crate::shape::crease::{CreaseDetector, NormalRows};
+use crate::shape::edges::SilhouetteSource;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -31,7 +33,7 @@ pub(crate) fn edges_and_gradient(
     frame: &Frame,
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
-    edges_with_weights(plan, frame, plan.keeps_edge_weights(), memory)
+    edges_with_weights(plan, frame, plan.wants(Product::Silhouette), memory)
 }
 
 /// The same with the two weights or without.
@@ -133,12 +135,12 @@ impl<'a> Sources<'a> {
     fn new(plan: &'a Plan, frame: &'a Frame) -> Self {
         let map =
             |plane: &'a Option<Plane>| plane.as_ref().expect("the plan found it in the frame");
-        let silhouettes = if plan.has(Stage::DepthSilhouettes) {
-            Silhouettes::Depth(map(&frame.depth), plan.shape.silhouette)
-        } else if plan.has(Stage::OcclusionSilhouettes) {
-            Silhouettes::Occlusion(map(&frame.occlusion), plan.shape.occlusion_silhouette)
-        } else {
-            Silhouettes::Border
+        let silhouettes = match SilhouetteSource::of(plan) {
+            SilhouetteSource::Depth => Silhouettes::Depth(map(&frame.depth), plan.shape.silhouette),
+            SilhouetteSource::Occlusion => {
+                Silhouettes::Occlusion(map(&frame.occlusion), plan.shape.occlusion_silhouette)
+            }
+            SilhouetteSource::Border => Silhouettes::Border,
         };
         Self {
             frame,

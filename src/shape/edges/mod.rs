@@ -1,3 +1,30 @@
 //! Silhouettes, creases, conductance and the depth gradient, in one sweep.
 
 pub(crate) mod cpu;
+pub(crate) mod stage;
+
+use crate::plan::Plan;
+
+/// What silhouettes are found in: depth before occlusion before the mere border.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SilhouetteSource {
+    /// Jumps of depth.
+    Depth,
+    /// Jumps of an occlusion map or of alpha.
+    Occlusion,
+    /// The border of coverage alone.
+    Border,
+}
+
+impl SilhouetteSource {
+    /// The source that a plan has.
+    pub(crate) fn of(plan: &Plan) -> Self {
+        match (plan.available.depth, plan.available.occlusion) {
+            (true, _) => Self::Depth,
+            (false, true) => Self::Occlusion,
+            (false, false) => Self::Border,
+        }
+    }
+}
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;

@@ -14,7 +14,7 @@ use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{Adaptive, Material, Method, Scale, ScalingParams, ShapeParams};
-use relievo::report::light::bare;
+use relievo::report::light::lit::bare;
 
 impl Asked {
     /// Light of 1 from 30 degrees above the upper left, on white.

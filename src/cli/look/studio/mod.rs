@@ -3,8 +3,9 @@
 mod reading;
 
 use super::{Look, Said};
-use crate::cli::args::{Command, OutputArgs, WorkArgs};
+use crate::cli::args::{OutputArgs, WorkArgs};
 use crate::cli::chosen::Chosen;
+use crate::cli::commands::Command;
 use crate::cli::enhance;
 use crate::cli::hatch;
 use crate::cli::line_args::HatchArgs;

@@ -1,7 +1,7 @@
 //! What a look is made of: files, read again only when others are named.
 
 use super::{A_COMMAND, Held, OpenFrame, Reading, ViewSession, work_of};
-use crate::cli::args::Command;
+use crate::cli::commands::Command;
 use crate::cli::hatch;
 use crate::cli::job::Job;
 use crate::cli::line_args::HatchArgs;

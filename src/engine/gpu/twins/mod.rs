@@ -18,7 +18,7 @@ mod twin;
 mod values;
 mod words;
 
-use super::kernels::Kernel;
+use super::all_kernels;
 use interpreter::{Machine, Program, Signature};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -68,7 +68,7 @@ fn lacking(twins: &[Twin]) -> BTreeSet<String> {
         })
         .collect();
     let mut lacking = BTreeSet::new();
-    for kernel in Kernel::ALL {
+    for kernel in all_kernels::ALL {
         for function in Program::new(kernel.source()).scalar_functions() {
             let is_known = known.get(function.name).map(String::as_str) == Some(function.text);
             if is_formula(&function) && !is_known {

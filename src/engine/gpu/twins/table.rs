@@ -1,6 +1,5 @@
 //! The pairs.
 
-use super::super::kernels::Kernel;
 use super::domains::*;
 use super::twin::{Tolerance, Twin};
 use super::words::UNSPECIFIED;
@@ -13,22 +12,30 @@ use crate::frame::{Projection, SightLines};
 use crate::light::batch::BATCH;
 use crate::light::brdf::{self, AshikhminShirley, Cosines, fifth_power, passed};
 use crate::light::environment::equirectangular_position;
+use crate::light::layers::gpu::{CHANGE_PICTURE, OCCLUDE};
 use crate::light::layers::{TermScaling, changed, limited};
 use crate::light::light_warping::{
     MOST_BRIGHTENED, Warp, bounded_entry, contrast, half_vector, scale_factor,
 };
 use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
+use crate::light::relight::gpu::RELIGHT;
 use crate::light::relight::shade::premultiplied;
 use crate::light::sum::Power;
 use crate::light::sum::terms::{self, at_most_1, positive, scalar_product};
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;
 use crate::line::contours::crack;
+use crate::line::contours::gpu::CRACKS;
+use crate::line::contours::gpu_coverage::LINE_COVERAGE;
 use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::direction::gpu::SPREAD_DIRECTIONS;
 use crate::line::direction::{clear_direction, fixed_direction, fixed_second_direction};
+use crate::line::direction_field::gpu_kernels::{PATCH_DIRECTIONS, PATCH_FORMS, SETTLE_PATCHES};
 use crate::line::direction_field::setting::FieldSetting;
 use crate::line::direction_field::{Form, calm, doubled, halved};
+use crate::line::hatching::gpu::{PICTURE_STROKES, STROKES};
 use crate::line::hatching::share;
+use crate::line::normal_rays::gpu::NORMAL_RAYS;
 use crate::line::normal_rays::{Difference, Local, NormalRay, Slopes, upright_tangents};
 use crate::line::paper::{grain, graphite, unit};
 use crate::line::slice_texture::{mix, within};
@@ -37,12 +44,16 @@ use crate::line::texture_coordinates::{
     in_texture, is_joined, is_one_depth, is_one_motion, jacobian, slope,
 };
 use crate::params::{Quantisation, ShapeParams, SoftThreshold};
+use crate::shape::auto_levels::gpu::{COUNT, NARROW};
 use crate::shape::conductance::face_conductance;
 use crate::shape::crease::{CreaseDetector, angle_within};
+use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
 use crate::shape::curvature::{
     mapped_curvature, mapped_curvature_toward, principal_curvatures, principal_direction,
 };
+use crate::shape::diffusion::gpu::{FACES, SWEEP};
 use crate::shape::diffusion::{Update, flux};
+use crate::shape::edges::gpu::EDGES;
 use crate::shape::gradient::{depth_gradient, facing};
 use crate::shape::hessian::{fitted, in_the_open, plane_fit};
 use crate::shape::silhouette::jump_weight;
@@ -53,7 +64,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 macro_rules! twin {
     ($name:ident, $path:path, $kernel:ident, $rust:expr) => {{
         let _ = $path;
-        Twin::new(stringify!($name), stringify!($path), Kernel::$kernel, $rust)
+        Twin::new(stringify!($name), stringify!($path), &$kernel, $rust)
     }};
 }
 

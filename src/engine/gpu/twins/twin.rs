@@ -10,7 +10,7 @@ type FromWords = Box<dyn Fn(&[u32], &mut Vec<u32>) + Send + Sync>;
 pub(super) struct Twin {
     pub(super) name: &'static str,
     /// A kernel that has it.
-    pub(super) kernel: Kernel,
+    pub(super) kernel: &'static Kernel,
     /// The namesake, from words to words.
     pub(super) rust: FromWords,
     /// Fields of the uniform block and switches that follow after the arguments.
@@ -34,7 +34,7 @@ impl Twin {
     pub(super) fn new<A>(
         name: &'static str,
         path: &str,
-        kernel: Kernel,
+        kernel: &'static Kernel,
         rust: impl Namesake<A> + Send + Sync + 'static,
     ) -> Self {
         assert!(is_namesake(name, path), "{name} is no name for {path}");

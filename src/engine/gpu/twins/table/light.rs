@@ -18,30 +18,30 @@ pub(super) fn twins() -> Vec<Twin> {
 
 fn scaling_of_light() -> Vec<Twin> {
     vec![
-        twin!(scaling_curve_of, ScalingCurve::of, Relight, |x: f32| {
+        twin!(scaling_curve_of, ScalingCurve::of, RELIGHT, |x: f32| {
             let curve = ScalingCurve::of(x);
             [curve.dark, curve.bright]
         }),
         twin!(
             scaling_curve_at,
             ScalingCurve::at,
-            Relight,
+            RELIGHT,
             |curve: [f32; 2], d: f32, alpha: f32| {
                 let [dark, bright] = curve;
                 ScalingCurve { dark, bright }.at(d, alpha)
             }
         )
         .on(no_nan),
-        twin!(scaling, scaling, Relight, |d: f32, x: f32, alpha: f32| {
+        twin!(scaling, scaling, RELIGHT, |d: f32, x: f32, alpha: f32| {
             scaling(d, x, alpha)
         })
         .on(no_nan),
         // A scaling is positive and finite.
-        twin!(scaled, scaled, Occlude, |c: f32, sigma: f32| scaled(
+        twin!(scaled, scaled, OCCLUDE, |c: f32, sigma: f32| scaled(
             c, sigma
         ))
         .on(|words| within_range(&mut words[1..], 1e-27, 1e27)),
-        twin!(limited, limited, Occlude, |value: f32, most: f32| limited(
+        twin!(limited, limited, OCCLUDE, |value: f32, most: f32| limited(
             value, most
         )),
     ]
@@ -52,7 +52,7 @@ fn terms_of_light() -> Vec<Twin> {
         twin!(
             term_scaling_sigma,
             TermScaling::sigma,
-            Occlude,
+            OCCLUDE,
             |luminance: f32, white: f32, kappa: f32, magnitude: f32, invariant_point: f32| {
                 let scaling = TermScaling {
                     magnitude,
@@ -69,21 +69,21 @@ fn terms_of_light() -> Vec<Twin> {
         twin!(
             changed,
             changed,
-            ChangePicture,
+            CHANGE_PICTURE,
             |c: f32, change: f32, told: f32| { changed(c, change, told) }
         )
         .on(|words| bounded(&mut words[1..])),
         twin!(
             luminance,
             luminance,
-            Relight,
+            RELIGHT,
             |rgb: [f32; 3], weights: [f32; 3]| { luminance(rgb, weights) }
         )
         .with(&["weight_r", "weight_g", "weight_b"]),
         twin!(
             premultiplied,
             premultiplied,
-            Relight,
+            RELIGHT,
             |shown: f32, coverage: f32, _: u32| { premultiplied(shown, coverage) }
         )
         .with(&["nan_bits"])
@@ -91,7 +91,7 @@ fn terms_of_light() -> Vec<Twin> {
         twin!(
             tone_factor,
             tone_factor,
-            Relight,
+            RELIGHT,
             |y: f32, levels: f32, softness: f32| {
                 let levels = levels as u32;
                 tone_factor(y, Quantisation { levels, softness })
@@ -108,12 +108,12 @@ fn terms_of_light() -> Vec<Twin> {
 
 fn reflectance() -> Vec<Twin> {
     vec![
-        twin!(fifth_power, fifth_power, Relight, |x: f32| fifth_power(x)),
-        twin!(passed, passed, Relight, |cosine: f32| passed(cosine)),
+        twin!(fifth_power, fifth_power, RELIGHT, |x: f32| fifth_power(x)),
+        twin!(passed, passed, RELIGHT, |cosine: f32| passed(cosine)),
         twin!(
             ashikhmin_shirley_diffuse,
             AshikhminShirley::diffuse,
-            Relight,
+            RELIGHT,
             |nl: f32, ne: f32, reflectance: f32| {
                 let model = AshikhminShirley {
                     coat: [0.0; 2],
@@ -127,7 +127,7 @@ fn reflectance() -> Vec<Twin> {
         twin!(
             ashikhmin_shirley_specular,
             AshikhminShirley::specular,
-            Relight,
+            RELIGHT,
             |cosines: [f32; 5], coat: [f32; 2], reflectance: f32, normalisation: f32| {
                 let [nl, ne, he, hu, hv] = cosines;
                 let model = AshikhminShirley {
@@ -148,17 +148,17 @@ fn reflectance() -> Vec<Twin> {
             within_range(&mut words[..5], -2.0, 2.0);
             within_range(&mut words[5..], 0.0, 1e6);
         }),
-        twin!(fresnel, brdf::fresnel, Relight, |cosine: f32, ior: f32| {
+        twin!(fresnel, brdf::fresnel, RELIGHT, |cosine: f32, ior: f32| {
             brdf::fresnel(cosine, ior)
         })
         .on(no_nan),
         twin!(
             mirrored,
             brdf::mirrored,
-            Relight,
+            RELIGHT,
             |n: [f32; 3], eye: [f32; 3]| { brdf::mirrored(n, eye) }
         ),
-        twin!(thin_sheet, brdf::thin_sheet, Relight, |r: f32| {
+        twin!(thin_sheet, brdf::thin_sheet, RELIGHT, |r: f32| {
             brdf::thin_sheet(r)
         }),
     ]
@@ -174,42 +174,42 @@ fn entries(warp: Warp) -> [f32; 3] {
 
 fn warping() -> Vec<Twin> {
     vec![
-        twin!(scale_factor, scale_factor, Relight, |k: f32, alpha: f32| {
+        twin!(scale_factor, scale_factor, RELIGHT, |k: f32, alpha: f32| {
             scale_factor(k, alpha)
         }),
-        twin!(bounded_entry, bounded_entry, Relight, |h: f32| {
+        twin!(bounded_entry, bounded_entry, RELIGHT, |h: f32| {
             bounded_entry(h)
         }),
         // The gain times the strength asked for.
-        twin!(warp_of, Warp::of, Relight, |h: [f32; 3], alpha: f32| {
+        twin!(warp_of, Warp::of, RELIGHT, |h: [f32; 3], alpha: f32| {
             entries(Warp::of(h, alpha))
         })
         .on(|words| within_range(&mut words[3..], -10.0, 10.0)),
         twin!(
             warp_determinant,
             Warp::determinant,
-            Relight,
+            RELIGHT,
             |w: [f32; 3]| warp(w).determinant()
         ),
-        twin!(warp_inverse, Warp::inverse, Relight, |w: [f32; 3]| entries(
+        twin!(warp_inverse, Warp::inverse, RELIGHT, |w: [f32; 3]| entries(
             warp(w).inverse()
         )),
         twin!(
             warp_apply,
             Warp::apply,
-            Relight,
+            RELIGHT,
             |w: [f32; 3], half: [f32; 3]| warp(w).apply(half)
         ),
         twin!(
             warp_direction,
             Warp::direction,
-            Relight,
+            RELIGHT,
             |w: [f32; 3], half: [f32; 3]| { warp(w).direction(half) }
         ),
-        twin!(half_vector, half_vector, Relight, |direction: [f32; 3]| {
+        twin!(half_vector, half_vector, RELIGHT, |direction: [f32; 3]| {
             half_vector(direction)
         }),
-        twin!(contrast, contrast, Relight, |w: [f32; 3], gamma: f32| {
+        twin!(contrast, contrast, RELIGHT, |w: [f32; 3], gamma: f32| {
             contrast(warp(w), gamma)
         })
         .on(|words| {
@@ -230,15 +230,15 @@ fn lights() -> Vec<Twin> {
         twin!(
             scalar_product,
             scalar_product,
-            Relight,
+            RELIGHT,
             |a: [f32; 3], b: [f32; 3]| { scalar_product(a, b) }
         ),
-        twin!(positive, positive, Relight, |x: f32| positive(x)),
-        twin!(at_most_1, at_most_1, Relight, |x: f32| at_most_1(x)),
+        twin!(positive, positive, RELIGHT, |x: f32| positive(x)),
+        twin!(at_most_1, at_most_1, RELIGHT, |x: f32| at_most_1(x)),
         twin!(
             arrive_unwarped,
             terms::arrive_unwarped,
-            Relight,
+            RELIGHT,
             |direction: [f32; 3],
              half: [f32; 3],
              share: f32,
@@ -257,7 +257,7 @@ fn lights() -> Vec<Twin> {
         twin!(
             product,
             terms::product,
-            Relight,
+            RELIGHT,
             |direction: [f32; 3],
              half: [f32; 3],
              _: f32,
@@ -271,13 +271,13 @@ fn lights() -> Vec<Twin> {
         twin!(
             half_way,
             terms::half_way,
-            Relight,
+            RELIGHT,
             |le: f32, ln: f32, ne: f32| { terms::half_way(le, ln, ne) }
         ),
         twin!(
             power_raise,
             Power::raise,
-            Relight,
+            RELIGHT,
             |x: f32, whole: u32, power: f32| {
                 let mut lanes = [x; BATCH];
                 let power = match whole {
@@ -302,7 +302,7 @@ fn look_ups() -> Vec<Twin> {
         twin!(
             equirectangular_position,
             equirectangular_position,
-            Relight,
+            RELIGHT,
             |_: u32, size: [u32; 2], turn: f32, _: f32, direction: [f32; 3]| {
                 equirectangular_position(size.map(|v| v as usize), turn, direction)
             }
@@ -313,7 +313,7 @@ fn look_ups() -> Vec<Twin> {
                 .for_each(|size| *size = *size % 16384 + 1);
             within_range(&mut words[3..4], -2.0, 2.0);
         }),
-        twin!(mixed, mixed, Relight, |a: [f32; 3], b: [f32; 3], t: f32| {
+        twin!(mixed, mixed, RELIGHT, |a: [f32; 3], b: [f32; 3], t: f32| {
             let texel = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
             let [x, y, z, _] = mixed(texel(a), texel(b), t);
             [x, y, z]

@@ -23,55 +23,55 @@ fn contours() -> Vec<Twin> {
         twin!(
             difference,
             crack::difference,
-            Cracks,
+            CRACKS,
             |a: Option<f32>, b: Option<f32>| { crack::difference(a, b) }
         ),
         twin!(
             beyond_slopes,
             crack::beyond_slopes,
-            Cracks,
+            CRACKS,
             |jump: f32, times: f32, slopes: [Option<f32>; 2]| crack::beyond_slopes(
                 jump, times, slopes
             )
         ),
-        twin!(steepness, crack::steepness, Cracks, |slope: Option<f32>| {
+        twin!(steepness, crack::steepness, CRACKS, |slope: Option<f32>| {
             crack::steepness(slope)
         }),
         twin!(
             unexplained_jump,
             crack::unexplained_jump,
-            Cracks,
+            CRACKS,
             |across: [Option<f32>; 6]| { crack::unexplained_jump(&across) }
         ),
         twin!(
             spread_offset,
             crack::spread_offset,
-            Cracks,
+            CRACKS,
             |raw: [f32; 2], sharp: [f32; 2]| { crack::spread_offset(raw, sharp) }
         ),
         twin!(
             nearer_extreme,
             crack::nearer_extreme,
-            Cracks,
+            CRACKS,
             |value: f32, least: f32, greatest: f32| crack::nearer_extreme(value, least, greatest)
         ),
         twin!(
             round_stroke_coverage,
             RoundStroke::coverage,
-            LineCoverage,
+            LINE_COVERAGE,
             |numbers: [f32; 8], p: [f32; 2]| RoundStroke::of_numbers(numbers).coverage(p.into())
         )
         .on(|words| {
             within_range(words, -1e6, 1e6);
             within_range(&mut words[7..8], 0.1, 1.0);
         }),
-        twin!(unit, unit, LineCoverage, |high: u32| unit(
+        twin!(unit, unit, LINE_COVERAGE, |high: u32| unit(
             u64::from(high) << 32
         )),
         twin!(
             grain,
             grain,
-            LineCoverage,
+            LINE_COVERAGE,
             |x: i32, y: i32, low: u32, high: u32| {
                 // The device is given the seed spread over all bits: multiplied by an odd number, of which this is the inverse.
                 let spread = u64::from(high) << 32 | u64::from(low);
@@ -82,7 +82,7 @@ fn contours() -> Vec<Twin> {
         twin!(
             graphite,
             graphite,
-            LineCoverage,
+            LINE_COVERAGE,
             |coverage: f32, grain: f32| { graphite(coverage, grain) }
         )
         .on(bounded),
@@ -122,15 +122,15 @@ fn directions() -> Vec<Twin> {
     // The CPU takes f64 for what follows, the device f32.
     const SINGLE: Tolerance = Tolerance::Absolute(2e-6);
     vec![
-        twin!(doubled, doubled, SpreadDirections, |t: [f32; 2]| doubled(
+        twin!(doubled, doubled, SPREAD_DIRECTIONS, |t: [f32; 2]| doubled(
             t.into()
         )
         .to_array()),
-        twin!(halved, halved, SpreadDirections, |z: [f32; 2]| halved(z)),
+        twin!(halved, halved, SPREAD_DIRECTIONS, |z: [f32; 2]| halved(z)),
         twin!(
             clear_direction,
             clear_direction,
-            SpreadDirections,
+            SPREAD_DIRECTIONS,
             |sum: [f32; 2], weight: f32| {
                 clear_direction(sum.into(), weight)
                     .unwrap_or_default()
@@ -140,19 +140,22 @@ fn directions() -> Vec<Twin> {
         twin!(
             calm,
             calm,
-            SettlePatches,
+            SETTLE_PATCHES,
             |own: [f32; 4], around: [f32; 4]| calm(own, around)
         )
         .on(bounded),
-        twin!(form_larger, Form::larger, PatchDirections, |f: [f32; 4]| {
-            form(f).larger().unwrap_or_default().as_vec2().to_array()
-        })
+        twin!(
+            form_larger,
+            Form::larger,
+            PATCH_DIRECTIONS,
+            |f: [f32; 4]| { form(f).larger().unwrap_or_default().as_vec2().to_array() }
+        )
         .on(|words| coarse(words, 4.0))
         .within(SINGLE),
         twin!(
             form_confidence,
             Form::confidence,
-            PatchDirections,
+            PATCH_DIRECTIONS,
             |f: [f32; 4], doubt: f32| { form(f).confidence(doubt.into()) as f32 }
         )
         .with(&["doubt"])
@@ -164,7 +167,7 @@ fn directions() -> Vec<Twin> {
         twin!(
             form_flatness,
             Form::flatness,
-            PatchDirections,
+            PATCH_DIRECTIONS,
             |f: [f32; 4], doubt: f32| { form(f).flatness(doubt.into()) as f32 }
         )
         .with(&["doubt"])
@@ -182,7 +185,7 @@ fn fallbacks() -> Vec<Twin> {
         twin!(
             fallback,
             FieldSetting::fallback,
-            PatchDirections,
+            PATCH_DIRECTIONS,
             |line: [f32; 3],
              normal: [f32; 3],
              shape: f32,
@@ -213,7 +216,7 @@ fn fallbacks() -> Vec<Twin> {
         twin!(
             fixed_direction,
             fixed_direction,
-            PatchDirections,
+            PATCH_DIRECTIONS,
             |line: [f32; 3], normal: [f32; 3], order: u32, shape: f32| {
                 let (sight, [x, y]) = sight(line, shape);
                 let direction = match order {
@@ -240,7 +243,7 @@ fn rays() -> Vec<Twin> {
         twin!(
             line,
             SightLines::line,
-            PatchDirections,
+            PATCH_DIRECTIONS,
             |place: [f32; 2], line: [f32; 2], step: [f32; 2]| {
                 let [[line_x, line_y], [step_x, step_y]] =
                     [line, step].map(|pair| pair.map(f64::from));
@@ -265,7 +268,7 @@ fn rays() -> Vec<Twin> {
         twin!(
             sight_lines_facing,
             SightLines::facing,
-            PatchDirections,
+            PATCH_DIRECTIONS,
             |line: [f32; 3], normal: [f32; 3]| {
                 let (sight, [x, y]) = sight(line, 1.0);
                 sight.facing(x, y, dvec(normal)) as f32
@@ -283,7 +286,7 @@ fn steps() -> Vec<Twin> {
         twin!(
             picture_direction,
             SightLines::picture_direction,
-            PatchDirections,
+            PATCH_DIRECTIONS,
             |line: [f32; 3], tangent: [f32; 3], shape: f32| {
                 let (sight, [x, y]) = sight(line, shape);
                 let seen = sight.picture_direction(x, y, dvec(tangent));
@@ -299,7 +302,7 @@ fn steps() -> Vec<Twin> {
         twin!(
             sight_lines_step,
             SightLines::step,
-            PatchForms,
+            PATCH_FORMS,
             |normals: [f32; 3], line: [f32; 3], there: [f32; 3], _: [f32; 3]| {
                 let (sight, from) = sight(line, 1.0);
                 let (_, to) = self::sight(there, 1.0);
@@ -329,7 +332,7 @@ fn normal_rays() -> Vec<Twin> {
         twin!(
             local_ray,
             Local::ray,
-            PatchForms,
+            PATCH_FORMS,
             |step: (bool, [f32; 3]),
              there: [f32; 3],
              _: [f32; 3],
@@ -363,7 +366,7 @@ fn normal_rays() -> Vec<Twin> {
         twin!(
             slopes_of,
             Slopes::of,
-            PatchForms,
+            PATCH_FORMS,
             |rays: [(bool, [f32; 2], [f32; 2]); 4]| {
                 let between = |before: usize, after: usize| {
                     let (a, b) = (&rays[before], &rays[after]);
@@ -405,7 +408,7 @@ fn tangents() -> Vec<Twin> {
         twin!(
             any_orthonormal_pair,
             Vec3::any_orthonormal_pair,
-            NormalRays,
+            NORMAL_RAYS,
             |normal: [f32; 3]| {
                 let (a, b) = Vec3::from(normal).any_orthonormal_pair();
                 [a.to_array(), b.to_array()]
@@ -415,7 +418,7 @@ fn tangents() -> Vec<Twin> {
         twin!(
             upright_tangents,
             upright_tangents,
-            PatchForms,
+            PATCH_FORMS,
             |normal: [f32; 3]| {
                 match upright_tangents(dvec(normal)) {
                     Some(tangents) => (true, tangents.map(|t| t.as_vec3().to_array())),
@@ -440,13 +443,13 @@ fn strokes() -> Vec<Twin> {
         twin!(
             share,
             share,
-            Strokes,
+            STROKES,
             |wanted: f32, family: u32, families: u32| {
                 share(wanted, family as usize, families as usize)
             }
         )
         .with(&["family", "families"]),
-        twin!(within, within, PictureStrokes, |at: f32, size: u32| {
+        twin!(within, within, PICTURE_STROKES, |at: f32, size: u32| {
             let (first, next, share) = within(at, size as usize);
             (first as u32, next as u32, share)
         })
@@ -454,29 +457,32 @@ fn strokes() -> Vec<Twin> {
             within_range(&mut words[..1], -4096.0, 4096.0);
             words[1] = words[1] % 4096 + 1;
         }),
-        twin!(mix_of, mix, PictureStrokes, |a: f32, b: f32, share: f32| {
-            mix(a, b, share)
-        }),
-        twin!(ramp_of, ramp_of, Strokes, |word: u32| ramp_of(word)),
+        twin!(
+            mix_of,
+            mix,
+            PICTURE_STROKES,
+            |a: f32, b: f32, share: f32| { mix(a, b, share) }
+        ),
+        twin!(ramp_of, ramp_of, STROKES, |word: u32| ramp_of(word)),
         twin!(
             ramp_between,
             ramp_between,
-            Strokes,
+            STROKES,
             |word: u32, across: f32| { ramp_between(word, across) }
         ),
-        twin!(is_joined, is_joined, Strokes, |a: [f32; 2], b: [f32; 2]| {
+        twin!(is_joined, is_joined, STROKES, |a: [f32; 2], b: [f32; 2]| {
             is_joined(a, b)
         }),
         twin!(
             slope,
             slope,
-            Strokes,
+            STROKES,
             |here: [f32; 2], beside: [Option<[f32; 2]>; 2]| { slope(here, beside) }
         ),
         twin!(
             jacobian,
             jacobian,
-            Strokes,
+            STROKES,
             |here: [f32; 2], beside: [Option<[f32; 2]>; 2], over: [Option<[f32; 2]>; 2]| {
                 jacobian(here, beside, over)
             }
@@ -484,16 +490,16 @@ fn strokes() -> Vec<Twin> {
         twin!(
             in_texture,
             in_texture,
-            Strokes,
+            STROKES,
             |by: [[f32; 2]; 2], t: [f32; 2]| in_texture(&by, t)
         ),
-        twin!(is_one_depth, is_one_depth, Strokes, |a: f32, b: f32| {
+        twin!(is_one_depth, is_one_depth, STROKES, |a: f32, b: f32| {
             is_one_depth(a, b)
         }),
         twin!(
             is_one_motion,
             is_one_motion,
-            Strokes,
+            STROKES,
             |a: [f32; 2], b: [f32; 2]| { is_one_motion(a, b) }
         ),
     ]

@@ -14,64 +14,64 @@ fn elementary() -> Vec<Twin> {
         twin!(
             polynomial_exp,
             fast_math::polynomial::<5>,
-            Relight,
+            RELIGHT,
             |x: f32| polynomial(x, EXP)
         ),
         twin!(
             polynomial_ln,
             fast_math::polynomial::<8>,
-            Relight,
+            RELIGHT,
             |x: f32| polynomial(x, LN)
         ),
         twin!(
             polynomial_atan,
             fast_math::polynomial::<5>,
-            Relight,
+            RELIGHT,
             |x: f32| polynomial(x, ATAN)
         ),
         twin!(
             polynomial_tan,
             fast_math::polynomial::<7>,
-            Relight,
+            RELIGHT,
             |x: f32| polynomial(x, TAN)
         ),
-        twin!(power_of_two, power_of_two, Relight, |n: i32| power_of_two(
+        twin!(power_of_two, power_of_two, RELIGHT, |n: i32| power_of_two(
             n
         )),
-        twin!(is_finite, f32::is_finite, Relight, |x: f32| x.is_finite()),
-        twin!(is_nan, f32::is_nan, Relight, |x: f32| x.is_nan()),
-        twin!(copysign, f32::copysign, Relight, |size: f32, sign: f32| {
+        twin!(is_finite, f32::is_finite, RELIGHT, |x: f32| x.is_finite()),
+        twin!(is_nan, f32::is_nan, RELIGHT, |x: f32| x.is_nan()),
+        twin!(copysign, f32::copysign, RELIGHT, |size: f32, sign: f32| {
             size.copysign(sign)
         }),
-        twin!(split_exp, split_exp, Relight, |x: f32| split_exp(x))
+        twin!(split_exp, split_exp, RELIGHT, |x: f32| split_exp(x))
             .on(|words| within_range(words, -104.0, 89.0)),
-        twin!(exp_of, fast_math::exp, Relight, |x: f32| fast_math::exp(x)).on(no_nan),
+        twin!(exp_of, fast_math::exp, RELIGHT, |x: f32| fast_math::exp(x)).on(no_nan),
         // WGSL's is for positive, finite and normal numbers.
-        twin!(ln, fast_math::ln, Relight, |x: f32| fast_math::ln(x))
+        twin!(ln, fast_math::ln, RELIGHT, |x: f32| fast_math::ln(x))
             .on(|words| within_range(words, f32::MIN_POSITIVE, f32::MAX)),
-        twin!(tanh_of, fast_math::tanh, Relight, |x: f32| fast_math::tanh(
+        twin!(tanh_of, fast_math::tanh, RELIGHT, |x: f32| fast_math::tanh(
             x
         ))
         .on(no_nan),
-        twin!(atan_of, fast_math::atan, Relight, |x: f32| fast_math::atan(
+        twin!(atan_of, fast_math::atan, RELIGHT, |x: f32| fast_math::atan(
             x
         )),
-        twin!(atan2_of, fast_math::atan2, Relight, |y: f32, x: f32| {
+        twin!(atan2_of, fast_math::atan2, RELIGHT, |y: f32, x: f32| {
             fast_math::atan2(y, x)
         }),
         twin!(
             tan_to_eighth_turn,
             fast_math::tan_to_eighth_turn,
-            Relight,
+            RELIGHT,
             |x: f32| { fast_math::tan_to_eighth_turn(x) }
         ),
         // The library's is within an ulp; this one rounds a ratio, a square, a root and a product.
-        twin!(hypot, f32::hypot, Curvatures, |a: f32, b: f32| a.hypot(b))
+        twin!(hypot, f32::hypot, CURVATURES, |a: f32, b: f32| a.hypot(b))
             .on(bounded)
             .within(Tolerance::Ulps(3)),
-        twin!(key_of, key_of, Count, |value: f32| key_of(value))
+        twin!(key_of, key_of, COUNT, |value: f32| key_of(value))
             .on(|words| within_range(words, f32::MIN, f32::MAX)),
-        twin!(value_of, value_of, Narrow, |key: u32| value_of(key)),
+        twin!(value_of, value_of, NARROW, |key: u32| value_of(key)),
     ]
 }
 
@@ -80,19 +80,19 @@ fn edges() -> Vec<Twin> {
         twin!(
             soft_threshold_weight,
             SoftThreshold::weight,
-            Edges,
+            EDGES,
             |value: f32, lo: f32, hi: f32| { SoftThreshold { lo, hi }.weight(value) }
         ),
-        twin!(sobel, sobel, Edges, |rows: [[f32; 3]; 3]| sobel(rows)),
+        twin!(sobel, sobel, EDGES, |rows: [[f32; 3]; 3]| sobel(rows)),
         twin!(
             jump_weight,
             jump_weight,
-            Edges,
+            EDGES,
             |rows: [[f32; 3]; 3], lo: f32, hi: f32| { jump_weight(rows, SoftThreshold { lo, hi }) }
         )
         .with(&["silhouette_lo", "silhouette_hi"]),
         // The CPU takes the library's atan2.
-        twin!(angle_within, angle_within, Edges, |length: f32| {
+        twin!(angle_within, angle_within, EDGES, |length: f32| {
             angle_within(length)
         })
         .on(no_nan)
@@ -102,7 +102,7 @@ fn edges() -> Vec<Twin> {
         twin!(
             crease_detector_weight,
             CreaseDetector::weight,
-            Edges,
+            EDGES,
             |normals: [[f32; 3]; 5],
              length: f32,
              there: [bool; 4],
@@ -128,7 +128,7 @@ fn edges() -> Vec<Twin> {
             within_range(&mut words[22..23], 0.0, 1.0);
         })
         .within(Tolerance::Absolute(2e-5)),
-        twin!(facing, facing, Edges, |n: [f32; 3], to_eye: [f32; 2]| {
+        twin!(facing, facing, EDGES, |n: [f32; 3], to_eye: [f32; 2]| {
             facing(n.into(), to_eye.into())
         }),
     ]
@@ -139,7 +139,7 @@ fn gradient() -> Vec<Twin> {
         twin!(
             depth_gradient,
             depth_gradient,
-            Edges,
+            EDGES,
             |n: [f32; 3], to_eye: [f32; 2], min_nz: f32, foreshortening: f32| {
                 let params = ShapeParams {
                     min_nz,
@@ -158,13 +158,13 @@ fn gradient() -> Vec<Twin> {
         twin!(
             face_conductance,
             face_conductance,
-            Faces,
+            FACES,
             |a: f32, b: f32| face_conductance(a, b)
         ),
         twin!(
             flux,
             flux,
-            Sweep,
+            SWEEP,
             |g: [f32; 2], sides: [[f32; 2]; 4], joined: [f32; 4]| {
                 [0, 1].map(|k| flux(g[k], sides.map(|side| side[k]), joined))
             }
@@ -172,7 +172,7 @@ fn gradient() -> Vec<Twin> {
         twin!(
             updated,
             Update::updated,
-            Sweep,
+            SWEEP,
             |g: [f32; 2],
              lg: [f32; 2],
              earlier: [f32; 2],
@@ -209,16 +209,16 @@ fn conductances(words: &mut [u32]) {
 
 fn curvature() -> Vec<Twin> {
     vec![
-        twin!(in_the_open, in_the_open, Hessian, |rows: [Row; 3]| {
+        twin!(in_the_open, in_the_open, HESSIAN, |rows: [Row; 3]| {
             let [gx, gy, _] = planes(rows);
             in_the_open(gx, gy)
         }),
-        twin!(plane_fit, plane_fit, Hessian, |rows: [Row; 3]| {
+        twin!(plane_fit, plane_fit, HESSIAN, |rows: [Row; 3]| {
             let [gx, gy, open] = planes(rows);
             plane_fit(gx, gy, open)
         })
         .on(conductances),
-        twin!(fitted, fitted, Hessian, |rows: [Row; 3]| {
+        twin!(fitted, fitted, HESSIAN, |rows: [Row; 3]| {
             let [gx, gy, open] = planes(rows);
             fitted(gx, gy, open)
         })
@@ -227,7 +227,7 @@ fn curvature() -> Vec<Twin> {
         twin!(
             principal_curvatures,
             principal_curvatures,
-            Curvatures,
+            CURVATURES,
             |h: [f32; 3]| { principal_curvatures(h) }
         )
         .on(|words| coarse(words, 100.0))
@@ -236,7 +236,7 @@ fn curvature() -> Vec<Twin> {
         twin!(
             principal_direction,
             principal_direction,
-            Curvatures,
+            CURVATURES,
             |h: [f32; 3]| { principal_direction(h) }
         )
         .on(|words| coarse(words, 100.0))
@@ -244,14 +244,14 @@ fn curvature() -> Vec<Twin> {
         twin!(
             mapped_curvature,
             mapped_curvature,
-            Relight,
+            RELIGHT,
             |trace: f32, gain: f32| { mapped_curvature(trace, gain) }
         )
         .on(bounded),
         twin!(
             mapped_curvature_toward,
             mapped_curvature_toward,
-            Relight,
+            RELIGHT,
             |h: [f32; 3], l: [f32; 2], gain: f32, anisotropy: f32| {
                 mapped_curvature_toward(h, l, gain, anisotropy)
             }

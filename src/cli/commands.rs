@@ -1,0 +1,244 @@
+//! The commands and what they take. Flags of parameters come from their table.
+
+use super::args::{BackendArg, WorkArgs};
+use super::flags::{Flags, Section};
+use super::light_layers::LightLayerFlags;
+use super::line_args::HatchArgs;
+use super::motion::MotionArg;
+use super::relight_args::RelightArgs;
+use super::role_args::RoleArgs;
+use super::sequence::FramesArg;
+use super::threads::MOST_THREADS;
+use crate::params::Group;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Brings out the shape of surfaces in pictures, from their normals and depth.
+#[derive(Debug, Parser)]
+#[command(
+    name = "relievo",
+    version,
+    arg_required_else_help = true,
+    args_override_self = true
+)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Say what is in files: which layer plays which role, in which space, and why.
+    #[command(after_help = INSPECT_EXAMPLES)]
+    Inspect(InspectArgs),
+    /// Write the shape descriptor: layers to an EXR, or the coloured curvature display to a picture.
+    #[command(after_help = SHAPE_EXAMPLES)]
+    Shape(WorkArgs),
+    /// Bring out the shape in the shading that a picture already has.
+    #[command(after_help = ENHANCE_EXAMPLES)]
+    Enhance(EnhanceArgs),
+    /// Light the surface anew: lights, an environment or a lit sphere, bent and scaled by curvature.
+    #[command(after_help = RELIGHT_EXAMPLES)]
+    Relight(Box<RelightArgs>),
+    /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.
+    #[command(after_help = HATCH_EXAMPLES)]
+    Hatch(Box<HatchArgs>),
+    /// Run a recipe: a command with its settings, as --save-recipe writes one from any command line.
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(RecipeArgs),
+    /// Print the JSON schema of recipes.
+    Schema,
+    /// Open a window in which a look is tuned and saved as a recipe.
+    #[command(after_help = VIEW_EXAMPLES)]
+    View(ViewArgs),
+    /// Measure error against run time, on this frame and on exact scenes: table, JSON, plots.
+    #[command(after_help = REPORT_EXAMPLES)]
+    Report(ReportArgs),
+}
+
+const INSPECT_EXAMPLES: &str = "\
+Examples:
+  relievo inspect render.exr
+  relievo inspect --json shot.*.exr
+  relievo inspect photo.jpg --normal normals.png";
+
+const SHAPE_EXAMPLES: &str = "\
+Examples:
+  relievo shape render.exr -o curvature.png          a look at what is found
+  relievo shape render.exr -o layers.exr             all layers beside those of the render
+  relievo shape render.exr -o fine.png --iterations 0
+  relievo shape render.exr -o scales.exr --scale 2,8,32
+  relievo shape render.exr -o face.png --scale 8 --importance painted.png";
+
+const ENHANCE_EXAMPLES: &str = "\
+Examples:
+  relievo enhance render.exr -o enhanced.png
+  relievo enhance render.exr -o enhanced.exr --scaling 1.5 --iterations 50
+  relievo enhance passes.exr -o enhanced.exr --scaling-diffuse 2 --scaling-specular 0.5
+  relievo enhance passes.exr -o enhanced.exr --light-group key=135,40 --light-group fill=10,20
+  relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg
+  relievo enhance shot.####.exr --frames 101-340 -o out/shot.####.exr --skip-existing";
+
+const RELIGHT_EXAMPLES: &str = "\
+Examples:
+  relievo relight photo.jpg --normal normals.png --light 75,10 --method warp -o raking.png
+  relievo relight render.exr --light 135,40 --material phong --method scale -o lit.png
+  relievo relight render.exr --environment sky.hdr --environment-rotate 90 -o outdoors.exr
+  relievo relight render.exr --lit-sphere clay.png -o clay.png
+  relievo relight render.exr --environment sky.hdr --material toon --contrast -0.5 -o cartoon.png
+  relievo relight render.exr --specular-mask Mirror --surroundings around.exr --material mirror -o lit.png";
+
+const HATCH_EXAMPLES: &str = "\
+Examples:
+  relievo hatch render.exr -o drawing.png
+  relievo hatch render.exr -o pencil.png --style pencil --directions both
+  relievo hatch render.exr --light 135,30 --method warp -o raking.png
+  relievo hatch photo.jpg --normal normals.png -o print.png --stroke-scale 0.3mm --dpi 600
+  relievo hatch render.exr -o plotter.svg --pressure 0    lines of one pen
+  relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png
+  relievo hatch render.exr --specular-mask Mirror --surroundings around.exr -o mirror.png
+  relievo hatch render.exr --specular-mask Lens --back back.exr --behind without.exr -o lens.png";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  relievo enhance shot.0101.exr --scaling 1.5 --save-recipe look.toml         write one
+  relievo run look.toml shot.0101.exr -o shot.png
+  relievo run look.toml shot.0101.exr -o shot.png --scaling 2                 but for one setting
+  relievo run look.toml shot.####.exr --frames 101-340 -o out/shot.####.exr";
+
+const REPORT_EXAMPLES: &str = "\
+Examples:
+  relievo report render.exr -o report               report/report.md, report.json and plots
+  relievo report render.exr -o report --scale 8     about this scale before others
+  relievo report render.exr -o report --quick       a few seconds, fewer settings
+  relievo report shot.####.exr --frames 1-12 -o report        drawings of a sequence too";
+
+const VIEW_EXAMPLES: &str = "\
+Examples:
+  relievo view render.exr                        turn the light; save a recipe
+  relievo view render.exr --recipe look.toml     go on from one
+  relievo view photo.jpg --normal normals.png --normal-flip y
+  relievo view shot.####.exr                     all frames that are there";
+
+#[derive(Debug, Args)]
+pub(super) struct InspectArgs {
+    /// Files to look into.
+    #[arg(required = true, value_name = "FILE")]
+    pub(super) files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    /// Scaling magnitude that is planned: warn where it is too much.
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    pub(super) scaling: Option<f32>,
+    /// Invariant point that is planned with it.
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    pub(super) invariant_point: Option<f32>,
+    /// Print one JSON array instead of text.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RecipeArgs {
+    /// The recipe, a TOML file.
+    #[arg(value_name = "RECIPE")]
+    pub(super) recipe: PathBuf,
+    /// IN, -o OUT and other arguments of the recipe's command; they go before its settings.
+    #[arg(
+        value_name = "ARGUMENT",
+        trailing_var_arg = true,
+        allow_hyphen_values = true
+    )]
+    pub(super) rest: Vec<OsString>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ViewArgs {
+    /// The render or photo; it can be opened in the window too.
+    #[arg(value_name = "IN")]
+    pub(super) input: Option<PathBuf>,
+    /// Recipe to begin with.
+    #[arg(long, value_name = "FILE.toml", help_heading = "Run")]
+    pub(super) recipe: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    #[command(flatten)]
+    pub(super) frames: FramesArg,
+    /// What computes: auto takes a GPU where there is one, in a build that can, and the CPU for what it has no kernels for.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
+    pub(super) backend: BackendArg,
+    /// Threads; all cores where not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
+    pub(super) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct EnhanceArgs {
+    #[command(flatten)]
+    pub(super) work: WorkArgs,
+    #[command(flatten)]
+    _lobes: Section<{ Group::LightLayers as u8 }>,
+    #[command(flatten)]
+    pub(super) light: LightLayerFlags,
+    #[command(flatten)]
+    _scaling: Section<{ Group::Scaling as u8 }>,
+    #[command(flatten)]
+    _white_levels: Section<{ Group::WhiteLevels as u8 }>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ReportArgs {
+    /// The render or photo.
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    #[command(flatten)]
+    pub(super) roles: RoleArgs,
+    #[command(flatten)]
+    pub(super) flags: Flags,
+    #[command(flatten)]
+    _shape: Section<{ Group::Shape as u8 }>,
+    #[command(flatten)]
+    pub(super) frames: FramesArg,
+    #[command(flatten)]
+    pub(super) motion: MotionArg,
+    /// Directory for report.md, report.json and plots; made where there is none, older ones replaced.
+    #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
+    pub(super) output: PathBuf,
+    /// Fewer scales, smaller scenes, fewer runs.
+    #[arg(long, help_heading = "Run")]
+    pub(super) quick: bool,
+    /// What is measured: auto measures a GPU too where there is one, in a build that can; gpu one in software too.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
+    pub(super) backend: BackendArg,
+    /// Threads; all cores where not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
+    pub(super) threads: Option<u16>,
+    /// Say nothing but errors; the summary still goes to stdout.
+    #[arg(short, long, help_heading = "Run")]
+    pub(super) quiet: bool,
+}
+
+/// The clap command of that name; the whole program where there is none.
+pub(super) fn command_named(name: &str) -> clap::Command {
+    let cli = Cli::command();
+    cli.find_subcommand(name).cloned().unwrap_or(cli)
+}
+
+/// The argument that is written `--name`.
+pub(super) fn long<'a>(command: &'a clap::Command, name: &str) -> Option<&'a clap::Arg> {
+    command
+        .get_arguments()
+        .find(|arg| arg.get_long() == Some(name))
+}
+
+/// The ids of all arguments that were typed.
+pub(super) fn typed_ids(matches: &ArgMatches) -> impl Iterator<Item = &str> {
+    let ids = matches.ids().map(clap::Id::as_str);
+    ids.filter(|id| {
+        // Groups of flattened arguments have ids, and no values.
+        matches.try_get_raw(id).is_ok()
+            && matches.value_source(id) == Some(ValueSource::CommandLine)
+    })
+}

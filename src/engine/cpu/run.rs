@@ -1,0 +1,129 @@
+//! One frame on its way through the stages of a plan.
+
+use crate::engine::cpu::frame_cache::{FrameCache, Slot};
+use crate::engine::cpu::memory::Memory;
+use crate::engine::inputs::Inputs;
+use crate::engine::outcome::Outcome;
+use crate::engine::run::Watch;
+use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::light::prepared_environment::EnvironmentCache;
+use crate::line::canvas::Canvas;
+use crate::line::specular::map_directions::DirectionCache;
+use crate::line::tonal_art_map::cached::ArtMapCache;
+use crate::params::{Adaptive, RunOptions};
+use crate::plan::Plan;
+use std::time::Instant;
+
+/// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
+/// and it keeps what it made of the last environment and the last texture of strokes; all are faster. None of
+/// its options changes a bit of the outcome.
+#[derive(Debug, Default)]
+pub struct Runner {
+    pub(crate) options: RunOptions,
+    pub(crate) memory: Memory,
+    pub(crate) environment: EnvironmentCache,
+    pub(crate) art_map: ArtMapCache,
+    pub(crate) map_directions: DirectionCache,
+}
+
+/// What a stage works on: what is there, what earlier stages have made, and where its own results go.
+pub(crate) struct Run<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) frame: &'a Frame,
+    pub(crate) inputs: Inputs<'a>,
+    pub(crate) runner: &'a Runner,
+    pub(crate) watch: Watch<'a>,
+    /// What earlier runs of this frame have left, where any is kept.
+    pub(crate) kept: Option<&'a mut FrameCache>,
+    pub(crate) outcome: Outcome,
+    /// The gradient before diffusion.
+    pub(crate) undiffused: Option<Vector2Planes>,
+    /// The gradient at further scales.
+    pub(crate) more_gradients: Vec<Vector2Planes>,
+    /// The sum of curvatures that are products themselves.
+    pub(crate) trace: Option<Plane>,
+    pub(crate) canvas: Canvas,
+}
+
+impl<'a> Run<'a> {
+    pub(crate) fn new(
+        runner: &'a Runner,
+        plan: &'a Plan,
+        frame: &'a Frame,
+        inputs: Inputs<'a>,
+    ) -> Self {
+        Self {
+            plan,
+            frame,
+            inputs,
+            runner,
+            watch: Watch::default(),
+            kept: None,
+            outcome: Outcome::default(),
+            undiffused: None,
+            more_gradients: Vec::new(),
+            trace: None,
+            canvas: Canvas::default(),
+        }
+    }
+
+    pub(crate) fn timed<T>(&mut self, name: &'static str, pass: impl FnOnce() -> T) -> T {
+        let (passed, planned) = (self.outcome.timings.len(), self.plan.stages().len());
+        self.watch
+            .begins(name, passed as f32 / planned.max(1) as f32);
+        let start = Instant::now();
+        let result = pass();
+        self.outcome.timings.push((name, start.elapsed()));
+        result
+    }
+
+    /// What is kept, by `take`; else what `pass` makes.
+    pub(crate) fn taken_or<T>(
+        &mut self,
+        take: impl FnOnce(&mut FrameCache) -> Option<T>,
+        name: &'static str,
+        pass: impl FnOnce() -> T,
+    ) -> T {
+        match self.kept.as_deref_mut().and_then(take) {
+            Some(kept) => kept,
+            None => self.timed(name, pass),
+        }
+    }
+
+    /// What a slot keeps under this key, moved out of it; else what `pass` makes.
+    pub(crate) fn kept_or<T>(
+        &mut self,
+        key: &str,
+        slot: fn(&mut FrameCache) -> &mut Slot<T>,
+        name: &'static str,
+        pass: impl FnOnce() -> T,
+    ) -> T {
+        self.taken_or(|kept| slot(kept).take(key), name, pass)
+    }
+
+    /// A copy of what a slot keeps under this key; else what `pass` makes, which is then kept.
+    pub(crate) fn copied_or<T: Clone>(
+        &mut self,
+        key: &str,
+        slot: fn(&mut FrameCache) -> &mut Slot<T>,
+        name: &'static str,
+        pass: impl FnOnce() -> T,
+    ) -> T {
+        let made = self.taken_or(|kept| slot(kept).copied(key), name, pass);
+        if let Some(kept) = self.kept.as_deref_mut() {
+            slot(kept).put(made.clone());
+        }
+        made
+    }
+
+    /// The gain of the curvature mapping.
+    pub(crate) fn gain(&self) -> f32 {
+        match self.plan.scaling.curvature_gain {
+            Adaptive::Fixed(gain) => gain,
+            Adaptive::Auto => self
+                .outcome
+                .gain
+                .expect("the gain is chosen before it is used"),
+        }
+    }
+}

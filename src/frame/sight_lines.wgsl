@@ -1,0 +1,24 @@
+// Sight lines, and how tangents are seen along them.
+
+// The direction of the sight line at a place in pixels from the corner of the picture, y down, scaled to z = -1.
+fn line(place: vec2<f32>) -> vec3<f32> {
+    let first = vec2<f32>(params.line_x, params.line_y);
+    let step = vec2<f32>(params.line_x_step, params.line_y_step);
+    return vec3<f32>(first + step * (place - 0.5), -1.0);
+}
+
+// Cosine of the angle between a unit normal and a sight line, toward the eye.
+fn sight_lines_facing(line: vec3<f32>, normal: vec3<f32>) -> f32 {
+    return -dot(normal, line) / sqrt(dot(line, line));
+}
+
+// The unit direction in the picture, y up, of a unit tangent; 0 where it points at the eye.
+fn picture_direction(line: vec3<f32>, tangent: vec3<f32>) -> vec2<f32> {
+    // Moving along the sight line changes nothing: what is left of z is 0.
+    let across = tangent.xy + tangent.z * line.xy;
+    if !(dot(across, across) > MIN_SEEN * MIN_SEEN * dot(line, line)) {
+        return vec2<f32>(0.0);
+    }
+    let seen = across * vec2<f32>(1.0, params.pixel_shape);
+    return seen / sqrt(dot(seen, seen));
+}

@@ -1,0 +1,104 @@
+//! What of a picture is scaled, and by which magnitude: from the light layers there are.
+
+use crate::frame::LightLayers;
+use crate::params::ScalingParams;
+
+/// The light layers there are to scale.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LightAvailable {
+    /// Lobes of diffuse light.
+    pub diffuse: bool,
+    /// Whether some diffuse light from other surfaces has a layer of its own.
+    pub diffuse_indirect: bool,
+    /// Lobes of specular light.
+    pub specular: bool,
+    /// Light groups with directions.
+    pub groups: bool,
+    /// Ambient occlusion.
+    pub occlusion: bool,
+    /// Whether the picture is itself ambient occlusion.
+    pub picture_is_occlusion: bool,
+}
+
+impl LightAvailable {
+    /// No layers: the picture is all there is.
+    pub const NONE: Self = Self {
+        diffuse: false,
+        diffuse_indirect: false,
+        specular: false,
+        groups: false,
+        occlusion: false,
+        picture_is_occlusion: false,
+    };
+
+    /// What there is of `light`.
+    pub fn of(light: &LightLayers) -> Self {
+        let mut diffuse = light.lobes.iter().filter(|l| l.lobe.is_diffuse());
+        Self {
+            diffuse: diffuse.clone().next().is_some(),
+            diffuse_indirect: diffuse.any(|l| l.indirect.is_some()),
+            specular: light.lobes.iter().any(|l| !l.lobe.is_diffuse()),
+            groups: !light.groups.is_empty(),
+            occlusion: light.occlusion.is_some(),
+            picture_is_occlusion: light.picture_is_occlusion,
+        }
+    }
+}
+
+/// What radiance scaling is applied to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Subject {
+    /// The picture as a whole.
+    Picture,
+    /// Each lobe by itself.
+    Lobes,
+    /// Light groups by the directions of their lights.
+    Groups,
+}
+
+/// How a picture is enhanced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Enhancement {
+    pub(crate) subject: Subject,
+    /// The largest magnitude that any part of the subject is scaled by.
+    pub(crate) magnitude: f32,
+    /// The magnitude that ambient occlusion scales the result by.
+    pub(crate) occlusion: f32,
+}
+
+impl Enhancement {
+    pub(crate) fn new(light: LightAvailable, scaling: &ScalingParams) -> Self {
+        let magnitudes = scaling.magnitudes();
+        let subject = match light {
+            LightAvailable { groups: true, .. } => Subject::Groups,
+            LightAvailable { diffuse: true, .. } | LightAvailable { specular: true, .. } => {
+                Subject::Lobes
+            }
+            _ => Subject::Picture,
+        };
+        let of = |there: bool, magnitude: f32| if there { magnitude } else { 0.0 };
+        // Light from other surfaces is ambient light; where the file tells it, occlusion is in it.
+        let ambient_lobe = subject == Subject::Lobes
+            && light.diffuse_indirect
+            && scaling.scaling_ambient.is_some();
+        let magnitude = match subject {
+            Subject::Picture if light.picture_is_occlusion => magnitudes.ambient,
+            Subject::Picture => scaling.scaling,
+            Subject::Groups => magnitudes.diffuse,
+            Subject::Lobes => of(light.diffuse, magnitudes.diffuse)
+                .max(of(light.specular, magnitudes.specular))
+                .max(of(ambient_lobe, magnitudes.ambient)),
+        };
+        let by_occlusion = light.occlusion && !light.picture_is_occlusion && !ambient_lobe;
+        Self {
+            subject,
+            magnitude,
+            occlusion: of(by_occlusion, scaling.scaling_ambient.unwrap_or(0.0)),
+        }
+    }
+
+    /// Whether the picture stays as it is.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.magnitude == 0.0 && self.occlusion == 0.0
+    }
+}

@@ -1,0 +1,449 @@
+//! Radiance scaling of the light layers of a frame: what each term changes is summed, and the picture takes the sum.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::constants::WHITE;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::{Hessian, Shape, TermWhites};
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::surface::{Picture, WIDEST};
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::frame::{ColorPlanes, Frame};
+use crate::light::layers::terms::{LightTerm, light_terms};
+use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
+use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
+use crate::params::Adaptive;
+use crate::plan::Plan;
+use crate::product::Product;
+use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
+
+/// The light of a lobe.
+const LOBE_LIGHT: Wgsl = wgsl!("lobe_light.wgsl", [("MIN_ALBEDO", F32(MIN_ALBEDO))]);
+
+/// The scaling of a term of the light.
+const TERM_SCALING: Wgsl = wgsl!("term_scaling.wgsl");
+
+uniforms! {
+    /// Of the kernels that scale a term of the light.
+    TermParams {
+        width: u32,
+        height: u32,
+        /// Magnitude gamma, and the invariant point alpha.
+        magnitude: f32,
+        invariant_point: f32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        anisotropy: f32,
+        /// Directions of a light group.
+        light_count: u32,
+    }
+}
+
+bindings! {
+    LobeLuminanceBuffers { covered, direct, indirect, albedo, luminance }
+    LobeSigmaBuffers { covered, direct, indirect, albedo, trace, chosen, term_chosen, sigma }
+    GroupSigmaBuffers {
+        covered, normal_x, normal_y, normal_z, curvature_xx, curvature_xy, curvature_yy, chosen, to_light, sigma
+    }
+    AddChangeBuffers { sigma, direct, indirect, color, change, told }
+    ChangePictureBuffers { covered, change, told, red, green, blue }
+    OccludeBuffers { covered, trace, occlusion, chosen, red, green, blue }
+}
+
+/// The luminance of the light of a lobe.
+pub(crate) static LOBE_LUMINANCE: Kernel = Kernel::new::<TermParams, LobeLuminanceBuffers>(
+    "LobeLuminance",
+    &[INDEX, COVERAGE, LOBE_LIGHT, wgsl!("lobe_luminance.wgsl")],
+);
+
+/// How a lobe is scaled.
+pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffers>(
+    "LobeSigma",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        LOBE_LIGHT,
+        wgsl!("lobe_sigma.wgsl"),
+    ],
+);
+
+/// How a light group is scaled.
+pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuffers>(
+    "GroupSigma",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        MAPPED_CURVATURE_TOWARD,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        wgsl!("group_sigma.wgsl"),
+    ],
+);
+
+/// Adds what the scaling of a light changes.
+pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffers>(
+    "AddChange",
+    &[
+        INDEX,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        wgsl!("add_change.wgsl", [("MAX_RADIANCE", F32(MAX_RADIANCE))]),
+    ],
+);
+
+/// Makes the changes to a picture.
+pub(crate) static CHANGE_PICTURE: Kernel = Kernel::new::<SizeParams, ChangePictureBuffers>(
+    "ChangePicture",
+    &[INDEX, COVERAGE, wgsl!("change_picture.wgsl")],
+);
+
+/// Scales a picture by its ambient occlusion.
+pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
+    "Occlude",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        RADIANCE_SCALING,
+        TERM_SCALING,
+        wgsl!("occlude.wgsl"),
+    ],
+);
+
+/// The white levels of terms, of the numbers that were read of their buffers.
+pub(crate) fn levels_of(
+    whites: &TermWhites,
+    read: impl Iterator<Item = Vec<f32>>,
+) -> Vec<(&'static str, f32)> {
+    let pairs = whites.iter().zip(read);
+    pairs
+        .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
+        .collect()
+}
+
+/// What the terms so far change of the picture, and the light that they tell of.
+struct Changes {
+    change: wgpu::Buffer,
+    told: wgpu::Buffer,
+    is_empty: bool,
+}
+
+/// The layers of a term on the device, each as three planes one after the other.
+struct Layers {
+    direct: Option<wgpu::Buffer>,
+    indirect: Option<wgpu::Buffer>,
+    color: Option<wgpu::Buffer>,
+    albedo: Option<wgpu::Buffer>,
+}
+
+const WITH_CURVATURE: &str = "scaling takes curvature";
+
+/// Scales the picture by the lobes of its light.
+pub(crate) fn scale_lobes(run: &mut Run) {
+    run.change_picture(|run, shape, picture| {
+        run.made.term_whites = run.scale_lobes(run.plan, run.frame, shape, picture);
+    });
+}
+
+/// Scales the picture by light groups.
+pub(crate) fn scale_groups(run: &mut Run) {
+    run.change_picture(|run, shape, picture| run.scale_groups(run.plan, run.frame, shape, picture));
+}
+
+/// Scales the picture by ambient occlusion.
+pub(crate) fn scale_by_occlusion(run: &mut Run) {
+    run.change_picture(|run, shape, picture| {
+        run.scale_by_occlusion(run.plan, run.frame, shape, picture);
+    });
+}
+
+impl Run<'_> {
+    fn scale_lobes(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        shape: &Shape,
+        picture: &Picture,
+    ) -> TermWhites {
+        let hessian = shape.hessian.as_ref().expect(WITH_CURVATURE);
+        let mut changes = self.no_changes();
+        let sigma = self.take(self.surface.plane_bytes());
+        let mut whites = TermWhites::new();
+        for term in light_terms(&frame.light.lobes, &plan.scaling) {
+            let params = TermParams {
+                magnitude: term.magnitude,
+                ..self.term_params(plan, frame)
+            };
+            let layers = self.layers(&term);
+            let white = self.term_white(plan, &term, &layers, &params);
+            let [direct, indirect, albedo] = bound(
+                [&layers.direct, &layers.indirect, &layers.albedo],
+                &self.surface.covered,
+            );
+            self.recorder.over_pixels(
+                "light-lobes",
+                (&LOBE_SIGMA, &layers.lobe_switches()),
+                &params,
+                &LobeSigmaBuffers {
+                    covered: &self.surface.covered,
+                    direct,
+                    indirect,
+                    albedo,
+                    trace: &hessian.trace,
+                    chosen: &self.chosen,
+                    term_chosen: &white,
+                    sigma: &sigma,
+                },
+                self.surface.size,
+            );
+            self.add_changes("light-lobes", &mut changes, &sigma, &layers, &params);
+            whites.push((term.name, white));
+        }
+        self.change(picture, changes);
+        self.buffers.recycle([sigma]);
+        whites
+    }
+
+    fn scale_groups(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
+        let Hessian { trace, entries } = shape.hessian.as_ref().expect(WITH_CURVATURE);
+        let mut changes = self.no_changes();
+        let sigma = self.take(self.surface.plane_bytes());
+        let toward_light = plan.wants(Product::Hessian);
+        for group in &frame.light.groups {
+            let to_light: Vec<f32> = group.to_light.iter().flat_map(|l| l.to_array()).collect();
+            let params = TermParams {
+                magnitude: plan.scaling.magnitudes().diffuse,
+                light_count: group.to_light.len() as u32,
+                ..self.term_params(plan, frame)
+            };
+            let to_light = self.hold(&to_light);
+            let [x, y, z] = &self.surface.normal;
+            let [xx, xy, yy] = match entries {
+                Some(entries) => entries.each_ref(),
+                None => [trace; 3],
+            };
+            self.recorder.over_pixels(
+                "light-groups",
+                (&GROUP_SIGMA, &[("TOWARD_LIGHT", toward_light)]),
+                &params,
+                &GroupSigmaBuffers {
+                    covered: &self.surface.covered,
+                    normal_x: x,
+                    normal_y: y,
+                    normal_z: z,
+                    curvature_xx: xx,
+                    curvature_xy: xy,
+                    curvature_yy: yy,
+                    chosen: &self.chosen,
+                    to_light: &to_light,
+                    sigma: &sigma,
+                },
+                self.surface.size,
+            );
+            let layers = Layers {
+                direct: Some(self.hold_color(&group.light)),
+                indirect: None,
+                color: None,
+                albedo: None,
+            };
+            self.add_changes("light-groups", &mut changes, &sigma, &layers, &params);
+        }
+        self.change(picture, changes);
+        self.buffers.recycle([sigma]);
+    }
+
+    fn scale_by_occlusion(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
+        let hessian = shape.hessian.as_ref().expect(WITH_CURVATURE);
+        let occlusion = frame.light.occlusion.as_ref();
+        let occlusion = occlusion.expect("the plan has seen occlusion");
+        let occlusion = self.hold(occlusion.samples());
+        let params = TermParams {
+            magnitude: plan.scaling.magnitudes().ambient,
+            ..self.term_params(plan, frame)
+        };
+        let [red, green, blue] = picture;
+        self.recorder.over_pixels(
+            "ambient-occlusion",
+            (&OCCLUDE, &[]),
+            &params,
+            &OccludeBuffers {
+                covered: &self.surface.covered,
+                trace: &hessian.trace,
+                occlusion: &occlusion,
+                chosen: &self.chosen,
+                red,
+                green,
+                blue,
+            },
+            self.surface.size,
+        );
+    }
+
+    /// What all terms share.
+    fn term_params(&self, plan: &Plan, frame: &Frame) -> TermParams {
+        let [width, height] = self.surface.size;
+        let [weight_r, weight_g, weight_b] = frame.luminance_weights();
+        TermParams {
+            width,
+            height,
+            magnitude: 0.0,
+            invariant_point: plan.scaling.invariant_point,
+            weight_r,
+            weight_g,
+            weight_b,
+            anisotropy: plan.scaling.anisotropy,
+            light_count: 0,
+        }
+    }
+
+    /// Copies a colour to the device: its planes, one after the other.
+    fn hold_color(&mut self, color: &ColorPlanes) -> wgpu::Buffer {
+        let planes = [&color.r, &color.g, &color.b].map(|plane| plane.samples());
+        self.hold(&planes.concat())
+    }
+
+    fn layers(&mut self, term: &LightTerm) -> Layers {
+        let mut held = |color: Option<&ColorPlanes>| color.map(|color| self.hold_color(color));
+        Layers {
+            direct: held(term.direct),
+            indirect: held(term.indirect),
+            color: held(term.color),
+            albedo: held(term.albedo),
+        }
+    }
+
+    /// The white level of a term: as told, or chosen from its light.
+    fn term_white(
+        &mut self,
+        plan: &Plan,
+        term: &LightTerm,
+        layers: &Layers,
+        params: &TermParams,
+    ) -> wgpu::Buffer {
+        let told = plan.scaling.term_white_levels.of(term.name);
+        let mut chosen = [0.0; 2];
+        let known = match (told, plan.scaling.white_level) {
+            (Some(level), _) | (None, Adaptive::Fixed(level)) => Some(level),
+            (None, Adaptive::Auto) => None,
+        };
+        chosen[WHITE as usize] = known.unwrap_or(1.0);
+        let white = self.hold(&chosen);
+        if known.is_none() {
+            let luminance = self.take(self.surface.plane_bytes());
+            let [direct, indirect, albedo] = bound(
+                [&layers.direct, &layers.indirect, &layers.albedo],
+                &self.surface.covered,
+            );
+            let buffers = LobeLuminanceBuffers {
+                covered: &self.surface.covered,
+                direct,
+                indirect,
+                albedo,
+                luminance: &luminance,
+            };
+            self.recorder.over_pixels(
+                "auto-white",
+                (&LOBE_LUMINANCE, &layers.lobe_switches()),
+                params,
+                &buffers,
+                self.surface.size,
+            );
+            let search = Searching::new(self, Search::TermWhite);
+            search.choose(self, [&luminance; 3], &white);
+            self.buffers.recycle([luminance]);
+        }
+        white
+    }
+
+    fn no_changes(&self) -> Changes {
+        let [change, told] = [(); 2].map(|()| self.take(WIDEST * self.surface.plane_bytes()));
+        Changes {
+            change,
+            told,
+            is_empty: true,
+        }
+    }
+
+    /// Adds what `sigma` changes of a light.
+    fn add_changes(
+        &mut self,
+        stage: &'static str,
+        changes: &mut Changes,
+        sigma: &wgpu::Buffer,
+        layers: &Layers,
+        params: &TermParams,
+    ) {
+        let [direct, indirect, color] =
+            bound([&layers.direct, &layers.indirect, &layers.color], sigma);
+        let switches = [
+            ("HAS_DIRECT", layers.direct.is_some()),
+            ("HAS_INDIRECT", layers.indirect.is_some()),
+            ("HAS_COLOR", layers.color.is_some()),
+            ("IS_FIRST", changes.is_empty),
+        ];
+        self.recorder.over_pixels(
+            stage,
+            (&ADD_CHANGE, &switches),
+            params,
+            &AddChangeBuffers {
+                sigma,
+                direct,
+                indirect,
+                color,
+                change: &changes.change,
+                told: &changes.told,
+            },
+            self.surface.size,
+        );
+        changes.is_empty = false;
+    }
+
+    /// Makes the changes to a picture in place.
+    fn change(&mut self, picture: &Picture, changes: Changes) {
+        let [width, height] = self.surface.size;
+        let [red, green, blue] = picture;
+        if !changes.is_empty {
+            self.recorder.over_pixels(
+                "changes",
+                (&CHANGE_PICTURE, &[]),
+                &SizeParams { width, height },
+                &ChangePictureBuffers {
+                    covered: &self.surface.covered,
+                    change: &changes.change,
+                    told: &changes.told,
+                    red,
+                    green,
+                    blue,
+                },
+                [width, height],
+            );
+        }
+        self.buffers.recycle([changes.change, changes.told]);
+    }
+}
+
+impl Layers {
+    /// The switches of kernels that look at the light itself.
+    fn lobe_switches(&self) -> [(&'static str, bool); 3] {
+        [
+            ("HAS_DIRECT", self.direct.is_some()),
+            ("HAS_INDIRECT", self.indirect.is_some()),
+            ("HAS_ALBEDO", self.albedo.is_some()),
+        ]
+    }
+}
+
+/// What to bind for layers: `any` buffer for those that are absent, which no kernel reads.
+fn bound<'b>(
+    layers: [&'b Option<wgpu::Buffer>; 3],
+    any: &'b wgpu::Buffer,
+) -> [&'b wgpu::Buffer; 3] {
+    layers.map(|layer| layer.as_ref().unwrap_or(any))
+}

@@ -1,0 +1,148 @@
+//! Radiance scaling of the light that a file tells apart.
+
+use crate::engine::cpu::run::Run;
+use crate::frame::ColorPlanes;
+use crate::light::enhancement::Subject;
+use crate::light::layers::TermScaling;
+use crate::light::layers::cpu::{self, Curvature};
+use crate::light::layers::terms::light_terms;
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// Each lobe of the picture's light by itself.
+pub(crate) static LIGHT_LOBES: Stage = Stage {
+    takes: |_| vec![Product::Trace],
+    name: "light-lobes",
+    steps: &[Step {
+        name: "light-lobes",
+        gives: &[Product::Picture],
+        decide: decide_lobes,
+    }],
+    cpu: scale_lobes,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale_lobes,
+    ..Stage::DEFAULT
+};
+
+/// Light groups, by the directions of their lights.
+pub(crate) static LIGHT_GROUPS: Stage = Stage {
+    takes: |plan| match plan.scaling.anisotropy == 0.0 {
+        true => vec![Product::Trace],
+        false => vec![Product::Hessian],
+    },
+    name: "light-groups",
+    steps: &[Step {
+        name: "light-groups",
+        gives: &[Product::Picture],
+        decide: |plan| {
+            let why = |magnitude| format!("magnitude {magnitude}, by directions");
+            plan.scales(Subject::Groups, "no --light-group", why)
+        },
+    }],
+    cpu: scale_groups,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale_groups,
+    ..Stage::DEFAULT
+};
+
+/// The picture, enhanced or not, by its ambient occlusion.
+pub(crate) static AMBIENT_OCCLUSION: Stage = Stage {
+    takes: |_| vec![Product::Trace],
+    name: "ambient-occlusion",
+    steps: &[Step {
+        name: "ambient-occlusion",
+        gives: &[Product::Picture],
+        decide: decide_occlusion,
+    }],
+    cpu: scale_by_occlusion,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale_by_occlusion,
+    ..Stage::DEFAULT
+};
+
+fn decide_lobes(plan: &Plan) -> Verdict {
+    let light = plan.available.light;
+    let no_lobes = match light.diffuse || light.specular {
+        true => "light groups go before lobes",
+        false => "no lobes told apart, or one layer named",
+    };
+    let terms = match (plan.scaling.scaling_ambient, light.diffuse_indirect) {
+        (Some(ambient), true) => format!(", ambient {ambient}"),
+        _ => String::new(),
+    };
+    plan.scales(Subject::Lobes, no_lobes, |_| {
+        let magnitudes = plan.scaling.magnitudes();
+        format!(
+            "magnitude diffuse {}, specular {}{terms}",
+            magnitudes.diffuse, magnitudes.specular
+        )
+    })
+}
+
+fn decide_occlusion(plan: &Plan) -> Verdict {
+    let light = plan.available.light;
+    let why_not = match (plan.enhancement, plan.scaling.scaling_ambient) {
+        (None, _) => "no light is asked for",
+        (Some(own), _) if own.occlusion > 0.0 => {
+            return Verdict::runs(format!("magnitude {}", own.occlusion));
+        }
+        (_, None) => "no --scaling-ambient",
+        _ if light.picture_is_occlusion => "the picture is occlusion",
+        (_, Some(0.0)) => "--scaling-ambient 0",
+        _ if !light.occlusion => "no occlusion layer",
+        _ => "in the diffuse light from other surfaces, which is scaled by it",
+    };
+    plan.left_out(why_not)
+}
+
+fn scale_lobes(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let terms = light_terms(&frame.light.lobes, &plan.scaling);
+    let whites = run.outcome.term_white_levels.clone();
+    with_curvature(run, LIGHT_LOBES.name, |_, curvature| {
+        cpu::scale_lobes(&terms, &whites, frame, &plan.scaling, curvature, memory)
+    });
+}
+
+fn scale_groups(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    with_curvature(run, LIGHT_GROUPS.name, |_, curvature| {
+        cpu::scale_groups(frame, &plan.scaling, curvature, memory)
+    });
+}
+
+fn scale_by_occlusion(run: &mut Run) {
+    let (plan, frame) = (run.plan, run.frame);
+    let occlusion = frame.light.occlusion.as_ref();
+    let occlusion = occlusion.expect("the plan has seen occlusion");
+    let by = TermScaling {
+        magnitude: plan.scaling.magnitudes().ambient,
+        invariant_point: plan.scaling.invariant_point,
+        white: 1.0,
+        weights: frame.luminance_weights(),
+    };
+    with_curvature(run, AMBIENT_OCCLUSION.name, |made, curvature| {
+        let color = made.or_else(|| frame.color.clone());
+        let color = color.expect("radiance scaling needs a picture");
+        cpu::scale_by_occlusion(color, occlusion, &frame.mask, curvature, by)
+    });
+}
+
+/// Makes the picture anew of the one made so far, by curvature.
+fn with_curvature(
+    run: &mut Run,
+    name: &'static str,
+    pass: impl FnOnce(Option<ColorPlanes>, Curvature) -> ColorPlanes,
+) {
+    let (made, gain) = (run.outcome.color.take(), run.gain());
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let curvature = Curvature {
+        trace: shape.trace.as_ref().expect("scaling takes the trace"),
+        hessian: shape.hessian.as_ref(),
+        gain,
+    };
+    let color = run.timed(name, || pass(made, curvature));
+    run.outcome.color = Some(color);
+    run.outcome.shape = shape;
+}

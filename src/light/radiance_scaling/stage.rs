@@ -1,0 +1,80 @@
+//! Radiance scaling of the picture as a whole.
+
+use crate::engine::cpu::run::Run;
+use crate::light::enhancement::Subject;
+use crate::light::radiance_scaling::cpu::Scaler;
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// The picture, scaled by curvature ([RS] section 4.2).
+pub(crate) static RADIANCE_SCALING: Stage = Stage {
+    takes: |_| vec![Product::Trace, Product::Conductance],
+    name: "radiance-scaling",
+    steps: &[Step {
+        name: "radiance-scaling",
+        gives: &[Product::Picture],
+        decide,
+    }],
+    cpu: scale,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::scale,
+    ..Stage::DEFAULT
+};
+
+fn decide(plan: &Plan) -> Verdict {
+    let by_layers = match plan.enhancement.map(|enhancement| enhancement.subject) {
+        Some(Subject::Groups) => "light groups are scaled instead",
+        _ => "its lobes are scaled instead",
+    };
+    plan.scales(Subject::Picture, by_layers, |magnitude| {
+        format!("magnitude {magnitude}")
+    })
+}
+
+impl Plan {
+    /// The verdict on scaling this of the picture; `why_not` where it is another subject that is scaled.
+    pub(crate) fn scales(
+        &self,
+        subject: Subject,
+        why_not: &str,
+        why: impl FnOnce(f32) -> String,
+    ) -> Verdict {
+        match self.enhancement {
+            None => self.left_out("no light is asked for"),
+            Some(own) if own.subject != subject => self.left_out(why_not),
+            Some(own) if own.magnitude == 0.0 => self.left_out("a magnitude of 0"),
+            Some(own) => Verdict::runs(why(own.magnitude)),
+        }
+    }
+}
+
+/// How the radiance of the picture is scaled, by the white level and the gain that were chosen.
+pub(crate) fn scaler(run: &Run) -> Scaler {
+    let mut params = run.plan.scaling;
+    if run.frame.light.picture_is_occlusion {
+        params.scaling = params.magnitudes().ambient;
+    }
+    let white = run.outcome.white_level;
+    Scaler {
+        params,
+        gain: run.gain(),
+        white: white.expect("the white level is chosen before scaling"),
+        weights: run.frame.luminance_weights(),
+    }
+}
+
+fn scale(run: &mut Run) {
+    let (scaler, frame, memory) = (scaler(run), run.frame, &run.runner.memory);
+    let color = frame
+        .color
+        .as_ref()
+        .expect("radiance scaling needs a picture");
+    let trace = run.outcome.shape.trace.take();
+    let trace = trace.expect("scaling takes the trace");
+    let scaled = run.timed(RADIANCE_SCALING.name, || {
+        scaler.scale(color, &trace, &frame.mask, memory)
+    });
+    run.outcome.shape.trace = Some(trace);
+    run.outcome.color = Some(scaled);
+}

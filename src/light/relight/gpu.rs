@@ -1,0 +1,349 @@
+//! New light: every covered pixel by one kernel.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
+use crate::engine::gpu::surface::Picture;
+use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::wgsl;
+use crate::frame::{ColorPlanes, DepthKind, Frame};
+use crate::light::brdf::{AshikhminShirley, BASE_SCALE, GRAZING};
+use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
+use crate::light::light_warping;
+use crate::light::prepared_environment::Used;
+use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
+use crate::light::relight::gpu_lights::{Light, relighting};
+use crate::light::relight::rim::light_rims;
+use crate::light::relight::shade::SHORTEST_TANGENT;
+use crate::light::sum::terms::SHORTEST;
+use crate::light::sum::{Lobes, Power};
+use crate::params::{Material, Quantisation, Tangent};
+use crate::plan::{Albedo, Plan};
+use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
+
+uniforms! {
+    /// Of `relight.wgsl`.
+    LightParams {
+        width: u32,
+        height: u32,
+        /// Lights that stand for an environment, even directions it is looked up in, lights from one direction, and
+        /// lights at a point.
+        around_count: u32,
+        even_count: u32,
+        direction_count: u32,
+        point_count: u32,
+        /// Intensity that radiance of 1 has from each even direction.
+        even_share: f32,
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        to_eye_x: f32,
+        to_eye_x_step: f32,
+        to_eye_y: f32,
+        to_eye_y_step: f32,
+        /// Where parallel sight lines begin, likewise.
+        start_x: f32,
+        start_x_step: f32,
+        start_y: f32,
+        start_y_step: f32,
+        /// Whether depth counts along sight lines, and not along the view axis.
+        depth_along_ray: u32,
+        ambient: f32,
+        diffuse_gain: f32,
+        specular_gain: f32,
+        /// The power of the lobe, where it is whole, else 0; and where it is not.
+        whole_power: u32,
+        power: f32,
+        coat_along: f32,
+        coat_across: f32,
+        coat_normalisation: f32,
+        reflectance: f32,
+        /// The direction of the grain in the picture.
+        grain_x: f32,
+        grain_y: f32,
+        ior: f32,
+        is_thin: u32,
+        /// Strength of the warp, before the gain.
+        warp: f32,
+        contrast: f32,
+        invariant_point: f32,
+        anisotropy: f32,
+        ambient_magnitude: f32,
+        diffuse_magnitude: f32,
+        specular_magnitude: f32,
+        /// Weights of luminance.
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+        tone_levels: f32,
+        tone_softness: f32,
+        environment_gain: f32,
+        /// The factor of a map that was prefiltered by a highlight.
+        map_lobe: f32,
+        /// What is looked up: size, rotation in turns, the luminance that counts as intensity 1.
+        map_width: u32,
+        map_height: u32,
+        map_turn: f32,
+        map_largest: f32,
+        second_width: u32,
+        second_height: u32,
+        second_turn: f32,
+        second_largest: f32,
+        /// A NaN, which no kernel may spell.
+        nan_bits: u32,
+    }
+}
+
+bindings! {
+    RelightBuffers {
+        covered, normal_x, normal_y, normal_z, hessian_xx, hessian_xy, hessian_yy, chosen, occlusion, alpha, depth,
+        lights, texels, red, green, blue
+    }
+}
+
+/// New light on each pixel.
+pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
+    "Relight",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        MAPPED_CURVATURE_TOWARD,
+        RADIANCE_SCALING,
+        wgsl!(
+            "../light_warping.wgsl",
+            [
+                ("LARGEST_ENTRY", F32(light_warping::LARGEST)),
+                ("MAX_CONTRAST_EXPONENT", F32(light_warping::MAX_EXPONENT))
+            ]
+        ),
+        wgsl!("../sum/pixel.wgsl"),
+        wgsl!(
+            "../brdf.wgsl",
+            [("GRAZING", F32(GRAZING)), ("BASE_SCALE", F32(BASE_SCALE))]
+        ),
+        wgsl!(
+            "../sum/terms.wgsl",
+            [
+                ("MOST_BRIGHTENED", F32(light_warping::MOST_BRIGHTENED)),
+                ("SHORTEST", F32(SHORTEST))
+            ]
+        ),
+        wgsl!(
+            "../environment.wgsl",
+            [("RIM_PX", F32(RIM_PX)), ("LEAST_RADIUS", F32(LEAST_RADIUS))]
+        ),
+        wgsl!("../tones.wgsl"),
+        wgsl!(
+            "relight.wgsl",
+            [("SHORTEST_TANGENT", F32(SHORTEST_TANGENT))]
+        ),
+    ],
+);
+
+/// Lights the frame anew, over its albedo where that is not white.
+pub(crate) fn relight(run: &mut Run) {
+    let light = run.light.expect("new light has lights");
+    let (shape, albedo) = (run.made.shape.take(), run.made.picture.take());
+    let lit = run.relight(run.plan, run.frame, light, shape.as_ref(), albedo);
+    (run.made.shape, run.made.picture) = (shape, Some(lit));
+}
+
+impl Run<'_> {
+    /// Lights a frame whose albedo is in `albedo`, where it is not white: what the covered pixels then show.
+    pub(crate) fn relight(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        light: &Light,
+        shape: Option<&Shape>,
+        albedo: Option<Picture>,
+    ) -> Picture {
+        let relighting = relighting(plan);
+        let material = relighting.params.material;
+        let is = |kind: Material| material.material == kind;
+        let used = &light.around.ready.used;
+        let has_albedo = albedo.is_some();
+        let picture =
+            albedo.unwrap_or_else(|| [(); 3].map(|()| self.take(self.surface.plane_bytes())));
+        let hessian = shape.and_then(|shape| shape.hessian.as_ref());
+        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
+        let entries = match hessian.map(|hessian| (hessian, &hessian.entries)) {
+            Some((_, Some(entries))) => entries.each_ref(),
+            Some((hessian, None)) => [&hessian.trace; 3],
+            None => [&normal_x; 3],
+        };
+        let occlusion = frame.light.occlusion.as_ref();
+        let depth = frame.depth.as_ref().filter(|_| light.counts.points > 0);
+        let [occlusion, alpha, depth] = [occlusion, frame.alpha.as_ref(), depth]
+            .map(|plane| plane.map(|plane| self.hold(plane.samples())));
+        let tones = relighting.params.tones();
+        let switches = [
+            ("WARPS", relighting.warps),
+            ("HAS_JACOBIAN", relighting.has_jacobian()),
+            ("SCALES", relighting.scales),
+            ("PHONG", is(Material::Phong)),
+            ("BLINN_PHONG", is(Material::BlinnPhong)),
+            ("ASHIKHMIN_SHIRLEY", is(Material::AshikhminShirley)),
+            ("FAR_EYE", is_eye_far(frame)),
+            ("TOWARD_LIGHT", relighting.toward_light),
+            (
+                "HAS_HESSIAN",
+                hessian.is_some_and(|hessian| hessian.entries.is_some()),
+            ),
+            ("HAS_TRACE", hessian.is_some()),
+            ("HAS_OCCLUSION", occlusion.is_some()),
+            ("HAS_ALPHA", alpha.is_some()),
+            ("HAS_ALBEDO", has_albedo),
+            (
+                "ALBEDO_IS_COVERED",
+                matches!(relighting.albedo, Albedo::Layer | Albedo::Picture),
+            ),
+            ("PREFILTERED", matches!(used, Used::Prefiltered { .. })),
+            ("MIRRORED", matches!(used, Used::Mirrored(_))),
+            ("GLASS", is(Material::Glass)),
+            ("LIT_SPHERE", matches!(used, Used::LitSpheres(_))),
+            ("TWO_SPHERES", light.around.spheres.len() == 2),
+            ("HAS_CONTRAST", relighting.contrasts),
+            ("FEW_TONES", tones.is_some()),
+            ("TOON", is(Material::Toon)),
+        ];
+        let [red, green, blue] = &picture;
+        let params = light_params(plan, frame, light);
+        let [xx, xy, yy] = entries;
+        self.recorder.over_pixels(
+            "relight",
+            (&RELIGHT, &switches),
+            &params,
+            &RelightBuffers {
+                covered: &self.surface.covered,
+                normal_x: &normal_x,
+                normal_y: &normal_y,
+                normal_z: &normal_z,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+                chosen: &self.chosen,
+                occlusion: occlusion.as_ref().unwrap_or(&normal_x),
+                alpha: alpha.as_ref().unwrap_or(&normal_x),
+                depth: depth.as_ref().unwrap_or(&normal_x),
+                lights: &light.lights,
+                texels: &light.texels,
+                red,
+                green,
+                blue,
+            },
+            self.surface.size,
+        );
+        picture
+    }
+}
+
+/// Puts around the lit pixels what is not lit: the picture of the frame where it has one, else black; and the rims that
+/// are covered in part.
+pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
+    let mask = &frame.mask;
+    let picture = frame.color.as_ref();
+    let kept = picture.map(|picture| [&picture.r, &picture.g, &picture.b]);
+    let planes = [&mut color.r, &mut color.g, &mut color.b];
+    for (k, plane) in planes.into_iter().enumerate() {
+        for y in 0..mask.height() {
+            let row = plane.row_mut(y);
+            for gap in mask.gaps(y) {
+                match kept {
+                    Some(kept) => row[gap.clone()].copy_from_slice(&kept[k].row(y)[gap]),
+                    None => row[gap].fill(0.0),
+                }
+            }
+        }
+    }
+    if let Some(alpha) = &frame.alpha
+        && mask.count() < alpha.samples().len()
+    {
+        light_rims(color, alpha, mask);
+    }
+}
+
+fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
+    let relighting = relighting(plan);
+    let params = &relighting.params;
+    let (material, scaling) = (&params.material, &plan.scaling);
+    let magnitudes = scaling.magnitudes();
+    let weights = frame.luminance_weights();
+    let (whole_power, power) = match Lobes::of(material, is_eye_far(frame)) {
+        Some(
+            Lobes::Diffuse { power } | Lobes::Phong { power } | Lobes::BlinnPhong { power, .. },
+        ) => match power {
+            Power::Whole(whole) => (whole, 0.0),
+            Power::Any(any) => (0, any),
+        },
+        // A coat has exponents of its own; mirrors and glass are not summed over lights.
+        Some(Lobes::AshikhminShirley(_)) | None => (1, 0.0),
+    };
+    let coat = AshikhminShirley::new(material);
+    let grain = match material.tangent {
+        Tangent::Degrees(angle) => angle.to_radians(),
+        Tangent::Curvature => 0.0,
+    };
+    let tones = params.tones().unwrap_or(Quantisation {
+        levels: 1,
+        softness: 0.0,
+    });
+    let (to_eye, start) = (to_eye(frame), starts(frame));
+    let [map, second] = light.maps;
+    LightParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        around_count: light.counts.around,
+        even_count: light.counts.even,
+        direction_count: light.counts.directions,
+        point_count: light.counts.points,
+        even_share: light.around.looked_up().map_or(0.0, |(_, share)| share),
+        to_eye_x: to_eye.first[0],
+        to_eye_x_step: to_eye.step[0],
+        to_eye_y: to_eye.first[1],
+        to_eye_y_step: to_eye.step[1],
+        start_x: start.first[0],
+        start_x_step: start.step[0],
+        start_y: start.first[1],
+        start_y_step: start.step[1],
+        depth_along_ray: u32::from(frame.source.depth_kind == DepthKind::Ray),
+        ambient: material.ambient,
+        diffuse_gain: material.diffuse_gain,
+        specular_gain: material.specular(),
+        whole_power,
+        power,
+        coat_along: coat.coat[0],
+        coat_across: coat.coat[1],
+        coat_normalisation: coat.normalisation,
+        reflectance: coat.reflectance,
+        grain_x: grain.cos(),
+        grain_y: grain.sin(),
+        ior: material.ior,
+        is_thin: u32::from(material.thin),
+        warp: params.warping.warp,
+        contrast: params.warping.contrast,
+        invariant_point: scaling.invariant_point,
+        anisotropy: scaling.anisotropy,
+        ambient_magnitude: magnitudes.ambient,
+        diffuse_magnitude: magnitudes.diffuse,
+        specular_magnitude: magnitudes.specular,
+        weight_r: weights[0],
+        weight_g: weights[1],
+        weight_b: weights[2],
+        tone_levels: tones.levels as f32,
+        tone_softness: tones.softness,
+        environment_gain: light.around.gain().unwrap_or(1.0),
+        map_lobe: 2.0 / (material.shininess + 1.0),
+        map_width: map.size[0],
+        map_height: map.size[1],
+        map_turn: map.turn,
+        map_largest: map.largest,
+        second_width: second.size[0],
+        second_height: second.size[1],
+        second_turn: second.turn,
+        second_largest: second.largest,
+        nan_bits: f32::NAN.to_bits(),
+    }
+}

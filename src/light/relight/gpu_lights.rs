@@ -1,0 +1,264 @@
+//! New light on the device: lights, and what is looked up.
+
+use crate::engine::cpu::gpu_support::estimated_albedo;
+use crate::engine::gpu::device::Device;
+use crate::engine::gpu::surface::Upload;
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Frame};
+use crate::light::environment::Environment;
+use crate::light::light_warping::half_vector;
+use crate::light::lights::{DirectionalLight, Illumination, PointLight};
+use crate::light::prepared_environment::{
+    EnvironmentCache, Illuminants, Map, PreparedEnvironment, Used,
+};
+use crate::plan::{Albedo, Plan, Relighting};
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The light of a frame, and what is made of it once for all of its strips.
+pub(crate) struct Light<'a> {
+    pub(crate) around: Illuminants<'a>,
+    /// The albedo of the frame, where it was estimated.
+    estimate: Option<ColorPlanes>,
+    pub(crate) counts: Counts,
+    /// Vectors of the lights, in the order that `relight.wgsl` tells.
+    pub(crate) lights: wgpu::Buffer,
+    pub(crate) texels: wgpu::Buffer,
+    pub(crate) maps: [Placed; 2],
+    /// How long its parts took.
+    pub(crate) timings: Vec<(&'static str, Duration)>,
+}
+
+/// How many lights of each kind there are.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Counts {
+    pub(crate) around: u32,
+    pub(crate) even: u32,
+    pub(crate) directions: u32,
+    pub(crate) points: u32,
+}
+
+/// What is told of a map whose texels are on the device.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Placed {
+    pub(crate) size: [u32; 2],
+    /// Rotation, in turns.
+    pub(crate) turn: f32,
+    /// The luminance that counts as intensity 1.
+    pub(crate) largest: f32,
+}
+
+/// The maps of the environment of the last run, on the device.
+#[derive(Debug, Default)]
+struct MapCache(Mutex<Option<(Arc<PreparedEnvironment>, wgpu::Buffer)>>);
+
+impl MapCache {
+    fn of(&self, ready: &Arc<PreparedEnvironment>) -> Option<wgpu::Buffer> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (of, buffer) = kept.as_ref()?;
+        Arc::ptr_eq(of, ready).then(|| buffer.clone())
+    }
+
+    fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    fn keep(&self, ready: &Arc<PreparedEnvironment>, buffer: &wgpu::Buffer) {
+        let kept = Some((ready.clone(), buffer.clone()));
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = kept;
+    }
+}
+
+/// What is kept of the light of the last run.
+#[derive(Debug, Default)]
+pub(crate) struct LightCache {
+    environment: EnvironmentCache,
+    maps: MapCache,
+}
+
+impl LightCache {
+    /// Forgets what is on the device.
+    pub(crate) fn forget_maps(&self) {
+        self.maps.forget();
+    }
+
+    /// Makes light ready, and copies it to the device.
+    pub(crate) fn light<'a>(
+        &self,
+        device: &Device,
+        plan: &Plan,
+        frame: &Frame,
+        illumination: &'a Illumination,
+    ) -> Result<Light<'a>> {
+        let relighting = relighting(plan);
+        let mut timings = Vec::new();
+        let weights = frame.luminance_weights();
+        let around = Illuminants::new(
+            illumination,
+            relighting,
+            weights,
+            &self.environment,
+            |make| timed(&mut timings, "environment", make),
+        );
+        let estimate = (relighting.albedo == Albedo::Estimate)
+            .then(|| timed(&mut timings, "albedo-estimate", || estimated_albedo(frame)));
+        let (vectors, counts) = match relighting.sums {
+            true => vectors_of(illumination, &around),
+            false => Default::default(),
+        };
+        let (texels, maps) = self.texels(device, &around)?;
+        Ok(Light {
+            estimate,
+            counts,
+            lights: filled(device, &[&vectors])?,
+            texels,
+            maps,
+            around,
+            timings,
+        })
+    }
+
+    /// What is looked up, on the device.
+    fn texels(&self, device: &Device, around: &Illuminants) -> Result<(wgpu::Buffer, [Placed; 2])> {
+        let map = |map: &Map| Placed::of(&map.environment, map.largest);
+        let nothing = Placed::default();
+        let ready = &around.ready;
+        let (maps, texels): (_, [&[[f32; 4]]; 2]) = match &ready.used {
+            Used::Nothing | Used::Lights(_) => return Ok((filled(device, &[])?, [nothing; 2])),
+            Used::LitSpheres(largest) => {
+                let spheres = around.spheres;
+                let placed = |at: usize| match spheres.get(at) {
+                    Some(sphere) => Placed {
+                        size: sphere.size().map(|n| n as u32),
+                        turn: 0.0,
+                        largest: *largest,
+                    },
+                    None => nothing,
+                };
+                let texels = |at: usize| spheres.get(at).map_or(&[][..], |s| s.texels());
+                let texels = filled(device, &[texels(0), texels(1)])?;
+                return Ok((texels, [placed(0), placed(1)]));
+            }
+            Used::Lookups(_, environment) => (
+                [Placed::of(environment, 1.0), nothing],
+                [environment.texels(), &[]],
+            ),
+            Used::Prefiltered { diffuse, specular } => (
+                [map(diffuse), specular.as_ref().map_or(nothing, map)],
+                [
+                    diffuse.environment.texels(),
+                    specular.as_ref().map_or(&[], |s| s.environment.texels()),
+                ],
+            ),
+            Used::Mirrored(mirrored) => (
+                [map(mirrored), nothing],
+                [mirrored.environment.texels(), &[]],
+            ),
+        };
+        if let Some(kept) = self.maps.of(ready) {
+            return Ok((kept, maps));
+        }
+        let buffer = filled(device, &texels)?;
+        self.maps.keep(ready, &buffer);
+        Ok((buffer, maps))
+    }
+}
+
+impl Placed {
+    fn of(environment: &Environment, largest: f32) -> Self {
+        Self {
+            size: [environment.width(), environment.height()].map(|n| n as u32),
+            turn: environment.turn(),
+            largest,
+        }
+    }
+}
+
+impl Light<'_> {
+    /// The planes that hold the albedo of `frame`, which is the strip of these rows; `None` where it is white.
+    pub(crate) fn albedo(
+        &self,
+        upload: Upload,
+        plan: &Plan,
+        frame: &Frame,
+        rows: &Range<usize>,
+    ) -> Option<[wgpu::Buffer; 3]> {
+        let color = match relighting(plan).albedo {
+            Albedo::Layer => frame.albedo.as_ref(),
+            Albedo::Picture => frame.color.as_ref(),
+            Albedo::White => return None,
+            Albedo::Estimate => {
+                let whole = self.estimate.as_ref().expect("it was estimated");
+                return Some(upload.rows(whole, rows));
+            }
+        };
+        let color = color.expect("the plan found it in the frame");
+        Some([&color.r, &color.g, &color.b].map(|plane| upload.plane(plane)))
+    }
+}
+
+/// How a plan lights.
+pub(crate) fn relighting(plan: &Plan) -> &Relighting {
+    let relighting = plan.relighting.as_ref();
+    relighting.expect("the plan says how to light")
+}
+
+fn timed<T>(
+    timings: &mut Vec<(&'static str, Duration)>,
+    name: &'static str,
+    pass: impl FnOnce() -> T,
+) -> T {
+    let start = Instant::now();
+    let result = pass();
+    timings.push((name, start.elapsed()));
+    result
+}
+
+/// The vectors of all lights, in the order that `relight.wgsl` tells.
+fn vectors_of(illumination: &Illumination, around: &Illuminants) -> (Vec<[f32; 4]>, Counts) {
+    let [lights, even] = [around.lights().len(), around.even_directions().len()];
+    let counts = Counts {
+        around: lights as u32,
+        even: even as u32,
+        directions: illumination.directional.len() as u32,
+        points: illumination.points.len() as u32,
+    };
+    let mut vectors = Vec::new();
+    let wide = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+    let far = |light: &DirectionalLight| {
+        let direction = light.to_light.to_array();
+        [direction, half_vector(direction), light.intensity].map(wide)
+    };
+    let near = |light: &PointLight| [light.position.to_array(), light.intensity].map(wide);
+    vectors.extend(around.lights().iter().flat_map(far));
+    vectors.extend(around.even_directions().iter().map(|d| wide(d.to_array())));
+    vectors.extend(illumination.directional.iter().flat_map(far));
+    vectors.extend(illumination.points.iter().flat_map(near));
+    (vectors, counts)
+}
+
+/// A buffer of its own with these vectors, one after the other.
+fn filled(device: &Device, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer> {
+    let count: usize = parts.iter().map(|part| part.len()).sum();
+    let bytes = 16 * count.max(1) as u64;
+    if bytes > device.plane_bytes {
+        return Err(device.error(format_args!(
+            "takes {} bytes at a time, and what is around the surface has {bytes}",
+            device.plane_bytes
+        )));
+    }
+    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut at = 0;
+    for part in parts {
+        let bytes: &[u8] = bytemuck::cast_slice(part);
+        device.queue.write_buffer(&buffer, at, bytes);
+        at += bytes.len() as u64;
+    }
+    Ok(buffer)
+}

@@ -1,0 +1,311 @@
+//! What relighting takes: which lights are summed, what is looked up, what of shape that asks for.
+
+use crate::error::{Error, Result};
+use crate::light::albedo::AlbedoEstimate;
+use crate::light::lights::Illumination;
+use crate::params::{
+    AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
+};
+use crate::plan::available::Available;
+
+/// Which kinds of light there are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LightKinds {
+    /// Lights from one direction, area lights among them.
+    pub directional: bool,
+    /// Lights at a point.
+    pub points: bool,
+    /// An environment.
+    pub environment: bool,
+    /// Lit spheres: one, or one for convexities and one for concavities.
+    pub lit_spheres: u8,
+}
+
+impl LightKinds {
+    /// Those in some light.
+    pub fn in_light(light: &Illumination) -> Self {
+        Self {
+            directional: !light.directional.is_empty(),
+            points: !light.points.is_empty(),
+            environment: light.environment.is_some(),
+            lit_spheres: light.lit_spheres.len().min(2) as u8,
+        }
+    }
+}
+
+/// How an environment is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EnvironmentUse {
+    /// There is none, or nothing asks for it.
+    None,
+    /// As this many lights, where most of its light is.
+    Lights(u32),
+    /// Looked up in this many even directions.
+    Lookups(u32),
+    /// Prefiltered, looked up once per lobe.
+    Prefiltered,
+    /// Itself, in the mirrored or refracted direction.
+    Mirrored,
+}
+
+/// Where the albedo comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Albedo {
+    /// A layer or file.
+    Layer,
+    /// The picture, by the shading that fits it best.
+    Estimate,
+    /// The picture as it is.
+    Picture,
+    /// White.
+    White,
+}
+
+/// How a frame is lit anew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Relighting {
+    /// What was asked for. Mirrors, glass and lit spheres get no even light: what they show holds all light.
+    pub params: RelightParams,
+    /// Whether directions are warped: asked for, and not by 0.
+    pub warps: bool,
+    /// Whether reflected light is scaled: asked for, and not by 0.
+    pub scales: bool,
+    /// Whether concavities and convexities differ in contrast.
+    pub contrasts: bool,
+    /// Whether the mapping of curvature depends on the direction of light.
+    pub toward_light: bool,
+    /// Whether a grain follows the curvature.
+    pub grain: bool,
+    /// Whether single lights are summed.
+    pub sums: bool,
+    /// What the environment is used for.
+    pub environment: EnvironmentUse,
+    /// How many lit spheres.
+    pub lit_spheres: u8,
+    /// Whether mirrors and lenses show what is traced around them.
+    pub traced: bool,
+    /// Where the albedo comes from.
+    pub albedo: Albedo,
+    /// What the albedo is estimated by, where that was found in the whole picture of which the frame is a strip.
+    pub estimate: Option<AlbedoEstimate>,
+}
+
+impl Relighting {
+    /// The way to light a frame with `available` inputs by lights of these `kinds`.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for a number outside its range, no light at all, and lights or materials
+    /// that lack what they need.
+    pub(crate) fn new(
+        mut params: RelightParams,
+        scaling: &ScalingParams,
+        kinds: LightKinds,
+        available: Available,
+    ) -> Result<Self> {
+        params.validate()?;
+        refuse_what_lacks(&params, kinds, available)?;
+        if shows_all_light(params.material.material, kinds) {
+            params.material.ambient = 0.0;
+        }
+        let magnitudes = scaling.magnitudes();
+        let strongest = magnitudes
+            .ambient
+            .max(magnitudes.diffuse)
+            .max(magnitudes.specular);
+        let warps = params.method.warps() && params.warping.warp > 0.0;
+        let scales = params.method.scales() && strongest > 0.0;
+        let environment = match kinds.environment && kinds.lit_spheres == 0 {
+            true => environment_use(&params, warps, scales && scaling.anisotropy != 0.0)?,
+            false => EnvironmentUse::None,
+        };
+        let lights = kinds.directional || kinds.points;
+        let sampled = matches!(
+            environment,
+            EnvironmentUse::Lights(_) | EnvironmentUse::Lookups(_)
+        );
+        let reflects = !mirrors(params.material.material);
+        let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
+        let coat = params.material.coat;
+        Ok(Self {
+            params,
+            warps,
+            scales,
+            contrasts: warps && params.warping.contrast != 0.0,
+            toward_light: scales && sums && scaling.anisotropy != 0.0,
+            grain: sums
+                && params.material.material == Material::AshikhminShirley
+                && params.material.tangent == Tangent::Curvature
+                && coat[0] != coat[1],
+            sums,
+            environment,
+            lit_spheres: kinds.lit_spheres,
+            traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),
+            albedo: albedo(&params, kinds, available)?,
+            estimate: None,
+        })
+    }
+
+    /// Whether shape is asked for at all.
+    pub(crate) fn needs_shape(&self) -> bool {
+        self.warps || self.scales || self.grain || self.lit_spheres == 2
+    }
+
+    /// Whether the trace of the Hessian is not enough.
+    pub(crate) fn needs_hessian(&self) -> bool {
+        self.warps || self.toward_light
+    }
+
+    /// Whether curvature is mapped by a gain.
+    pub(crate) fn needs_gain(&self) -> bool {
+        self.warps || self.scales || self.lit_spheres == 2
+    }
+
+    /// Whether the Jacobian of the inverse warp is needed: for lights that were sampled before.
+    pub fn has_jacobian(&self) -> bool {
+        self.warps && self.sums && !matches!(self.environment, EnvironmentUse::Lookups(_))
+    }
+}
+
+fn bad(name: &'static str, found: &str, remedy: &str) -> Error {
+    Error::BadParameter {
+        name,
+        found: found.into(),
+        remedy: remedy.into(),
+    }
+}
+
+fn mirrors(material: Material) -> bool {
+    matches!(material, Material::Mirror | Material::Glass)
+}
+
+/// Whether what is looked up is the whole of what is shown.
+fn shows_all_light(material: Material, kinds: LightKinds) -> bool {
+    mirrors(material) || kinds.lit_spheres > 0
+}
+
+fn refuse_what_lacks(
+    params: &RelightParams,
+    kinds: LightKinds,
+    available: Available,
+) -> Result<()> {
+    let is_specular = mirrors(params.material.material);
+    let surrounded = kinds.environment || kinds.lit_spheres > 0 || available.specular.is_some();
+    if is_specular && !surrounded {
+        return Err(bad(
+            "--material",
+            "mirrors what is around it, and nothing is",
+            "give --environment FILE, --surroundings FILE or --behind FILE",
+        ));
+    }
+    if mirrors(params.material.material) && (kinds.directional || kinds.points) {
+        return Err(bad(
+            "--light",
+            "is no larger than a point: mirrors and glass do not show it",
+            "leave it out, or choose another --material",
+        ));
+    }
+    let traced = is_specular && available.specular.is_some();
+    let any =
+        traced || kinds.directional || kinds.points || kinds.environment || kinds.lit_spheres > 0;
+    if !any && params.material.ambient == 0.0 {
+        return Err(bad(
+            "--light",
+            "is missing: there is no light",
+            "give --light AZ,EL, --environment FILE or --lit-sphere FILE",
+        ));
+    }
+    if kinds.points && !available.positions {
+        return Err(bad(
+            "--point-light",
+            "needs to know where the surface is",
+            "give depth and a camera, or a --light AZ,EL far away",
+        ));
+    }
+    if kinds.lit_spheres > 0 && (kinds.directional || kinds.points || kinds.environment) {
+        return Err(bad(
+            "--lit-sphere",
+            "holds all light there is",
+            "leave out the other lights",
+        ));
+    }
+    Ok(())
+}
+
+/// The cheapest way that the material and the method allow, unless another was asked for.
+fn environment_use(
+    params: &RelightParams,
+    warps: bool,
+    toward_light: bool,
+) -> Result<EnvironmentUse> {
+    let material = params.material.material;
+    if mirrors(material) {
+        return Ok(EnvironmentUse::Mirrored);
+    }
+    let can_prefilter = matches!(
+        material,
+        Material::Lambert | Material::Toon | Material::Phong
+    ) && !toward_light;
+    if params.samples == Samples::Fixed(0) && !can_prefilter {
+        return Err(bad(
+            "--samples",
+            "0 looks prefiltered light up, which only lambert, toon and phong without --anisotropy can",
+            "give a number, or another --material",
+        ));
+    }
+    let by_lookups = warps && params.warp_by == WarpBy::Lookups;
+    Ok(match params.samples {
+        Samples::Fixed(0) => EnvironmentUse::Prefiltered,
+        Samples::Fixed(count) if by_lookups => EnvironmentUse::Lookups(count),
+        Samples::Fixed(count) => EnvironmentUse::Lights(count),
+        Samples::Auto if by_lookups && can_prefilter => EnvironmentUse::Prefiltered,
+        Samples::Auto if by_lookups => EnvironmentUse::Lookups(AUTO_SAMPLES),
+        Samples::Auto if can_prefilter && !warps => EnvironmentUse::Prefiltered,
+        Samples::Auto => EnvironmentUse::Lights(AUTO_SAMPLES),
+    })
+}
+
+fn albedo(params: &RelightParams, kinds: LightKinds, available: Available) -> Result<Albedo> {
+    let missing = |found| bad("--albedo-from", found, "give one, or --albedo-from white");
+    let own_color = shows_all_light(params.material.material, kinds);
+    match params.albedo {
+        AlbedoSource::White => Ok(Albedo::White),
+        AlbedoSource::Auto if available.albedo && !own_color => Ok(Albedo::Layer),
+        AlbedoSource::Auto if own_color || !available.color => Ok(Albedo::White),
+        AlbedoSource::Layer if available.albedo => Ok(Albedo::Layer),
+        AlbedoSource::Layer => Err(missing("names an albedo layer, and there is none")),
+        _ if !available.color => Err(missing("names the picture, and there is none")),
+        AlbedoSource::Picture => Ok(Albedo::Picture),
+        AlbedoSource::Auto | AlbedoSource::Estimate => Ok(Albedo::Estimate),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The even light that is left, of 0.1 asked for.
+    fn even_light(material: Material, kinds: LightKinds) -> f32 {
+        let mut params = RelightParams::default();
+        params.material.material = material;
+        params.material.ambient = 0.1;
+        let scaling = ScalingParams::default();
+        let made = Relighting::new(params, &scaling, kinds, Available::default()).unwrap();
+        made.params.material.ambient
+    }
+
+    #[test]
+    fn what_shows_all_light_gets_no_even_light() {
+        let around = LightKinds {
+            environment: true,
+            ..LightKinds::default()
+        };
+        let sphere = LightKinds {
+            lit_spheres: 1,
+            ..LightKinds::default()
+        };
+        assert_eq!(even_light(Material::Mirror, around), 0.0);
+        assert_eq!(even_light(Material::Glass, around), 0.0);
+        assert_eq!(even_light(Material::Lambert, sphere), 0.0);
+        assert_eq!(even_light(Material::Lambert, around), 0.1);
+    }
+}

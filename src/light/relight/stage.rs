@@ -1,0 +1,197 @@
+//! New light: one stage, since all of it is made in one sweep over the pixels.
+
+use crate::light::relight::relight;
+use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting};
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// Pixels that are covered in part take light from their neighbours.
+const RIM_REACH: usize = 1;
+
+/// New light.
+pub(crate) static RELIGHT: Stage = Stage {
+    // Even light alone is none of the steps.
+    also_runs: |plan| plan.relighting.is_some(),
+    takes: |plan| plan.relighting.as_ref().map_or_else(Vec::new, takes),
+    reach_px: |_| RIM_REACH,
+    name: "relight",
+    steps: &[
+        Step {
+            name: "albedo-estimate",
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, albedo_estimate),
+        },
+        Step {
+            name: "environment-lights",
+            gives: &[],
+            decide: |plan| in_new_light(plan, environment_lights),
+        },
+        Step {
+            name: "environment-prefilter",
+            gives: &[],
+            decide: |plan| in_new_light(plan, environment_prefilter),
+        },
+        Step {
+            name: "warping",
+            gives: &[],
+            decide: |plan| in_new_light(plan, warping),
+        },
+        Step {
+            name: "jacobian",
+            gives: &[],
+            decide: |plan| in_new_light(plan, jacobian),
+        },
+        Step {
+            name: "light-sum",
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, light_sum),
+        },
+        Step {
+            name: "light-lookups",
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, light_lookups),
+        },
+        Step {
+            name: "contrast",
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, contrast),
+        },
+        Step {
+            name: "tones",
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, tones),
+        },
+    ],
+    cpu: relight,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::relight,
+    gpu_lacks: |plan| plan.relighting.as_ref().and_then(gpu_lacks),
+    ..Stage::DEFAULT
+};
+
+/// What of the shape new light takes: of what is not altered by it, nothing.
+fn takes(relighting: &Relighting) -> Vec<Product> {
+    let curvature = match (relighting.needs_hessian(), relighting.needs_gain()) {
+        (true, _) => Some(Product::Hessian),
+        (false, true) => Some(Product::Trace),
+        (false, false) => None,
+    };
+    let grain = relighting.grain.then_some(Product::Direction);
+    curvature.into_iter().chain(grain).collect()
+}
+
+fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
+    match (relighting.traced, relighting.grain) {
+        (true, _) => Some("mirrors and lenses that show what is traced"),
+        (false, true) => Some("a grain along the curvature"),
+        (false, false) => None,
+    }
+}
+
+fn in_new_light(plan: &Plan, decide: fn(&Relighting) -> Verdict) -> Verdict {
+    match &plan.relighting {
+        Some(relighting) => decide(relighting),
+        None => Verdict::left_out("no new light is asked for"),
+    }
+}
+
+fn runs_if(runs: bool, why: impl Into<String>, why_not: &str) -> Verdict {
+    match runs {
+        true => Verdict::runs(why),
+        false => Verdict::left_out(why_not),
+    }
+}
+
+fn albedo_estimate(relighting: &Relighting) -> Verdict {
+    Verdict::left_out(match relighting.albedo {
+        Albedo::Estimate => return Verdict::runs("the picture over the shading that fits it best"),
+        Albedo::Layer => "a layer tells it",
+        Albedo::Picture => "the picture as it is",
+        Albedo::White => "white",
+    })
+}
+
+fn environment_lights(relighting: &Relighting) -> Verdict {
+    match relighting.environment {
+        EnvironmentUse::Lights(count) => Verdict::runs(format!("{count} lights, by median cut")),
+        EnvironmentUse::None => Verdict::left_out("no environment, or none that is asked for"),
+        _ => Verdict::left_out("the environment is looked up"),
+    }
+}
+
+fn environment_prefilter(relighting: &Relighting) -> Verdict {
+    match relighting.environment {
+        EnvironmentUse::Prefiltered => Verdict::runs("one look-up per lobe and pixel serves"),
+        EnvironmentUse::None => Verdict::left_out("lights have directions"),
+        _ => Verdict::left_out("sampled, or looked up as it is"),
+    }
+}
+
+fn warping(relighting: &Relighting) -> Verdict {
+    let why_not = match relighting.params.method.warps() {
+        true => "--warp 0 bends nothing",
+        false => "the method does not bend light",
+    };
+    let strength = relighting.params.warping.warp;
+    runs_if(relighting.warps, format!("strength {strength}"), why_not)
+}
+
+fn jacobian(relighting: &Relighting) -> Verdict {
+    let why_not = match relighting.warps {
+        true => "look-ups are warped (equation 1): no density changes",
+        false => "nothing is warped",
+    };
+    let why = "lights were sampled before they were warped (equation 2)";
+    runs_if(relighting.has_jacobian(), why, why_not)
+}
+
+fn light_sum(relighting: &Relighting) -> Verdict {
+    let scaled = match (relighting.scales, relighting.toward_light) {
+        (false, _) => "",
+        (true, false) => ", each scaled by curvature",
+        (true, true) => ", each scaled by the curvature toward it",
+    };
+    let summed = match relighting.environment {
+        EnvironmentUse::Lookups(count) => {
+            format!("{count} even directions, looked up at every pixel{scaled}")
+        }
+        _ => format!("light by light{scaled}"),
+    };
+    runs_if(relighting.sums, summed, "no light has to be summed")
+}
+
+fn light_lookups(relighting: &Relighting) -> Verdict {
+    let looked_up = matches!(
+        relighting.environment,
+        EnvironmentUse::Prefiltered | EnvironmentUse::Mirrored
+    );
+    let what = match (relighting.lit_spheres, relighting.environment) {
+        _ if relighting.traced => "what mirrored or refracted sight lines meet",
+        (0, EnvironmentUse::Mirrored) => "where mirrored or refracted sight lines lead",
+        (0, _) => "prefiltered light about the normal and the mirrored view",
+        (1, _) => "a lit sphere, by the normal",
+        _ => "two lit spheres, by the normal, mixed by curvature",
+    };
+    let runs = looked_up || relighting.lit_spheres > 0 || relighting.traced;
+    runs_if(runs, what, "nothing to look up")
+}
+
+fn contrast(relighting: &Relighting) -> Verdict {
+    let contrast = relighting.params.warping.contrast;
+    let why_not = match contrast == 0.0 {
+        true => "--contrast 0",
+        false => "it follows the warp, and there is none",
+    };
+    runs_if(relighting.contrasts, contrast.to_string(), why_not)
+}
+
+fn tones(relighting: &Relighting) -> Verdict {
+    match relighting.params.tones() {
+        Some(tones) => Verdict::runs(format!(
+            "{} levels, softness {}",
+            tones.levels, tones.softness
+        )),
+        None => Verdict::left_out("all tones are wanted"),
+    }
+}

@@ -1,0 +1,106 @@
+//! White levels: chosen from the whole picture, or given.
+
+use crate::engine::cpu::run::Run;
+use crate::light::enhancement::Subject;
+use crate::light::layers::cpu::white_levels;
+use crate::light::layers::terms::light_terms;
+use crate::params::{Adaptive, Magnitudes};
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::shape::auto_levels::cpu::white_level;
+
+/// The white level of the picture, or one for each term of its light.
+pub(crate) static AUTO_WHITE: Stage = Stage {
+    // A white level that is given is noted.
+    also_runs: |plan| matches!(plan.scaled(), Some(Subject::Picture | Subject::Lobes)),
+    // Which kinds of light are scaled at all, and by what.
+    depends_on: |plan| {
+        let scaling = &plan.scaling;
+        let Magnitudes {
+            ambient,
+            diffuse,
+            specular,
+        } = scaling.magnitudes();
+        let scaled = [ambient, diffuse, specular].map(|magnitude| magnitude > 0.0);
+        let has_ambient = scaling.scaling_ambient.is_some();
+        format!(
+            "{scaled:?} {has_ambient} {:?} {:?}",
+            scaling.white_level, scaling.term_white_levels
+        )
+    },
+    name: "auto-white",
+    steps: &[Step {
+        name: "auto-white",
+        gives: &[],
+        decide: decide_white,
+    }],
+    cpu: choose_white,
+    ..Stage::DEFAULT
+};
+
+/// What is scaled by white levels that are chosen from the picture, where any are.
+pub(crate) fn chosen_for(plan: &Plan) -> Option<Subject> {
+    let chosen = plan.scaling.white_level == Adaptive::Auto;
+    let of_light = |subject: &Subject| match subject {
+        Subject::Picture => !plan.available.light.picture_is_occlusion,
+        Subject::Lobes => true,
+        Subject::Groups => false,
+    };
+    plan.scaled().filter(|subject| chosen && of_light(subject))
+}
+
+fn decide_white(plan: &Plan) -> Verdict {
+    let Some(enhancement) = plan.enhancement else {
+        return plan.left_out("no light is asked for");
+    };
+    match enhancement.subject {
+        _ if chosen_for(plan).is_some() => Verdict::runs("--white-level auto"),
+        Subject::Groups => plan.left_out("intensity is the cosine to the light"),
+        Subject::Picture if plan.available.light.picture_is_occlusion => {
+            plan.left_out("1: the picture is occlusion")
+        }
+        _ => plan.left_out(format!("--white-level {}", plan.scaling.white_level)),
+    }
+}
+
+fn choose_white(run: &mut Run) {
+    match run.plan.scaled() {
+        Some(Subject::Lobes) => choose_term_whites(run),
+        _ => choose_picture_white(run),
+    }
+}
+
+pub(crate) fn choose_picture_white(run: &mut Run) {
+    let (plan, frame) = (run.plan, run.frame);
+    let white = match plan.scaling.white_level {
+        Adaptive::Fixed(level) => level,
+        // What arrives of ambient light is a share of 1.
+        Adaptive::Auto if frame.light.picture_is_occlusion => 1.0,
+        Adaptive::Auto => run.copied_or(
+            "",
+            |kept| &mut kept.white,
+            AUTO_WHITE.name,
+            || {
+                let color = frame
+                    .color
+                    .as_ref()
+                    .expect("radiance scaling needs a picture");
+                white_level(color, frame.luminance_weights(), &frame.mask)
+            },
+        ),
+    };
+    run.outcome.white_level = Some(white);
+}
+
+fn choose_term_whites(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let terms = light_terms(&frame.light.lobes, &plan.scaling);
+    let levels = || white_levels(&terms, frame, &plan.scaling, memory);
+    run.outcome.term_white_levels = match plan.scaling.white_level {
+        Adaptive::Auto => {
+            let key = plan.key(AUTO_WHITE.name);
+            run.copied_or(key, |kept| &mut kept.term_whites, AUTO_WHITE.name, levels)
+        }
+        Adaptive::Fixed(_) => levels(),
+    };
+}

@@ -1,0 +1,26 @@
+//! What the stages of a drawing hand on to one another.
+
+use crate::frame::{Plane, Vector2Planes};
+use crate::line::contours::Contour;
+use crate::line::specular::SeenThrough;
+use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::shape::edges::cpu::Weights;
+use std::sync::Arc;
+
+/// A drawing as far as it has come.
+#[derive(Default)]
+pub(crate) struct Canvas {
+    /// What is seen in mirrors and lenses, and its edges: lines stop there as they do at those of other things.
+    pub(crate) seen: Option<(SeenThrough, Weights)>,
+    /// The luminance of the tone, where no picture of it is kept.
+    pub(crate) luminance: Option<Plane>,
+    /// Lines along edges, and what they cover.
+    pub(crate) contours: Option<(Plane, Vec<Contour>)>,
+    /// The directions of strokes.
+    pub(crate) directions: Vec<Vector2Planes>,
+    /// Where the texture of strokes lies.
+    pub(crate) coordinates: Option<TextureCoordinates>,
+    /// The texture of strokes, where it is not given.
+    pub(crate) art_map: Option<Arc<TonalArtMap>>,
+}

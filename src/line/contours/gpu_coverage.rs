@@ -1,0 +1,175 @@
+//! What lines cover of every pixel: contours, and strokes that are lines.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::constants::GROUP;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::wgsl;
+use crate::frame::Frame;
+use crate::line::contours::coverage::Piece;
+use crate::line::contours::round_stroke::RoundStroke;
+use crate::line::paper;
+use crate::line::paper::spread_seed;
+
+uniforms! {
+    /// Of `line_coverage.wgsl`.
+    LineCoverageParams {
+        width: u32,
+        height: u32,
+        /// Coordinates of the first pixel.
+        x0: i32,
+        y0: i32,
+        /// How many rows of the picture come before.
+        top: u32,
+        /// Of the grain, where there is any.
+        seed_low: u32,
+        seed_high: u32,
+    }
+}
+
+bindings! {
+    LineCoverageBuffers { covered, tile_starts, tile_pieces, pieces, lines, covered_by_lines }
+}
+
+/// What lines cover of each pixel.
+pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, LineCoverageBuffers>(
+    "LineCoverage",
+    &[
+        INDEX,
+        COVERAGE,
+        wgsl!("round_stroke.wgsl"),
+        wgsl!(
+            "../paper.wgsl",
+            [
+                ("HASH_ROUNDS", U32(paper::HASH_ROUNDS)),
+                ("HASH_FACTOR_LOW", U32(paper::HASH_FACTOR as u32)),
+                ("HASH_FACTOR_HIGH", U32((paper::HASH_FACTOR >> 32) as u32)),
+                ("GRAIN_HERE", F32(paper::HERE)),
+                ("GRAIN_BESIDE", F32(paper::BESIDE)),
+                ("GRAIN_SPREAD", F32(paper::SPREAD)),
+                ("GRIP", F32(paper::GRIP)),
+                ("LIGHTEST_BLACK", F32(paper::LIGHTEST_BLACK))
+            ]
+        ),
+        wgsl!("line_coverage.wgsl"),
+    ],
+);
+
+/// The pieces of lines by the tiles that they reach, each of a workgroup.
+struct Tiles {
+    /// Where the pieces of each tile begin in `pieces`, and where the last end.
+    starts: Vec<u32>,
+    pieces: Vec<u32>,
+}
+
+impl Tiles {
+    /// The tiles of a picture of this size, or of a strip whose first row is `top`.
+    fn new(pieces: &[Piece], size: [u32; 2], top: usize) -> Self {
+        let size = [0, 1].map(|axis| size[axis].div_ceil(GROUP[axis]));
+        let reached = |piece: &RoundStroke| {
+            // Casts of what lies outside saturate.
+            let tiles = |axis: usize, [first, last]: [f32; 2]| {
+                let side = GROUP[axis] as f32;
+                let end = ((last / side).floor() + 1.0) as u32;
+                (first / side).floor() as u32..end.min(size[axis])
+            };
+            let columns = tiles(0, piece.across());
+            let rows = tiles(1, piece.rows().map(|y| y - top as f32));
+            rows.flat_map(move |row| columns.clone().map(move |column| row * size[0] + column))
+        };
+        let mut starts = vec![0; (size[0] * size[1] + 1) as usize];
+        for tile in pieces.iter().flat_map(|(_, piece)| reached(piece)) {
+            starts[tile as usize + 1] += 1;
+        }
+        for tile in 1..starts.len() {
+            starts[tile] += starts[tile - 1];
+        }
+        let mut next = starts.clone();
+        let mut by_tile = vec![0; starts[starts.len() - 1] as usize];
+        for (number, (_, piece)) in (0..).zip(pieces) {
+            for tile in reached(piece) {
+                let place = &mut next[tile as usize];
+                by_tile[*place as usize] = number;
+                *place += 1;
+            }
+        }
+        Self {
+            starts,
+            pieces: by_tile,
+        }
+    }
+}
+
+/// What lines are drawn in, and where.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Medium {
+    /// In ink that ends where the surface does.
+    InkWithin,
+    /// In ink, also outside the mask.
+    Ink,
+    /// In graphite, also outside the mask, on paper with a grain of this seed.
+    Graphite(u64),
+}
+
+impl Run<'_> {
+    /// What pieces of lines cover of every pixel. Those of one line are one where they meet; lines, each with its pieces
+    /// together, lie side by side. The first row of a strip is the row `top` of the picture that lines are told in.
+    pub(crate) fn covered_by_lines(
+        &mut self,
+        frame: &Frame,
+        top: usize,
+        pieces: &[Piece],
+        medium: Medium,
+    ) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let tiles = Tiles::new(pieces, [width, height], top);
+        let (mut lines, mut numbers): (Vec<u32>, Vec<[f32; 8]>) = pieces
+            .iter()
+            .map(|(line, piece)| (*line, piece.numbers()))
+            .unzip();
+        // A kernel is given one at the least, of which no tile knows.
+        lines.resize(pieces.len().max(1), 0);
+        numbers.resize(pieces.len().max(1), [0.0; 8]);
+        let starts = self.hold_bytes(bytemuck::cast_slice(&tiles.starts));
+        let by_tile = self.hold_bytes(bytemuck::cast_slice(&tiles.pieces));
+        let numbers = self.hold(numbers.as_flattened());
+        let lines = self.hold_bytes(bytemuck::cast_slice(&lines));
+        let covered = self.take(self.surface.plane_bytes());
+        let seed = match medium {
+            Medium::Graphite(seed) => spread_seed(seed),
+            Medium::InkWithin | Medium::Ink => 0,
+        };
+        let switches = [
+            ("IN_GRAPHITE", matches!(medium, Medium::Graphite(_))),
+            ("WITHIN", matches!(medium, Medium::InkWithin)),
+        ];
+        self.recorder.over_pixels(
+            match medium {
+                Medium::InkWithin => "hatching",
+                Medium::Ink | Medium::Graphite(_) => "contours",
+            },
+            (&LINE_COVERAGE, &switches),
+            &LineCoverageParams {
+                width,
+                height,
+                x0: frame.data_window.x0,
+                y0: frame.data_window.y0,
+                top: top as u32,
+                seed_low: seed as u32,
+                seed_high: (seed >> 32) as u32,
+            },
+            &LineCoverageBuffers {
+                covered: &self.surface.covered,
+                tile_starts: &starts,
+                tile_pieces: &by_tile,
+                pieces: &numbers,
+                lines: &lines,
+                covered_by_lines: &covered,
+            },
+            [width, height],
+        );
+        covered
+    }
+}

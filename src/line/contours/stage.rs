@@ -1,0 +1,109 @@
+//! Contours in a drawing.
+
+use crate::engine::cpu::run::Run;
+use crate::frame::Plane;
+use crate::line::contours::Contour;
+use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
+use crate::line::contours::cpu::{self, Weights};
+use crate::line::drawing::is_drawn;
+use crate::line::paper::{grain, graphite};
+use crate::params::{ContourParams, LineParams, Style};
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+use rayon::prelude::*;
+
+/// Lines along silhouettes and creases. They come first: strokes do not take the weights of edges.
+pub(crate) static CONTOURS: Stage = Stage {
+    takes: |_| vec![Product::Silhouette, Product::Crease],
+    depends_on: |plan| {
+        let params = plan.drawing.as_ref();
+        format!("{:?}", params.and_then(|params| scaled(plan, params)))
+    },
+    name: "contours",
+    steps: &[Step {
+        name: "contours",
+        gives: &[Product::Contours],
+        decide,
+    }],
+    cpu: draw,
+    ..Stage::DEFAULT
+};
+
+fn decide(plan: &Plan) -> Verdict {
+    is_drawn(plan, |params| match params.contours {
+        Some(contours) => Verdict::runs(format!(
+            "lines of {} px along silhouettes and creases",
+            contours.width_px
+        )),
+        None => Verdict::left_out("none are asked for"),
+    })
+}
+
+/// Contours are scaled with strokes.
+pub(crate) fn scaled(plan: &Plan, params: &LineParams) -> Option<ContourParams> {
+    let scale = params.strokes.factor(plan.resolution_factor as f32);
+    params.contours.map(|contours| contours.scaled(scale))
+}
+
+fn draw(run: &mut Run) {
+    let plan = run.plan;
+    let params = plan.drawing.as_ref().expect("contours are of a drawing");
+    let contours = scaled(plan, params).expect("contours are asked for");
+    let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
+    let kept = kept.and_then(|kept| kept.contours.copied(plan.key(CONTOURS.name)));
+    let (covered, lines) = kept.unwrap_or_else(|| follow_edges(run, &contours));
+    let covered = match params.strokes.style {
+        Style::Pencil => in_graphite(run, covered, params.strokes.seed),
+        Style::Pen | Style::Pictures | Style::Lines => covered,
+    };
+    run.canvas.contours = Some((covered, lines));
+    if run.canvas.luminance.is_some() {
+        // Of a large drawing nothing is held for long.
+        let shape = &mut run.outcome.shape;
+        let weights = [shape.silhouette.take(), shape.crease.take()];
+        run.runner.memory.recycle(weights.into_iter().flatten());
+    }
+}
+
+fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let canvas = std::mem::take(&mut run.canvas);
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let (drawn, [silhouette, crease]) = match &canvas.seen {
+        Some((seen, edges)) => (&seen.frame, [&edges.silhouette, &edges.crease]),
+        None => (frame, [&shape.silhouette, &shape.crease]),
+    };
+    let there = "contours are planned with their weights";
+    let weights = Weights {
+        silhouette: silhouette.as_ref().expect(there),
+        crease: crease.as_ref().expect(there),
+    };
+    let made = run.timed(CONTOURS.name, || {
+        let lines = cpu::contours(&weights, drawn, &plan.shape, params);
+        let pieces: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
+        let covered = coverage(&pieces, Overlap::Joined, &drawn.mask, memory);
+        (covered, lines)
+    });
+    (run.canvas, run.outcome.shape) = (canvas, shape);
+    let kept = run.kept.as_deref_mut();
+    if let Some(kept) = kept.filter(|_| plan.specular.is_none()) {
+        kept.contours.put(made.clone());
+    }
+    made
+}
+
+/// Lines as a pencil draws them on grained paper.
+fn in_graphite(run: &Run, mut covered: Plane, seed: u64) -> Plane {
+    let window = run.frame.data_window;
+    let width = covered.width();
+    let rows = covered.samples_mut().par_chunks_mut(width);
+    rows.enumerate().for_each(|(y, row)| {
+        let y = window.y0.wrapping_add(y as i32);
+        for (x, coverage) in row.iter_mut().enumerate().filter(|(_, c)| **c > 0.0) {
+            let x = window.x0.wrapping_add(x as i32);
+            *coverage = graphite(*coverage, grain(x, y, seed));
+        }
+    });
+    covered
+}

@@ -1,0 +1,203 @@
+//! The kernels of the field of stroke directions, and what they are given.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::sight::SIGHT_LINES;
+use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::line::direction::gpu::{DOUBLED, FALLBACK, OPEN_COUNT};
+use crate::line::direction_field::{AGREE, ROUND, setting};
+use crate::line::normal_rays::MIN_UPRIGHT;
+use crate::line::normal_rays::gpu::NORMAL_RAY;
+
+/// Cells of a run, along which chains of patches are summed up at a time.
+pub(crate) const RUN_CELLS: u32 = 16;
+
+/// The patches of cells.
+const PATCHES: Wgsl = wgsl!("patches.wgsl");
+
+/// Goes through runs.
+const RUNS: Wgsl = wgsl!("runs.wgsl", [("RUN_CELLS", U32(RUN_CELLS))]);
+
+/// Sums over part of a run.
+const SUMS: Wgsl = wgsl!("sums.wgsl");
+
+/// Goes through all patches.
+const OVER_PATCHES: Wgsl = wgsl!("over_patches.wgsl");
+
+/// Where a patch lies, and its upright tangents.
+const PATCH_LINES: Wgsl = wgsl!(
+    "patch_lines.wgsl",
+    [("MIN_UPRIGHT", F32(MIN_UPRIGHT as f32))]
+);
+
+uniforms! {
+    /// Of the kernels of the field of stroke directions.
+    DirectionParams {
+        width: u32,
+        height: u32,
+        /// Pixels along the side of a cell, and how many of the first one lie before the picture.
+        cell_px: u32,
+        cut_x: u32,
+        cut_y: u32,
+        columns: u32,
+        rows: u32,
+        /// Room for patches after the first one of each cell.
+        room: u32,
+        /// Of kernels that go along one axis: 0 across, 1 down.
+        axis: u32,
+        /// How far a mean reaches, in cells.
+        reach: f32,
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        line_x: f32,
+        line_x_step: f32,
+        line_y: f32,
+        line_y_step: f32,
+        /// How far apart points at a depth of 1 are that are a pixel apart.
+        apart_x_step: f32,
+        apart_y_step: f32,
+        /// Height of a pixel over its width.
+        pixel_shape: f32,
+        /// From curvature per unit of length to that per pixel.
+        per_pixel: f32,
+        /// Turn of normals per pixel that counts half.
+        doubt: f32,
+        /// 0 for the curvature larger in size, 1 for the other.
+        family: u32,
+        /// Number of the field, in the order in which they are made.
+        order: u32,
+        is_fixed: u32,
+        fixed_x: f32,
+        fixed_y: f32,
+    }
+}
+
+bindings! {
+    FindPatchesBuffers { conductance, normal_x, normal_y, normal_z, depth, held, patches, depths, further }
+    LinkPatchesBuffers { held, patches, links }
+    FindRunsBuffers { held, links, runs }
+    SumRunsBuffers { held, links, values, sums }
+    ChainMeansBuffers {
+        held, further, patches, links, runs_across, runs_down, sums_across, sums_down, depths, chosen, values, means
+    }
+    PatchFormsBuffers { held, further, patches, links, forms }
+    PatchDirectionsBuffers { held, further, patches, forms, directions }
+    SettlePatchesBuffers { held, further, patches, links, own, around, settled }
+    BetweenPatchesBuffers {
+        covered, held, patches, links, settled, direction_x, direction_y, filled, marks, lacking, counts
+    }
+}
+
+/// The patches of each cell.
+pub(crate) static FIND_PATCHES: Kernel = Kernel::new::<DirectionParams, FindPatchesBuffers>(
+    "FindPatches",
+    &[
+        INDEX,
+        PATCHES,
+        wgsl!("find_patches.wgsl", [("OPEN", F32(setting::OPEN))]),
+    ],
+);
+
+/// Where each patch goes on.
+pub(crate) static LINK_PATCHES: Kernel = Kernel::new::<DirectionParams, LinkPatchesBuffers>(
+    "LinkPatches",
+    &[PATCHES, wgsl!("link_patches.wgsl")],
+);
+
+/// The first and the last patch of each run.
+pub(crate) static FIND_RUNS: Kernel = Kernel::new::<DirectionParams, FindRunsBuffers>(
+    "FindRuns",
+    &[PATCHES, RUNS, wgsl!("find_runs.wgsl")],
+);
+
+/// Sums over each run.
+pub(crate) static SUM_RUNS: Kernel = Kernel::new::<DirectionParams, SumRunsBuffers>(
+    "SumRuns",
+    &[PATCHES, RUNS, SUMS, wgsl!("sum_runs.wgsl")],
+);
+
+/// Means around each patch.
+pub(crate) static CHAIN_MEANS: Kernel = Kernel::new::<DirectionParams, ChainMeansBuffers>(
+    "ChainMeans",
+    &[
+        PATCHES,
+        SUMS,
+        OVER_PATCHES,
+        wgsl!(
+            "chain_means.wgsl",
+            [
+                ("RUN_CELLS", U32(RUN_CELLS)),
+                ("NEAR", F32(setting::NEAR)),
+                ("FAR", F32(setting::FAR))
+            ]
+        ),
+    ],
+);
+
+/// The curvature of each patch.
+pub(crate) static PATCH_FORMS: Kernel = Kernel::new::<DirectionParams, PatchFormsBuffers>(
+    "PatchForms",
+    &[
+        PATCHES,
+        SIGHT_LINES,
+        PATCH_LINES,
+        NORMAL_RAY,
+        OVER_PATCHES,
+        wgsl!("patch_forms.wgsl"),
+    ],
+);
+
+/// The direction of each patch.
+pub(crate) static PATCH_DIRECTIONS: Kernel = Kernel::new::<DirectionParams, PatchDirectionsBuffers>(
+    "PatchDirections",
+    &[
+        PATCHES,
+        SIGHT_LINES,
+        PATCH_LINES,
+        FALLBACK,
+        DOUBLED,
+        OVER_PATCHES,
+        wgsl!(
+            "patch_directions.wgsl",
+            [
+                ("FACING", F32(setting::FACING as f32)),
+                ("ROUND", F32(ROUND as f32))
+            ]
+        ),
+    ],
+);
+
+/// What leads strokes in each patch.
+pub(crate) static SETTLE_PATCHES: Kernel = Kernel::new::<DirectionParams, SettlePatchesBuffers>(
+    "SettlePatches",
+    &[
+        PATCHES,
+        SIGHT_LINES,
+        PATCH_LINES,
+        FALLBACK,
+        DOUBLED,
+        OVER_PATCHES,
+        wgsl!(
+            "settle_patches.wgsl",
+            [
+                ("FALLBACK", F32(setting::FALLBACK)),
+                ("FREE", F32(setting::FREE)),
+                ("AGREE_FROM", F32(AGREE.start)),
+                ("AGREE_TO", F32(AGREE.end))
+            ]
+        ),
+    ],
+);
+
+/// Directions of pixels between patches.
+pub(crate) static BETWEEN_PATCHES: Kernel = Kernel::new::<DirectionParams, BetweenPatchesBuffers>(
+    "BetweenPatches",
+    &[
+        INDEX,
+        COVERAGE,
+        PATCHES,
+        DOUBLED,
+        wgsl!("between_patches.wgsl", [("OPEN_COUNT", U32(OPEN_COUNT))]),
+    ],
+);

@@ -1,0 +1,55 @@
+//! The directions of strokes in a drawing.
+
+use crate::engine::cpu::run::Run;
+use crate::line::direction_field::cpu::stroke_fields;
+use crate::line::drawing::is_drawn;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// The directions that strokes follow.
+pub(crate) static DIRECTION_FIELD: Stage = Stage {
+    takes: |_| vec![Product::Conductance],
+    depends_on: |plan| {
+        let params = plan
+            .drawing
+            .as_ref()
+            .map(|params| (params.field, params.directions));
+        format!("{} {params:?}", plan.resolution_factor)
+    },
+    name: "direction-field",
+    steps: &[Step {
+        name: "direction-field",
+        gives: &[Product::Strokes],
+        decide: |plan| is_drawn(plan, |_| Verdict::runs("strokes follow the curvature")),
+    }],
+    cpu: find,
+    ..Stage::DEFAULT
+};
+
+fn find(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let params = plan.drawing.as_ref().expect("strokes are of a drawing");
+    let canvas = std::mem::take(&mut run.canvas);
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let own = shape.conductance.as_ref();
+    let (drawn, conductance, given) = match &canvas.seen {
+        Some((seen, edges)) => (&seen.frame, &edges.conductance, Some(&seen.directions[..])),
+        None => (frame, own.expect("strokes stop at edges"), None),
+    };
+    let make = || {
+        let (field, wanted) = (&params.field, params.directions);
+        stroke_fields(plan, field, wanted, drawn, conductance, given, memory)
+    };
+    // Nothing that is kept goes through mirrors and lenses.
+    let directions = match plan.specular {
+        None => run.kept_or(
+            plan.key(DIRECTION_FIELD.name),
+            |kept| &mut kept.field,
+            DIRECTION_FIELD.name,
+            make,
+        ),
+        Some(_) => run.timed(DIRECTION_FIELD.name, make),
+    };
+    (run.canvas, run.outcome.shape) = (canvas, shape);
+    run.canvas.directions = directions;
+}

@@ -1,0 +1,335 @@
+//! Strokes: from tone to density, and a texture along a field of directions.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::constants::WHITE;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::surface::{Picture, Upload};
+use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::frame::Frame;
+use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
+use crate::line::hatching::{CROSSED_FROM, Hatching};
+use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
+use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, Texels, TonalArtMap};
+use crate::params;
+use crate::params::{Adaptive, ToneParams};
+use crate::shape::auto_levels::gpu::{Search, Searching};
+use std::f32::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Strokes along a field of directions.
+const HATCHING: Wgsl = wgsl!(
+    "hatching.wgsl",
+    [
+        ("MAX_DENSITY", F32(MAX_DENSITY)),
+        ("RESPONSE_ENTRIES", F32(ENTRIES as f32)),
+        ("ENTRIES_PER_DENSITY", F32(ENTRIES as f32 / MAX_DENSITY)),
+        ("CROSSED_FROM", F32(CROSSED_FROM))
+    ]
+);
+
+uniforms! {
+    /// Of `density.wgsl`.
+    DensityParams {
+        width: u32,
+        height: u32,
+        weight_r: f32,
+        weight_g: f32,
+        weight_b: f32,
+    }
+
+    /// Of `hatching.wgsl`.
+    StrokeParams {
+        width: u32,
+        height: u32,
+        /// Where the middle of the first pixel lies in a texture that lies still.
+        first_x: f32,
+        first_y: f32,
+        levels: u32,
+        levels_per_radian: f32,
+        sets: u32,
+        /// 1 over the sets.
+        share_of_set: f32,
+        /// Number of the family, and how many there are.
+        family: u32,
+        families: u32,
+        texture_width: u32,
+        texture_height: u32,
+        /// Slices of a texture of pictures.
+        slices: u32,
+    }
+}
+
+bindings! {
+    DensityBuffers { covered, red, green, blue, alpha, chosen, density_table, densities }
+    StrokesBuffers {
+        covered, densities, direction_x, direction_y, thresholds, turned, texels, paper, place_x, place_y, depth,
+        motion_x, motion_y, shares
+    }
+}
+
+/// The optical density that is wanted of each pixel.
+pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>(
+    "Density",
+    &[
+        INDEX,
+        COVERAGE,
+        wgsl!(
+            "../density.wgsl",
+            [
+                ("DENSITY_STEPS", F32(STEPS as f32)),
+                ("LEAST_ALPHA", F32(LEAST_ALPHA))
+            ]
+        ),
+    ],
+);
+
+/// Strokes that take their ink by thresholds.
+pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
+    "Strokes",
+    &[
+        INDEX,
+        COVERAGE,
+        TEXTURE_COORDINATES,
+        PLACES,
+        wgsl!("../stroke_texture.wgsl"),
+        HATCHING,
+    ],
+);
+
+/// Strokes of pictures.
+pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
+    "PictureStrokes",
+    &[
+        INDEX,
+        COVERAGE,
+        TEXTURE_COORDINATES,
+        PLACES,
+        wgsl!("../slice_texture.wgsl"),
+        HATCHING,
+    ],
+);
+
+/// A texture of strokes on the device.
+#[derive(Debug, Clone)]
+pub(crate) struct Texture {
+    texels: wgpu::Buffer,
+    thresholds: wgpu::Buffer,
+    size: [u32; 2],
+    /// 0 for strokes, which take their ink by thresholds of their own.
+    slices: u32,
+}
+
+impl Texture {
+    /// A copy of `map` on the device.
+    pub(crate) fn new(map: &TonalArtMap, upload: Upload) -> Self {
+        let size = map.period();
+        let (texels, slices) = match map.texels() {
+            Texels::Strokes(words) => (upload.bytes(bytemuck::cast_slice(&words)), 0),
+            Texels::Slices(samples) => {
+                let slices = samples.len() / (size[0] * size[1]);
+                (upload.bytes(bytemuck::cast_slice(&samples)), slices as u32)
+            }
+        };
+        Self {
+            texels,
+            thresholds: upload.bytes(bytemuck::cast_slice(map.thresholds())),
+            size: size.map(|texels| texels as u32),
+            slices,
+        }
+    }
+}
+
+/// A texture on the device, and how it lies at every level.
+pub(crate) struct Strokes {
+    texture: Texture,
+    /// Of each family.
+    turned: [Vec<[f32; 4]>; 2],
+}
+
+impl Strokes {
+    /// Strokes of `texture`, which is a copy of `map`.
+    pub(crate) fn new(map: &TonalArtMap, texture: Texture, params: &params::StrokeParams) -> Self {
+        let turned = |family| Hatching::new(map, params, family).turned().collect();
+        Self {
+            texture,
+            turned: [turned(0), turned(1)],
+        }
+    }
+}
+
+/// The texture of the last drawing, with what it was copied of.
+#[derive(Debug, Default)]
+pub(crate) struct TextureCache(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
+
+impl TextureCache {
+    /// Forgets it: what was copied in a run that failed may be nothing.
+    pub(crate) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// The copy of `map`.
+    pub(crate) fn of(&self, map: &Arc<TonalArtMap>, upload: Upload) -> Texture {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((copied, texture)) = &*kept
+            && Arc::ptr_eq(copied, map)
+        {
+            return texture.clone();
+        }
+        let texture = Texture::new(map, upload);
+        *kept = Some((map.clone(), texture.clone()));
+        texture
+    }
+}
+
+impl Run<'_> {
+    /// The numbers chosen, with the luminance of paper white for the white level by which the tone was made.
+    pub(crate) fn choose_paper_white(
+        &mut self,
+        params: &ToneParams,
+        frame: &Frame,
+        [red, green, blue]: &Picture,
+    ) -> wgpu::Buffer {
+        if let Adaptive::Fixed(white) = params.white_point {
+            let mut chosen = [0.0; 2];
+            chosen[WHITE as usize] = white;
+            return self.hold(&chosen);
+        }
+        let paper = self.copy_of(&self.chosen.clone());
+        let search = Searching::new(self, Search::White(frame.luminance_weights()));
+        search.choose(self, [red, green, blue], &paper);
+        paper
+    }
+
+    /// The optical density that is wanted of each pixel; `chosen` tells paper white.
+    pub(crate) fn densities(
+        &mut self,
+        params: &ToneParams,
+        frame: &Frame,
+        [red, green, blue]: &Picture,
+        chosen: &wgpu::Buffer,
+    ) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let [weight_r, weight_g, weight_b] = frame.luminance_weights();
+        let densities = self.take(self.surface.plane_bytes());
+        let table = self.hold(&density_table(params));
+        let alpha = frame.alpha.as_ref().map(|alpha| self.hold(alpha.samples()));
+        self.recorder.over_pixels(
+            "density",
+            (&DENSITY, &[("HAS_ALPHA", alpha.is_some())]),
+            &DensityParams {
+                width,
+                height,
+                weight_r,
+                weight_g,
+                weight_b,
+            },
+            &DensityBuffers {
+                covered: &self.surface.covered,
+                red,
+                green,
+                blue,
+                alpha: alpha.as_ref().unwrap_or(red),
+                chosen,
+                density_table: &table,
+                densities: &densities,
+            },
+            [width, height],
+        );
+        densities
+    }
+
+    /// How much of the paper strokes cover, along one field of directions, x and y, for each of their families.
+    pub(crate) fn hatched(
+        &mut self,
+        params: &params::StrokeParams,
+        frame: &Frame,
+        densities: &wgpu::Buffer,
+        directions: &[[wgpu::Buffer; 2]],
+        strokes: &Strokes,
+        sheets: &Sheets,
+    ) -> wgpu::Buffer {
+        let paper = self.take(self.surface.plane_bytes());
+        let Strokes { texture, turned } = strokes;
+        let turned = turned
+            .each_ref()
+            .map(|turned| self.hold(turned.as_flattened()));
+        let families = directions.len();
+        let layers = sheets.each.iter().flat_map(|sheet| {
+            let families = directions.iter().zip(&turned).enumerate();
+            families.map(move |family| (sheet, family))
+        });
+        let count = sheets.each.len() * families;
+        for (layer, (sheet, (family, ([x, y], turned)))) in layers.enumerate() {
+            let kernel = match texture.slices {
+                0 => &STROKES,
+                _ => &PICTURE_STROKES,
+            };
+            let switches = [
+                ("MOVES", sheet.place.is_some()),
+                ("HAS_DEPTH", sheets.depth.is_some()),
+                ("HAS_MOTION", sheets.motion.is_some()),
+                ("HAS_SHARE", sheet.share.is_some()),
+                ("IS_FIRST", layer == 0),
+                ("IS_LAST", layer + 1 == count),
+            ];
+            let [place_x, place_y] = sheet
+                .place
+                .as_ref()
+                .map_or([x, y], |place| place.each_ref());
+            let motion = sheets.motion.as_ref();
+            let [motion_x, motion_y] = motion.map_or([x, y], |motion| motion.each_ref());
+            self.recorder.over_pixels(
+                "hatching",
+                (kernel, &switches),
+                &stroke_params(params, frame, texture, sheet.origin, [family, families]),
+                &StrokesBuffers {
+                    covered: &self.surface.covered,
+                    densities,
+                    direction_x: x,
+                    direction_y: y,
+                    thresholds: &texture.thresholds,
+                    turned,
+                    texels: &texture.texels,
+                    paper: &paper,
+                    place_x,
+                    place_y,
+                    depth: sheets.depth.as_ref().unwrap_or(x),
+                    motion_x,
+                    motion_y,
+                    shares: sheet.share.as_ref().unwrap_or(x),
+                },
+                self.surface.size,
+            );
+        }
+        paper
+    }
+}
+
+/// What is told of one of several families of strokes, of a texture that is moved by `origin` where it lies still.
+fn stroke_params(
+    params: &params::StrokeParams,
+    frame: &Frame,
+    texture: &Texture,
+    origin: [f32; 2],
+    [family, families]: [usize; 2],
+) -> StrokeParams {
+    let window = frame.data_window;
+    StrokeParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        first_x: window.x0 as f32 + 0.5 + origin[0],
+        first_y: window.y0 as f32 + 0.5 + origin[1],
+        levels: params.levels,
+        levels_per_radian: params.levels as f32 / PI,
+        sets: params.sets,
+        share_of_set: 1.0 / params.sets as f32,
+        family: family as u32,
+        families: families as u32,
+        texture_width: texture.size[0],
+        texture_height: texture.size[1],
+        slices: texture.slices,
+    }
+}

@@ -1,0 +1,188 @@
+//! Directions of the surface's own curvature, from its normal rays.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::sight::{SIGHT_LINES, apart, is_eye_far, lines, starts};
+use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::{F32, I32, U32};
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::frame::{DepthKind, Frame};
+use crate::line::direction::gpu::{CLOSED_COUNT, Gaps, OF_SURFACES, OPEN_COUNT, spread_params};
+use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
+use crate::line::normal_rays::{CERTAINTY, MIN_COSINE, MIN_SINE, PLANAR_TURN, UMBILIC};
+use crate::plan::Plan;
+use crate::product::Product;
+use crate::shape::edges::SilhouetteSource;
+
+/// The curvature of a surface from the normals beside one.
+pub(crate) const NORMAL_RAY: Wgsl = wgsl!(
+    "normal_ray.wgsl",
+    [
+        ("MIN_COSINE", F32(MIN_COSINE as f32)),
+        ("MIN_SINE", F32(MIN_SINE as f32))
+    ]
+);
+
+uniforms! {
+    /// Of `normal_rays.wgsl`.
+    RayParams {
+        width: u32,
+        height: u32,
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        line_x: f32,
+        line_x_step: f32,
+        line_y: f32,
+        line_y_step: f32,
+        /// How far apart the starts of sight lines are that are a pixel apart, and points at a depth of 1 on them.
+        start_x_step: f32,
+        start_y_step: f32,
+        apart_x_step: f32,
+        apart_y_step: f32,
+        /// Height of a pixel over its width.
+        pixel_shape: f32,
+        /// Deviations of a component of a normal, and of a point as a share of its depth.
+        normal_noise: f32,
+        offset_noise: f32,
+        /// The least and the greatest step, in pixels.
+        first_step: i32,
+        most_step: i32,
+    }
+}
+
+bindings! {
+    NormalRaysBuffers {
+        covered, conductance, normal_x, normal_y, normal_z, depth, direction_x, direction_y, filled, marks, open,
+        closed, counts
+    }
+}
+
+/// Directions of curvature from normal rays, and lists of the pixels that have none.
+pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffers>(
+    "NormalRays",
+    &[
+        INDEX,
+        COVERAGE,
+        SIGHT_LINES,
+        NORMAL_RAY,
+        wgsl!(
+            "normal_rays.wgsl",
+            [
+                ("OPEN_COUNT", U32(OPEN_COUNT)),
+                ("CLOSED_COUNT", U32(CLOSED_COUNT)),
+                ("STEP_GROWTH", I32(STEP_GROWTH as i32)),
+                ("PLANAR_TURN", F32(PLANAR_TURN as f32)),
+                ("ALIKE", F32(UMBILIC as f32)),
+                ("CERTAINTY", F32(CERTAINTY as f32))
+            ]
+        ),
+    ],
+);
+
+/// What is recorded as the time of rays and of what fills the gaps between them.
+const STAGE: &str = "normal-rays";
+
+/// Finds the directions of the surface's own curvature, where they are asked for themselves.
+pub(crate) fn follow_rays(run: &mut Run) {
+    if run.plan.wants(Product::Direction) {
+        let shape = run
+            .made
+            .shape
+            .as_ref()
+            .expect("directions are planned with their edges");
+        let conductance = shape.conductance.clone();
+        run.made.directions = Some(run.surface_directions(run.plan, run.frame, &conductance));
+    }
+}
+
+impl Run<'_> {
+    /// The directions of the surface's own curvature: unit ones in the picture where covered, x right and y up, 0
+    /// elsewhere.
+    pub(crate) fn surface_directions(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        conductance: &wgpu::Buffer,
+    ) -> [wgpu::Buffer; 2] {
+        let setting = RaySetting::new(plan, frame);
+        let gaps = self.normal_rays(plan, frame, &setting, conductance);
+        let told = spread_params(frame, &setting.sight);
+        self.fill_gaps(STAGE, OF_SURFACES, &told, conductance, gaps)
+    }
+
+    fn normal_rays(
+        &mut self,
+        plan: &Plan,
+        frame: &Frame,
+        setting: &RaySetting,
+        conductance: &wgpu::Buffer,
+    ) -> Gaps {
+        let depth = setting.depth.map(|plane| {
+            match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
+                true => self.surface.map.clone().expect("silhouettes are of depth"),
+                false => self.hold(plane.samples()),
+            }
+        });
+        let counts = self.gap_counts(OF_SURFACES);
+        let plane = self.surface.plane_bytes();
+        let [x, y, filled, marks, open, closed] = [(); 6].map(|()| self.take(plane));
+        let covered = self.surface.covered.clone();
+        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
+        let switches = [
+            ("HAS_DEPTH", depth.is_some()),
+            ("IS_PARALLEL", is_eye_far(frame)),
+            ("DEPTH_ALONG_RAY", frame.source.depth_kind == DepthKind::Ray),
+        ];
+        self.recorder.over_pixels(
+            STAGE,
+            (&NORMAL_RAYS, &switches),
+            &ray_params(frame, setting),
+            &NormalRaysBuffers {
+                covered: &covered,
+                conductance,
+                normal_x: &normal_x,
+                normal_y: &normal_y,
+                normal_z: &normal_z,
+                depth: depth.as_ref().unwrap_or(&normal_x),
+                direction_x: &x,
+                direction_y: &y,
+                filled: &filled,
+                marks: &marks,
+                open: &open,
+                closed: &closed,
+                counts: &counts,
+            },
+            self.surface.size,
+        );
+        Gaps {
+            directions: [x, y],
+            filled,
+            marks,
+            lacking: vec![open, closed],
+            counts,
+        }
+    }
+}
+
+fn ray_params(frame: &Frame, setting: &RaySetting) -> RayParams {
+    let line = lines(frame, &setting.sight);
+    let (start, apart) = (starts(frame), apart(frame, &setting.sight));
+    let [first_step, most_step] = setting.steps_px.map(|step| step as i32);
+    RayParams {
+        width: frame.mask.width() as u32,
+        height: frame.mask.height() as u32,
+        line_x: line.first[0],
+        line_x_step: line.step[0],
+        line_y: line.first[1],
+        line_y_step: line.step[1],
+        start_x_step: start.step[0],
+        start_y_step: start.step[1],
+        apart_x_step: apart[0],
+        apart_y_step: apart[1],
+        pixel_shape: setting.sight.pixel_shape() as f32,
+        normal_noise: setting.normal_noise as f32,
+        offset_noise: setting.offset_noise as f32,
+        first_step,
+        most_step,
+    }
+}

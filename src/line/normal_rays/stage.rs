@@ -1,0 +1,62 @@
+//! Directions of the surface's own curvature, as layers and for a grain that follows them.
+
+use crate::engine::cpu::run::Run;
+use crate::line::direction::FILL_REACH_PX;
+use crate::line::normal_rays::cpu;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::{Plan, Points};
+use crate::product::Product;
+
+/// Directions of the larger curvature of the surface, from its normal rays.
+pub(crate) static NORMAL_RAYS: Stage = Stage {
+    takes: |_| vec![Product::Conductance],
+    reach_px: |plan| match plan.wants(Product::Direction) {
+        true => plan.direction_steps_px[1] + FILL_REACH_PX,
+        false => 0,
+    },
+    depends_on: |plan| format!("{:?} {:?}", plan.points, plan.direction_steps_px),
+    name: "normal-rays",
+    steps: &[Step {
+        name: "normal-rays",
+        gives: &[Product::Direction],
+        decide,
+    }],
+    cpu: follow_rays,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::follow_rays,
+    ..Stage::DEFAULT
+};
+
+fn decide(plan: &Plan) -> Verdict {
+    // Strokes find them where they need them.
+    if !plan.wants(Product::Direction) && plan.drawing.is_none() {
+        return plan.left_out("nothing here follows a direction");
+    }
+    let points = match plan.points {
+        Points::Depth => "points from depth and camera",
+        Points::Normals => "no depth with a camera to trust: points from normals alone",
+    };
+    let [least, most] = plan.direction_steps_px;
+    Verdict::runs(match least == most {
+        true => format!("{points}, {least} px away"),
+        false => format!("{points}, {least} to {most} px away"),
+    })
+}
+
+fn follow_rays(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    if !plan.wants(Product::Direction) {
+        return;
+    }
+    let conductance = run.outcome.shape.conductance.take();
+    let conductance = conductance.expect("directions are planned with their edges");
+    let key = plan.key(NORMAL_RAYS.name);
+    let directions = run.kept_or(
+        key,
+        |kept| &mut kept.rays,
+        NORMAL_RAYS.name,
+        || cpu::directions(plan, frame, &conductance, memory),
+    );
+    let shape = &mut run.outcome.shape;
+    (shape.conductance, shape.direction) = (Some(conductance), Some(directions));
+}

@@ -1,0 +1,53 @@
+//! Mirrors and lenses in a drawing: what they show is drawn as it appears in them.
+
+use crate::engine::cpu::run::Run;
+use crate::line::specular::seen_through;
+use crate::params::{Bend, SpecularParams};
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+use crate::shape::edges::cpu::edges_and_gradient;
+
+/// What mirrors and lenses show. New light looks it up by itself.
+pub(crate) static SPECULAR_TRACE: Stage = Stage {
+    name: "specular-trace",
+    steps: &[Step {
+        name: "specular-trace",
+        gives: &[Product::Picture],
+        decide,
+    }],
+    cpu: trace,
+    gpu_lacks: |_| Some("mirrors and lenses that show what is traced"),
+    ..Stage::DEFAULT
+};
+
+fn decide(plan: &Plan) -> Verdict {
+    let Some(SpecularParams { bend, search }) = plan.specular else {
+        return Verdict::left_out("nothing is known that mirrors or lenses could show");
+    };
+    let bent = match bend {
+        Bend::Mirror => "mirrored".into(),
+        Bend::Glass { ior } => format!("refracted by {ior}"),
+        Bend::Straight => "straight on".into(),
+    };
+    Verdict::runs(format!("sight lines {bent}, {} search steps", search.steps))
+}
+
+fn trace(run: &mut Run) {
+    let (plan, frame, runner) = (run.plan, run.frame, run.runner);
+    let (Some(params), Some(specular)) = (&plan.drawing, &plan.specular) else {
+        return;
+    };
+    let scene = run.inputs.specular;
+    let scene = scene.expect("specular pixels are planned with what they show");
+    let (kept, memory) = (&runner.map_directions, &runner.memory);
+    let seen = run.timed(SPECULAR_TRACE.name, || {
+        seen_through(plan, frame, scene, specular, params, kept, memory)
+    });
+    run.canvas.seen = seen.map(|seen| {
+        let (edges, _) = run.timed("specular-edges", || {
+            edges_and_gradient(plan, &seen.frame, memory)
+        });
+        (seen, edges)
+    });
+}

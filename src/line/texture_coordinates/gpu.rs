@@ -1,0 +1,66 @@
+//! Strokes that move with the surface: the maps by which a texture lies, on the device.
+
+use crate::engine::gpu::run::Run;
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::line::texture_coordinates::sheet::PlacedTexture;
+use crate::line::texture_coordinates::{DEPTH_STEP, JUMP, MOTION_STEP};
+use std::ops::Range;
+
+/// How a texture lies on a surface that moves.
+pub(crate) const TEXTURE_COORDINATES: Wgsl =
+    wgsl!("texture_coordinates.wgsl", [("JUMP", F32(JUMP))]);
+
+/// Where it lies at each pixel.
+pub(crate) const PLACES: Wgsl = wgsl!(
+    "places.wgsl",
+    [
+        ("DEPTH_STEP", F32(DEPTH_STEP)),
+        ("MOTION_STEP_PX", F32(MOTION_STEP[0])),
+        ("MOTION_STEP_SHARE", F32(MOTION_STEP[1]))
+    ]
+);
+
+/// The drawings that share a hatching.
+pub(crate) struct Sheets {
+    pub(crate) each: Vec<BoundTexture>,
+    /// What tells surfaces apart where they move.
+    pub(crate) depth: Option<wgpu::Buffer>,
+    pub(crate) motion: Option<[wgpu::Buffer; 2]>,
+}
+
+/// A [`PlacedTexture`] on the device.
+pub(crate) struct BoundTexture {
+    pub(crate) place: Option<[wgpu::Buffer; 2]>,
+    pub(crate) origin: [f32; 2],
+    pub(crate) share: Option<wgpu::Buffer>,
+}
+
+impl Run<'_> {
+    /// These rows of what a drawing is made of; without coordinates its texture lies still in the picture.
+    pub(crate) fn sheets(
+        &mut self,
+        coordinates: Option<&TextureCoordinates>,
+        rows: &Range<usize>,
+    ) -> Sheets {
+        let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
+        let surface = sheets.iter().find_map(|sheet| sheet.place);
+        let surface = surface.map(|(_, surface)| surface);
+        let depth = surface.and_then(|surface| surface.depth);
+        let motion = surface.and_then(|surface| surface.motion);
+        Sheets {
+            each: sheets.iter().map(|sheet| self.laid(sheet, rows)).collect(),
+            depth: depth.map(|depth| self.hold_rows(depth, rows)),
+            motion: motion.map(|motion| self.hold_field(motion, rows)),
+        }
+    }
+
+    fn laid(&mut self, sheet: &PlacedTexture, rows: &Range<usize>) -> BoundTexture {
+        BoundTexture {
+            place: sheet.place.map(|(place, _)| self.hold_field(place, rows)),
+            origin: sheet.origin,
+            share: sheet.share.map(|share| self.hold_rows(share, rows)),
+        }
+    }
+}

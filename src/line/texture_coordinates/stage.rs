@@ -1,0 +1,35 @@
+//! Strokes that move with the surface, in a frame of a sequence.
+
+use crate::engine::cpu::run::Run;
+use crate::line::drawing::is_drawn;
+use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::plan::stage::{Stage, Step, Verdict};
+
+/// Where the texture of strokes lies as the surface moves.
+pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
+    // A frame of a sequence may come with a plan that was made for a still.
+    also_runs: |plan| plan.drawing.is_some(),
+    name: "texture-coordinates",
+    steps: &[Step {
+        name: "texture-coordinates",
+        gives: &[],
+        decide: |plan| {
+            is_drawn(plan, |_| match plan.available.moving {
+                true => Verdict::runs("strokes move with the surface"),
+                false => Verdict::left_out("strokes lie still in the picture"),
+            })
+        },
+    }],
+    cpu: place,
+    ..Stage::DEFAULT
+};
+
+fn place(run: &mut Run) {
+    let (frame, memory) = (run.frame, &run.runner.memory);
+    let sequence = run.inputs.sequence;
+    run.canvas.coordinates = sequence.map(|sequence| {
+        run.timed(TEXTURE_COORDINATES.name, || {
+            TextureCoordinates::of(frame, sequence, memory)
+        })
+    });
+}

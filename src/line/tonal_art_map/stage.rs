@@ -1,0 +1,34 @@
+//! The texture of strokes in a drawing.
+
+use crate::engine::cpu::run::Run;
+use crate::line::drawing::has_texture;
+use crate::params::Style;
+use crate::plan::stage::{Stage, Step, Verdict};
+
+/// The texture of strokes.
+pub(crate) static TONAL_ART_MAP: Stage = Stage {
+    name: "tonal-art-map",
+    steps: &[Step {
+        name: "tonal-art-map",
+        gives: &[],
+        decide: |plan| {
+            has_texture(plan, |params| {
+                Verdict::runs(format!("seed {}", params.strokes.seed))
+            })
+        },
+    }],
+    cpu: make,
+    ..Stage::DEFAULT
+};
+
+fn make(run: &mut Run) {
+    let plan = run.plan;
+    let params = plan.drawing.as_ref().expect("strokes are of a drawing");
+    let (strokes, factor) = (&params.strokes, plan.resolution_factor as f32);
+    if strokes.style == Style::Pictures {
+        return;
+    }
+    let kept = &run.runner.art_map;
+    let map = kept.of(strokes, factor, |make| run.timed(TONAL_ART_MAP.name, make));
+    run.canvas.art_map = Some(map);
+}

@@ -1,0 +1,54 @@
+//! What there is to plan with.
+
+use crate::frame::{DepthKind, Frame};
+use crate::light::enhancement::LightAvailable;
+use crate::params::SpecularParams;
+
+/// What there is to plan with.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Available {
+    /// Depth.
+    pub depth: bool,
+    /// A picture.
+    pub color: bool,
+    /// The albedo of the surface.
+    pub albedo: bool,
+    /// An occlusion map or alpha.
+    pub occlusion: bool,
+    /// A map of importance, by which every pixel has a scale of its own.
+    pub importance: bool,
+    /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
+    pub image_height: usize,
+    /// Depth and a camera that together tell where the surface is.
+    pub positions: bool,
+    /// Largest rounding error of a component of the normals.
+    pub normal_rounding: f32,
+    /// How specular pixels are traced, where what they show is known; no frame says so by itself.
+    pub specular: Option<SpecularParams>,
+    /// Light layers to scale.
+    pub light: LightAvailable,
+    /// Whether this is a frame of a sequence whose strokes are to move with the surface; no frame says so
+    /// by itself.
+    pub moving: bool,
+}
+
+impl Available {
+    /// What `frame` holds.
+    pub fn in_frame(frame: &Frame) -> Self {
+        Self {
+            depth: frame.depth.is_some(),
+            color: frame.color.is_some(),
+            albedo: frame.albedo.is_some(),
+            occlusion: frame.occlusion.is_some(),
+            importance: frame.importance.is_some(),
+            image_height: frame.display_window.height(),
+            positions: frame.depth.is_some()
+                && frame.camera.is_some()
+                && frame.source.depth_kind != DepthKind::Relative,
+            normal_rounding: frame.source.normal_rounding,
+            light: LightAvailable::of(&frame.light),
+            moving: false,
+            specular: None,
+        }
+    }
+}

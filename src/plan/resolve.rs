@@ -1,0 +1,470 @@
+//! How a plan comes about: every stage decides for itself, from the last to the first, so that what one takes is known when
+//! those before it decide.
+
+use crate::error::{Error, Result};
+use crate::light::enhancement::Enhancement;
+use crate::light::relight::setting::{LightKinds, Relighting};
+use crate::params::{
+    LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, Style, check_scales,
+};
+use crate::plan::available::Available;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stages::stages;
+use crate::plan::{Decision, Plan, Points};
+use crate::product::Product;
+use crate::shape::diffusion::sweeps::DiffusionSchedule;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a run is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Goal {
+    /// Every layer of the descriptor.
+    Layers,
+    /// The coloured curvature display of [LW] figure 6.
+    Display,
+    /// Radiance scaling of the picture.
+    Enhance,
+    /// New light.
+    Relight,
+    /// The picture as it is: to be drawn.
+    Picture,
+}
+
+/// Where the tone of a drawing comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ToneFrom {
+    /// The picture as it is.
+    Picture,
+    /// The picture by radiance scaling.
+    Enhanced,
+    /// New light.
+    Relit(RelightParams, LightKinds),
+}
+
+impl Goal {
+    /// The products that it is made of; a picture comes by its own rules.
+    fn products(self) -> &'static [Product] {
+        match self {
+            Self::Layers => &[
+                Product::Silhouette,
+                Product::Crease,
+                Product::Conductance,
+                Product::Gradient,
+                Product::Hessian,
+                Product::Curvature,
+                Product::MappedCurvature,
+                Product::Direction,
+                Product::ViewDirection,
+            ],
+            Self::Display | Self::Enhance | Self::Relight | Self::Picture => &[],
+        }
+    }
+}
+
+impl Plan {
+    /// The plan for `goal` over a frame with the given inputs.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] for a parameter outside its range.
+    pub fn new(
+        goal: Goal,
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+    ) -> Result<Self> {
+        Self::at_scales(goal, available, shape, scaling, &[])
+    }
+
+    /// The plan for lighting a frame with the given inputs anew, by lights of these `kinds`.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] for a parameter outside its range, and for lights and materials that
+    /// lack what they need.
+    pub fn relight(
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        relight: RelightParams,
+        kinds: LightKinds,
+    ) -> Result<Self> {
+        scaling.validate()?;
+        let relighting = Relighting::new(relight, &scaling, kinds, available)?;
+        Self::made(Asked {
+            relighting: Some(relighting),
+            ..Asked::of(Goal::Relight, available, shape, scaling)
+        })
+    }
+
+    /// The plan for drawing a frame with the given inputs, in the tone of a picture.
+    ///
+    /// # Errors
+    /// As [`Plan::new`] and [`Plan::relight`]; also for a tone from a picture that there is not.
+    pub fn hatch(
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        tone: ToneFrom,
+        drawing: LineParams,
+    ) -> Result<Self> {
+        scaling.validate()?;
+        drawing.validate()?;
+        if available.moving && drawing.strokes.style == Style::Lines {
+            return Err(Error::BadParameter {
+                name: "--style",
+                found: "is lines, which do not move with the surface".into(),
+                remedy: "take pen or pencil, or give --motion none".into(),
+            });
+        }
+        let (goal, relighting) = match tone {
+            ToneFrom::Picture => (Goal::Picture, None),
+            ToneFrom::Enhanced => (Goal::Enhance, None),
+            ToneFrom::Relit(relight, kinds) => {
+                let relighting = Relighting::new(relight, &scaling, kinds, available)?;
+                (Goal::Relight, Some(relighting))
+            }
+        };
+        if goal != Goal::Relight && !available.color {
+            return Err(Error::BadParameter {
+                name: "--tone",
+                found: "comes from the picture, and there is none".into(),
+                remedy: "name one with --color, or give a --light".into(),
+            });
+        }
+        Self::made(Asked {
+            relighting,
+            drawing: Some(drawing),
+            ..Asked::of(goal, available, shape, scaling)
+        })
+    }
+
+    /// [`Plan::new`] whose gradient is also made at further scales, sigmas in pixels, by the same sweeps.
+    ///
+    /// # Errors
+    /// As [`Plan::new`]; also for further scales of explicit steps, whose sweeps are theirs alone, or
+    /// where pixels have a scale of their own by importance.
+    pub fn at_scales(
+        goal: Goal,
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        more_px: &[f32],
+    ) -> Result<Self> {
+        Self::made(Asked {
+            more_px,
+            ..Asked::of(goal, available, shape, scaling)
+        })
+    }
+
+    fn made(asked: Asked) -> Result<Self> {
+        let Asked {
+            goal,
+            available,
+            shape,
+            scaling,
+            more_px,
+            relighting,
+            drawing,
+        } = asked;
+        shape.validate()?;
+        check_scales(1 + more_px.len())?;
+        if !more_px.is_empty() {
+            refuse_several_scales(&shape, available)?;
+        }
+        shape.validate_for(available.image_height)?;
+        scaling.validate()?;
+        let resolution_factor = shape.resolution_factor(available.image_height);
+        for &sigma in more_px {
+            let scale = Scale::Sigma(sigma);
+            let at_scale = ShapeParams { scale, ..shape };
+            at_scale.validate()?;
+            at_scale.validate_for(available.image_height)?;
+        }
+        let by_importance = available.importance;
+        let sweeps = DiffusionSchedule::new(&shape, resolution_factor, more_px, by_importance);
+        let points = match available.positions {
+            true => Points::Depth,
+            false => Points::Normals,
+        };
+        let direction_steps_px = shape.direction_steps_px(available.normal_rounding);
+        let enhancement =
+            (goal == Goal::Enhance).then(|| Enhancement::new(available.light, &scaling));
+        let no_shape = match (goal, enhancement, &relighting) {
+            (_, Some(enhancement), _) if enhancement.is_idle() => {
+                Some("a magnitude of 0 leaves the picture as it is")
+            }
+            (Goal::Picture, ..) => Some("the picture is taken as it is"),
+            (_, _, Some(relighting)) if !relighting.needs_shape() => {
+                Some("light that is not altered asks nothing of shape")
+            }
+            _ => None,
+        };
+        let plan = Self {
+            shape,
+            scaling,
+            enhancement,
+            relighting,
+            display: goal == Goal::Display,
+            drawing,
+            specular: available.specular,
+            sweeps,
+            more_px: more_px.to_vec(),
+            resolution_factor,
+            points,
+            direction_steps_px,
+            available,
+            no_shape,
+            wanted: goal.products().iter().copied().collect(),
+            decisions: Vec::new(),
+            stages: Vec::new(),
+            keys: BTreeMap::new(),
+            reach: 0,
+        };
+        Ok(plan.resolved())
+    }
+
+    /// Lets every stage decide, from the last to the first.
+    fn resolved(mut self) -> Self {
+        for stage in stages().rev() {
+            let steps = stage.steps.iter().rev();
+            let decided: Vec<_> = steps.map(|step| decision(step, &self)).collect();
+            if decided.iter().any(|decision| decision.kept) || (stage.also_runs)(&self) {
+                self.stages.push(stage.name);
+                self.wanted.extend((stage.takes)(&self));
+            }
+            self.decisions.extend(decided);
+        }
+        self.stages.reverse();
+        self.decisions.reverse();
+        self.follow()
+    }
+
+    /// The same without the stages that give `product`.
+    pub(crate) fn without(mut self, product: Product) -> Self {
+        let gives = |stage: &&Stage| stage.gives().any(|given| given == product);
+        for left_out in stages().filter(gives) {
+            self.stages.retain(|&name| name != left_out.name);
+        }
+        self.wanted.remove(&product);
+        self.follow()
+    }
+
+    /// Follows what depends on what, from the first stage to the last: how far samples reach, and by what results are
+    /// known again.
+    fn follow(mut self) -> Self {
+        let mut made: BTreeMap<Product, (usize, String)> = BTreeMap::new();
+        self.reach = 0;
+        for stage in running(&self) {
+            let takes = (stage.takes)(&self);
+            let taken: Vec<_> = takes
+                .iter()
+                .filter_map(|product| made.get(product))
+                .collect();
+            let reach =
+                taken.iter().map(|(reach, _)| *reach).max().unwrap_or(0) + (stage.reach_px)(&self);
+            let before: BTreeSet<&str> = taken.iter().map(|(_, key)| key.as_str()).collect();
+            let before: Vec<_> = before.into_iter().collect();
+            let key = format!(
+                "{} {} ({})",
+                stage.name,
+                (stage.depends_on)(&self),
+                before.join(", ")
+            );
+            self.reach = self.reach.max(reach);
+            made.extend(stage.gives().map(|product| (product, (reach, key.clone()))));
+            self.keys.insert(stage.name, key);
+        }
+        self
+    }
+}
+
+/// The stages that a plan runs, in their order.
+pub(crate) fn running(plan: &Plan) -> impl Iterator<Item = &'static Stage> + use<> {
+    let names = plan.stages().to_vec();
+    let all = stages();
+    all.filter(move |stage| names.contains(&stage.name))
+}
+
+fn decision(step: &Step, plan: &Plan) -> Decision {
+    let (kept, reason) = match (step.decide)(plan) {
+        Verdict::Runs(why) => (true, why),
+        Verdict::LeftOut(why) => (false, why),
+    };
+    Decision {
+        step: step.name,
+        kept,
+        reason,
+    }
+}
+
+/// What a plan is made of.
+struct Asked<'a> {
+    goal: Goal,
+    available: Available,
+    shape: ShapeParams,
+    scaling: ScalingParams,
+    more_px: &'a [f32],
+    relighting: Option<Relighting>,
+    drawing: Option<LineParams>,
+}
+
+impl Asked<'_> {
+    fn of(goal: Goal, available: Available, shape: ShapeParams, scaling: ScalingParams) -> Self {
+        Self {
+            goal,
+            available,
+            shape,
+            scaling,
+            more_px: &[],
+            relighting: None,
+            drawing: None,
+        }
+    }
+}
+
+fn refuse_several_scales(shape: &ShapeParams, available: Available) -> Result<()> {
+    let bad = |found: &str, remedy: &str| {
+        Err(Error::BadParameter {
+            name: "--scale",
+            found: found.into(),
+            remedy: remedy.into(),
+        })
+    };
+    if shape.solver == Solver::Explicit {
+        return bad(
+            "names several scales, which explicit steps cannot share",
+            "leave out --solver explicit, or run once per scale",
+        );
+    }
+    if available.importance {
+        return bad(
+            "names several scales, but --importance gives every pixel its own",
+            "give one scale, or leave out --importance",
+        );
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::enhancement::LightAvailable;
+    use crate::line::direction::FILL_REACH_PX;
+
+    fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
+        let shape = ShapeParams {
+            scale: crate::params::Scale::Iterations(iterations),
+            ..ShapeParams::default()
+        };
+        Plan::new(goal, available, shape, ScalingParams::default()).unwrap()
+    }
+
+    const DEPTH: Available = Available {
+        depth: true,
+        color: true,
+        albedo: false,
+        occlusion: true,
+        importance: false,
+        image_height: 1080,
+        positions: true,
+        normal_rounding: 0.0,
+        moving: false,
+        specular: None,
+        light: LightAvailable::NONE,
+    };
+    const NOTHING: Available = Available {
+        depth: false,
+        color: true,
+        albedo: false,
+        occlusion: false,
+        importance: false,
+        image_height: 1080,
+        positions: false,
+        normal_rounding: 0.0,
+        moving: false,
+        specular: None,
+        light: LightAvailable::NONE,
+    };
+
+    #[test]
+    fn a_run_pays_only_for_what_it_needs() {
+        assert!(plan(Goal::Enhance, DEPTH, 50).runs("diffusion"));
+        assert!(!plan(Goal::Enhance, DEPTH, 0).runs("diffusion"));
+        assert!(!plan(Goal::Enhance, NOTHING, 50).runs("depth-silhouettes"));
+        assert!(!plan(Goal::Enhance, DEPTH, 50).runs("occlusion-silhouettes"));
+        for step in ["directions", "curvatures", "hessian"] {
+            assert!(!plan(Goal::Enhance, DEPTH, 50).runs(step));
+            assert!(plan(Goal::Layers, DEPTH, 50).runs(step));
+        }
+    }
+
+    #[test]
+    fn scaling_by_zero_computes_nothing() {
+        let idle = ScalingParams {
+            scaling: 0.0,
+            ..ScalingParams::default()
+        };
+        let plan = Plan::new(Goal::Enhance, DEPTH, ShapeParams::default(), idle).unwrap();
+        assert!(plan.stages().is_empty());
+    }
+
+    #[test]
+    fn names_are_given_once_and_what_is_taken_is_given_before() {
+        let names = stages().flat_map(|stage| stage.steps).map(|step| step.name);
+        let passes = stages().map(|stage| stage.name);
+        for mut names in [names.collect::<Vec<_>>(), passes.collect()] {
+            let count = names.len();
+            names.sort_unstable();
+            names.dedup();
+            assert_eq!(names.len(), count);
+        }
+        for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
+            let plan = plan(goal, DEPTH, 50);
+            let mut given = Vec::new();
+            for stage in running(&plan) {
+                let takes = (stage.takes)(&plan);
+                assert!(
+                    takes.iter().all(|taken| given.contains(taken)),
+                    "{}",
+                    stage.name
+                );
+                given.extend(stage.gives());
+            }
+        }
+    }
+
+    /// Samples reach as far as those of the stages before, and one's own reach further: edges 1, each of the sweeps 1,
+    /// the Hessian 1.
+    #[test]
+    fn reaches_add_up() {
+        let enhanced = plan(Goal::Enhance, DEPTH, 50);
+        assert_eq!(enhanced.reach(), 1 + enhanced.sweeps.count() + 1);
+        assert_eq!(plan(Goal::Enhance, DEPTH, 0).reach(), 2);
+        let layers = plan(Goal::Layers, DEPTH, 50);
+        let directions = 1 + layers.direction_steps_px[1] + FILL_REACH_PX;
+        assert_eq!(layers.reach(), enhanced.reach().max(directions));
+        assert_eq!(layers.without(Product::Direction).reach(), enhanced.reach());
+    }
+
+    #[test]
+    fn a_key_changes_with_what_its_result_depends_on_and_with_nothing_else() {
+        let (fine, coarse) = (
+            plan(Goal::Enhance, DEPTH, 10),
+            plan(Goal::Enhance, DEPTH, 50),
+        );
+        assert_eq!(
+            fine.key("edges-and-gradient"),
+            coarse.key("edges-and-gradient")
+        );
+        for stage in ["diffusion", "trace", "auto-gain"] {
+            assert_ne!(fine.key(stage), coarse.key(stage));
+        }
+        let brighter = ScalingParams {
+            scaling: 2.0,
+            ..ScalingParams::default()
+        };
+        let brighter = Plan::new(Goal::Enhance, DEPTH, coarse.shape, brighter).unwrap();
+        assert_eq!(brighter.key("auto-gain"), coarse.key("auto-gain"));
+    }
+}

@@ -1,0 +1,60 @@
+//! All stages, in the order of execution.
+
+use crate::light::layers::stage::{AMBIENT_OCCLUSION, LIGHT_GROUPS, LIGHT_LOBES};
+use crate::light::radiance_scaling::stage::RADIANCE_SCALING;
+use crate::light::relight::stage::RELIGHT;
+use crate::light::white_level::AUTO_WHITE;
+use crate::line::contours::stage::CONTOURS;
+use crate::line::direction_field::stage::DIRECTION_FIELD;
+use crate::line::hatching::stage::HATCHING;
+use crate::line::normal_rays::stage::NORMAL_RAYS;
+use crate::line::specular::stage::SPECULAR_TRACE;
+use crate::line::streamlines::stage::STREAMLINES;
+use crate::line::texture_coordinates::stage::TEXTURE_COORDINATES;
+use crate::line::tonal_art_map::stage::TONAL_ART_MAP;
+use crate::plan::stage::Stage;
+use crate::shape::auto_levels::stage::AUTO_GAIN;
+use crate::shape::curvature::stage::{CURVATURES, DIRECTIONS, HESSIAN, MAPPED_CURVATURE, TRACE};
+use crate::shape::curvature_display::stage::CURVATURE_DISPLAY;
+use crate::shape::diffusion::stage::DIFFUSION;
+use crate::shape::edges::stage::EDGES;
+
+/// Those that find the shape.
+pub(crate) static SHAPE: [&Stage; 9] = [
+    &EDGES,
+    &DIFFUSION,
+    &TRACE,
+    &HESSIAN,
+    &CURVATURES,
+    &DIRECTIONS,
+    &NORMAL_RAYS,
+    &AUTO_GAIN,
+    &MAPPED_CURVATURE,
+];
+
+/// Those that make a picture.
+pub(crate) static PICTURE: [&Stage; 7] = [
+    &AUTO_WHITE,
+    &RADIANCE_SCALING,
+    &LIGHT_LOBES,
+    &LIGHT_GROUPS,
+    &AMBIENT_OCCLUSION,
+    &CURVATURE_DISPLAY,
+    &RELIGHT,
+];
+
+/// Those that draw it.
+pub(crate) static DRAWING: [&Stage; 7] = [
+    &SPECULAR_TRACE,
+    &CONTOURS,
+    &DIRECTION_FIELD,
+    &TEXTURE_COORDINATES,
+    &TONAL_ART_MAP,
+    &HATCHING,
+    &STREAMLINES,
+];
+
+/// All there are.
+pub(crate) fn stages() -> impl DoubleEndedIterator<Item = &'static Stage> {
+    SHAPE.iter().chain(&PICTURE).chain(&DRAWING).copied()
+}

@@ -1,0 +1,75 @@
+//! The gain of the curvature mapping: chosen from the whole frame, or given.
+
+use crate::engine::cpu::run::Run;
+use crate::params::Adaptive;
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+use crate::shape::auto_levels::cpu;
+use crate::shape::curvature::stage::find_trace;
+
+/// The gain of the curvature mapping.
+pub(crate) static AUTO_GAIN: Stage = Stage {
+    // A gain that is given is noted.
+    also_runs: Plan::wants_curvature,
+    takes: |plan| match plan.wants(Product::Hessian) {
+        true => vec![Product::Hessian],
+        false => vec![Product::Trace],
+    },
+    name: "auto-gain",
+    steps: &[Step {
+        name: "auto-gain",
+        gives: &[],
+        decide: |plan| match plan.scaling.curvature_gain {
+            _ if !plan.wants_curvature() => plan.left_out("no curvature is needed"),
+            Adaptive::Auto => Verdict::runs("--curvature-gain auto"),
+            fixed => plan.left_out(format!("--curvature-gain {fixed}")),
+        },
+    }],
+    cpu: choose_gain,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::choose_gain,
+    ..Stage::DEFAULT
+};
+
+impl Plan {
+    /// Whether the gain of the curvature mapping is chosen from the frame.
+    pub(crate) fn chooses_gain(&self) -> bool {
+        self.wants_curvature() && self.scaling.curvature_gain == Adaptive::Auto
+    }
+}
+
+pub(crate) fn choose_gain(run: &mut Run) {
+    let gain = match run.plan.scaling.curvature_gain {
+        Adaptive::Fixed(gain) => gain,
+        Adaptive::Auto => gain_of_frame(run),
+    };
+    run.outcome.gain = Some(gain);
+}
+
+/// The gain by the sum of curvatures, however that is made.
+fn gain_of_frame(run: &mut Run) -> f32 {
+    let plan = run.plan;
+    if run.trace.is_none() && run.outcome.shape.trace.is_none() {
+        find_trace(run);
+    }
+    let (shape, own) = (std::mem::take(&mut run.outcome.shape), run.trace.take());
+    let trace = own.as_ref().or(shape.trace.as_ref());
+    let trace = trace.expect("the gain takes the trace");
+    let conductance = shape
+        .conductance
+        .as_ref()
+        .expect("the trace takes the conductance");
+    // The bits of a trace depend on what it is made of.
+    let made_of = (own.is_some(), plan.relighting.is_some());
+    let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
+    let factor = plan.resolution_factor as f32;
+    let gain = run.copied_or(
+        &key,
+        |kept| &mut kept.gain,
+        AUTO_GAIN.name,
+        || cpu::curvature_gain(trace, conductance, factor),
+    );
+    (run.outcome.shape, run.trace) = (shape, own);
+    gain
+}

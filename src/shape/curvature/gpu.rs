@@ -1,0 +1,167 @@
+//! The Hessian, and curvatures.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::{Curvatures, Hessian, Shape};
+use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::Number::F32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::light::enhancement::Subject;
+use crate::plan::Plan;
+use crate::product::Product;
+use crate::shape::curvature::UMBILIC;
+use crate::shape::hessian::RIDGE;
+
+/// The plane through the gradients around a pixel.
+pub(crate) const PLANE_FIT: Wgsl = wgsl!("../plane_fit.wgsl", [("RIDGE", F32(RIDGE))]);
+
+/// The mapped curvature.
+pub(crate) const MAPPED_CURVATURE: Wgsl = wgsl!("mapped_curvature.wgsl");
+
+/// The mapped curvature toward a light.
+pub(crate) const MAPPED_CURVATURE_TOWARD: Wgsl = wgsl!("mapped_curvature_toward.wgsl");
+
+uniforms! {
+    /// Of `hessian.wgsl`.
+    HessianParams {
+        width: u32,
+        height: u32,
+        /// Pixels that stand for one of the reference.
+        resolution_factor: f32,
+    }
+}
+
+bindings! {
+    HessianBuffers { covered, conductance, gradient, trace, hessian_xx, hessian_xy, hessian_yy }
+    CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, chosen, curvature, direction }
+}
+
+/// The Hessian of a gradient, or its trace alone.
+pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
+    "Hessian",
+    &[INDEX, AROUND, COVERAGE, PLANE_FIT, wgsl!("../hessian.wgsl")],
+);
+
+/// What the layers of the descriptor take of the Hessian.
+pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffers>(
+    "Curvatures",
+    &[
+        INDEX,
+        COVERAGE,
+        MAPPED_CURVATURE,
+        wgsl!("curvatures.wgsl", [("UMBILIC", F32(UMBILIC))]),
+    ],
+);
+
+/// Finds the Hessian, or its trace alone.
+pub(crate) fn find_hessian(run: &mut Run) {
+    run.change_shape(Run::with_hessian);
+}
+
+/// Makes what the layers of the descriptor take of the Hessian, at every scale, by the gain that was chosen.
+pub(crate) fn describe(run: &mut Run) {
+    let shape = run.made.shape.take().expect(FROM_HESSIAN);
+    let hessian = shape.hessian.as_ref().expect(FROM_HESSIAN);
+    let mut curvatures = vec![run.curvatures(hessian)];
+    for gradient in &shape.more_gradients {
+        let hessian = run.hessian(run.plan, gradient, &shape.conductance, true);
+        curvatures.push(run.curvatures(&hessian));
+    }
+    run.made.curvatures = curvatures;
+    run.made.shape = Some(shape);
+}
+
+const FROM_HESSIAN: &str = "curvatures are planned with their Hessian";
+
+/// Whether the trace of the Hessian is used once, and where it is made.
+fn scales_by_gradient(plan: &Plan) -> bool {
+    let is_used_again = plan.runs("auto-gain")
+        || plan
+            .enhancement
+            .is_some_and(|enhancement| enhancement.occlusion > 0.0);
+    plan.enhancement.is_some() && plan.scaled() == Some(Subject::Picture) && !is_used_again
+}
+
+impl Run<'_> {
+    /// A shape with its Hessian, unless that is made where it is used.
+    pub(crate) fn with_hessian(&mut self, shape: Shape) -> Shape {
+        let plan = self.plan;
+        let wanted = plan.wants_curvature() && !scales_by_gradient(plan);
+        let hessian = wanted.then(|| {
+            let entries = plan.wants(Product::Hessian);
+            self.hessian(plan, &shape.gradient, &shape.conductance, entries)
+        });
+        Shape { hessian, ..shape }
+    }
+
+    /// The Hessian of a gradient, or its trace alone.
+    pub(crate) fn hessian(
+        &mut self,
+        plan: &Plan,
+        gradient: &wgpu::Buffer,
+        conductance: &wgpu::Buffer,
+        entries_wanted: bool,
+    ) -> Hessian {
+        let [width, height] = self.surface.size;
+        let plane = self.surface.plane_bytes();
+        let params = HessianParams {
+            width,
+            height,
+            resolution_factor: plan.resolution_factor as f32,
+        };
+        let trace = self.take(plane);
+        let entries = [(); 3].map(|()| self.take(if entries_wanted { plane } else { NOWHERE }));
+        let [xx, xy, yy] = &entries;
+        self.recorder.over_rows(
+            if entries_wanted { "hessian" } else { "trace" },
+            (&HESSIAN, &[("ENTRIES_WANTED", entries_wanted)]),
+            &params,
+            &HessianBuffers {
+                covered: &self.surface.covered,
+                conductance,
+                gradient,
+                trace: &trace,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+            },
+            [width, height],
+        );
+        let entries = match entries_wanted {
+            true => Some(entries),
+            false => {
+                self.buffers.recycle(entries);
+                None
+            }
+        };
+        Hessian { trace, entries }
+    }
+
+    /// Curvatures, directions and mapped curvature of a Hessian whose entries are there.
+    pub(crate) fn curvatures(&mut self, hessian: &Hessian) -> Curvatures {
+        let [width, height] = self.surface.size;
+        let plane = self.surface.plane_bytes();
+        let (curvature, direction) = (self.take(4 * plane), self.take(2 * plane));
+        let [xx, xy, yy] = hessian.entries.as_ref().expect("the entries are wanted");
+        self.recorder.over_pixels(
+            "curvatures",
+            (&CURVATURES, &[]),
+            &SizeParams { width, height },
+            &CurvaturesBuffers {
+                covered: &self.surface.covered,
+                hessian_xx: xx,
+                hessian_xy: xy,
+                hessian_yy: yy,
+                chosen: &self.chosen,
+                curvature: &curvature,
+                direction: &direction,
+            },
+            [width, height],
+        );
+        Curvatures {
+            curvature,
+            direction,
+        }
+    }
+}

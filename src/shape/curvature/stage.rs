@@ -1,0 +1,276 @@
+//! From the gradient to curvature: its trace alone where that is enough, else the Hessian and what is made of it.
+
+use crate::engine::cpu::frame_cache::FrameCache;
+use crate::engine::cpu::rows::ROWS_PER_TASK;
+use crate::engine::cpu::run::Run;
+use crate::engine::outcome::{ScaleShape, Shape};
+use crate::frame::{Plane, SymmetricPlanes, Vector2Planes};
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+use crate::shape::curvature::cpu;
+use crate::shape::diffusion::stage::DIFFUSION;
+use crate::shape::hessian::REACH;
+use rayon::prelude::*;
+
+/// The sum of the curvatures.
+pub(crate) static TRACE: Stage = Stage {
+    takes: |_| vec![Product::Gradient, Product::Conductance],
+    reach_px: |_| REACH,
+    name: "trace",
+    steps: &[Step {
+        name: "trace",
+        gives: &[Product::Trace],
+        decide: |plan| match (plan.wants(Product::Hessian), plan.wants(Product::Trace)) {
+            (true, _) => plan.left_out("part of the hessian"),
+            (false, true) => Verdict::runs(format!(
+                "only the sum of curvatures is needed{}",
+                unit(plan)
+            )),
+            (false, false) => plan.left_out("no curvature is needed"),
+        },
+    }],
+    cpu: find_trace,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::find_hessian,
+    ..Stage::DEFAULT
+};
+
+/// The Hessian of the height.
+pub(crate) static HESSIAN: Stage = Stage {
+    takes: |_| vec![Product::Gradient, Product::Conductance],
+    reach_px: |_| REACH,
+    depends_on: |plan| plan.resolution_factor.to_string(),
+    name: "hessian",
+    steps: &[Step {
+        name: "hessian",
+        gives: &[Product::Trace, Product::Hessian],
+        decide: |plan| {
+            let why = match plan.wants(Product::Curvature) {
+                true => "asked for as layers",
+                false => "light has a direction: so has curvature",
+            };
+            match plan.wants(Product::Hessian) {
+                true => Verdict::runs(format!("{why}{}", unit(plan))),
+                false => plan.left_out("its trace is enough: no eigenvectors, no directions"),
+            }
+        },
+    }],
+    cpu: find_hessian,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::find_hessian,
+    ..Stage::DEFAULT
+};
+
+/// Principal and mean curvatures.
+pub(crate) static CURVATURES: Stage = Stage {
+    takes: |_| vec![Product::Hessian],
+    name: "curvatures",
+    steps: &[Step {
+        name: "curvatures",
+        gives: &[Product::Curvature],
+        decide: |plan| asked_for(plan, Product::Curvature, "their sum is enough"),
+    }],
+    cpu: find_curvatures,
+    ..Stage::DEFAULT
+};
+
+/// Directions of the view-centred curvature larger in size.
+pub(crate) static DIRECTIONS: Stage = Stage {
+    takes: |_| vec![Product::Hessian],
+    name: "directions",
+    steps: &[Step {
+        name: "directions",
+        gives: &[Product::ViewDirection],
+        decide: |plan| {
+            let why_not = "no eigenvectors: what follows a direction uses the hessian itself";
+            asked_for(plan, Product::ViewDirection, why_not)
+        },
+    }],
+    cpu: find_directions,
+    ..Stage::DEFAULT
+};
+
+/// Curvature mapped to -1..1, and curvature at further scales.
+pub(crate) static MAPPED_CURVATURE: Stage = Stage {
+    takes: |_| vec![Product::Curvature, Product::Hessian, Product::Conductance],
+    name: "mapped-curvature",
+    steps: &[Step {
+        name: "mapped-curvature",
+        gives: &[Product::MappedCurvature],
+        decide: |plan| match plan.wants(Product::MappedCurvature) {
+            true => Verdict::runs("asked for as a layer"),
+            false => plan.left_out("made on the fly where it is used"),
+        },
+    }],
+    cpu: map_curvature,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::describe,
+    ..Stage::DEFAULT
+};
+
+fn asked_for(plan: &Plan, product: Product, why_not: &str) -> Verdict {
+    match plan.wants(product) {
+        true => Verdict::runs("asked for as layers"),
+        false => plan.left_out(why_not),
+    }
+}
+
+/// The unit of curvature, where it is not the picture's own.
+fn unit(plan: &Plan) -> String {
+    match plan.shape.reference_height {
+        None => String::new(),
+        Some(height) => {
+            let factor = plan.resolution_factor;
+            format!(", times {factor:.4}: per pixel at a height of {height}")
+        }
+    }
+}
+
+/// The trace of the Hessian, of the gradient. New light makes it row by row; there it is only made for the gain.
+pub(crate) fn find_trace(run: &mut Run) {
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    if plan.relighting.is_some() && !plan.chooses_gain() {
+        return;
+    }
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let (gradient, conductance) = slopes(&shape);
+    let key = format!("{} {}", plan.key(DIFFUSION.name), plan.resolution_factor);
+    let trace = run.kept_or(
+        &key,
+        |kept| &mut kept.trace,
+        "trace",
+        || {
+            let trace = cpu::trace(gradient, conductance, mask, memory);
+            per_reference_pixel(trace, plan.resolution_factor)
+        },
+    );
+    run.outcome.shape = Shape {
+        trace: Some(trace),
+        ..shape
+    };
+}
+
+/// The Hessian, and its trace where no curvatures are made, whose sum is the same. New light makes both row by row.
+fn find_hessian(run: &mut Run) {
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    if plan.relighting.is_some() {
+        return;
+    }
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let (gradient, conductance) = slopes(&shape);
+    let key = plan.key(HESSIAN.name);
+    let with_trace = !plan.wants(Product::Curvature);
+    let kept = |kept: &mut FrameCache| {
+        let hessian = kept.hessian.take(key);
+        match with_trace {
+            true => hessian.zip(kept.trace.take(key).map(Some)),
+            false => hessian.map(|hessian| (hessian, None)),
+        }
+    };
+    let (hessian, trace) = run.taken_or(kept, "hessian", || {
+        let hessian = cpu::hessian(gradient, conductance, mask, memory);
+        let hessian = hessian_at(plan.resolution_factor, hessian);
+        let trace = with_trace.then(|| cpu::trace_of(&hessian, mask, memory));
+        (hessian, trace)
+    });
+    run.outcome.shape = Shape {
+        hessian: Some(hessian),
+        trace,
+        ..shape
+    };
+}
+
+fn find_curvatures(run: &mut Run) {
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let hessian = taken(&mut run.outcome.shape);
+    let key = plan.key(CURVATURES.name);
+    let curvatures = run.kept_or(
+        key,
+        |kept| &mut kept.curvatures,
+        "curvatures",
+        || cpu::curvatures(&hessian, mask, memory),
+    );
+    run.trace = Some(curvatures.trace());
+    let shape = &mut run.outcome.shape;
+    (shape.hessian, shape.curvatures) = (Some(hessian), Some(curvatures));
+}
+
+fn find_directions(run: &mut Run) {
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let hessian = taken(&mut run.outcome.shape);
+    let key = plan.key(DIRECTIONS.name);
+    let directions = run.kept_or(
+        key,
+        |kept| &mut kept.direction_view,
+        "directions",
+        || cpu::directions(&hessian, mask, memory),
+    );
+    let shape = &mut run.outcome.shape;
+    (shape.hessian, shape.direction_view) = (Some(hessian), Some(directions));
+}
+
+fn map_curvature(run: &mut Run) {
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let gain = run.gain();
+    let trace = run.trace.take().expect("curvatures come before their map");
+    run.outcome.shape.kappa = Some(cpu::mapped_curvature(&trace, gain, mask, memory));
+    if plan.more_px.is_empty() {
+        return;
+    }
+    let gradients = std::mem::take(&mut run.more_gradients);
+    let conductance = run.outcome.shape.conductance.take().expect(SLOPES);
+    let scales = run.timed("more-scales", || {
+        let scales = gradients.into_iter().zip(&plan.more_px);
+        let described = scales.map(|(gradient, &sigma_px)| {
+            let hessian = cpu::hessian(&gradient, &conductance, mask, memory);
+            let hessian = hessian_at(plan.resolution_factor, hessian);
+            let curvatures = cpu::curvatures(&hessian, mask, memory);
+            let trace = curvatures.trace();
+            ScaleShape {
+                sigma_px,
+                kappa: cpu::mapped_curvature(&trace, gain, mask, memory),
+                curvatures,
+            }
+        });
+        described.collect()
+    });
+    run.outcome.shape.conductance = Some(conductance);
+    run.outcome.shape.more_scales = scales;
+}
+
+const SLOPES: &str = "curvature is planned with its gradient";
+
+fn slopes(shape: &Shape) -> (&Vector2Planes, &Plane) {
+    let gradient = shape.gradient.as_ref().expect(SLOPES);
+    (gradient, shape.conductance.as_ref().expect(SLOPES))
+}
+
+/// The Hessian, taken out while something is made of it.
+fn taken(shape: &mut Shape) -> SymmetricPlanes {
+    shape
+        .hessian
+        .take()
+        .expect("curvatures are planned with their Hessian")
+}
+
+/// The Hessian per pixel of the reference.
+fn hessian_at(factor: f64, per_pixel: SymmetricPlanes) -> SymmetricPlanes {
+    SymmetricPlanes {
+        xx: per_reference_pixel(per_pixel.xx, factor),
+        xy: per_reference_pixel(per_pixel.xy, factor),
+        yy: per_reference_pixel(per_pixel.yy, factor),
+    }
+}
+
+/// Derivatives per pixel of the reference: the one place where curvature meets the factor of resolution.
+fn per_reference_pixel(mut per_pixel: Plane, factor: f64) -> Plane {
+    if factor != 1.0 {
+        let factor = factor as f32;
+        let width = per_pixel.width();
+        let rows = per_pixel.samples_mut().par_chunks_mut(width);
+        rows.with_min_len(ROWS_PER_TASK)
+            .for_each(|row| row.iter_mut().for_each(|v| *v *= factor));
+    }
+    per_pixel
+}

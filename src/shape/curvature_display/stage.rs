@@ -1,0 +1,37 @@
+//! The curvature display as a picture.
+
+use crate::engine::cpu::run::Run;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+use crate::shape::curvature_display::curvature_display;
+
+/// The coloured curvature display of [LW] figure 6.
+pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
+    takes: |_| vec![Product::Trace, Product::Conductance],
+    name: "display",
+    steps: &[Step {
+        name: "curvature-display",
+        gives: &[Product::Picture],
+        decide: |plan| match plan.display {
+            true => Verdict::runs("a picture of the descriptor"),
+            false => plan.left_out("no display is asked for"),
+        },
+    }],
+    cpu: display,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::display,
+    ..Stage::DEFAULT
+};
+
+fn display(run: &mut Run) {
+    let (mask, memory, gain) = (&run.frame.mask, &run.runner.memory, run.gain());
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let there = "the display takes curvature";
+    let trace = shape.trace.as_ref().expect(there);
+    let conductance = shape.conductance.as_ref().expect(there);
+    let color = run.timed(CURVATURE_DISPLAY.name, || {
+        curvature_display(trace, conductance, mask, gain, memory)
+    });
+    run.outcome.color = Some(color);
+    run.outcome.shape = shape;
+}

@@ -1,0 +1,383 @@
+//! Diffusion of the gradient: several sweeps at a time in workgroup memory, or one by one.
+
+use crate::engine::gpu::bindings::bindings;
+use crate::engine::gpu::constants::{
+    REGION, REGION_GROUP_ROWS, ROWS_PER_INVOCATION, SWEEPS_PER_PASS,
+};
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::made::Shape;
+use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::wgsl::Number::U32;
+use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::plan::Plan;
+use crate::shape::diffusion::sweeps::{Readout, Recurrence};
+
+/// The conductance between two pixels.
+pub(crate) const FACE_CONDUCTANCE: Wgsl = wgsl!("../face_conductance.wgsl");
+
+/// What flows between pixels, and what a sweep makes of it.
+const FLUX: Wgsl = wgsl!("flux.wgsl");
+
+uniforms! {
+    /// Of `diffusion.wgsl` and `sweep.wgsl`.
+    DiffusionParams {
+        width: u32,
+        height: u32,
+        /// Sweeps of this pass.
+        sweeps: u32,
+        /// Number of the term it starts from.
+        first_term: u32,
+        /// 1 where no pass follows.
+        is_final: u32,
+        /// Levels of importance that have weights of their own.
+        level_count: u32,
+        /// Length of an explicit step.
+        time_step: f32,
+    }
+}
+
+bindings! {
+    DiffusionBuffers { last, earlier, conductance, term_weights, levels, covered, next_last, next_earlier, sums }
+    FacesBuffers { conductance, faces }
+    SweepBuffers { last, faces, term_weights, levels, next, sums }
+}
+
+/// Several sweeps in the memory of a workgroup.
+pub(crate) static DIFFUSION: Kernel = Kernel::new::<DiffusionParams, DiffusionBuffers>(
+    "Diffusion",
+    &[
+        INDEX,
+        COVERAGE,
+        FACE_CONDUCTANCE,
+        FLUX,
+        wgsl!(
+            "diffusion.wgsl",
+            [
+                ("REGION_COLUMNS", U32(REGION[0])),
+                ("REGION_ROWS", U32(REGION[1])),
+                ("REGION_PIXELS", U32(REGION[0] * REGION[1])),
+                ("REGION_GROUP_ROWS", U32(REGION_GROUP_ROWS)),
+                ("ROWS_PER_INVOCATION", U32(ROWS_PER_INVOCATION))
+            ]
+        ),
+    ],
+);
+
+/// The conductance of the faces between pixels.
+pub(crate) static FACES: Kernel = Kernel::new::<SizeParams, FacesBuffers>(
+    "Faces",
+    &[INDEX, FACE_CONDUCTANCE, wgsl!("faces.wgsl")],
+);
+
+/// A single sweep.
+pub(crate) static SWEEP: Kernel =
+    Kernel::new::<DiffusionParams, SweepBuffers>("Sweep", &[INDEX, FLUX, wgsl!("sweep.wgsl")]);
+
+/// The weights that the terms of a recurrence are added up with.
+enum TermWeights<'a> {
+    /// No sum is made: the last term is the result.
+    None,
+    /// The same for all pixels.
+    Same(&'a [f32]),
+    /// Those of the pixel's level of importance.
+    ByLevel,
+}
+
+/// What the kernels of a run of sweeps have in common.
+struct Sweeping<'a> {
+    gradient: &'a wgpu::Buffer,
+    conductance: &'a wgpu::Buffer,
+    /// Weights of the terms, those of all levels together, and how many levels there are.
+    term_weights: wgpu::Buffer,
+    level_count: u32,
+    by_level: bool,
+    /// Whether terms are those of Chebyshev's recurrence, or steps of this length.
+    is_expansion: bool,
+    time_step: f32,
+    /// How many sweeps there are, 1 or more.
+    count: usize,
+}
+
+impl Sweeping<'_> {
+    fn is_summed(&self) -> bool {
+        self.is_expansion || self.by_level
+    }
+}
+
+/// Diffuses the gradient, or takes it as it is.
+pub(crate) fn diffuse(run: &mut Run) {
+    run.change_shape(Run::with_diffusion);
+}
+
+impl Run<'_> {
+    /// A shape with its gradient at all scales.
+    pub(crate) fn with_diffusion(&mut self, shape: Shape) -> Shape {
+        let plan = self.plan;
+        let mut gradients = match plan.sweeps.count() {
+            0 => {
+                let copies = (0..plan.more_px.len()).map(|_| self.copy_of(&shape.gradient));
+                let copies: Vec<_> = copies.collect();
+                std::iter::once(shape.gradient).chain(copies).collect()
+            }
+            _ => self.diffused(plan, shape.gradient, &shape.conductance),
+        };
+        let more_gradients = gradients.split_off(1);
+        Shape {
+            gradient: gradients.remove(0),
+            more_gradients,
+            ..shape
+        }
+    }
+
+    /// The gradient after all sweeps: at every scale that is read out.
+    pub(crate) fn diffused(
+        &mut self,
+        plan: &Plan,
+        gradient: wgpu::Buffer,
+        conductance: &wgpu::Buffer,
+    ) -> Vec<wgpu::Buffer> {
+        let sweeps = &plan.sweeps;
+        let all = sweeps.count();
+        let results: Vec<(usize, TermWeights)> = match &sweeps.readout {
+            Readout::Last => vec![(all, TermWeights::None)],
+            Readout::ByImportance(_) => vec![(all, TermWeights::ByLevel)],
+            // Each scale by itself: on a device sweeps cost less than memory for several sums.
+            Readout::Sums(sums) => sums
+                .iter()
+                .map(|weights| (weights.len() - 1, TermWeights::Same(weights)))
+                .collect(),
+        };
+        let diffused = results.into_iter().map(|(count, weights)| match count {
+            0 => self.copy_of(&gradient),
+            _ => self.swept(plan, [&gradient, conductance], count, weights),
+        });
+        let diffused = diffused.collect();
+        self.buffers.recycle([gradient]);
+        diffused
+    }
+
+    /// The gradient after `count` sweeps, or the sum of their terms.
+    fn swept(
+        &mut self,
+        plan: &Plan,
+        [gradient, conductance]: [&wgpu::Buffer; 2],
+        count: usize,
+        weights: TermWeights,
+    ) -> wgpu::Buffer {
+        let importance = self.surface.importance.as_ref();
+        let (by_level, level_count, weights) = match (weights, importance) {
+            (TermWeights::Same(weights), _) => (false, 1, weights.to_vec()),
+            (TermWeights::ByLevel, Some(importance)) => {
+                (true, importance.count, importance.weights.clone())
+            }
+            _ => (false, 1, vec![0.0]),
+        };
+        let (is_expansion, time_step) = match plan.sweeps.recurrence {
+            Recurrence::Explicit(time_step) => (false, time_step),
+            Recurrence::Chebyshev => (true, 0.0),
+        };
+        let sweeping = Sweeping {
+            gradient,
+            conductance,
+            term_weights: self.hold(&weights),
+            level_count,
+            by_level,
+            is_expansion,
+            time_step,
+            count,
+        };
+        match self.device.is_software() {
+            true => self.swept_one_by_one(&sweeping),
+            false => self.swept_in_tiles(&sweeping),
+        }
+    }
+
+    fn swept_in_tiles(&mut self, sweeping: &Sweeping) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let bytes = 2 * self.surface.plane_bytes();
+        let (is_expansion, is_summed) = (sweeping.is_expansion, sweeping.is_summed());
+        let two = |wanted: bool| [(); 2].map(|()| self.take(if wanted { bytes } else { NOWHERE }));
+        let (last, earlier) = (two(true), two(is_expansion));
+        let sums = self.take(if is_summed { bytes } else { NOWHERE });
+        let passes = sweeping.count.div_ceil(SWEEPS_PER_PASS);
+        for pass in 0..passes {
+            let first = pass * SWEEPS_PER_PASS;
+            let sweeps = SWEEPS_PER_PASS.min(sweeping.count - first) as u32;
+            let params = DiffusionParams {
+                width,
+                height,
+                sweeps,
+                first_term: first as u32,
+                is_final: u32::from(pass + 1 == passes),
+                level_count: sweeping.level_count,
+                time_step: sweeping.time_step,
+            };
+            // What one pass makes the next one takes.
+            let (from, to) = ((pass + 1) % 2, pass % 2);
+            let start = (pass == 0).then_some(sweeping.gradient);
+            let before = start.or((!is_expansion).then_some(sweeping.gradient));
+            let importance = self.surface.importance.as_ref();
+            let buffers = DiffusionBuffers {
+                last: start.unwrap_or(&last[from]),
+                earlier: before.unwrap_or(&earlier[from]),
+                conductance: sweeping.conductance,
+                term_weights: &sweeping.term_weights,
+                levels: importance.map_or(&self.surface.covered, |i| &i.levels),
+                covered: &self.surface.covered,
+                next_last: &last[to],
+                next_earlier: &earlier[to],
+                sums: &sums,
+            };
+            let switches = [
+                ("IS_EXPANSION", is_expansion),
+                ("BY_LEVEL", sweeping.by_level),
+            ];
+            let [columns, rows] = REGION.map(|side| side - 2 * sweeps);
+            let groups = [width.div_ceil(columns), height.div_ceil(rows)];
+            let kernel: (&Kernel, &[_]) = (&DIFFUSION, &switches);
+            self.recorder
+                .dispatch("diffusion", kernel, &params, &buffers, groups);
+        }
+        let [first, second] = last;
+        let (result, other) = match (is_summed, passes % 2 == 1) {
+            (true, _) => (sums, [first, second]),
+            (false, true) => (first, [second, sums]),
+            (false, false) => (second, [first, sums]),
+        };
+        self.buffers.recycle(other);
+        self.buffers.recycle(earlier);
+        result
+    }
+
+    fn swept_one_by_one(&mut self, sweeping: &Sweeping) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let bytes = 2 * self.surface.plane_bytes();
+        let is_summed = sweeping.is_summed();
+        let faces = self.take(bytes);
+        self.recorder.over_pixels(
+            "diffusion",
+            (&FACES, &[]),
+            &SizeParams { width, height },
+            &FacesBuffers {
+                conductance: sweeping.conductance,
+                faces: &faces,
+            },
+            [width, height],
+        );
+        let terms = [(); 2].map(|()| self.take(bytes));
+        let sums = self.take(if is_summed { bytes } else { NOWHERE });
+        for sweep in 0..sweeping.count {
+            let params = DiffusionParams {
+                width,
+                height,
+                sweeps: 1,
+                first_term: sweep as u32,
+                is_final: u32::from(sweep + 1 == sweeping.count),
+                level_count: sweeping.level_count,
+                time_step: sweeping.time_step,
+            };
+            // A term of an odd number brings the one before with it.
+            let is_odd = sweep % 2 == 0;
+            let is_last = sweep + 1 == sweeping.count;
+            let switches = [
+                ("IS_EXPANSION", sweeping.is_expansion),
+                ("BY_LEVEL", sweeping.by_level),
+                ("ADDS_TWO", is_summed && is_odd),
+                ("ADDS_OWN", is_summed && !is_odd && is_last),
+            ];
+            let last = match sweep {
+                0 => sweeping.gradient,
+                _ => &terms[(sweep + 1) % 2],
+            };
+            let importance = self.surface.importance.as_ref();
+            let buffers = SweepBuffers {
+                last,
+                faces: &faces,
+                term_weights: &sweeping.term_weights,
+                levels: importance.map_or(&self.surface.covered, |i| &i.levels),
+                next: &terms[sweep % 2],
+                sums: &sums,
+            };
+            let kernel: (&Kernel, &[_]) = (&SWEEP, &switches);
+            self.recorder
+                .over_pixels("diffusion", kernel, &params, &buffers, [width, height]);
+            if sweep == 0 && sweeping.is_expansion {
+                // The term before the first is where it started.
+                self.recorder.copy(sweeping.gradient, &terms[1]);
+            }
+        }
+        let [even, odd] = terms;
+        let (result, other) = match (is_summed, sweeping.count % 2 == 1) {
+            (true, _) => (sums, [even, odd]),
+            (false, true) => (even, [odd, sums]),
+            (false, false) => (odd, [even, sums]),
+        };
+        self.buffers.recycle(other);
+        self.buffers.recycle([faces]);
+        result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::engine::gpu::device::{Choice, Device, to_test_on};
+    use crate::engine::gpu::runner::Runner;
+    use crate::engine::inputs::Inputs;
+    use crate::frame::{Frame, Mask, Plane};
+    use crate::params::{Scale, ShapeParams, Solver};
+    use crate::plan::{Goal, Plan};
+    use crate::product::Product;
+    use crate::report::scenes::Scene;
+    use crate::report::timing;
+
+    fn plan(frame: &Frame, solver: Solver, steps: u32) -> Plan {
+        let shape = ShapeParams {
+            solver,
+            scale: Scale::Iterations(steps),
+            ..ShapeParams::default()
+        };
+        timing::plan(Goal::Layers, frame, shape).unwrap()
+    }
+
+    /// On a surface so small that most groups hold nothing of it, in memory that comes with what a whole frame left
+    /// there.
+    #[test]
+    fn tiles_make_what_sweeps_one_by_one_do() {
+        let open = |is_software| {
+            let device = to_test_on(Device::open(Choice::Any))?;
+            Some(Runner::new(device.taken_for(is_software)))
+        };
+        let Some((one_by_one, in_tiles)) = open(true).zip(open(false)) else {
+            return;
+        };
+        let mut whole = Scene::waves(300, 140).frame;
+        for (solver, steps, by_level) in [
+            (Solver::Chebyshev, 40, false),
+            (Solver::Explicit, 9, false),
+            (Solver::Chebyshev, 40, true),
+            (Solver::Explicit, 9, true),
+        ] {
+            whole.importance = by_level.then(|| Plane::from_fn(300, 140, |x, _| x as f32 / 299.0));
+            let disc = |x: usize, y: usize| (x as f32 - 60.0).hypot(y as f32 - 50.0) < 30.0;
+            let small = Frame {
+                mask: Mask::new(Plane::from_fn(300, 140, disc)),
+                ..whole.clone()
+            };
+            let gradient = |runner: &Runner, frame: &Frame| {
+                let plan = plan(frame, solver, steps);
+                let found = runner.execute(&plan, frame, Inputs::default());
+                found.unwrap().shape.gradient.unwrap()
+            };
+            gradient(&in_tiles, &whole);
+            let found = gradient(&in_tiles, &small);
+            let expected = gradient(&one_by_one, &small);
+            for (found, expected) in [(&found.x, &expected.x), (&found.y, &expected.y)] {
+                let apart = Product::Gradient.apart(&[found], &[expected]);
+                assert!(apart <= Product::Gradient.tolerance(), "{apart:e}");
+                let mut samples = found.samples().iter().zip(small.mask.plane().samples());
+                assert!(samples.all(|(&g, &is_covered)| is_covered || g == 0.0));
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Diffusion of the gradient ([LW] section 4.3): one gradient a scale.
+
+use crate::engine::cpu::run::Run;
+use crate::params::ShapeParams;
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+use crate::shape::diffusion::{REACH, cpu};
+
+/// The gradient at the scales asked for.
+pub(crate) static DIFFUSION: Stage = Stage {
+    // Without sweeps the gradient is taken as it is.
+    also_runs: |plan| plan.wants(Product::Gradient),
+    takes: |_| vec![Product::Gradient, Product::Conductance],
+    reach_px: |plan| plan.sweeps.count() * REACH,
+    depends_on: |plan| format!("{:?}", plan.sweeps),
+    name: "diffusion",
+    steps: &[Step {
+        name: "diffusion",
+        gives: &[Product::Gradient],
+        decide,
+    }],
+    cpu: diffuse,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::diffuse,
+    ..Stage::DEFAULT
+};
+
+fn decide(plan: &Plan) -> Verdict {
+    let factor = plan.resolution_factor;
+    match (plan.wants(Product::Gradient), plan.sweeps.count()) {
+        (false, _) => plan.left_out("no curvature is needed"),
+        (true, 0) => plan.left_out("a scale of 0"),
+        (true, _) => {
+            let scale = scale(&plan.shape, factor);
+            Verdict::runs(format!("{scale}, {}", plan.sweeps.described()))
+        }
+    }
+}
+
+/// The scale in pixels of the picture, and what it was in those of the reference.
+fn scale(shape: &ShapeParams, factor: f64) -> String {
+    let sigma = shape.scale_px();
+    let here = format!("scale {:.2} px", sigma * factor);
+    match shape.reference_height {
+        None => here,
+        Some(height) => format!("{here} ({sigma:.2} px at a height of {height})"),
+    }
+}
+
+fn diffuse(run: &mut Run) {
+    let (plan, frame, runner) = (run.plan, run.frame, run.runner);
+    let key = plan.key(DIFFUSION.name);
+    let kept = run.kept.as_deref_mut();
+    // Only the gradient at the first scale is kept.
+    let kept = kept.and_then(|kept| kept.gradient.take(key));
+    if let Some(gradient) = kept.filter(|_| plan.more_px.is_empty()) {
+        run.outcome.shape.gradient = Some(gradient);
+        return;
+    }
+    let kept = run.kept.as_deref();
+    let undiffused = run.undiffused.take();
+    let undiffused = undiffused.or_else(|| kept?.undiffused.get().cloned());
+    let undiffused = undiffused.expect("the gradient is kept with its edges");
+    let mut gradients = match plan.sweeps.count() {
+        0 => vec![undiffused; 1 + plan.more_px.len()],
+        _ => {
+            let conductance = run.outcome.shape.conductance.take();
+            let conductance = conductance.expect("slopes spread by conductance");
+            let diffused = run.timed("diffusion", || {
+                let (sweeps, options) = (&plan.sweeps, &runner.options);
+                cpu::diffusion(
+                    undiffused,
+                    &conductance,
+                    frame,
+                    sweeps,
+                    options,
+                    &runner.memory,
+                )
+            });
+            run.outcome.shape.conductance = Some(conductance);
+            diffused
+        }
+    };
+    run.more_gradients = gradients.split_off(1);
+    run.outcome.shape.gradient = gradients.pop();
+}

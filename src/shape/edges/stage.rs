@@ -1,0 +1,118 @@
+//! Edges and the gradient: the first stage, since all others stop at edges.
+
+use crate::engine::cpu::run::Run;
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+use crate::shape::EDGE_REACH;
+use crate::shape::edges::SilhouetteSource;
+use crate::shape::edges::cpu::edges_with_weights;
+
+/// Silhouettes, creases, conductance and the gradient before diffusion.
+pub(crate) static EDGES: Stage = Stage {
+    reach_px: |_| EDGE_REACH,
+    depends_on: |plan| {
+        let shape = &plan.shape;
+        let thresholds = (shape.silhouette, shape.occlusion_silhouette, shape.crease);
+        let slopes = (shape.foreshortening, shape.min_nz);
+        format!("{:?}", (SilhouetteSource::of(plan), thresholds, slopes))
+    },
+    name: "edges-and-gradient",
+    steps: &[
+        Step {
+            name: "depth-silhouettes",
+            gives: &[Product::Silhouette],
+            decide: |plan| silhouettes(SilhouetteSource::Depth, plan, "relative depth jumps"),
+        },
+        Step {
+            name: "occlusion-silhouettes",
+            gives: &[Product::Silhouette],
+            decide: |plan| {
+                silhouettes(
+                    SilhouetteSource::Occlusion,
+                    plan,
+                    "no depth: jumps of occlusion or alpha",
+                )
+            },
+        },
+        Step {
+            name: "border-silhouettes",
+            gives: &[Product::Silhouette],
+            decide: |plan| {
+                silhouettes(
+                    SilhouetteSource::Border,
+                    plan,
+                    "no depth: the border of the mask",
+                )
+            },
+        },
+        Step {
+            name: "creases",
+            gives: &[Product::Crease],
+            decide: |plan| where_edges_are_wanted(plan, "from normals"),
+        },
+        Step {
+            name: "conductance",
+            gives: &[Product::Conductance],
+            decide: |plan| {
+                where_edges_are_wanted(plan, "barriers for diffusion, flatness at edges")
+            },
+        },
+        Step {
+            name: "gradient",
+            gives: &[Product::Gradient],
+            decide: |plan| match plan.wants(Product::Gradient) {
+                true => Verdict::runs(format!("foreshortening {}", plan.shape.foreshortening)),
+                false => plan.left_out("no curvature is needed"),
+            },
+        },
+    ],
+    cpu: find_edges,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::find_edges,
+    ..Stage::DEFAULT
+};
+
+/// Whether silhouettes are found in this source, for the reason `why`.
+fn silhouettes(source: SilhouetteSource, plan: &Plan, why: &str) -> Verdict {
+    let own = SilhouetteSource::of(plan);
+    match (source, own) {
+        _ if !plan.wants(Product::Conductance) => plan.left_out("nothing stops at edges"),
+        _ if source == own => Verdict::runs(why),
+        (SilhouetteSource::Depth, _) => Verdict::left_out("no depth"),
+        (SilhouetteSource::Occlusion, SilhouetteSource::Depth) => Verdict::left_out("depth serves"),
+        (SilhouetteSource::Occlusion, _) => Verdict::left_out("no occlusion map, no alpha"),
+        (SilhouetteSource::Border, _) => Verdict::left_out("a map tells more"),
+    }
+}
+
+fn where_edges_are_wanted(plan: &Plan, why: &str) -> Verdict {
+    match plan.wants(Product::Conductance) {
+        true => Verdict::runs(why),
+        false => plan.left_out("nothing stops at edges"),
+    }
+}
+
+fn find_edges(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let wanted = plan.wants(Product::Silhouette);
+    let kept = run.kept.as_deref_mut();
+    let kept = kept.and_then(|kept| kept.take_edges(plan.key(EDGES.name), wanted));
+    let weights = kept.unwrap_or_else(|| {
+        // What is kept may be asked for later.
+        let with_weights = wanted || run.kept.is_some();
+        let (mut weights, gradient) = run.timed("edges-and-gradient", || {
+            edges_with_weights(plan, frame, with_weights, memory)
+        });
+        if let Some(kept) = &mut run.kept {
+            kept.keep_unwanted(&mut weights, wanted);
+            kept.undiffused.put(gradient.clone());
+        }
+        run.undiffused = Some(gradient);
+        weights
+    });
+    let shape = &mut run.outcome.shape;
+    shape.silhouette = weights.silhouette;
+    shape.crease = weights.crease;
+    shape.conductance = Some(weights.conductance);
+}
