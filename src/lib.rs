@@ -2,17 +2,16 @@
 //!
 //! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, where there are
 //! any, depth, a mask, a camera, and the picture made of it. [`Frame::builder`](frame::Frame::builder) makes one of
-//! samples in memory, [`io::load`] of a renderer's layers or of a photo with its normal map. A [`plan::Plan`] names the
-//! stages that a goal needs and no others; [`engine::cpu::run`] runs it, and a [`engine::cpu::Runner`] runs many in
-//! the same memory.
+//! samples in memory, [`io::load`] of a renderer's layers or of a photo with its normal map. A [`engine::Request`] says what
+//! is asked for, and an [`engine::Engine`] makes it on the CPU or a GPU; an [`engine::Session`] makes one frame again and again
+//! as parameters change. A [`plan::Plan`] names the stages that a request needs and no others.
 //!
 //! From slices to a picture, with the shape of a ball brought out:
 //!
 //! ```
-//! use relievo::engine::cpu;
+//! use relievo::engine::{Engine, Request, Run};
 //! use relievo::frame::{Frame, Normals};
 //! use relievo::params::{ScalingParams, ShapeParams};
-//! use relievo::plan::{Available, Goal, Plan};
 //!
 //! # fn main() -> relievo::Result<()> {
 //! let (width, height) = (64, 64);
@@ -31,9 +30,9 @@
 //!     .normals(Normals::view(&normals))
 //!     .color(&rgb)
 //!     .build()?;
-//! let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-//! let plan = Plan::new(Goal::Enhance, Available::in_frame(&frame), shape, scaling)?;
-//! let picture = cpu::run(&plan, &frame).color.expect("enhancing gives a picture");
+//! let request = Request::enhance(ShapeParams::default(), ScalingParams::default());
+//! let outcome = Engine::auto().run(&request, &frame, &Run::new())?;
+//! let picture = outcome.picture().expect("enhancing gives a picture");
 //!
 //! let red = picture.r.view(); // an ndarray view, [row, column]
 //! assert!(red[[32, 32]] > rgb[3 * (32 * width + 32)]); // convex: brighter

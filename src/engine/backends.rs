@@ -10,7 +10,7 @@ use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
 use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::frame::{Frame, Window};
 use crate::plan::{Available, Plan};
 
 /// Runs requests and plans on the backends of this machine, one after another. An engine that is given outcomes back makes
@@ -21,6 +21,10 @@ pub struct Engine {
     #[cfg(feature = "gpu")]
     device: OnDevice,
 }
+
+/// The name of all that a device does, in [`Progress`](crate::engine::Progress).
+#[cfg(feature = "gpu")]
+const DEVICE: &str = "device";
 
 /// How far a device is used.
 #[cfg(feature = "gpu")]
@@ -91,6 +95,7 @@ impl Engine {
     }
 
     /// What does the part of the CPU.
+    #[cfg(feature = "cli")]
     pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
         &self.cpu
     }
@@ -110,6 +115,26 @@ impl Engine {
     /// [`Error::Unfit`] if the plan was made for other inputs; [`Error::Cancelled`]; and where the device fails, or lacks
     /// kernels, and the CPU may not do it instead.
     pub fn execute(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        run: &Run,
+    ) -> Result<Outcome> {
+        let Some(region) = run.region else {
+            let outcome = run.install(|| self.execute_here(plan, frame, inputs, run))?;
+            run.finish(frame, &outcome)?;
+            return Ok(outcome);
+        };
+        let part = part_around(region, plan, frame, inputs)?;
+        let mut outcome = run.install(|| self.execute_here(plan, &part, inputs, run))?;
+        outcome.crop(part.data_window, region);
+        run.finish(&frame.crop(region), &outcome)?;
+        Ok(outcome)
+    }
+
+    /// All of a frame, on the threads of the caller.
+    fn execute_here(
         &self,
         plan: &Plan,
         frame: &Frame,
@@ -136,10 +161,15 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
-        match self.on_device(plan, frame, inputs, run)? {
+        if run.region.is_some() {
+            return self.execute(plan, frame, inputs, run);
+        }
+        let outcome = run.install(|| match self.on_device(plan, frame, inputs, run)? {
             Some(outcome) => Ok(outcome),
             None => self.cpu.execute_sparingly(plan, frame, inputs, run.watch),
-        }
+        })?;
+        run.finish(frame, &outcome)?;
+        Ok(outcome)
     }
 
     /// What a device does; `None` where the CPU is to do it. Of a device that was lost it is said once.
@@ -158,7 +188,10 @@ impl Engine {
         let gpu = match &self.device {
             OnDevice::Only(gpu) => {
                 return match gpu::Runner::lacks(plan) {
-                    None => gpu.execute(plan, frame, inputs).map(Some),
+                    None => {
+                        run.watch.begins(DEVICE, 0.0);
+                        gpu.execute(plan, frame, inputs).map(Some)
+                    }
                     Some(what) => Err(no_kernels(what)),
                 };
             }
@@ -172,6 +205,7 @@ impl Engine {
         if gpu.device().is_lost() || !gpu::Runner::can_run(plan) {
             return Ok(None);
         }
+        run.watch.begins(DEVICE, 0.0);
         match gpu.execute(plan, frame, inputs) {
             Err(error @ Error::Gpu { .. }) => {
                 let how_long = match gpu.device().is_lost() {
@@ -201,6 +235,35 @@ impl Engine {
     pub fn recycle(&self, outcome: Outcome) {
         self.cpu.recycle(outcome);
     }
+}
+
+/// The part of a frame that a region depends on.
+///
+/// # Errors
+/// [`Error::Unfit`] for a region that is not of the frame, and for inputs that are of the whole.
+fn part_around(region: Window, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Frame> {
+    let whole = frame.data_window;
+    if region.common(&whole) != Some(region) {
+        return Err(Error::Unfit {
+            found: format!("the region is {region}, and the frame {whole}"),
+            remedy: "give a region inside the frame",
+        });
+    }
+    if inputs.specular.is_some() || inputs.sequence.is_some() {
+        return Err(Error::Unfit {
+            found: "mirrors, lenses and strokes that move take the whole frame".into(),
+            remedy: "run it without a region",
+        });
+    }
+    inputs.check(plan, frame)?;
+    let reach = i32::try_from(plan.reach()).unwrap_or(i32::MAX);
+    let around = Window {
+        x0: region.x0.saturating_sub(reach),
+        y0: region.y0.saturating_sub(reach),
+        x1: region.x1.saturating_add(reach),
+        y1: region.y1.saturating_add(reach),
+    };
+    Ok(frame.crop(around.common(&whole).unwrap_or(region)))
 }
 
 #[cfg(feature = "gpu")]

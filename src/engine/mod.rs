@@ -11,6 +11,7 @@ pub mod outcome;
 pub(crate) mod request;
 pub(crate) mod run;
 pub(crate) mod session;
+pub(crate) mod target;
 pub(crate) mod tolerances;
 
 pub use crate::engine::backends::Engine;
@@ -19,6 +20,7 @@ pub use crate::engine::outcome::Outcome;
 pub use crate::engine::request::{Request, Tone};
 pub use crate::engine::run::{CancelToken, Progress, Run};
 pub use crate::engine::session::Session;
+pub use crate::engine::target::Target;
 pub use crate::engine::tolerances::{
     difference, direction_difference, ink_difference, relit_tolerance,
 };

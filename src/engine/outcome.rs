@@ -1,10 +1,11 @@
 //! What a run gives: planes of the descriptor, a picture, a drawing, by name and by product.
 
-use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Window};
 use crate::line::contours::Contour;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::product::Product;
+use glam::Vec2;
 use std::time::Duration;
 
 /// The planes of the shape descriptor that a plan asked for, and those it needed on the way.
@@ -265,6 +266,27 @@ impl Outcome {
                 pairs(scale.planes_mut(product), of.planes(product));
             }
         }
+    }
+
+    /// Leaves the part `to` of what was made of the window `from`.
+    pub(crate) fn crop(&mut self, from: Window, to: Window) {
+        self.for_each_plane(|plane| *plane = plane.crop(from, to));
+        let Some(drawing) = &mut self.drawing else {
+            return;
+        };
+        let corner = Vec2::new((to.x0 - from.x0) as f32, (to.y0 - from.y0) as f32);
+        let strokes = drawing.lines.iter_mut().map(|line| &mut line.points);
+        let contours = drawing.contour_lines.iter_mut();
+        let contours = contours.map(|line| &mut line.points);
+        strokes
+            .chain(contours)
+            .flatten()
+            .for_each(|point| *point -= corner);
+    }
+
+    /// The picture, if one was made: `None` where there was nothing to change in that of the frame.
+    pub fn picture(&self) -> Option<&ColorPlanes> {
+        self.color.as_ref()
     }
 
     /// All of its planes.

@@ -1,13 +1,18 @@
 //! How a request is run: nothing here changes a sample of what is asked for.
 
+use crate::engine::outcome::Outcome;
+use crate::engine::target::Target;
 use crate::error::{Error, Result};
-use std::sync::Arc;
+use crate::frame::{Frame, Window};
+use crate::product::Product;
+use rayon::ThreadPool;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How far a run has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// The pass that begins, under its name in [`Outcome::timings`](crate::engine::outcome::Outcome::timings).
+    /// The pass that begins, under its name in [`Outcome::timings`]; `device` for all that a device does, `done` at the end.
     pub stage: &'static str,
     /// About how much of the work is done, 0..1.
     pub done: f32,
@@ -66,7 +71,10 @@ impl Watch<'_> {
 #[derive(Default)]
 pub struct Run<'a> {
     pub(crate) watch: Watch<'a>,
+    pub(crate) region: Option<Window>,
     warn: Option<&'a (dyn Fn(&str) + Sync)>,
+    pool: Option<&'a ThreadPool>,
+    targets: Mutex<Vec<(Product, Target<'a>)>>,
 }
 
 impl<'a> Run<'a> {
@@ -96,6 +104,63 @@ impl<'a> Run<'a> {
         self
     }
 
+    /// Runs on these pixels of the frame and as many around them as the plan reaches: a preview, or a tile. The outcome has
+    /// the region's size. Gains and white levels that are chosen from the frame are chosen from this part of it, and a
+    /// drawing, whose strokes depend on all of the frame, is that of this part; give the gain and the levels to have the
+    /// samples of the whole.
+    #[must_use]
+    pub fn region(mut self, region: Window) -> Self {
+        self.region = Some(region);
+        self
+    }
+
+    /// Runs in this pool of threads; else in that of the caller.
+    #[must_use]
+    pub fn threads(mut self, pool: &'a ThreadPool) -> Self {
+        self.pool = Some(pool);
+        self
+    }
+
+    /// Writes a product to memory of the caller as well. A picture in which there is nothing to change is that of the frame.
+    #[must_use]
+    pub fn output(mut self, product: Product, target: impl Into<Target<'a>>) -> Self {
+        let targets = self.targets.get_mut();
+        let targets = targets.unwrap_or_else(PoisonError::into_inner);
+        targets.push((product, target.into()));
+        self
+    }
+
+    /// Does `work` where the run is to be done.
+    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+
+    /// Ends a run: writes what goes to memory of the caller.
+    ///
+    /// # Errors
+    /// As [`Target::write`].
+    pub(crate) fn finish(&self, frame: &Frame, outcome: &Outcome) -> Result<()> {
+        let mut targets = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
+        for (product, target) in targets.iter_mut() {
+            let mut planes = outcome.planes(*product);
+            if let (Product::Picture, true, Some(color)) =
+                (*product, planes.is_empty(), &frame.color)
+            {
+                planes = vec![&color.r, &color.g, &color.b];
+            }
+            target.write(*product, &planes)?;
+        }
+        self.watch.begins("done", 1.0);
+        Ok(())
+    }
+
+    #[cfg_attr(
+        not(feature = "gpu"),
+        expect(dead_code, reason = "without devices there is nothing to warn of")
+    )]
     pub(crate) fn warning(&self, text: &str) {
         if let Some(tell) = self.warn {
             tell(text);

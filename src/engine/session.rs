@@ -7,7 +7,7 @@ use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::plan::{Available, Plan};
 use std::collections::BTreeMap;
@@ -74,12 +74,21 @@ impl<F: AsRef<Frame>> Session<F> {
     /// # Errors
     /// As [`Engine::execute`].
     pub fn execute(&mut self, plan: &Plan, inputs: Inputs, run: &Run) -> Result<&Outcome> {
-        let frame = self.held.as_ref();
+        if run.region.is_some() {
+            return Err(Error::Unfit {
+                found: "a session keeps what it makes of whole frames, and a region is given"
+                    .into(),
+                remedy: "run the engine on the region",
+            });
+        }
         self.on_device = None;
-        self.on_device = self.engine.on_device(plan, frame, inputs, run)?;
+        self.on_device = self
+            .engine
+            .on_device(plan, self.held.as_ref(), inputs, run)?;
         if self.on_device.is_none() {
             self.execute_on_cpu(plan, inputs, run)?;
         }
+        run.finish(self.held.as_ref(), self.outcome())?;
         Ok(self.outcome())
     }
 
@@ -88,9 +97,10 @@ impl<F: AsRef<Frame>> Session<F> {
         self.kept.recycle(&mut last);
         self.runner.recycle(last);
         let (frame, kept) = (self.held.as_ref(), Some(&mut self.kept));
-        self.outcome = self
-            .runner
-            .execute_watched(plan, frame, inputs, run.watch, kept)?;
+        self.outcome = run.install(|| {
+            self.runner
+                .execute_watched(plan, frame, inputs, run.watch, kept)
+        })?;
         for (pass, _) in &self.outcome.timings {
             *self.counts.entry(pass).or_default() += 1;
         }

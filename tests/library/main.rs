@@ -8,6 +8,7 @@ mod camera;
 mod contours;
 mod conventions;
 mod diffusion;
+mod engine;
 mod environments;
 mod exr;
 mod hatch;

@@ -1,0 +1,103 @@
+//! Memory of a caller that results are written to.
+
+use crate::error::{Error, Result};
+use crate::frame::Plane;
+use crate::product::Product;
+use ndarray::{ArrayViewMut2, ArrayViewMut3, Axis};
+
+/// Memory of a caller that a product is written to: a slice without gaps, row after row from the top, components of a pixel
+/// side by side; or an `ndarray` view, `[row, column]` or `[row, column, component]`, with whatever strides it has.
+#[derive(Debug)]
+pub struct Target<'a>(Layout<'a>);
+
+#[derive(Debug)]
+enum Layout<'a> {
+    Packed(&'a mut [f32]),
+    View(ArrayViewMut3<'a, f32>),
+}
+
+impl<'a> From<&'a mut [f32]> for Target<'a> {
+    fn from(slice: &'a mut [f32]) -> Self {
+        Self(Layout::Packed(slice))
+    }
+}
+
+impl<'a> From<&'a mut Vec<f32>> for Target<'a> {
+    fn from(samples: &'a mut Vec<f32>) -> Self {
+        Self::from(samples.as_mut_slice())
+    }
+}
+
+impl<'a> From<ArrayViewMut3<'a, f32>> for Target<'a> {
+    fn from(view: ArrayViewMut3<'a, f32>) -> Self {
+        Self(Layout::View(view))
+    }
+}
+
+impl<'a> From<ArrayViewMut2<'a, f32>> for Target<'a> {
+    fn from(view: ArrayViewMut2<'a, f32>) -> Self {
+        Self(Layout::View(view.insert_axis(Axis(2))))
+    }
+}
+
+impl Target<'_> {
+    /// Writes the planes of a product, one a component.
+    ///
+    /// # Errors
+    /// [`Error::Unfit`] where it was not made, or has another size.
+    pub(crate) fn write(&mut self, product: Product, planes: &[&Plane]) -> Result<()> {
+        let name = product.row().name;
+        let Some(first) = planes.first() else {
+            return Err(Error::Unfit {
+                found: format!("{name} is to be written, and the run does not make it"),
+                remedy: "leave it out, or ask for what has it",
+            });
+        };
+        let shape = [first.height(), first.width(), planes.len()];
+        let view = match &mut self.0 {
+            Layout::Packed(slice) => ArrayViewMut3::from_shape(shape, slice).ok(),
+            Layout::View(view) => Some(view.view_mut()).filter(|view| *view.shape() == shape),
+        };
+        let Some(mut view) = view else {
+            let [height, width, components] = shape;
+            return Err(Error::Unfit {
+                found: format!(
+                    "{name} has {components} components of {width}x{height} pixels, and its target has not"
+                ),
+                remedy: "give a target of this size",
+            });
+        };
+        for (mut component, plane) in view.axis_iter_mut(Axis(2)).zip(planes) {
+            component.assign(&plane.view());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array3;
+
+    #[test]
+    fn planes_go_to_any_layout_of_their_size_and_to_no_other() {
+        let plane = |k: usize| Plane::from_fn(3, 2, |x, y| (100 * k + 10 * y + x) as f32);
+        let planes = [plane(1), plane(2), plane(3)];
+        let planes = [&planes[0], &planes[1], &planes[2]];
+        let mut packed = vec![0.0; 18];
+        let mut target = Target::from(&mut packed);
+        target.write(Product::Picture, &planes).unwrap();
+        assert_eq!(packed[3..6], [101.0, 201.0, 301.0]);
+        // Component by component, as a planar buffer has them.
+        let mut planar = Array3::zeros([3, 2, 3]);
+        let view = planar.view_mut().permuted_axes([1, 2, 0]);
+        Target::from(view).write(Product::Picture, &planes).unwrap();
+        assert_eq!(planar[[2, 1, 0]], 310.0);
+        let mut small = vec![0.0; 17];
+        let mut target = Target::from(&mut small);
+        let error = target.write(Product::Picture, &planes).unwrap_err();
+        assert!(error.to_string().contains("3x2 pixels"), "{error}");
+        let error = target.write(Product::Strokes, &[]).unwrap_err();
+        assert!(error.to_string().starts_with("strokes"), "{error}");
+    }
+}

@@ -1,0 +1,171 @@
+//! The engine as a caller meets it: requests, and how they are run.
+
+use crate::common::bits;
+use relievo::Error;
+use relievo::engine::{CancelToken, Engine, Inputs, Progress, Request, Run, Session, Tone};
+use relievo::frame::{ColorPlanes, Frame, Plane, Window};
+use relievo::light::lights::{DirectionalLight, Illumination};
+use relievo::params::{
+    Adaptive, LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Style,
+};
+use relievo::plan::{Available, LightKinds, Plan};
+use relievo::product::Product;
+use relievo::report::scenes::Scene;
+use std::sync::Mutex;
+
+fn waves() -> Frame {
+    let mut frame = Scene::waves(80, 90).frame;
+    let channel = |hue: f32| {
+        Plane::from_fn(80, 90, |x, y| {
+            hue * (0.5 + 0.4 * ((x + 2 * y) as f32 / 9.0).sin())
+        })
+    };
+    frame.color = Some(ColorPlanes {
+        r: channel(0.9),
+        g: channel(0.7),
+        b: channel(0.5),
+    });
+    frame
+}
+
+fn lamp() -> Illumination {
+    Illumination {
+        directional: vec![DirectionalLight::white([135.0, 40.0])],
+        ..Illumination::default()
+    }
+}
+
+fn shape() -> ShapeParams {
+    ShapeParams {
+        scale: Scale::Iterations(6),
+        ..ShapeParams::default()
+    }
+}
+
+/// Parameters of which none is chosen from the frame.
+fn given() -> ScalingParams {
+    ScalingParams {
+        curvature_gain: Adaptive::Fixed(3.0),
+        white_level: Adaptive::Fixed(1.0),
+        ..ScalingParams::default()
+    }
+}
+
+#[test]
+fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
+    let frame = waves();
+    let bare = Frame {
+        color: None,
+        ..frame.clone()
+    };
+    let shape = shape();
+    let scaling = ScalingParams::default();
+    let available = Available::in_frame(&frame);
+    let light = lamp();
+    let relit = Request::relight(shape, scaling, RelightParams::default(), &light);
+    let relit = relit.plan(available).unwrap();
+    let enhanced = Request::enhance(shape, scaling).plan(available).unwrap();
+    let mut line = LineParams::default();
+    line.strokes.style = Style::Pictures;
+    let drawn = Request::hatch(shape, scaling, Tone::Picture, line);
+    let drawn = drawn.plan(available).unwrap();
+    let spheres = LightKinds {
+        lit_spheres: 1,
+        ..LightKinds::default()
+    };
+    let sphere = RelightParams::default();
+    let sphere = Plan::relight(available, shape, scaling, sphere, spheres).unwrap();
+    let engine = Engine::cpu();
+    for (plan, frame, inputs, what) in [
+        (&relit, &frame, Inputs::default(), "takes light"),
+        (&sphere, &frame, Inputs::lit_by(&light), "1 lit spheres"),
+        (&enhanced, &bare, Inputs::default(), "takes a picture"),
+        (&drawn, &frame, Inputs::default(), "texture of strokes"),
+    ] {
+        let done = engine.execute(plan, frame, inputs, &Run::new());
+        let error = done.unwrap_err();
+        let line = error.to_string();
+        assert!(matches!(error, Error::Unfit { .. }), "{line}");
+        assert!(line.contains(what) && line.lines().count() == 1, "{line}");
+    }
+}
+
+#[test]
+fn a_cancelled_run_ends_and_the_next_does_not() {
+    let (frame, engine) = (waves(), Engine::cpu());
+    let request = Request::enhance(shape(), ScalingParams::default());
+    let token = CancelToken::new();
+    // In the middle: as soon as the diffusion begins.
+    let tell = |at: Progress| {
+        if at.stage == "diffusion" {
+            token.cancel();
+        }
+    };
+    let run = Run::new().progress(&tell).cancel(&token);
+    let error = engine.run(&request, &frame, &run).unwrap_err();
+    assert!(matches!(error, Error::Cancelled));
+    engine.run(&request, &frame, &Run::new()).unwrap();
+    // A session too is whole afterwards.
+    let mut session = Session::new(engine, frame.clone());
+    assert!(session.run(&request, &run).is_err());
+    let after = session.run(&request, &Run::new()).unwrap();
+    let anew = Engine::cpu().run(&request, &frame, &Run::new()).unwrap();
+    let red = |color: &Option<ColorPlanes>| bits(&color.as_ref().unwrap().r);
+    assert_eq!(red(&after.color), red(&anew.color));
+}
+
+#[test]
+fn progress_goes_up_to_the_end() {
+    let said = Mutex::new(Vec::new());
+    let tell = |at: Progress| said.lock().unwrap().push(at);
+    let request = Request::enhance(shape(), ScalingParams::default());
+    let run = Run::new().progress(&tell);
+    Engine::cpu().run(&request, &waves(), &run).unwrap();
+    let said = said.lock().unwrap();
+    assert!(said.is_sorted_by(|a, b| a.done <= b.done), "{said:?}");
+    assert!(said.iter().any(|at| at.stage == "radiance-scaling"));
+    assert_eq!(
+        said.last().map(|at| (at.stage, at.done)),
+        Some(("done", 1.0))
+    );
+}
+
+#[test]
+fn a_region_is_that_part_of_the_whole() {
+    let (frame, engine) = (waves(), Engine::cpu());
+    let request = Request::enhance(shape(), given());
+    let window = frame.data_window;
+    let region = Window::at(window.x0 + 20, window.y0 + 33, 31, 17);
+    let whole = engine.run(&request, &frame, &Run::new()).unwrap();
+    let part = engine.run(&request, &frame, &Run::new().region(region));
+    let part = part.unwrap();
+    for ((_, part), (_, whole)) in part.products().zip(whole.products()) {
+        for (part, whole) in part.iter().zip(whole) {
+            assert_eq!(bits(part), bits(&whole.crop(window, region)));
+        }
+    }
+    let outside = Window::at(window.x0 - 1, window.y0, 5, 5);
+    let run = Run::new().region(outside);
+    let error = engine.run(&request, &frame, &run).unwrap_err();
+    assert!(error.to_string().contains("inside the frame"), "{error}");
+}
+
+#[test]
+fn results_go_to_memory_of_the_caller_and_threads_change_no_bit() {
+    let (frame, engine) = (waves(), Engine::cpu());
+    let request = Request::layers(shape(), given());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
+    let pool = pool.unwrap();
+    let (mut hessian, mut kappa) = (vec![0.0; 3 * 80 * 90], vec![0.0; 80 * 90]);
+    let run = Run::new().threads(&pool);
+    let run = run.output(Product::Hessian, &mut hessian);
+    let run = run.output(Product::MappedCurvature, &mut kappa);
+    let outcome = engine.run(&request, &frame, &run).unwrap();
+    drop(run);
+    let alone = engine.run(&request, &frame, &Run::new()).unwrap();
+    let expected = alone.planes(Product::MappedCurvature);
+    assert_eq!(kappa, expected[0].samples());
+    let expected = outcome.planes(Product::Hessian);
+    let pixel = [0, 1, 2].map(|k| expected[k].at(11, 7));
+    assert_eq!(hessian[3 * (7 * 80 + 11)..][..3], pixel);
+}
