@@ -8,9 +8,9 @@ use crate::params::{
     LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, Style, check_scales,
 };
 use crate::plan::available::Available;
+use crate::plan::planned::{Decision, Plan, Points};
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::plan::stages::stages;
-use crate::plan::{Decision, Plan, Points};
 use crate::product::Product;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::run::Run;
 #[cfg(feature = "gpu")]
-use crate::engine::gpu;
+use crate::engine::gpu::run::Run as DeviceRun;
 use crate::plan::Plan;
 use crate::product::Product;
 
@@ -24,8 +24,9 @@ pub(crate) struct Stage {
     pub(crate) cpu: fn(&mut Run),
     /// Records it for a device.
     #[cfg(feature = "gpu")]
-    pub(crate) gpu: fn(&mut gpu::run::Run),
+    pub(crate) gpu: fn(&mut DeviceRun),
     /// What of it a device cannot do, in a few words.
+    #[cfg(feature = "gpu")]
     pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,
 }
 
@@ -41,6 +42,7 @@ impl Stage {
         cpu: |_| (),
         #[cfg(feature = "gpu")]
         gpu: |_| (),
+        #[cfg(feature = "gpu")]
         gpu_lacks: |_| None,
     };
 

@@ -66,6 +66,7 @@ pub(crate) static RELIGHT: Stage = Stage {
     cpu: relight,
     #[cfg(feature = "gpu")]
     gpu: super::gpu::relight,
+    #[cfg(feature = "gpu")]
     gpu_lacks: |plan| plan.relighting.as_ref().and_then(gpu_lacks),
     ..Stage::DEFAULT
 };
@@ -81,6 +82,7 @@ fn takes(relighting: &Relighting) -> Vec<Product> {
     curvature.into_iter().chain(grain).collect()
 }
 
+#[cfg(feature = "gpu")]
 fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
     match (relighting.traced, relighting.grain) {
         (true, _) => Some("mirrors and lenses that show what is traced"),

@@ -17,6 +17,7 @@ pub(crate) static SPECULAR_TRACE: Stage = Stage {
         decide,
     }],
     cpu: trace,
+    #[cfg(feature = "gpu")]
     gpu_lacks: |_| Some("mirrors and lenses that show what is traced"),
     ..Stage::DEFAULT
 };

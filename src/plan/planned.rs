@@ -1,0 +1,143 @@
+//! A plan, as those who carry it out read it.
+
+use crate::light::enhancement::{Enhancement, Subject};
+use crate::light::relight::setting::Relighting;
+use crate::params::{LineParams, ScalingParams, ShapeParams, SpecularParams};
+use crate::plan::available::Available;
+use crate::product::Product;
+use crate::shape::diffusion::sweeps::DiffusionSchedule;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What tells where the surface seen at a pixel lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Points {
+    /// Depth along sight lines that the camera gives.
+    Depth,
+    /// The normals: the surface is followed from pixel to pixel.
+    Normals,
+}
+
+/// The stages of a run in their order, with the reason for each step kept or left out, and all that they are run with.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// How shape is found.
+    pub shape: ShapeParams,
+    /// How light is scaled.
+    pub scaling: ScalingParams,
+    /// What of a picture is scaled, where its shape is brought out.
+    pub(crate) enhancement: Option<Enhancement>,
+    /// How the frame is lit anew, if it is.
+    pub relighting: Option<Relighting>,
+    /// Whether the curvature display is the picture.
+    pub(crate) display: bool,
+    /// How the picture that was made is drawn, if it is.
+    pub drawing: Option<LineParams>,
+    /// How specular pixels are traced, if they are.
+    pub specular: Option<SpecularParams>,
+    /// How the gradient is diffused.
+    pub sweeps: DiffusionSchedule,
+    /// Sigmas of further scales, in pixels of the reference.
+    pub more_px: Vec<f32>,
+    /// How many pixels of the frame stand for one of the reference, in which curvature is measured; 1 without
+    /// a [reference height](ShapeParams::reference_height).
+    pub resolution_factor: f64,
+    /// How the points of neighbouring pixels are found for directions of the surface's own curvature.
+    pub points: Points,
+    /// How many pixels away they are, at the least and at the most.
+    pub direction_steps_px: [usize; 2],
+    /// What there is to make it of.
+    pub(crate) available: Available,
+    /// Why nothing is asked of shape, where that is so.
+    pub(crate) no_shape: Option<&'static str>,
+    pub(super) wanted: BTreeSet<Product>,
+    pub(super) decisions: Vec<Decision>,
+    /// The stages that run, in their order.
+    pub(super) stages: Vec<&'static str>,
+    /// What the result of each of these depends on, all before it included.
+    pub(super) keys: BTreeMap<&'static str, String>,
+    pub(super) reach: usize,
+}
+
+/// Whether a step runs, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Decision {
+    /// The step's name.
+    #[serde(rename = "stage")]
+    pub step: &'static str,
+    /// Whether it runs.
+    pub kept: bool,
+    /// Why, in a few words.
+    pub reason: String,
+}
+
+impl std::fmt::Display for Decision {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let verdict = if self.kept { "run " } else { "skip" };
+        write!(f, "{verdict}  {:<21} {}", self.step, self.reason)
+    }
+}
+
+impl Plan {
+    /// Every step there is, kept or left out, and why, in the order of execution.
+    pub fn decisions(&self) -> &[Decision] {
+        &self.decisions
+    }
+
+    /// Whether a step, by the name it has in [`Plan::decisions`], is part of the plan.
+    ///
+    /// # Panics
+    /// If no step is called so.
+    pub fn runs(&self, step: &str) -> bool {
+        let decision = self.decisions.iter().find(|known| known.step == step);
+        decision
+            .unwrap_or_else(|| panic!("no step is called {step}"))
+            .kept
+    }
+
+    /// Whether a product is asked for, or a stage takes it.
+    pub fn wants(&self, product: Product) -> bool {
+        self.wanted.contains(&product)
+    }
+
+    /// Whether curvature is made at all.
+    pub(crate) fn wants_curvature(&self) -> bool {
+        self.wants(Product::Trace) || self.wants(Product::Hessian)
+    }
+
+    /// What of the picture is scaled, where anything is.
+    pub(crate) fn scaled(&self) -> Option<Subject> {
+        let scaled = self
+            .enhancement
+            .filter(|enhancement| enhancement.magnitude > 0.0);
+        scaled.map(|enhancement| enhancement.subject)
+    }
+
+    /// Whether a picture is made, not only taken as it is.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn makes_picture(&self) -> bool {
+        self.enhancement
+            .is_some_and(|enhancement| !enhancement.is_idle())
+            || self.relighting.is_some()
+            || self.display
+    }
+
+    /// The stages that run, in their order, under the names that [`crate::engine::outcome::Outcome::timings`] has.
+    pub fn stages(&self) -> &[&'static str] {
+        &self.stages
+    }
+
+    /// What the result of a stage that runs depends on, all before it included: a result of one key is that of another
+    /// plan with the same.
+    pub(crate) fn key(&self, stage: &str) -> &str {
+        self.keys.get(stage).map_or("", String::as_str)
+    }
+
+    /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
+    /// this distance to its border on, unless a gain or white level is chosen from the frame. A drawing
+    /// depends on all of it.
+    pub fn reach(&self) -> usize {
+        self.reach
+    }
+}
