@@ -58,7 +58,7 @@ pub enum Error {
         /// The contradiction.
         found: String,
     },
-    /// The data do not tell something that must be known.
+    /// The data leave open something that must be known.
     #[error("{}: {found}; {remedy}", path.display())]
     Undetermined {
         /// The file.

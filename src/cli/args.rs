@@ -169,7 +169,7 @@ pub(super) struct RunArgs {
     /// Write the settings of this command line, and what was chosen automatically, as a recipe.
     #[arg(long, value_name = "FILE.toml")]
     pub(super) save_recipe: Option<PathBuf>,
-    /// How to tell how far a sequence has come: a bar, a line or a JSON object per frame; auto is a bar on a
+    /// How to show how far a sequence has come: a bar, a line or a JSON object per frame; auto is a bar on a
     /// terminal, else plain.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
     pub(super) progress: ProgressArg,

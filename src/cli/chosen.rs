@@ -8,7 +8,7 @@ use crate::engine::outcome::Outcome;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
 
-/// Rows of depth that tell how far away a frame's surface is.
+/// Rows of depth that show how far away a frame's surface is.
 const ROWS_FOR_DISTANCE: usize = 32;
 
 /// What was chosen for one frame. What was given, or was not needed, is not among it.
@@ -144,7 +144,7 @@ fn recovered(loaded: &Loaded) -> Option<(KnownCamera, f64)> {
     Some((known, middle.unwrap_or(1.0).into()))
 }
 
-/// A frame without any surface tells nothing of its layers.
+/// A frame without any surface says nothing of its layers.
 fn conventions_of(loaded: &Loaded) -> Option<Conventions> {
     let shows_surface = loaded.frame.mask.count() > 0;
     shows_surface.then_some(loaded.conventions)

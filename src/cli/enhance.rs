@@ -43,8 +43,8 @@ impl FrameCommand for EnhanceArgs {
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
         let scaling = self.work.flags.params.scaling;
         let (inputs, needs) = self.reading(job);
-        let told = dark_rims(&scaling);
-        told.iter().for_each(|warning| job.warn(warning));
+        let warnings = dark_rims(&scaling);
+        warnings.iter().for_each(|warning| job.warn(warning));
         let work = Enhancement {
             args: self,
             runner: engine.cpu_runner(),

@@ -75,7 +75,7 @@ impl Flags {
     /// Refuses several scales where there is one result.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] telling what takes several.
+    /// [`Error::BadParameter`] naming what takes several.
     pub(super) fn refuse_more_scales(&self) -> Result<()> {
         if self.more_scales().is_empty() {
             return Ok(());

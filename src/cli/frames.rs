@@ -91,8 +91,8 @@ fn single<C: FrameCommand>(
     check(command, invocation.recipe(), &[None], work)?;
     files::sweep(work, &mut BTreeSet::new());
     let kit = command.prepare()?;
-    let told = RunLog::default();
-    let job = Job::new(work.clone(), &told, &recipe);
+    let log = RunLog::default();
+    let job = Job::new(work.clone(), &log, &recipe);
     let chosen = command.make(&kit, &job)?;
     save_recipe(work, &recipe.with(&chosen))?;
     Ok(0)
@@ -194,12 +194,12 @@ fn sequence<C: FrameCommand>(
     drop(kit);
     let kit = command.prepare()?;
     let progress = Progress::begin(command.work().run.progress, quiet, frames.len());
-    let told = RunLog::of_sequence(progress);
+    let log = RunLog::of_sequence(progress);
     let run = Sequence {
         command: &command,
         kit: &kit,
         recipe: &recipe,
-        told: &told,
+        log: &log,
         frames,
         next: AtomicUsize::new(0),
         failed: AtomicBool::new(false),
@@ -210,7 +210,7 @@ fn sequence<C: FrameCommand>(
     let in_memory = work.run.max_memory.bytes() / work.frame_bytes(&first.input).max(1);
     Lanes::of(frames.len(), in_memory).each(|| run.make_frames());
     let failed = run.failed.load(Ordering::Relaxed);
-    let tally = told.end(quiet);
+    let tally = log.end(quiet);
     Ok(match stop::asked() {
         Some(code) => code,
         None if !failed => 0,
@@ -229,7 +229,7 @@ fn choose<C: FrameCommand>(
     recipe: &RecipeText,
     samples: &[i32],
 ) -> Result<Chosen> {
-    let told = RunLog::default();
+    let log = RunLog::default();
     let mut each = Vec::new();
     let mut first_error = None;
     for &frame in samples {
@@ -237,7 +237,7 @@ fn choose<C: FrameCommand>(
             break;
         }
         let work = command.work().of_frame(frame);
-        let job = Job::to_choose(work, frame, &told, recipe);
+        let job = Job::to_choose(work, frame, &log, recipe);
         match caught(&job.work.input, || command.make(kit, &job)) {
             Ok(chosen) => each.push(chosen),
             Err(error) => first_error = first_error.or(Some(error)),
@@ -276,7 +276,7 @@ struct Sequence<'a, C: FrameCommand> {
     command: &'a C,
     kit: &'a C::Kit,
     recipe: &'a RecipeText,
-    told: &'a RunLog,
+    log: &'a RunLog,
     frames: &'a [i32],
     next: AtomicUsize,
     failed: AtomicBool,
@@ -299,7 +299,7 @@ impl<C: FrameCommand> Sequence<'_, C> {
                 return;
             };
             self.make_frame(index, frame);
-            self.told.turns.leave(index);
+            self.log.turns.leave(index);
         }
     }
 
@@ -313,11 +313,11 @@ impl<C: FrameCommand> Sequence<'_, C> {
             Err(error) => {
                 self.failed.store(true, Ordering::Relaxed);
                 let line = message::line_of(&error);
-                self.told.say(&format!("error: {line}"));
+                self.log.say(&format!("error: {line}"));
                 (Status::Failed, line)
             }
         };
-        self.told.frame(frame, status, started.elapsed(), what);
+        self.log.frame(frame, status, started.elapsed(), what);
     }
 
     fn made(&self, index: usize, frame: i32, work: WorkArgs) -> Result<Status> {
@@ -330,7 +330,7 @@ impl<C: FrameCommand> Sequence<'_, C> {
             return Ok(Status::Missing);
         }
         if is_there {
-            let job = Job::in_sequence(work, frame, index, self.told, self.recipe);
+            let job = Job::in_sequence(work, frame, index, self.log, self.recipe);
             self.command.make(self.kit, &job.without_output())?;
             return Ok(Status::Skipped);
         }
@@ -339,7 +339,7 @@ impl<C: FrameCommand> Sequence<'_, C> {
             &work,
             &mut self.swept.lock().unwrap_or_else(PoisonError::into_inner),
         );
-        let job = Job::in_sequence(work, frame, index, self.told, self.recipe);
+        let job = Job::in_sequence(work, frame, index, self.log, self.recipe);
         self.command.make(self.kit, &job)?;
         Ok(Status::Done)
     }

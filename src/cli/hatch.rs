@@ -180,7 +180,7 @@ impl HatchArgs {
         })
     }
 
-    /// The texture of strokes, where pictures tell it.
+    /// The texture of strokes, where it comes from pictures.
     pub(super) fn art_map(&self, looks: &Looks) -> Result<Option<TonalArtMap>> {
         let map = self.pictures();
         let most = self.relight.work.run.max_memory.for_light();

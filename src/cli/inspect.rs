@@ -107,7 +107,7 @@ fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
     Ok((files.load(&inputs, EVERYTHING)?, note))
 }
 
-/// What the magnitude that is planned would do to concavities; nothing where none was told.
+/// What the magnitude that is planned would do to concavities; nothing where none is given.
 fn planned_dark_rims(args: &InspectArgs) -> Vec<String> {
     let usual = ScalingParams::default();
     if args.scaling.or(args.invariant_point).is_none() {

@@ -29,7 +29,7 @@ pub(super) struct Job<'a> {
     /// Its place among the frames of the run.
     index: Option<usize>,
     writes: bool,
-    told: &'a RunLog,
+    log: &'a RunLog,
     recipe: &'a RecipeText,
     started: Instant,
 }
@@ -72,13 +72,13 @@ impl<'a> From<Picture<'a>> for MadePicture<'a> {
 
 impl<'a> Job<'a> {
     /// A single picture.
-    pub(super) fn new(work: WorkArgs, told: &'a RunLog, recipe: &'a RecipeText) -> Self {
+    pub(super) fn new(work: WorkArgs, log: &'a RunLog, recipe: &'a RecipeText) -> Self {
         Self {
             writes: work.output.output.is_some(),
             work,
             frame: None,
             index: None,
-            told,
+            log,
             recipe,
             started: Instant::now(),
         }
@@ -89,13 +89,13 @@ impl<'a> Job<'a> {
         work: WorkArgs,
         frame: i32,
         index: usize,
-        told: &'a RunLog,
+        log: &'a RunLog,
         recipe: &'a RecipeText,
     ) -> Self {
         Self {
             frame: Some(frame),
             index: Some(index),
-            ..Self::new(work, told, recipe)
+            ..Self::new(work, log, recipe)
         }
     }
 
@@ -111,13 +111,13 @@ impl<'a> Job<'a> {
     pub(super) fn to_choose(
         work: WorkArgs,
         frame: i32,
-        told: &'a RunLog,
+        log: &'a RunLog,
         recipe: &'a RecipeText,
     ) -> Self {
         Self {
             frame: Some(frame),
             writes: false,
-            ..Self::new(work, told, recipe)
+            ..Self::new(work, log, recipe)
         }
     }
 
@@ -134,7 +134,7 @@ impl<'a> Job<'a> {
     /// Runs `pass` after all frames before this one have passed the same point.
     pub(super) fn in_turn<T>(&self, pass: impl FnOnce() -> T) -> T {
         match self.index {
-            Some(index) => self.told.turns.in_turn(index, pass),
+            Some(index) => self.log.turns.in_turn(index, pass),
             None => pass(),
         }
     }
@@ -154,9 +154,9 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let loaded = files.load(inputs, needs)?;
         let read = start.elapsed();
-        if self.work.run.verbose && self.tells() {
+        if self.work.run.verbose && self.speaks_for_all() {
             for finding in &loaded.findings {
-                self.told.say(&message::finding_line(finding));
+                self.log.say(&message::finding_line(finding));
             }
         }
         for warning in &loaded.warnings {
@@ -166,7 +166,7 @@ impl<'a> Job<'a> {
     }
 
     /// Whether what concerns all frames is said now: with the first one.
-    fn tells(&self) -> bool {
+    fn speaks_for_all(&self) -> bool {
         match self.index {
             None => self.frame.is_none() || self.work.output.output.is_none(),
             Some(index) => index == 0,
@@ -181,14 +181,14 @@ impl<'a> Job<'a> {
     fn say_once(&self, kind: &str, text: &str, with_name: bool) {
         let is_looked_at = self.index.is_none() && self.frame.is_some();
         let is_made_later = is_looked_at && self.work.output.output.is_some();
-        if self.work.run.quiet || is_made_later || !self.told.is_new(text) {
+        if self.work.run.quiet || is_made_later || !self.log.is_new(text) {
             return;
         }
         let name = match with_name {
             true => format!("{}: ", self.work.input.display()),
             false => String::new(),
         };
-        self.told.say(&format!("{kind}: {name}{text}"));
+        self.log.say(&format!("{kind}: {name}{text}"));
     }
 
     /// Runs `plan` on a frame of this job, and warns where a device that is to do it does not.
@@ -205,7 +205,7 @@ impl<'a> Job<'a> {
 
     /// Prints the plan, where asked to.
     pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
-        if self.work.run.explain && self.tells() {
+        if self.work.run.explain && self.speaks_for_all() {
             message::result(plan.decisions().iter().map(ToString::to_string))?;
         }
         Ok(())
@@ -331,12 +331,12 @@ impl<'a> Job<'a> {
         };
         let replace = self.work.output.replace();
         write(ReadyOutput { path, replace })?;
-        if !self.work.run.quiet && !self.told.is_sequence() {
+        if !self.work.run.quiet && !self.log.is_sequence() {
             let words = chosen.in_words();
             let comma = if words.is_empty() { "" } else { ", " };
             let seconds = self.started.elapsed().as_secs_f64();
             let path = path.display();
-            self.told
+            self.log
                 .say(&format!("{path}: {words}{comma}{seconds:.2} s"));
         }
         Ok(())

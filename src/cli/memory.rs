@@ -4,10 +4,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Share of what is free that a run takes where nothing is told.
+/// Share of what is free that a run takes where no amount is given.
 const SHARE: f64 = 0.6;
 
-/// What is taken to be free where the system does not tell.
+/// What is taken to be free where the system does not report it.
 const UNKNOWN: u64 = 4 << 30;
 
 /// Most that a photo takes where no amount is given: beyond it goes in strips.

@@ -52,7 +52,7 @@ pub(super) fn misuse_line(error: &clap::Error) -> String {
     message.join(" ").replace(" tip:", "; tip:")
 }
 
-/// Prints a warning, unless told to be quiet.
+/// Prints a warning, unless it is to be quiet.
 pub(super) fn warning(quiet: bool, text: &str) {
     if !quiet {
         say(&format!("warning: {text}"));
@@ -70,7 +70,7 @@ pub(super) fn finding_line(finding: &Finding) -> String {
     format!("{subject:<16} {conclusion} ({evidence}; force with {flag})")
 }
 
-/// Writes one line to stderr. Where even that fails there is nobody left to tell.
+/// Writes one line to stderr. Where even that fails nothing more can be said.
 pub(super) fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", printable(line));
 }

@@ -42,26 +42,26 @@ impl Steps {
     }
 
     /// How far the surface of frame `number` has come since the frame before: by its own motion, else by
-    /// its depth and both cameras. What it is taken from is said to `tell`.
+    /// its depth and both cameras. What it is taken from is said to `say`.
     pub(super) fn motion(
         &mut self,
         number: i32,
         loaded: &mut Loaded,
-        tell: impl Fn(&str),
+        say: impl Fn(&str),
     ) -> Option<Vector2Planes> {
         let camera = loaded.frame.camera;
         let (last, camera_before) = self.before.replace((number, camera))?;
         if let Some(motion) = loaded.motion.take() {
             let step = i64::from(number) - i64::from(last);
             if step > 1 {
-                tell(
+                say(
                     "where frames are left out motion is taken for so many times that since the frame before",
                 );
             }
             return Some(longer(motion, step as f32));
         }
         let motion = camera_before.and_then(|before| static_world_motion(&loaded.frame, &before));
-        tell(match motion {
+        say(match motion {
             Some(_) => {
                 "no layer of motion: it is taken from depth and cameras, as of a world that stands still"
             }
@@ -73,7 +73,7 @@ impl Steps {
     }
 }
 
-/// Motion over several frames, as far as that of one tells.
+/// Motion over several frames, from that of one.
 fn longer(motion: Vector2Planes, factor: f32) -> Vector2Planes {
     let times = |m: f32| if m == AWAY { m } else { factor * m };
     match factor == 1.0 {

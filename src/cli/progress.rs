@@ -54,7 +54,7 @@ impl Tally {
     }
 }
 
-/// Tells how far a sequence has come.
+/// Shows how far a sequence has come.
 pub(super) struct Progress {
     shown: Shown,
     total: usize,

@@ -70,8 +70,8 @@ impl FrameCommand for RelightArgs {
             scene: None,
         };
         if self.params().method.scales() {
-            let told = dark_rims(&scaling);
-            told.iter().for_each(|warning| job.warn(warning));
+            let warnings = dark_rims(&scaling);
+            warnings.iter().for_each(|warning| job.warn(warning));
         }
         if !specular.is_empty() {
             strips::refuse_too_large(job)?;
@@ -265,7 +265,7 @@ pub(super) fn lit_spheres(flags: &LightFlags, most_bytes: u64) -> Result<Vec<Lit
         .collect()
 }
 
-/// The lights that no file tells of.
+/// The lights that are given as flags, not as files.
 pub(super) fn lights(args: &RelightArgs) -> Result<Illumination> {
     let flags = &args.light;
     let mut directional: Vec<DirectionalLight> = flags

@@ -103,9 +103,9 @@ fn coherence(
     shape: ShapeParams,
 ) -> Result<Option<coherence::Coherence>> {
     let mut steps = Steps::default();
-    let told = RefCell::new(BTreeSet::new());
-    let tell = |text: &str| {
-        if told.borrow_mut().insert(text.to_string()) {
+    let said = RefCell::new(BTreeSet::new());
+    let say_once = |text: &str| {
+        if said.borrow_mut().insert(text.to_string()) {
             message::warning(args.quiet, text);
         }
     };
@@ -119,7 +119,7 @@ fn coherence(
         };
         inputs.motion = args.motion.of_frame(number).filter(|_| needs.motion);
         let mut loaded = io::load(&inputs, needs)?;
-        let motion = steps.motion(number, &mut loaded, tell);
+        let motion = steps.motion(number, &mut loaded, say_once);
         Ok(MovingFrame {
             number,
             motion: motion.filter(|_| args.motion.moves()),

@@ -27,7 +27,7 @@ pub(super) struct SpecularFlags {
     /// Where surroundings without positions were seen from: a camera file with world_to_camera.
     #[arg(long, value_name = "FILE")]
     surroundings_camera: Option<PathBuf>,
-    /// World-space points that mirrored or refracted sight lines meet, where the renderer tells them: a layer of
+    /// World-space points that mirrored or refracted sight lines meet, where the renderer writes them: a layer of
     /// IN or a file. Nothing is searched for then.
     #[arg(long, value_name = "NAME|FILE")]
     hit_position: Option<String>,

@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 /// Cameras whose view axes, rolls included, are farther apart have moved; recovered by positions, in radians.
 const TURN_BY_POSITIONS: f64 = 2e-4;
-/// The same recovered by depth and normals, which tell it less well.
+/// The same recovered by depth and normals, which determine it less well.
 const TURN_BY_DEPTH: f64 = 1e-2;
 /// Lenses that differ by a larger share have zoomed, by the same ways.
 const ZOOM_BY_POSITIONS: f64 = 1e-3;
@@ -147,9 +147,9 @@ mod tests {
         assert!(!all(camera(0.101, DVec3::X, 900.0, true)));
         assert!(!all(camera(0.1, DVec3::X, 905.0, true)));
         assert!(!all(camera(0.1, DVec3::X, 900.0, false)));
-        // One frame does not tell whether it moves.
+        // One frame does not show whether it moves.
         assert!(of_all(&[(still, 5.0)]).is_none());
-        // Depth and normals tell turns less well: half a degree may be noise.
+        // Depth and normals determine turns less well: half a degree may be noise.
         let by_depth = camera(0.1, DVec3::ZERO, 900.0, false);
         let near = camera(0.108, DVec3::ZERO, 950.0, false);
         assert!(of_all(&[(by_depth, 5.0), (near, 5.0)]).is_some());

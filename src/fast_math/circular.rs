@@ -38,7 +38,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 /// The tangent of `x` radians for |x| up to a quarter of pi (an eighth of a turn); 1.1 ulp. Past that
 /// the error grows fast, with no pole at half of pi. Keeps the sign of 0; NaN gives NaN.
 #[inline(always)]
-pub fn tan_to_eighth_turn(x: f32) -> f32 {
+pub(crate) fn tan_to_eighth_turn(x: f32) -> f32 {
     let square = x * x;
     x + square * x * polynomial(square, TAN)
 }

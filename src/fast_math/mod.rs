@@ -14,9 +14,10 @@ pub(crate) mod circular;
 pub(crate) mod exponential;
 mod rows;
 
-pub use circular::{atan, atan2, tan_to_eighth_turn};
+pub(crate) use circular::tan_to_eighth_turn;
+pub use circular::{atan, atan2};
 pub use exponential::{exp, ln, pow, tanh};
-pub use rows::{Function, map_row};
+pub use rows::Function;
 
 /// The polynomial with these coefficients, the constant first.
 #[inline(always)]

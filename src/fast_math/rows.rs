@@ -15,7 +15,7 @@ pub enum Function {
     Tanh,
     /// [`atan`].
     Atan,
-    /// [`tan_to_eighth_turn`].
+    /// `tan_to_eighth_turn`.
     Tan,
     /// [`pow`] with this exponent.
     Pow(f32),
@@ -23,7 +23,7 @@ pub enum Function {
 
 /// Sets every number of `out` to the function of that of `x`; as many as the shorter has.
 #[inline(always)]
-pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
+pub(crate) fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     match function {
         Function::Exp => map(out, x, exp),
         Function::Ln => map(out, x, ln),

@@ -33,12 +33,10 @@ pub use ray::Ray;
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;
 pub use sight::SightLines;
-pub use space::{
-    Camera, DepthKind, FOCAL_PX, NormalSpace, OutOfRange, PIXELS_PER_UNIT, PLACE, PRINCIPAL_PX,
-    Projection, check_place,
-};
+pub(crate) use space::check_place;
+pub use space::{Camera, DepthKind, NormalSpace, OutOfRange, Projection};
 pub use specular::SpecularScene;
-pub use steps::{SURFACE_JUMP, step_between};
+pub(crate) use steps::{SURFACE_JUMP, step_between};
 pub use surroundings::{Surroundings, map_direction};
 pub use window::Window;
 

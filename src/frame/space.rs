@@ -80,15 +80,15 @@ pub struct Camera {
     pub projection: Projection,
 }
 
-/// Focal lengths, in pixels. With [`PRINCIPAL_PX`] slopes of sight lines stay below 1e9 and 1e9 times the size of a
+/// Focal lengths, in pixels. With `PRINCIPAL_PX` slopes of sight lines stay below 1e9 and 1e9 times the size of a
 /// picture: squares of their squares fit single precision.
-pub const FOCAL_PX: RangeInclusive<f64> = 0.01..=1e9;
+pub(crate) const FOCAL_PX: RangeInclusive<f64> = 0.01..=1e9;
 /// Pixels per unit of length of parallel projections: a picture of stars to one of atoms.
-pub const PIXELS_PER_UNIT: RangeInclusive<f64> = 1e-6..=1e9;
+pub(crate) const PIXELS_PER_UNIT: RangeInclusive<f64> = 1e-6..=1e9;
 /// Farthest the view axis is seen from the corner of the display window, in pixels.
-pub const PRINCIPAL_PX: f64 = 1e7;
+pub(crate) const PRINCIPAL_PX: f64 = 1e7;
 /// Farthest the eye is from the origin of the world along an axis, in scene units; depths end at 1e9.
-pub const PLACE: f64 = 1e12;
+pub(crate) const PLACE: f64 = 1e12;
 
 /// A number of a camera outside the range that the stages' single precision holds.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -136,8 +136,8 @@ fn check(
 /// Refuses a place in the world that is too far from its origin.
 ///
 /// # Errors
-/// [`OutOfRange`] naming the first coordinate past [`PLACE`].
-pub fn check_place(place: DVec3) -> Result<(), OutOfRange> {
+/// [`OutOfRange`] naming the first coordinate past `PLACE`.
+pub(crate) fn check_place(place: DVec3) -> Result<(), OutOfRange> {
     let coordinates = place.to_array().into_iter();
     let mut checked =
         coordinates.map(|v| check("distance from the origin", v, "", &(-PLACE..=PLACE)));
@@ -145,8 +145,8 @@ pub fn check_place(place: DVec3) -> Result<(), OutOfRange> {
 }
 
 impl Camera {
-    /// Refuses numbers that the stages' single precision does not hold: those outside [`FOCAL_PX`],
-    /// [`PIXELS_PER_UNIT`], [`PRINCIPAL_PX`] and [`PLACE`].
+    /// Refuses numbers that the stages' single precision does not hold: those outside `FOCAL_PX`,
+    /// `PIXELS_PER_UNIT`, `PRINCIPAL_PX` and `PLACE`.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the first one.

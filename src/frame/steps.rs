@@ -3,12 +3,16 @@
 use glam::DVec3;
 
 /// A step to one side this many times longer than that to the other leads to another surface.
-pub const SURFACE_JUMP: f64 = 3.0;
+pub(crate) const SURFACE_JUMP: f64 = 3.0;
 
 /// How a point of a surface changes from pixel to pixel, from its neighbours' on both sides: half the way between
 /// them where the surface goes on to both, else the step to the one it goes on to. `None` without neighbours.
 #[inline]
-pub fn step_between(before: Option<DVec3>, here: DVec3, after: Option<DVec3>) -> Option<DVec3> {
+pub(crate) fn step_between(
+    before: Option<DVec3>,
+    here: DVec3,
+    after: Option<DVec3>,
+) -> Option<DVec3> {
     let (Some(before), Some(after)) = (before, after) else {
         return before.map(|p| here - p).or(after.map(|p| p - here));
     };

@@ -9,14 +9,14 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 /// x and y of red, green and blue primaries and of white.
-pub type Chromaticities = [f32; 8];
+pub(crate) type Chromaticities = [f32; 8];
 
 /// Of ITU-R BT.709 and sRGB.
-pub const REC709: Chromaticities = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
+pub(crate) const REC709: Chromaticities = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
 /// AP1, of ACEScg (S-2014-004).
 pub const AP1: Chromaticities = [0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767];
 /// AP0, of ACES2065-1 (SMPTE ST 2065-1).
-pub const AP0: Chromaticities = [0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767];
+pub(crate) const AP0: Chromaticities = [0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767];
 
 /// From XYZ to the responses of cones that Bradford's adaptation scales.
 const BRADFORD: DMat3 = DMat3::from_cols(

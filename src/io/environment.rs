@@ -39,7 +39,7 @@ pub fn read_environment(path: &Path) -> Result<Environment> {
 ///
 /// # Errors
 /// As [`read_environment`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
-pub fn read_environment_within(path: &Path, most_bytes: u64) -> Result<Environment> {
+pub(crate) fn read_environment_within(path: &Path, most_bytes: u64) -> Result<Environment> {
     let lights = Lights::open(path, most_bytes)?;
     let (width, height) = (lights.shown.width(), lights.shown.height());
     let layout = Layout::of_size(width, height).ok_or_else(|| Error::Unsupported {
@@ -78,7 +78,7 @@ pub fn read_lit_sphere(path: &Path) -> Result<LitSphere> {
 ///
 /// # Errors
 /// As [`read_lit_sphere`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
-pub fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<LitSphere> {
+pub(crate) fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<LitSphere> {
     let lights = Lights::open(path, most_bytes)?;
     Ok(LitSphere::new(lights.read(MAP_PER_PIXEL)?))
 }

@@ -16,7 +16,7 @@ const SCALE_PER_PIXEL: u64 = 20;
 
 /// About how much memory it takes to make something of the picture `path`, at so many scales beyond the
 /// first; 0 where the header does not say.
-pub fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
+pub(crate) fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
     let scales = SCALE_PER_PIXEL * more_scales as u64;
     let pixels = |width: usize, height: usize| width as u64 * height as u64;
     let of_exr = || {

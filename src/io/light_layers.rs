@@ -146,7 +146,7 @@ impl LightSources {
             self.findings.push(Finding {
                 subject: format!("light group {}", group.name),
                 conclusion: format!("{}, {directions}", source.label()),
-                evidence: "as told; lobes are left alone".into(),
+                evidence: "as given; lobes are left alone".into(),
                 flag: "--light-group NAME=AZ,EL".into(),
             });
             self.add(Use::Group, Some(source));
@@ -248,7 +248,7 @@ impl LightSources {
 
     fn report(&mut self, lobe: Lobe, conclusion: String, named: &Option<String>) {
         let evidence = match named {
-            Some(_) => "as told",
+            Some(_) => "as given",
             None => "from names",
         };
         let flag = match lobe {

@@ -318,7 +318,7 @@ impl FrameSource<'_> {
     /// What is known of depth before it is compared with the frame.
     fn depth_sense(&self, normal: &Vector3Planes, layers: &Layers) -> Result<Sense> {
         let raw = match (self.inputs.depth_kind, &layers.depth) {
-            (Some(stored), _) => return Ok(Some((stored, "as told".into()))),
+            (Some(stored), _) => return Ok(Some((stored, "as given".into()))),
             (None, Some(raw)) => raw,
             (None, None) => return Ok(None),
         };

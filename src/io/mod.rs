@@ -9,6 +9,7 @@ pub mod environment;
 pub mod exr;
 mod fence;
 mod finding;
+#[cfg(feature = "cli")]
 mod footprint;
 mod frame_sources;
 pub mod inputs;
@@ -39,14 +40,13 @@ mod view;
 mod views;
 
 pub use art_map::read_art_map;
-pub use environment::{
-    read_environment, read_environment_as, read_environment_within, read_lit_sphere,
-    read_lit_sphere_within,
-};
+pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use finding::Finding;
-pub use footprint::frame_bytes;
+#[cfg(feature = "cli")]
+pub(crate) use footprint::frame_bytes;
 pub use inputs::Needs;
 pub use load::{Extent, InputFiles, Loaded, load};
 pub use specular::{SpecularInputs, load_specular};
-pub use surroundings::{read_surroundings, surroundings_bytes};
+#[cfg(feature = "cli")]
+pub(crate) use surroundings::surroundings_bytes;
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

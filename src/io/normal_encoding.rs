@@ -5,7 +5,7 @@ use crate::frame::Vector3Planes;
 use crate::frame::normals::MIN_LENGTH;
 use glam::Vec3;
 
-/// Tells signed from unsigned components: unsigned ones hold no negatives, and have unit length only once decoded.
+/// Distinguishes signed from unsigned components: unsigned ones hold no negatives, and have unit length only once decoded.
 pub(super) fn judge_encoding(stored: &Vector3Planes) -> NormalEncoding {
     let (mut decoded, mut as_stored) = (0_usize, 0_usize);
     for n in stored.vectors().filter(|n| n.length() > MIN_LENGTH) {

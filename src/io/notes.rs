@@ -58,7 +58,7 @@ impl Notes {
             |source| matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.header.is_float),
         );
         let (encoding, evidence) = match inputs.normal_encoding {
-            Some(encoding) => (encoding, "as told"),
+            Some(encoding) => (encoding, "as given"),
             None if integers => (NormalEncoding::Unsigned, "stored as integers"),
             None => (judge_encoding(stored), "from lengths and signs"),
         };

@@ -186,7 +186,7 @@ pub fn named(layers: &[Layer], name: &str, role: Role) -> Option<Match> {
 }
 
 /// Every role that some layer plays, with that layer.
-pub fn assign(layers: &[Layer]) -> Vec<(Role, Match)> {
+pub(crate) fn assign(layers: &[Layer]) -> Vec<(Role, Match)> {
     RULES
         .iter()
         .filter_map(|&(role, ..)| find(layers, role).map(|m| (role, m)))

@@ -22,13 +22,15 @@ const WORST_RESIDUAL_PX: f64 = 1.0;
 const MADE_ROUNDING: f32 = 1e-3;
 
 /// Bytes for each pixel of a map: its planes as they are read, and points, normals and colour made of them.
+#[cfg(feature = "cli")]
 const BYTES_PER_PIXEL: u64 = 96;
 
 /// About how much memory the surroundings in the panorama at `path` take, by its header.
 ///
 /// # Errors
 /// As [`read_surroundings`], as far as headers say.
-pub fn surroundings_bytes(path: &Path) -> Result<u64> {
+#[cfg(feature = "cli")]
+pub(crate) fn surroundings_bytes(path: &Path) -> Result<u64> {
     let window = place_in(&Opened::open(path)?)?.window();
     let pixels = window.width() as u64 * window.height() as u64;
     Ok(pixels.saturating_mul(BYTES_PER_PIXEL))
@@ -56,7 +58,7 @@ fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
 /// # Errors
 /// Any [`Error`] of reading; [`Error::MissingAov`] without positions or distances;
 /// [`Error::Unsupported`] for what is no equirectangular map, or distances without a pose.
-pub fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surroundings> {
+pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surroundings> {
     let file = Opened::open(path)?;
     let find = |role| RoleSource::resolve(role, None, &file);
     let place = place_in(&file)?;

@@ -185,7 +185,7 @@ impl Reading {
                 by_elimination: false,
                 is_given: true,
                 evidence: NormalSpaceEvidence::default(),
-                reason: "as told".into(),
+                reason: "as given".into(),
             };
         }
         let Surface {

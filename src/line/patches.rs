@@ -2,15 +2,15 @@
 //! share a patch, so that whatever is passed from patch to patch stays on its surface.
 
 /// Label of a pixel that belongs to no patch: uncovered, or on an edge.
-pub const NO_PATCH: u8 = u8::MAX;
+pub(crate) const NO_PATCH: u8 = u8::MAX;
 
 /// Largest side of a cell: its pixels are told apart by labels of one byte.
-pub const MAX_CELL_PX: usize = 8;
+pub(crate) const MAX_CELL_PX: usize = 8;
 
 /// Labels the open pixels of one cell, row by row in `labels` as in `open`, by the patch they hang together
 /// in through their sides; returns how many patches there are. Patches are numbered by their first pixels.
 #[inline]
-pub fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usize {
+pub(crate) fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usize {
     labels.fill(NO_PATCH);
     if open.iter().all(|&o| o) {
         labels.fill(0);

@@ -10,7 +10,7 @@ pub(super) struct Response {
 pub(crate) const ENTRIES: usize = 4096;
 
 /// Density past which paper is black: 0.2 % stay white.
-pub const MAX_DENSITY: f32 = 6.0;
+pub(crate) const MAX_DENSITY: f32 = 6.0;
 
 impl Response {
     /// The response of a texture whose mean ink is `inks` at even steps of the threshold from 0 to `top`,

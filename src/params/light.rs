@@ -73,8 +73,8 @@ params! {
     }
 }
 
-/// The kinds of light that radiance scaling tells apart.
-pub const TERMS: [&str; 7] = [
+/// The kinds of light that radiance scaling distinguishes.
+pub(crate) const TERMS: [&str; 7] = [
     "ambient",
     "diffuse",
     "specular",
@@ -92,7 +92,7 @@ impl TermWhiteLevels {
     /// None is given.
     pub const NONE: Self = Self([None; TERMS.len()]);
 
-    /// The level given for the light called `term`, one of [`TERMS`].
+    /// The level given for the light called `term`, one of `TERMS`.
     pub fn of(&self, term: &str) -> Option<f32> {
         let index = TERMS.iter().position(|&name| name == term)?;
         self.0[index]

@@ -29,20 +29,23 @@ mod run;
 mod shape;
 mod specular;
 
-pub use light::{Adaptive, Magnitudes, ScalingParams, TERMS, TermWhiteLevels};
+pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
-    ContourParams, Fallback, FieldParams, LineParams, MAX_FIELD_PASSES, MAX_LEVELS, Stroke,
-    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
+    ContourParams, Fallback, FieldParams, LineParams, Stroke, StrokeDirections, StrokeParams,
+    StrokeScale, Style, ToneParams, ToneSource,
 };
+pub use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;
+pub(crate) use relight::AUTO_SAMPLES;
+pub use relight::MAX_LIGHTS;
 pub use relight::{
-    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, MaterialParams, Method, Quantisation,
-    RelightParams, Samples, Tangent, WarpBy, WarpingParams,
+    AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples, Tangent,
+    WarpBy, WarpingParams,
 };
 pub use run::{RunOptions, TileSize};
 pub(crate) use shape::check_scales;
-pub use shape::{MAX_DIRECTION_STEP_PX, MAX_SCALES, Scale, ShapeParams, SoftThreshold, Solver};
-pub use specular::{Bend, MAX_SEARCH_STEPS, SearchParams, SpecularParams};
+pub use shape::{Scale, ShapeParams, SoftThreshold, Solver};
+pub use specular::{Bend, SearchParams, SpecularParams};
 pub use table::{Choice, Group, Kind, Many, Param, Parameters, Unit, Useful};
 
 choices! {

@@ -9,7 +9,7 @@ pub(super) const ANGLES_DEG: RangeInclusive<f32> = -1e6..=1e6;
 /// Refuses a `value` of the parameter `name` unless it lies in `range`.
 ///
 /// # Errors
-/// [`Error::BadParameter`] telling the range.
+/// [`Error::BadParameter`] naming the range.
 pub(crate) fn in_range(name: &'static str, value: f32, range: RangeInclusive<f32>) -> Result<()> {
     if range.contains(&value) {
         return Ok(());

@@ -81,7 +81,7 @@ const FACTORS: RangeInclusive<f32> = 0.0..=1e6;
 const EXPONENTS: RangeInclusive<f32> = 0.0..=1e6;
 
 /// Samples of an environment where none are asked for: [LW] figure 1.
-pub const AUTO_SAMPLES: u32 = 54;
+pub(crate) const AUTO_SAMPLES: u32 = 54;
 
 /// Most samples of an environment, and most lights.
 pub const MAX_LIGHTS: u32 = 100_000;
@@ -213,12 +213,12 @@ params! {
     }
 }
 
-/// Factor of highlights that are told by their shape alone.
+/// Factor of highlights that are known by their shape alone.
 const HIGHLIGHT: f32 = 0.25;
 
 impl MaterialParams {
     /// The factor of specular light: a quarter for `Phong` and `BlinnPhong`, whose highlight is 1 at its
-    /// brightest; 1 where reflectance tells.
+    /// brightest; 1 where reflectance determines it.
     pub fn specular(&self) -> f32 {
         self.specular_gain.unwrap_or(match self.material {
             Material::Phong | Material::BlinnPhong => HIGHLIGHT,

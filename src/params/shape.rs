@@ -187,8 +187,8 @@ params! {
 /// Thresholds that single precision holds with room for a square.
 const THRESHOLDS: RangeInclusive<f32> = 0.0..=1e30;
 
-/// Past this a step leaves the shapes it is to tell of.
-pub const MAX_DIRECTION_STEP_PX: u32 = 64;
+/// Past this a step leaves the shapes it is to describe.
+pub(crate) const MAX_DIRECTION_STEP_PX: u32 = 64;
 
 impl ShapeParams {
     fn relations(&self) -> Result<()> {
@@ -269,7 +269,7 @@ impl ShapeParams {
     }
 
     /// The least and the greatest [`ShapeParams::direction_step`], in pixels, for normals rounded by up to
-    /// `normal_rounding`. A pixel takes the least, and up to the greatest where that tells no direction.
+    /// `normal_rounding`. A pixel takes the least, and up to the greatest where that gives no direction.
     ///
     /// Noise turns directions by rounding / step, and the surface's own change by step^2.
     pub fn direction_steps_px(&self, normal_rounding: f32) -> [usize; 2] {
@@ -300,7 +300,7 @@ const MAX_SIGMA_PX: f32 = 4096.0;
 const MAX_EXPLICIT_STEPS: f64 = 50_000.0;
 
 /// Most scales of one run: twelve octaves in steps of a fifth of one.
-pub const MAX_SCALES: usize = 64;
+pub(crate) const MAX_SCALES: usize = 64;
 
 /// Refuses more than [`MAX_SCALES`] scales.
 ///
@@ -322,7 +322,7 @@ const COARSE_ROUNDING: f32 = 1e-3;
 
 /// The first step over coarse normals, and the last over any that are not exact. On 8-bit ellipsoids of
 /// 32, 64, 128 and 256 px the 95th percentile of the directions' error is 7, 5, 8, 27 degrees at 4 px alone,
-/// 13, 17, 7, 5 at 16 px alone, and 7, 7, 6, 6 with 16 px where 4 px tell nothing.
+/// 13, 17, 7, 5 at 16 px alone, and 7, 7, 6, 6 with 16 px where 4 px show nothing.
 const COARSE_STEP_PX: usize = 4;
 const WIDEST_STEP_PX: usize = 16;
 

@@ -40,4 +40,4 @@ params! {
 }
 
 /// Most steps of a search.
-pub const MAX_SEARCH_STEPS: u32 = 4096;
+pub(crate) const MAX_SEARCH_STEPS: u32 = 4096;

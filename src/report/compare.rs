@@ -61,7 +61,7 @@ pub fn compare<const N: usize>(
 }
 
 /// [`compare`] over the pixels for which `counts` holds.
-pub fn compare_where<const N: usize>(
+pub(crate) fn compare_where<const N: usize>(
     found: [&Plane; N],
     exact: [&Plane<f64>; N],
     scale: f64,
@@ -115,7 +115,7 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
 
 /// Errors gathered pixel by pixel.
 #[derive(Debug, Default)]
-pub struct Tally {
+pub(crate) struct Tally {
     errors: Vec<f64>,
     non_finite: usize,
     largest: f64,
@@ -124,7 +124,7 @@ pub struct Tally {
 
 impl Tally {
     /// Adds the error of one pixel.
-    pub fn add(&mut self, at: [usize; 2], error: f64) {
+    pub(crate) fn add(&mut self, at: [usize; 2], error: f64) {
         let error = if error.is_finite() {
             error.abs()
         } else {
@@ -138,7 +138,7 @@ impl Tally {
     }
 
     /// The error that a share, 0..1, of the pixels stay below; 0 where there are none.
-    pub fn quantile(&mut self, share: f64) -> f64 {
+    pub(crate) fn quantile(&mut self, share: f64) -> f64 {
         quantile::bound(&mut self.errors, share).unwrap_or(0.0)
     }
 
@@ -148,7 +148,7 @@ impl Tally {
     }
 
     /// Their summary.
-    pub fn errors(mut self) -> Errors {
+    pub(crate) fn errors(mut self) -> Errors {
         let pixels = self.errors.len();
         let mean = self.errors.iter().sum::<f64>() / pixels.max(1) as f64;
         let p99 = self.quantile(0.99);

@@ -251,7 +251,7 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn lit_at(
+pub(crate) fn lit_at(
     pixels: Vec<[usize; 2]>,
     frame: &Frame,
     shape: ShapeParams,

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// The machine as measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Machine {
+pub(crate) struct Machine {
     /// Threads of the pool.
     pub threads: usize,
     /// Bytes per second of a triad `a = b + s c` over arrays beyond any cache; 12 bytes an element, the
@@ -37,7 +37,7 @@ const RUNS: usize = 4;
 
 impl Machine {
     /// Measures the machine.
-    pub fn measured() -> Self {
+    pub(crate) fn measured() -> Self {
         let threads = rayon::current_num_threads();
         let fused = cfg!(target_feature = "fma");
         Self {

@@ -197,7 +197,7 @@ pub fn measure_runs(
 
 /// How near a stage comes to what the machine can do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Utilisation {
+pub(crate) struct Utilisation {
     /// Bytes that an ideal pass would move, per second.
     pub bytes_per_second: f64,
     /// The same as a share of the measured bandwidth. Above 1 where a frame, or a tile of it, stays in
@@ -211,7 +211,7 @@ pub struct Utilisation {
 
 impl Utilisation {
     /// `work` over `pixels` covered pixels in the least of `times`.
-    pub fn of(work: Work, pixels: usize, times: Times, machine: &Machine) -> Self {
+    pub(crate) fn of(work: Work, pixels: usize, times: Times, machine: &Machine) -> Self {
         let per_second = |each: f64| each * pixels as f64 / times.min;
         let (bytes, operations) = (per_second(work.bytes), per_second(work.operations));
         Self {

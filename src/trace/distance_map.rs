@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// What lies around an object, to be met by rays in world space.
 #[derive(Debug, Clone)]
-pub struct DistanceMap<'a> {
+pub(crate) struct DistanceMap<'a> {
     surroundings: &'a Surroundings,
     /// Tangent planes, about the centre, row after row.
     planes: Vec<TangentPlane>,
@@ -20,7 +20,7 @@ const THROUGH_CENTER: f64 = 1e-9;
 
 impl<'a> DistanceMap<'a> {
     /// The map of these surroundings.
-    pub fn new(surroundings: &'a Surroundings) -> Self {
+    pub(crate) fn new(surroundings: &'a Surroundings) -> Self {
         let (width, height) = (surroundings.width(), surroundings.height());
         let plane = |i: usize| {
             let (x, y) = (i % width, i / width);
@@ -37,7 +37,7 @@ impl<'a> DistanceMap<'a> {
     }
 
     /// The surroundings.
-    pub fn surroundings(&self) -> &'a Surroundings {
+    pub(crate) fn surroundings(&self) -> &'a Surroundings {
         self.surroundings
     }
 
@@ -47,7 +47,7 @@ impl<'a> DistanceMap<'a> {
     /// Steps are even in the angle seen from the centre. With its start at the distance `r0`, at the angle
     /// `Theta` to its direction, the ray at the angle phi from its start is `r0 sin(Theta) / sin(Theta - phi)`
     /// from the centre.
-    pub fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec3>> {
+    pub(crate) fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec3>> {
         let center = self.surroundings.center;
         let from = ray.start - center;
         let ahead = ray.direction.try_normalize()?;
@@ -98,21 +98,21 @@ impl<'a> DistanceMap<'a> {
 
     /// The distance of the surroundings from their centre in the direction of a point of world space.
     #[inline]
-    pub fn distance_of(&self, point: DVec3) -> Option<f64> {
+    pub(crate) fn distance_of(&self, point: DVec3) -> Option<f64> {
         let toward = (point - self.surroundings.center).try_normalize()?;
         self.distance_toward(toward).map(|(distance, ..)| distance)
     }
 
     /// The unit normal at a point of the surroundings.
     #[inline]
-    pub fn normal_at(&self, point: DVec3) -> Option<DVec3> {
+    pub(crate) fn normal_at(&self, point: DVec3) -> Option<DVec3> {
         self.mean_at(point, |t| self.surroundings.normal_at(t.x, t.y))?
             .try_normalize()
     }
 
     /// The colour there.
     #[inline]
-    pub fn color_at(&self, color: &ColorPlanes, point: DVec3) -> Option<[f32; 3]> {
+    pub(crate) fn color_at(&self, color: &ColorPlanes, point: DVec3) -> Option<[f32; 3]> {
         let mean = self.mean_at(point, |t| {
             let [r, g, b] = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(t.x, t.y)));
             DVec3::new(r, g, b)
@@ -123,7 +123,7 @@ impl<'a> DistanceMap<'a> {
     /// The direction there, of any length, of a field of directions on the surfaces, each equal to its opposite;
     /// `None` where the field is 0.
     #[inline]
-    pub fn direction_at(&self, field: &Vector3Planes, point: DVec3) -> Option<DVec3> {
+    pub(crate) fn direction_at(&self, field: &Vector3Planes, point: DVec3) -> Option<DVec3> {
         let own = |t: &Texel| field.at(t.x, t.y);
         let mut sense = DVec3::ZERO;
         for t in self.texels(point - self.surroundings.center) {
@@ -143,8 +143,8 @@ impl<'a> DistanceMap<'a> {
     #[inline]
     fn mean_at(&self, point: DVec3, value: impl Fn(&Texel) -> DVec3) -> Option<DVec3> {
         let toward = point - self.surroundings.center;
-        let (_, told, texels) = self.distance_toward(toward.try_normalize()?)?;
-        mean_at(toward.length(), told, &texels, value)
+        let (_, distances, texels) = self.distance_toward(toward.try_normalize()?)?;
+        mean_at(toward.length(), distances, &texels, value)
     }
 
     #[inline]
@@ -154,16 +154,16 @@ impl<'a> DistanceMap<'a> {
         around(map.position(direction), size, Sides::Wraps)
     }
 
-    /// The distance of the surroundings in a unit direction, with what each texel around it tells.
+    /// The distance of the surroundings in a unit direction, with the distance by each texel around it.
     #[inline]
     fn distance_toward(&self, direction: DVec3) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
         let map = self.surroundings;
         let texels = self.texels(direction);
-        let told = texels.map(|t| {
+        let distances = texels.map(|t| {
             let plane = &self.planes[t.y * map.width() + t.x];
             plane.along(DVec3::ZERO, direction)
         });
-        Some((agreed(told, &texels)?, told, texels))
+        Some((agreed(distances, &texels)?, distances, texels))
     }
 }
 

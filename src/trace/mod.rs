@@ -14,8 +14,7 @@ mod seen_surface;
 mod texels;
 mod tracer;
 
-pub use distance_map::DistanceMap;
-pub use search::{Crossing, first_crossing};
-pub use seen_surface::{SeenSurface, VisibleSurface};
-pub use texels::Reached;
+pub(crate) use distance_map::DistanceMap;
+pub(crate) use seen_surface::{SeenSurface, VisibleSurface};
+pub(crate) use texels::Reached;
 pub use tracer::{Hit, Met, Path, Tracer};

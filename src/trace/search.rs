@@ -21,7 +21,7 @@ pub(super) fn steps_for(search: &SearchParams, share: f64) -> u32 {
 
 /// What becomes of a way along a surface; places are shares of it, 0..1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Crossing {
+pub(crate) enum Crossing {
     /// It goes through the surface here.
     Met(f64),
     /// It leaves, or goes on behind an edge for good, and what it may meet there is not seen. Here it was last seen in
@@ -34,13 +34,17 @@ pub enum Crossing {
 /// The first place of a way, in so many even `steps` and `refinements`, where it goes through a surface from the
 /// front.
 ///
-/// `gap` tells how far a place lies in front of the surface, as a share of the distance: above 0 in front, below
+/// `gap` is how far a place lies in front of the surface, as a share of the distance: above 0 in front, below
 /// behind, `None` where there is no surface. Where the gap jumps to below 0 the way passes behind an edge; it is
 /// followed on, unseen, until it comes out in front of a surface again. Source: [LA] section 5.2, after the
 /// linear and secant search in distance maps; the secant rule is the Illinois one, which keeps the surface
 /// between its two ends.
 #[inline]
-pub fn first_crossing(steps: u32, refinements: u32, gap: impl Fn(f64) -> Option<f64>) -> Crossing {
+pub(crate) fn first_crossing(
+    steps: u32,
+    refinements: u32,
+    gap: impl Fn(f64) -> Option<f64>,
+) -> Crossing {
     let mut before: Option<End> = None;
     let mut in_front = None;
     for k in 0..=steps {

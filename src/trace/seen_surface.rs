@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 
 /// The pixels of a frame as points of its visible surface.
 #[derive(Debug, Clone, Copy)]
-pub struct VisibleSurface<'a> {
+pub(crate) struct VisibleSurface<'a> {
     frame: &'a Frame,
     depth: &'a Plane,
     sight: SightLines,
@@ -19,7 +19,7 @@ pub struct VisibleSurface<'a> {
 impl<'a> VisibleSurface<'a> {
     /// The surface of `frame` seen along `sight` lines. `None` where the frame has no depth that is a
     /// distance.
-    pub fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
+    pub(crate) fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
         let depth = frame.depth.as_ref()?;
         let is_distance = frame.source.depth_kind != DepthKind::Relative;
         is_distance.then_some(Self {
@@ -31,13 +31,13 @@ impl<'a> VisibleSurface<'a> {
 
     /// Where in the picture, of the display window, the middle of a pixel lies.
     #[inline]
-    pub fn middle(&self, x: usize, y: usize) -> DVec2 {
+    pub(crate) fn middle(&self, x: usize, y: usize) -> DVec2 {
         self.frame.data_window.middle(x, y)
     }
 
     /// The point of view space that a pixel shows.
     #[inline]
-    pub fn point(&self, x: usize, y: usize) -> DVec3 {
+    pub(crate) fn point(&self, x: usize, y: usize) -> DVec3 {
         let at = self.middle(x, y);
         self.sight
             .point(at.x, at.y, self.depth(x, y), DepthKind::Planar)
@@ -45,7 +45,7 @@ impl<'a> VisibleSurface<'a> {
 
     /// The normal of a pixel.
     #[inline]
-    pub fn normal(&self, x: usize, y: usize) -> DVec3 {
+    pub(crate) fn normal(&self, x: usize, y: usize) -> DVec3 {
         self.frame.normal.at(x, y)
     }
 
@@ -70,7 +70,7 @@ impl<'a> VisibleSurface<'a> {
 
 /// The visible surface of a frame, to be met by rays.
 #[derive(Debug, Clone)]
-pub struct SeenSurface<'a> {
+pub(crate) struct SeenSurface<'a> {
     visible: VisibleSurface<'a>,
     /// Tangent planes in view space, row after row.
     planes: Vec<TangentPlane>,
@@ -84,7 +84,7 @@ const BEYOND: f64 = 1.001;
 impl<'a> SeenSurface<'a> {
     /// The surface of `frame` seen along `sight` lines. `None` where the frame has no depth that is a
     /// distance, or shows nothing.
-    pub fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
+    pub(crate) fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
         let visible = VisibleSurface::new(frame, sight)?;
         let width = frame.mask.width();
         let mut planes = vec![TangentPlane::NONE; width * frame.mask.height()];
@@ -104,13 +104,13 @@ impl<'a> SeenSurface<'a> {
     }
 
     /// The frame.
-    pub fn frame(&self) -> &'a Frame {
+    pub(crate) fn frame(&self) -> &'a Frame {
         self.visible.frame
     }
 
     /// Where a ray first goes through the surface from the viewer's side, with the place of the picture that shows it.
     /// `None` where it is nowhere in front of the surface.
-    pub fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec2>> {
+    pub(crate) fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec2>> {
         let way = self.way(ray)?;
         let [from, to] = way.places;
         let steps = steps_for(search, from.distance(to) / self.span());
@@ -146,13 +146,13 @@ impl<'a> SeenSurface<'a> {
 
     /// Depth along the view axis at a place of the picture; `None` where there is no surface.
     #[inline]
-    pub fn depth_at_place(&self, at: DVec2) -> Option<f64> {
+    pub(crate) fn depth_at_place(&self, at: DVec2) -> Option<f64> {
         self.depth_at(at).map(|(depth, ..)| depth)
     }
 
     /// The point of the surface at a place of the picture.
     #[inline]
-    pub fn point_at(&self, at: DVec2) -> Option<DVec3> {
+    pub(crate) fn point_at(&self, at: DVec2) -> Option<DVec3> {
         let depth = self.depth_at_place(at)?;
         Some(
             self.visible
@@ -163,31 +163,48 @@ impl<'a> SeenSurface<'a> {
 
     /// The unit normal at a place of the picture where the surface lies at the depth of `point`.
     #[inline]
-    pub fn normal_at(&self, at: DVec2, point: DVec3) -> Option<DVec3> {
-        let (_, told, texels) = self.depth_at(at)?;
-        mean_at(-point.z, told, &texels, |t| self.visible.normal(t.x, t.y))?.try_normalize()
+    pub(crate) fn normal_at(&self, at: DVec2, point: DVec3) -> Option<DVec3> {
+        let (_, distances, texels) = self.depth_at(at)?;
+        mean_at(-point.z, distances, &texels, |t| {
+            self.visible.normal(t.x, t.y)
+        })?
+        .try_normalize()
     }
 
     /// The colour there.
     #[inline]
-    pub fn color_at(&self, color: &ColorPlanes, at: DVec2, point: DVec3) -> Option<[f32; 3]> {
-        let (_, told, texels) = self.depth_at(at)?;
+    pub(crate) fn color_at(
+        &self,
+        color: &ColorPlanes,
+        at: DVec2,
+        point: DVec3,
+    ) -> Option<[f32; 3]> {
+        let (_, distances, texels) = self.depth_at(at)?;
         let own = |t: &Texel| {
             let [r, g, b] = [&color.r, &color.g, &color.b].map(|p| f64::from(p.at(t.x, t.y)));
             DVec3::new(r, g, b)
         };
-        Some(mean_at(-point.z, told, &texels, own)?.as_vec3().to_array())
+        Some(
+            mean_at(-point.z, distances, &texels, own)?
+                .as_vec3()
+                .to_array(),
+        )
     }
 
     /// The unit direction there of a field of directions in the picture, each equal to its opposite.
     #[inline]
-    pub fn direction_at(&self, field: &Vector2Planes, at: DVec2, point: DVec3) -> Option<DVec2> {
-        let (_, told, texels) = self.depth_at(at)?;
+    pub(crate) fn direction_at(
+        &self,
+        field: &Vector2Planes,
+        at: DVec2,
+        point: DVec3,
+    ) -> Option<DVec2> {
+        let (_, distances, texels) = self.depth_at(at)?;
         let doubled = |t: &Texel| {
             let [x, y] = [&field.x, &field.y].map(|p| f64::from(p.at(t.x, t.y)));
             DVec3::new(x * x - y * y, 2.0 * x * y, 0.0)
         };
-        let mean = mean_at(-point.z, told, &texels, doubled)?;
+        let mean = mean_at(-point.z, distances, &texels, doubled)?;
         let half = 0.5 * mean.y.atan2(mean.x);
         (mean.length_squared() > 0.0).then(|| DVec2::from_angle(half))
     }
@@ -198,7 +215,7 @@ impl<'a> SeenSurface<'a> {
         (window.width() + window.height()) as f64
     }
 
-    /// Depth along the view axis at a place of the picture, with what each texel around it tells.
+    /// Depth along the view axis at a place of the picture, with the distance by each texel around it.
     #[inline]
     fn depth_at(&self, at: DVec2) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
         let mask = &self.frame().mask;
@@ -213,8 +230,8 @@ impl<'a> SeenSurface<'a> {
         }
         let texels = around(inside, size, Sides::Ends);
         let (start, line) = self.visible.sight.line(at.x, at.y);
-        let told = texels.map(|t| self.planes[t.y * size[0] + t.x].along(start, line));
-        Some((agreed(told, &texels)?, told, texels))
+        let distances = texels.map(|t| self.planes[t.y * size[0] + t.x].along(start, line));
+        Some((agreed(distances, &texels)?, distances, texels))
     }
 
     /// The way of a ray through the picture, as far as it may meet the surface; `None` where it may not.

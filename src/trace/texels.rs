@@ -54,12 +54,12 @@ pub(super) fn heaviest(texels: &[Texel; 4]) -> Texel {
 /// Distances that differ by more than this share belong to different surfaces.
 pub(super) const APART: f64 = 0.02;
 
-/// A tangent plane tells nothing of distances beyond this factor of its own point's.
+/// A tangent plane says nothing of distances beyond this factor of its own point's.
 const FARTHEST: f64 = 1.25;
 
 /// Where a ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reached<P> {
+pub(crate) enum Reached<P> {
     /// On the surface: the point, and the place of the map that shows it.
     Seen(DVec3, P),
     /// Unseen, on the plane of the surface that this place shows, as far as that goes on.
@@ -107,25 +107,25 @@ impl TangentPlane {
     }
 
     /// How far along a `line` from `start` the plane is met; the texel's own distance where it is seen too much along
-    /// itself to tell. `None` where there is no surface.
+    /// itself for that to count. `None` where there is no surface.
     #[inline(always)]
     pub(super) fn along(&self, start: DVec3, line: DVec3) -> Option<f64> {
         let normal = DVec3::from(self.normal.map(f64::from));
         let own = f64::from(self.own);
-        let told = (f64::from(self.offset) - normal.dot(start)) / normal.dot(line);
-        let is_near = told > own / FARTHEST && told < own * FARTHEST;
-        (own > 0.0).then_some(if is_near { told } else { own })
+        let met = (f64::from(self.offset) - normal.dot(start)) / normal.dot(line);
+        let is_near = met > own / FARTHEST && met < own * FARTHEST;
+        (own > 0.0).then_some(if is_near { met } else { own })
     }
 }
 
-/// One distance from those that the texels around a place tell: their mean where they agree, else the nearest
-/// texel's. `None` where none tells any.
+/// One distance from those of the texels around a place: their mean where they agree, else the nearest
+/// texel's. `None` where none has one.
 #[inline]
-pub(super) fn agreed(told: [Option<f64>; 4], texels: &[Texel; 4]) -> Option<f64> {
+pub(super) fn agreed(distances: [Option<f64>; 4], texels: &[Texel; 4]) -> Option<f64> {
     let (mut sum, mut weights, mut heaviest) = (0.0, 0.0, (0.0, 0.0));
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for (told, texel) in told.into_iter().zip(texels) {
-        let Some(distance) = told else { continue };
+    for (distance, texel) in distances.into_iter().zip(texels) {
+        let Some(distance) = distance else { continue };
         (least, most) = (least.min(distance), most.max(distance));
         sum += texel.weight * distance;
         weights += texel.weight;
@@ -140,23 +140,23 @@ pub(super) fn agreed(told: [Option<f64>; 4], texels: &[Texel; 4]) -> Option<f64>
     Some(if agree { sum / weights } else { heaviest.1 })
 }
 
-/// The mean of the values of those texels that lie at `distance`, as they tell it; of the heaviest where none does.
+/// The mean of the values of those texels that lie at `distance`, by their own planes; of the heaviest where none does.
 /// `None` where there is none.
 #[inline]
 pub(super) fn mean_at(
     distance: f64,
-    told: [Option<f64>; 4],
+    distances: [Option<f64>; 4],
     texels: &[Texel; 4],
     value: impl Fn(&Texel) -> DVec3,
 ) -> Option<DVec3> {
     let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
     let mut heaviest: Option<&Texel> = None;
-    for (told, texel) in told.into_iter().zip(texels) {
-        let Some(told) = told else { continue };
+    for (own, texel) in distances.into_iter().zip(texels) {
+        let Some(own) = own else { continue };
         if heaviest.is_none_or(|other| texel.weight > other.weight) {
             heaviest = Some(texel);
         }
-        if (told / distance - 1.0).abs() < APART && texel.weight > 0.0 {
+        if (own / distance - 1.0).abs() < APART && texel.weight > 0.0 {
             sum += texel.weight * value(texel);
             weights += texel.weight;
         }

@@ -114,17 +114,17 @@ impl<'a> Tracer<'a> {
     }
 
     /// What lies behind, as far as it is known.
-    pub fn behind(&self) -> Option<&SeenSurface<'a>> {
+    pub(crate) fn behind(&self) -> Option<&SeenSurface<'a>> {
         self.behind.as_ref()
     }
 
     /// The map of the surroundings, as far as they are known.
-    pub fn around(&self) -> Option<&DistanceMap<'a>> {
+    pub(crate) fn around(&self) -> Option<&DistanceMap<'a>> {
         self.around.as_ref().map(|(map, _)| map)
     }
 
     /// The surface itself.
-    pub fn front(&self) -> &VisibleSurface<'a> {
+    pub(crate) fn front(&self) -> &VisibleSurface<'a> {
         &self.front
     }
 

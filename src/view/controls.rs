@@ -155,11 +155,11 @@ impl Controls {
                 let reset = ui.small_button("reset");
                 let name = format!("reset {}", setting.name.replace('-', " "));
                 named_button(&reset, &name);
-                let told = match &setting.default {
+                let hint = match &setting.default {
                     Some(default) => format!("back to {default}"),
                     None => "back to none".into(),
                 };
-                if reset.on_hover_text(told).clicked() {
+                if reset.on_hover_text(hint).clicked() {
                     look.set(&setting.name, None);
                     self.typed.remove(&setting.name);
                 }

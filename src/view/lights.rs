@@ -14,7 +14,7 @@ pub(super) struct Light {
 }
 
 impl Light {
-    /// The light that a value of the flag tells of.
+    /// The light that a value of the flag describes.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let numbers = text.split(',').map(|n| n.trim().parse().ok());
         let numbers: Vec<f32> = numbers.collect::<Option<_>>()?;

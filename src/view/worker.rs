@@ -168,7 +168,8 @@ impl Bench {
             let reply = tried.unwrap_or_else(|_| {
                 // Whatever it had in hand may be half made.
                 self.studio = ViewSession::new(self.engine.clone());
-                let said = "this is a mistake of relievo's own, told on stderr; please report it";
+                let said =
+                    "this is a mistake of relievo's own, reported on stderr; please report it";
                 match &task {
                     Task::Show(order) => Some(Reply::Failed(order.number, said.into())),
                     Task::Save(..) => Some(Reply::Saved(Err(said.into()))),

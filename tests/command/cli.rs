@@ -497,7 +497,7 @@ fn inspect_json_is_an_array_of_files() {
     assert_eq!(files.len(), 2);
 
     let roles = files[0]["roles"].as_array().unwrap();
-    let told: Vec<_> = roles
+    let found: Vec<_> = roles
         .iter()
         .map(|r| (r["role"].as_str().unwrap(), r["layer"].as_str().unwrap()))
         .collect();
@@ -507,7 +507,7 @@ fn inspect_json_is_an_array_of_files() {
         ("depth", "ViewLayer.Depth"),
         ("position", "ViewLayer.Position"),
     ];
-    assert_eq!(told, expected);
+    assert_eq!(found, expected);
     let conclusion = |subject: &str| {
         let findings = files[0]["findings"].as_array().unwrap();
         let finding = findings.iter().find(|f| f["subject"] == subject);
@@ -517,7 +517,7 @@ fn inspect_json_is_an_array_of_files() {
     assert!(conclusion("camera").starts_with("perspective, focal 880.0 px"));
     assert_eq!(files[0]["problem"], Value::Null);
 
-    // A photo alone has no normals: a problem that is told, not an error.
+    // A photo alone has no normals: a problem that is reported, not an error.
     assert!(files[1]["problem"].as_str().unwrap().contains("--normal"));
     assert_eq!(files[1]["display_window"]["x1"], 256);
 }
@@ -551,8 +551,8 @@ fn explain_tells_why_each_stage_runs_or_not() {
     assert_eq!(verdict(&layers, "radiance-scaling"), "skip");
     let referred = explained("shape", &gears, "f.png", &["--reference-height", "120"]);
     // 240 lines: ten steps of 0.2 have a sigma of 2, and 4 where two pixels count as one.
-    for told in ["scale 4.00 px (2.00 px at a height of 120)", "times 2"] {
-        assert!(referred.contains(told), "no {told} in {referred}");
+    for text in ["scale 4.00 px (2.00 px at a height of 120)", "times 2"] {
+        assert!(referred.contains(text), "no {text} in {referred}");
     }
     let idle = explained("enhance", &gears, "d.png", &["--scaling", "0"]);
     assert!(idle.lines().all(|line| line.starts_with("skip")));
@@ -639,8 +639,8 @@ fn a_full_disk_behind_stdout_is_told_and_one_behind_stderr_is_survived() {
     let here = Path::new(".");
     let mut inspect = program::program(here);
     inspect.arg("inspect").arg(&gears).stdout(full().unwrap());
-    let told = Ran::of(&mut inspect).refused(1);
-    assert!(told.starts_with("error: stdout: cannot write"), "{told}");
+    let line = Ran::of(&mut inspect).refused(1);
+    assert!(line.starts_with("error: stdout: cannot write"), "{line}");
 
     for (input, code) in [(gears.as_path(), 0), (Path::new("none.exr"), 1)] {
         let desk = Desk::new();
@@ -681,9 +681,9 @@ fn misuse_is_one_line_and_exit_code_2() {
         ("a.png", &["--layers", "some"], "keep"),
         ("a.png", &["--colour", "x"], "--color"),
     ];
-    for (output, flags, told) in cases {
+    for (output, flags, expected) in cases {
         let line = desk.run("enhance", &gears, output, flags).refused(2);
-        assert!(line.contains(told), "{line}");
+        assert!(line.contains(expected), "{line}");
     }
     assert!(relievo(["enhance"]).refused(2).contains("--output"));
     assert!(relievo(["enchant"]).refused(2).contains("enchant"));
@@ -753,10 +753,10 @@ fn an_older_output_is_replaced_unless_told_not_to() {
 #[test]
 fn what_cannot_be_done_is_one_line_and_exit_code_1() {
     let desk = Desk::new();
-    let says = |ran: Ran, told: &[&str]| {
+    let says = |ran: Ran, expected: &[&str]| {
         let line = ran.refused(1);
-        for told in told {
-            assert!(line.contains(told), "no {told} in {line}");
+        for text in expected {
+            assert!(line.contains(text), "no {text} in {line}");
         }
     };
     let color = fixture("tablet.color.jpg");

@@ -233,10 +233,10 @@ fn the_light_passes_of_blender_are_known() {
     ];
     for (i, name) in files.into_iter().enumerate() {
         let inspection = inspection(&directory.join(name));
-        let told = roles(&inspection);
+        let found = roles(&inspection);
         for (role, old, new) in common {
             let layer = format!("ViewLayer.{}", [old, new][i]);
-            assert!(told.contains(&(role, &layer)), "{name}: no {role} {layer}");
+            assert!(found.contains(&(role, &layer)), "{name}: no {role} {layer}");
         }
         let findings = inspection["findings"].as_array().unwrap();
         let space = findings.iter().find(|f| f["subject"] == "normal space");

@@ -43,10 +43,10 @@ fn write_small(here: &Path) {
 fn inspect_reads_the_header_of_a_photo_alone() {
     let desk = tempfile::tempdir().unwrap();
     write_header(&desk.path().join("huge.png"), [18000, 18000]);
-    let told = relievo(desk.path(), "inspect huge.png").done().stdout;
+    let stdout = relievo(desk.path(), "inspect huge.png").done().stdout;
     assert!(
-        told.contains("18000x18000") && told.contains("u8"),
-        "{told}"
+        stdout.contains("18000x18000") && stdout.contains("u8"),
+        "{stdout}"
     );
 }
 
@@ -67,15 +67,15 @@ fn inspect_looks_at_the_middle_of_what_is_too_large() {
         write_grey(&desk.path().join(name), [4096, 2700], |x, y| (x + y) as u8);
     }
     let words = "inspect in.png --normal n.png --normal-space view";
-    let told = relievo(desk.path(), words).done().stdout;
-    let said: Vec<&str> = told
+    let stdout = relievo(desk.path(), words).done().stdout;
+    let said: Vec<&str> = stdout
         .lines()
         .filter(|l| l.contains("rows in the middle"))
         .collect();
-    assert_eq!(said.len(), 1, "{told}");
+    assert_eq!(said.len(), 1, "{stdout}");
     assert!(
-        said[0].contains("of 2700") && told.contains("normal encoding"),
-        "{told}"
+        said[0].contains("of 2700") && stdout.contains("normal encoding"),
+        "{stdout}"
     );
 }
 

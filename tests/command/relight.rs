@@ -211,7 +211,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         all.extend(flags);
         relight(desk.path(), input, &all)
     };
-    for (flags, tells) in [
+    for (flags, expected) in [
         (&["--ambient", "0"][..], "--light AZ,EL"),
         (&["--light", "1"], "expected 2 numbers"),
         (&["--light", "1,2,-1,0,0"], "colour of 0 or more"),
@@ -236,7 +236,7 @@ fn what_cannot_be_done_is_refused_in_one_line() {
         ),
     ] {
         let line = run(&bust, flags).error(2);
-        assert!(line.contains(tells), "{flags:?}: {line}");
+        assert!(line.contains(expected), "{flags:?}: {line}");
     }
     let line = run(&tablet, &["--normal", normal, "--point-light", "0,0,1"]).error(2);
     assert!(

@@ -90,7 +90,7 @@ fn the_files_are_there_and_others_stay() {
     }
     // The frame, three scenes, directions, the rim, lights and equations, directions of strokes, strokes, mirrors.
     assert_eq!(count, 11);
-    // A star that is no mark of bold is told from one that is.
+    // A star that is no mark of bold differs from one that is.
     assert!(page.contains(" \\* |") && !page.contains("***"));
     // Every table has rows of as many cells as its head.
     let bars = |line: &str| line.replace("\\|", "").matches('|').count();
@@ -451,8 +451,8 @@ fn cost_by_lights_has_its_line() {
         .map(|row| row["lights"].as_u64().unwrap())
         .collect();
     assert_eq!(counts, [1, 4, 16, 64, 256, 1024]);
-    let told = number(&cost["line"]["told"]);
-    assert!((0.0..=1.0).contains(&told), "{told}");
+    let explained = number(&cost["line"]["told"]);
+    assert!((0.0..=1.0).contains(&explained), "{explained}");
     let pixels: Vec<_> = cost["covered"]
         .as_array()
         .unwrap()

@@ -121,7 +121,7 @@ fn photos_in_strips_are_the_whole_bit_for_bit() {
             let words = format!("{work} -o {kind}.{name} --max-memory {memory}");
             relievo(here, &words).ended(0);
         }
-        // The recipe in an EXR tells nothing of memory.
+        // The recipe in an EXR says nothing of memory.
         let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{k}.{name}")));
         assert!(whole == strips, "{name}");
     }

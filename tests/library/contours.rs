@@ -236,7 +236,7 @@ fn three_straight_creases_meet_in_a_corner() {
         let edges = edges(block, roll);
         for line in lines {
             assert_eq!(line.kind, ContourKind::Crease);
-            // The point farthest out tells which edge it is.
+            // The point farthest out shows which edge it is.
             let out = line
                 .points
                 .iter()

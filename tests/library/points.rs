@@ -1,4 +1,4 @@
-//! Where the surface lies, from whatever layers tell it: positions, or depth of any kind.
+//! Where the surface lies, from whatever layers give it: positions, or depth of any kind.
 
 use crate::common::exr::{Part, Stored};
 use glam::{DAffine3, DMat3, DQuat, DVec3};

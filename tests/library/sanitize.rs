@@ -514,8 +514,8 @@ fn depth_that_is_no_distance_is_left_out_and_no_other() {
         let loaded = render.through_a_file(Stored::Float);
         let expected = if covered { 9 * 7 } else { 0 };
         assert_eq!(loaded.frame.mask.count(), expected, "{value}");
-        let told = loaded.warnings.iter().any(|w| w.contains("no pixel shows"));
-        assert_eq!(told, !covered, "{value}: {:?}", loaded.warnings);
+        let warned = loaded.warnings.iter().any(|w| w.contains("no pixel shows"));
+        assert_eq!(warned, !covered, "{value}: {:?}", loaded.warnings);
         assert_clean(&loaded.frame, &format!("depth {value} everywhere"));
     }
 }

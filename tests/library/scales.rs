@@ -78,7 +78,7 @@ fn every_pixel_is_diffused_for_its_share_of_the_time() {
             ..frame.clone()
         };
         for n in 0..count {
-            // A share of the time is its root of the sigma. The map is told in 1023 steps: a time off by
+            // A share of the time is its root of the sigma. The map is stored in 1023 steps: a time off by
             // 1/2046 of t changes a wave of decay m by t m e^(-s t m) / 2046, at most 1 / (2046 e s).
             let share = share(n);
             let scale = Scale::Sigma(sigma * share.sqrt());

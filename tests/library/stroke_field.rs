@@ -137,7 +137,7 @@ fn strokes_run_around_cylinders_and_along_them() {
                         "{axis} {rounding:.4} {passes}: {:.3} / {:.3}, {:.3} / {:.3}",
                         around[0], around[1], along[0], along[1]
                     );
-                    // The normals tell the directions to a small part of a degree. A pass keeps straight
+                    // The normals give the directions to a small part of a degree. A pass keeps straight
                     // lines, of those along the axis in a parallel projection; rings seen at a slant
                     // bend, and near the rim, where the kernel is cut off, all of it to one side.
                     let straight =

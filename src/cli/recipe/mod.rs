@@ -13,7 +13,7 @@ use clap::{Arg, ArgAction};
 /// Version of the recipes that this program writes, and the newest it reads.
 const VERSION: i64 = 1;
 
-/// The flag that tells which frames choose for all: none do where a recipe holds what they chose.
+/// The flag that says which frames choose for all: none do where a recipe holds what they chose.
 pub(super) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe may stand for.

@@ -166,7 +166,7 @@ impl Attributes<'_> {
             ("rs/camera/transform", "rs/camera/transform", [1, 2, 0, 3]),
         ];
         let mut found = Vec::new();
-        for (name, told, order) in names {
+        for (name, stated, order) in names {
             let (Some(matrix), Some(projection)) = (self.matrix(name), self.lens(picture)) else {
                 continue;
             };
@@ -181,7 +181,7 @@ impl Attributes<'_> {
                                 * world_from_camera.inverse(),
                             projection,
                         },
-                        reading: format!("{told} {how}{looks}"),
+                        reading: format!("{stated} {how}{looks}"),
                     });
                 }
             }

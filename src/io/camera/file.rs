@@ -56,7 +56,7 @@ pub fn read_camera(path: &Path, display_window: Window, pixel_aspect: f32) -> Re
 ///
 /// # Errors
 /// If the file cannot be read, is not JSON, or has no such matrix of a rotation and a translation.
-pub fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
+pub(crate) fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
     let text = read_text(path, MOST_BYTES)?;
     let parsed = || {
         let json: Value = serde_json::from_str(&text).map_err(not_json)?;

@@ -171,7 +171,7 @@ impl<'a> CameraSearch<'a> {
     /// Rotation and lens recovered from depth and `normal`, without a place. It makes no finding.
     pub(in crate::io) fn by_depth(&mut self, normal: &Vector3Planes) -> Option<FoundCamera> {
         if let Some(known) = self.inputs.known_camera {
-            let given = FoundCamera::new(known.camera, "as told".into());
+            let given = FoundCamera::new(known.camera, "as given".into());
             return (!known.is_placed).then_some(given);
         }
         let surface = self.surface;

@@ -14,9 +14,10 @@ mod panorama;
 mod recover;
 mod samples;
 
-pub use file::{read_camera, read_pose};
+pub use file::read_camera;
+pub(crate) use file::read_pose;
 pub(super) use find::{CAMERA, CameraSearch, FoundCamera};
 pub use from_depth::{DepthCamera, recover_camera_from_depth};
-pub use panorama::{PanoramaPose, recover_panorama};
+pub(crate) use panorama::recover_panorama;
 pub use recover::{RecoveredCamera, RecoveryFailure, recover_camera};
 pub(super) use samples::median;

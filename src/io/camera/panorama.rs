@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// The place and the turn of an equirectangular panorama.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PanoramaPose {
+pub(crate) struct PanoramaPose {
     /// Where it was seen from, in world space.
     pub center: DVec3,
     /// World space to the map's own: x right, y up, -z in the middle of the picture.
@@ -40,7 +40,10 @@ struct Sighting {
 ///
 /// In turns the positions are turned onto the directions of their pixels (Wahba's problem), and the centre is put
 /// where the lines through the positions along those directions come closest to each other.
-pub fn recover_panorama(positions: &Vector3Planes, seen: &Plane<bool>) -> Option<PanoramaPose> {
+pub(crate) fn recover_panorama(
+    positions: &Vector3Planes,
+    seen: &Plane<bool>,
+) -> Option<PanoramaPose> {
     let sightings = sightings(positions, seen);
     if sightings.len() < FEWEST {
         return None;

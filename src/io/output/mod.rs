@@ -3,7 +3,9 @@
 mod target;
 mod temporary;
 
-pub use target::{FileId, Files, Replace, directory_of};
+#[cfg(feature = "cli")]
+pub(crate) use target::directory_of;
+pub use target::{Files, Replace};
 pub use temporary::{drop_unfinished, remove_leftovers};
 
 use super::exr::{ExrFile, Limits};
@@ -47,7 +49,8 @@ pub fn write_atomically(
 ///
 /// # Errors
 /// As there.
-pub fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
+#[cfg(feature = "cli")]
+pub(crate) fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
     write_atomically(path, replace, |w| {
         w.write_all(text.as_bytes())
             .map_err(Error::io(path, "write"))

@@ -102,7 +102,7 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// The directory that the file `path` is in.
-pub fn directory_of(path: &Path) -> &Path {
+pub(crate) fn directory_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -111,7 +111,7 @@ pub fn directory_of(path: &Path) -> &Path {
 
 /// A file, by whatever name or link it is reached, whether it exists or not.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct FileId {
+pub(crate) struct FileId {
     /// The file, or its directory if it does not exist.
     place: Place,
     name: Option<OsString>,
@@ -124,7 +124,7 @@ type Place = PathBuf;
 
 impl FileId {
     /// The file that reading or writing `path` would reach; `None` where it cannot be reached.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub(super) fn of(path: &Path) -> Option<Self> {
         if let Some(place) = place_of(path) {
             return Some(Self { place, name: None });
         }

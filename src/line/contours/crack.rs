@@ -9,7 +9,7 @@ pub type Across = [Option<f32>; 6];
 
 /// A jump that is spread counts if it is so many times the steepest slope beside it: a kink alone leaves up to twice
 /// its slope.
-pub const KINK: f32 = 2.5;
+pub(crate) const KINK: f32 = 2.5;
 
 /// By how much a map jumps at the crack, beyond what its slopes to either side explain.
 ///
@@ -17,7 +17,7 @@ pub const KINK: f32 = 2.5;
 /// on. The jump may be spread by a filter over the pixels beside the crack; then what the three cracks around
 /// it jump together counts.
 #[inline]
-pub fn unexplained_jump(a: &Across) -> f32 {
+pub(crate) fn unexplained_jump(a: &Across) -> f32 {
     let Some(jump) = difference(a[2], a[3]) else {
         return 0.0;
     };
@@ -56,7 +56,7 @@ pub(crate) fn steepness(slope: Option<f32>) -> f32 {
 /// the crack between them; `coverage` is that of the pixels from the second before the crack to the second
 /// behind it. 0 where coverage does not fall from whole to none around the crack.
 #[inline]
-pub fn border_offset(coverage: [f32; 4]) -> f32 {
+pub(crate) fn border_offset(coverage: [f32; 4]) -> f32 {
     let [inmost, inside, outside, outmost] = coverage;
     let falls = inmost >= inside && inside > outside && outside >= outmost;
     if !(falls && inmost > 0.95 && outmost < 0.05) {
@@ -68,7 +68,7 @@ pub fn border_offset(coverage: [f32; 4]) -> f32 {
 /// Where the edge lies, in pixels behind the crack, between a pixel of the value `before` and one of the value
 /// `behind` whose filters mixed them with the other side: unmixed they would be `sharp`.
 #[inline]
-pub fn spread_offset([before, behind]: [f32; 2], sharp: [f32; 2]) -> f32 {
+pub(crate) fn spread_offset([before, behind]: [f32; 2], sharp: [f32; 2]) -> f32 {
     let jump = sharp[1] - sharp[0];
     let share = |value: f32, own: f32| ((value - own) / jump).abs().min(0.5);
     let offset = share(behind, sharp[1]) - share(before, sharp[0]);
@@ -78,7 +78,7 @@ pub fn spread_offset([before, behind]: [f32; 2], sharp: [f32; 2]) -> f32 {
 /// The nearer of the least and the greatest value around a pixel: a filter's mixtures go to the side that
 /// they are more of.
 #[inline]
-pub fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
+pub(crate) fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
     let (least, greatest) = around.fold((value, value), |(least, greatest), v| {
         (least.min(v), greatest.max(v))
     });

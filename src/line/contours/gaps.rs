@@ -21,7 +21,7 @@ struct Tip {
 
 /// Closes gaps of up to `widest_px`, the narrowest first: both ends are led to the middle between them, and
 /// what was two parts becomes one.
-pub fn close_gaps(lines: &mut [Line], widest_px: f32) {
+pub(crate) fn close_gaps(lines: &mut [Line], widest_px: f32) {
     let tips: Vec<Tip> = lines
         .iter()
         .enumerate()

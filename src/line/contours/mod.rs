@@ -160,10 +160,10 @@ fn taper(widths: &mut [f32], points: &[Vec2], ends: [End; 2], over_px: f32) {
 }
 
 /// The jump of the logarithm of depth whose strength is a half: a fifth of the distance.
-pub const HALF_PLAIN_JUMP: f32 = 0.2;
+pub(crate) const HALF_PLAIN_JUMP: f32 = 0.2;
 
 /// The strength of a jump of this size of the logarithm of depth, 0..1.
-pub fn strength_of_jump(jump: f32) -> f32 {
+pub(crate) fn strength_of_jump(jump: f32) -> f32 {
     jump / (jump + HALF_PLAIN_JUMP)
 }
 

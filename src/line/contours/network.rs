@@ -427,7 +427,7 @@ const FARTHEST_CROSSING_PX: f32 = 2.5;
 
 impl Line {
     /// Evens out the steps between pixels.
-    pub fn smooth(&mut self, smoothing: Smoothing) {
+    pub(crate) fn smooth(&mut self, smoothing: Smoothing) {
         let points: Vec<Vec2> = self.spots.iter().map(|spot| spot.at).collect();
         for (spot, at) in self
             .spots

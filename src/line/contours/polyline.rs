@@ -4,7 +4,7 @@ use glam::Vec2;
 
 /// How a polyline is evened out.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Smoothing {
+pub(crate) struct Smoothing {
     /// How far its points may lie beside the true line, in pixels.
     pub tolerance_px: f32,
     /// Most points to either side that are looked at together.
@@ -20,7 +20,7 @@ const REACHES: [usize; 15] = [1, 2, 3, 4, 5, 7, 9, 12, 16, 21, 28, 38, 51, 68, 1
 /// Every point moves onto the parabola of least squares through its neighbours, of which so many to either
 /// side count as lie within the tolerance of their parabola: many along a straight line, few around a corner.
 /// Neighbouring points look almost equally far, so that the line shows no seam.
-pub fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2> {
+pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2> {
     let allowed = REACHES.partition_point(|&reach| reach <= smoothing.reach);
     if points.len() < 3 || allowed == 0 {
         return points.to_vec();

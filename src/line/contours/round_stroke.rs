@@ -4,7 +4,7 @@ use glam::Vec2;
 
 /// A piece of a line, round at both ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoundStroke {
+pub(crate) struct RoundStroke {
     from: Vec2,
     along: Vec2,
     /// 1 over the squared length; 0 for a dot.
@@ -18,7 +18,7 @@ pub struct RoundStroke {
 
 impl RoundStroke {
     /// From one point to another, with half its width at both.
-    pub fn new([from, to]: [Vec2; 2], radii: [f32; 2]) -> Self {
+    pub(crate) fn new([from, to]: [Vec2; 2], radii: [f32; 2]) -> Self {
         let along = to - from;
         let square = along.length_squared();
         Self {
@@ -71,7 +71,7 @@ impl RoundStroke {
     }
 
     /// The first and the last coordinate along y that it covers anything of.
-    pub fn rows(&self) -> [f32; 2] {
+    pub(crate) fn rows(&self) -> [f32; 2] {
         let ends = [self.from.y, self.from.y + self.along.y];
         [
             ends[0].min(ends[1]) - self.reach(),
@@ -80,7 +80,7 @@ impl RoundStroke {
     }
 
     /// The first and the last coordinate along x that it covers anything of.
-    pub fn across(&self) -> [f32; 2] {
+    pub(crate) fn across(&self) -> [f32; 2] {
         let ends = [self.from.x, self.from.x + self.along.x];
         [
             ends[0].min(ends[1]) - self.reach(),
@@ -126,7 +126,7 @@ impl RoundStroke {
 
     /// Covers a row of pixels whose middles have the coordinate `y`: where it covers more than before, so that
     /// overlaps do not darken.
-    pub fn cover(&self, row: &mut [f32], y: f32) {
+    pub(crate) fn cover(&self, row: &mut [f32], y: f32) {
         let [first, last] = self.columns(y);
         // Casts of what lies outside saturate.
         let (first, last) = (

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2};
 /// The mean of weighted directions that are the same as their opposites: the main axis of the sum of
 /// w t t^T. `None` where they cancel.
 #[inline]
-pub fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Option<Vec2> {
+pub(crate) fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Option<Vec2> {
     // Twice the angle has no sign: (x^2 - y^2, 2 x y) is t turned to it.
     let (mut doubled, mut weights) = (Vec2::ZERO, 0.0);
     for (weight, t) in directions {
@@ -37,22 +37,22 @@ pub(crate) fn clear_direction(doubled: Vec2, weights: f32) -> Option<Vec2> {
 pub(crate) const CANCELLED: f32 = 1e-3;
 
 /// Pixels over which the direction of a plane turns from its neighbours' to the fixed one.
-pub const PLANE_MARGIN_PX: usize = 16;
+pub(crate) const PLANE_MARGIN_PX: usize = 16;
 
 /// The same for pixels of a curved surface that have no direction of their own.
-pub const SURFACE_MARGIN_PX: usize = 64;
+pub(crate) const SURFACE_MARGIN_PX: usize = 64;
 
 /// The same for pixels on edges.
-pub const EDGE_MARGIN_PX: usize = 16;
+pub(crate) const EDGE_MARGIN_PX: usize = 16;
 
 /// How far, in pixels, directions come from.
-pub const FILL_REACH_PX: usize = PLANE_MARGIN_PX + SURFACE_MARGIN_PX + EDGE_MARGIN_PX;
+pub(crate) const FILL_REACH_PX: usize = PLANE_MARGIN_PX + SURFACE_MARGIN_PX + EDGE_MARGIN_PX;
 
 /// The direction of a surface that has none of its own and no neighbour with one: the first of the axes
 /// x, y, z crossed with the normal that is seen in the picture ([LA] section 4.2). It is the same all
 /// over a plane, and turns smoothly over a ball.
 #[inline]
-pub fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
+pub(crate) fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
     fixed_tangents(normal)
         .find_map(|tangent| sight.picture_direction(x, y, tangent))
         .map_or(Vec2::X, |direction| direction.as_vec2())
@@ -60,7 +60,7 @@ pub fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec
 
 /// The axes x, y, z in turn, as far as they are not along the unit `normal`, crossed with it: unit tangents.
 #[inline]
-pub fn fixed_tangents(normal: DVec3) -> impl Iterator<Item = DVec3> {
+pub(crate) fn fixed_tangents(normal: DVec3) -> impl Iterator<Item = DVec3> {
     [DVec3::X, DVec3::Y, DVec3::Z]
         .into_iter()
         .map(move |axis| axis.cross(normal))
@@ -73,7 +73,7 @@ pub(crate) const ALONG: f64 = 0.02;
 
 /// The direction at right angles, on the surface, to [`fixed_direction`].
 #[inline]
-pub fn fixed_second_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
+pub(crate) fn fixed_second_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
     fixed_tangents(normal)
         .find(|&tangent| sight.picture_direction(x, y, tangent).is_some())
         .and_then(|tangent| sight.picture_direction(x, y, normal.cross(tangent).try_normalize()?))

@@ -28,13 +28,13 @@ use std::ops::Range;
 
 /// Twice the angle of a direction: opposites are the same, and what is at right angles cancels.
 #[inline(always)]
-pub fn doubled(t: Vec2) -> Vec2 {
+pub(crate) fn doubled(t: Vec2) -> Vec2 {
     Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y)
 }
 
 /// The unit direction, of the two, at half the angle of `doubled`; 0 for 0.
 #[inline(always)]
-pub fn halved(doubled: [f32; 2]) -> [f32; 2] {
+pub(crate) fn halved(doubled: [f32; 2]) -> [f32; 2] {
     let [x, y] = doubled;
     let length = (x * x + y * y).sqrt();
     // cos^2 = (1 + cos 2a) / 2, whichever of sine and cosine is the larger; the other by sin 2a.
@@ -58,7 +58,7 @@ pub(crate) const LEAST_LENGTH: f32 = 1e-18;
 
 /// Directions of a row, halved in place.
 #[inline(always)]
-pub fn halve_row(x: &mut [f32], y: &mut [f32]) {
+pub(crate) fn halve_row(x: &mut [f32], y: &mut [f32]) {
     for (x, y) in x.iter_mut().zip(y) {
         [*x, *y] = halved([*x, *y]);
     }
@@ -152,14 +152,14 @@ pub fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
 pub(crate) const AGREE: Range<f32> = 0.2..0.8;
 
 /// Three components and a weight, which is 1: what is summed along chains.
-pub type Weighted = [f32; 4];
+pub(crate) type Weighted = [f32; 4];
 
 /// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s); the
 /// value itself, of weight 1, counts in. `reach` is more than 0.
 ///
 /// Sums of the values and of the values times their places give any such sum at once, however far it reaches.
 #[inline(always)]
-pub fn sums_along(
+pub(crate) fn sums_along(
     sums: &mut [Weighted],
     chain: &[Weighted],
     reach: &[f32],

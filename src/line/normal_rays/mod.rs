@@ -39,7 +39,7 @@ pub struct Sides {
 }
 
 /// Errors of rounding are spread evenly up to the largest: their standard deviation is this share of it.
-pub const ROUNDING_DEVIATION: f64 = 0.577_350_269;
+pub(crate) const ROUNDING_DEVIATION: f64 = 0.577_350_269;
 
 /// How far samples are to be trusted: standard deviations of their errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +52,7 @@ pub struct Noise {
 
 /// What kind of point the surface has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LocalShape {
+pub(crate) enum LocalShape {
     /// The normal does not turn, as far as can be told: no direction.
     Planar,
     /// It turns alike every way, likewise: no direction.
@@ -65,7 +65,7 @@ pub enum LocalShape {
 
 /// Principal curvatures of a surface, the larger in size first.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PrincipalCurvatures {
+pub(crate) struct PrincipalCurvatures {
     /// What kind of point it is; where it has no direction, those given are arbitrary.
     pub form: LocalShape,
     /// Curvatures per unit of length; convex is negative.
@@ -76,7 +76,7 @@ pub struct PrincipalCurvatures {
 
 impl PrincipalCurvatures {
     /// The direction of the curvature larger in size, if the point has one.
-    pub fn direction(&self) -> Option<DVec3> {
+    pub(crate) fn direction(&self) -> Option<DVec3> {
         match self.form {
             LocalShape::Planar | LocalShape::Umbilic => None,
             LocalShape::Parabolic | LocalShape::General => Some(self.directions[0]),
@@ -87,14 +87,14 @@ impl PrincipalCurvatures {
 /// Turn of the normal, in radians per pixel, below which a surface is planar: 6 degrees over a
 /// thousand pixels, flat to the eye. Higher values flatten large gentle shapes; lower ones follow the
 /// rounding of normals that were stored exactly but computed in f32.
-pub const PLANAR_TURN: f64 = 1e-4;
+pub(crate) const PLANAR_TURN: f64 = 1e-4;
 
 /// Difference of the curvatures over their sum below which a point is umbilic; its square is the
 /// discriminant of [LA] equation 1 over B^2.
-pub const UMBILIC: f64 = 1e-2;
+pub(crate) const UMBILIC: f64 = 1e-2;
 
 /// The lesser curvature over the greater below which it is 0.
-pub const PARABOLIC: f64 = 1e-3;
+pub(crate) const PARABOLIC: f64 = 1e-3;
 
 /// Standard deviations by which the curvatures must differ. At 3 the rounding of a ball's normals to 8 bits
 /// is taken for a direction here and there; from 6 to 10, where steps may widen, the 95th percentile of the
@@ -116,7 +116,7 @@ pub(crate) const MIN_UPRIGHT: f64 = 1e-6;
 /// of each the error is of second order in the step; a missing one is replaced by the point's own, at
 /// first order.
 #[inline]
-pub fn principal_curvatures(
+pub(crate) fn principal_curvatures(
     normal: DVec3,
     [along_x, along_y]: [Sides; 2],
     noise: Noise,
@@ -169,7 +169,7 @@ pub fn principal_curvatures(
 /// Curvatures of a surface as one tensor, in the frame that turning the normal to the viewer by the shortest
 /// way makes the picture's own: the frames of neighbours are nearly alike, so that tensors can be averaged.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvatureTensor {
+pub(crate) struct CurvatureTensor {
     /// Mean of the principal curvatures, per unit of length; convex is negative.
     pub mean: f64,
     /// Half their difference, toward twice the angle of the larger one's direction.
@@ -180,7 +180,10 @@ pub struct CurvatureTensor {
 ///
 /// `None` as for [`principal_curvatures`], and where the normal points straight away from the viewer.
 #[inline]
-pub fn curvature_tensor(normal: DVec3, [along_x, along_y]: [Sides; 2]) -> Option<CurvatureTensor> {
+pub(crate) fn curvature_tensor(
+    normal: DVec3,
+    [along_x, along_y]: [Sides; 2],
+) -> Option<CurvatureTensor> {
     let local = Local {
         tangents: upright_tangents(normal)?,
         normal,
@@ -195,7 +198,7 @@ pub fn curvature_tensor(normal: DVec3, [along_x, along_y]: [Sides; 2]) -> Option
 /// The tangents that become the picture's x and y when the unit normal is turned to the viewer by the
 /// shortest way; `None` where it points straight away.
 #[inline]
-pub fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
+pub(crate) fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
     let both = normal + DVec3::Z;
     let faces = both.z > MIN_UPRIGHT;
     faces.then(|| [DVec3::X, DVec3::Y].map(|axis| axis - axis.dot(normal) / both.z * both))

@@ -26,7 +26,7 @@ pub struct Streamline {
 
 /// What lines are drawn with, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nib {
+pub(crate) struct Nib {
     /// Width in a middle tone.
     pub width: f32,
     /// Share of that, 0..1, by which it grows and shrinks with tone.
@@ -64,7 +64,7 @@ const WIDEST: f32 = 4.0;
 
 impl Nib {
     /// What draws such strokes.
-    pub fn of(stroke: &Stroke) -> Self {
+    pub(crate) fn of(stroke: &Stroke) -> Self {
         Self {
             width: stroke.width_px,
             pressure: stroke.pressure,
@@ -100,7 +100,7 @@ impl Nib {
 
 /// Lines along `field` (unit directions, y up, the same as their opposites) that cover the share `ink` of the
 /// paper; where that is 0 none goes. The same for the same input.
-pub fn streamlines(field: &Vector2Planes, ink: &Plane, nib: &Nib) -> Vec<Streamline> {
+pub(crate) fn streamlines(field: &Vector2Planes, ink: &Plane, nib: &Nib) -> Vec<Streamline> {
     let mut drawer = Drawer {
         field,
         ink,

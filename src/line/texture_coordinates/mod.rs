@@ -39,11 +39,11 @@ const OUTWORN: f32 = 1.5;
 pub type Jacobian = [[f32; 2]; 2];
 
 /// The Jacobian of what lies still.
-pub const STILL: Jacobian = [[1.0, 0.0], [0.0, 1.0]];
+pub(crate) const STILL: Jacobian = [[1.0, 0.0], [0.0, 1.0]];
 
 /// Whether two places, of pixels next to each other, can be of one surface.
 #[inline(always)]
-pub fn is_joined(a: [f32; 2], b: [f32; 2]) -> bool {
+pub(crate) fn is_joined(a: [f32; 2], b: [f32; 2]) -> bool {
     let [x, y] = [b[0] - a[0], b[1] - a[1]];
     x * x + y * y < JUMP * JUMP
 }
@@ -104,7 +104,7 @@ pub(crate) fn slope(here: [f32; 2], [before, after]: [Option<[f32; 2]>; 2]) -> O
 
 /// The direction in the texture of the direction `t` in the picture, both x right, y **up**; not unit.
 #[inline(always)]
-pub fn in_texture(by: &Jacobian, t: [f32; 2]) -> [f32; 2] {
+pub(crate) fn in_texture(by: &Jacobian, t: [f32; 2]) -> [f32; 2] {
     let [dx, dy] = by;
     [dx[0] * t[0] - dy[0] * t[1], -(dx[1] * t[0] - dy[1] * t[1])]
 }
@@ -151,7 +151,7 @@ pub fn turn(by: &Jacobian) -> [f32; 2] {
 /// The place at an offset in pixels (rows down) from a pixel at `place`, if the texture goes on from there by a
 /// [`turn`], undistorted.
 #[inline(always)]
-pub fn continued(place: [f32; 2], [cos, sin]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 2] {
+pub(crate) fn continued(place: [f32; 2], [cos, sin]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 2] {
     [place[0] + cos * x - sin * y, place[1] + sin * x + cos * y]
 }
 
@@ -162,7 +162,7 @@ pub fn continued(place: [f32; 2], [cos, sin]: [f32; 2], [x, y]: [f32; 2]) -> [f3
 /// A place that is torn from most of its surroundings, which agree among each other, is taken from them. Only
 /// then it is asked for `farther` pairs.
 #[inline(always)]
-pub fn calmed<const N: usize>(
+pub(crate) fn calmed<const N: usize>(
     here: [f32; 2],
     near: [Option<[[f32; 2]; 2]>; 4],
     farther: impl FnOnce() -> [Option<[[f32; 2]; 2]>; N],
@@ -199,7 +199,7 @@ pub fn calmed<const N: usize>(
 
 /// The place at `offset` pixels (rows down) from a pixel at `place`, by the Jacobian there.
 #[inline(always)]
-pub fn extrapolated(place: [f32; 2], by: &Jacobian, [x, y]: [f32; 2]) -> [f32; 2] {
+pub(crate) fn extrapolated(place: [f32; 2], by: &Jacobian, [x, y]: [f32; 2]) -> [f32; 2] {
     let [dx, dy] = by;
     [
         place[0] + dx[0] * x + dy[0] * y,

@@ -16,7 +16,7 @@ pub(crate) mod stage;
 
 #[cfg(feature = "gpu")]
 pub(crate) use super::response::ENTRIES;
-pub use super::response::MAX_DENSITY;
+pub(crate) use super::response::MAX_DENSITY;
 
 use super::random::Random;
 use super::response::Response;

@@ -6,8 +6,10 @@ mod strokes;
 mod tone;
 
 pub use contours::ContourParams;
-pub use field::{Fallback, FieldParams, MAX_FIELD_PASSES, StrokeDirections};
-pub use strokes::{MAX_LEVELS, Stroke, StrokeParams, StrokeScale, Style};
+pub use field::MAX_FIELD_PASSES;
+pub use field::{Fallback, FieldParams, StrokeDirections};
+pub use strokes::MAX_LEVELS;
+pub use strokes::{Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{ToneParams, ToneSource};
 
 params! {

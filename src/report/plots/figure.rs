@@ -16,7 +16,7 @@ pub(super) const INK: RGBColor = RGBColor(40, 44, 52);
 pub(super) const FAINT: RGBColor = RGBColor(120, 126, 136);
 pub(super) const GRID: RGBColor = RGBColor(232, 234, 238);
 pub(super) const FRONT: RGBColor = RGBColor(240, 196, 60);
-/// Colours that the colour-blind tell apart (Okabe and Ito), in the order of the series.
+/// Colours that the colour-blind can distinguish (Okabe and Ito), in the order of the series.
 pub(super) const SERIES: [RGBColor; 4] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

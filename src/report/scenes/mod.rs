@@ -208,7 +208,7 @@ fn bare(scene: &ExactScene, width: usize, height: usize) -> Frame {
 }
 
 /// Radius of the ball of [`Scene::rim`].
-pub const RIM_RADIUS: f64 = 4000.0;
+pub(crate) const RIM_RADIUS: f64 = 4000.0;
 
 /// Sine and cosine of a wave at the middle of the pixel `i`.
 fn wave_at(i: usize) -> (f64, f64) {

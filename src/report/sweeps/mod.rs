@@ -16,7 +16,7 @@ use serde::Serialize;
 
 /// Errors of the edge weights, rounding included; each weight is 0..1.
 #[derive(Debug, Clone, Serialize)]
-pub struct EdgeErrors {
+pub(crate) struct EdgeErrors {
     /// Silhouettes.
     pub silhouette: Errors,
     /// Creases.
@@ -32,7 +32,7 @@ pub struct Measuring<'a> {
     /// How its shape is found, but for what a sweep varies.
     pub shape: ShapeParams,
     /// Errors of the edge weights that the engine found.
-    pub edges: EdgeErrors,
+    pub(crate) edges: EdgeErrors,
     /// Conductance that the reference diffuses by.
     pub conductance: Plane<f64>,
     /// The gradient before diffusion.

@@ -22,7 +22,7 @@ const fn certain(space: NormalSpace, flip_z: bool) -> NormalSpaceConclusion {
     NormalSpaceConclusion::Certain { space, flip }
 }
 
-/// Normals in world space, and what else may tell that they are.
+/// Normals in world space, and what else may show that they are.
 struct Surface {
     normal: Vector3Planes,
     mask: Mask,
@@ -243,7 +243,7 @@ fn misjudged(
     wrong
 }
 
-/// What a render tells of its normals, where it has any.
+/// What a render states of its normals, where it has any.
 fn surface(render: &Render) -> Option<Surface> {
     let normal = render.vector("ViewLayer.Normal")?;
     Some(Surface {

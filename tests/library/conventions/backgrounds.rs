@@ -13,7 +13,7 @@ fn loaded(
     stored: Stored,
     depth: &Plane,
     alpha: bool,
-    told: Option<StoredDepth>,
+    given: Option<StoredDepth>,
 ) -> Loaded {
     let truth = truth();
     let mut part = Part::new(display()).channel("depth.Z", stored, depth);
@@ -31,7 +31,7 @@ fn loaded(
     write(&picture, display(), &[part]);
     let inputs = Inputs {
         picture,
-        depth_kind: told,
+        depth_kind: given,
         ..Inputs::default()
     };
     let needs = Needs {
@@ -74,10 +74,10 @@ fn each_background_with_each_kind() {
     let truth = truth();
     for (kind, value, backgrounds) in KINDS {
         for &background in backgrounds {
-            for told in [None, Some(kind)] {
-                let case = format!("{kind:?} on {background}, told {told:?}");
+            for given in [None, Some(kind)] {
+                let case = format!("{kind:?} on {background}, given {given:?}");
                 let depth = truth.depth(background, value);
-                let frame = loaded(DVec3::ZERO, Stored::Float, &depth, false, told);
+                let frame = loaded(DVec3::ZERO, Stored::Float, &depth, false, given);
                 assert_eq!(frame.conventions.depth_kind, Some(kind), "{case}");
                 assert_eq!(frame.frame.source.depth_kind, kind.kind(), "{case}");
                 assert_eq!(truth.mask_errors(&frame.frame), 0, "{case}");

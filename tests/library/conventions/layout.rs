@@ -34,7 +34,7 @@ fn inputs(path: &Path, view: Option<&str>) -> Inputs {
     }
 }
 
-/// Loads a view and tells whether all of it is the left eye's; all of it must be one eye's.
+/// Loads a view and returns whether all of it is the left eye's; all of it must be one eye's.
 fn is_left(path: &Path, view: Option<&str>) -> bool {
     let frame = io::load(&inputs(path, view), Needs::default())
         .unwrap()

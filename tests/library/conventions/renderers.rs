@@ -408,7 +408,7 @@ fn files() -> Vec<File> {
         file("Arnold, positions", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
             ReadAs { is_placed: true, ..read_as(World, Planar, FLOAT_DEG) }).with(arnold_camera).with_position("P", RGB),
         // The same as Nuke hands it on, without matrices.
-        file("Arnold, nothing told", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
+        file("Arnold, nothing stated", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
             read_as(World, Planar, DEPTH_DEG)),
         file("RenderMan", ("__Nworld", RGB_LOWER, Float), Y_UP, Some((&["__depth.r"], Float, f64::INFINITY, PLANAR)),
             read_as(World, Planar, FLOAT_DEG)).with(standard_camera),
@@ -442,7 +442,7 @@ fn files() -> Vec<File> {
             read_as(World, Inverse, DEPTH_DEG)),
         file("Unreal", UNREAL, LEFT_HANDED, Some((UNREAL_DEPTH, Half, 65504.0, centimetres)),
             read_as(World, Relative, HALF_DEG)).with(unreal_camera),
-        file("Unreal, nothing told", UNREAL, LEFT_HANDED, Some((UNREAL_DEPTH, Half, 65504.0, centimetres)),
+        file("Unreal, nothing stated", UNREAL, LEFT_HANDED, Some((UNREAL_DEPTH, Half, 65504.0, centimetres)),
             read_as(World, Relative, HALF_DEG + DEPTH_DEG)),
         file("DirectX", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 0.0, PLANAR)),
             flipped('y', read_as(View, Planar, ENCODED_HALF_DEG))),

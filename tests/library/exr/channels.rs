@@ -110,7 +110,7 @@ fn the_channels_of_the_part_keep_every_bit() {
         for blocks in [Blocks::ScanLines, tiles] {
             let bytes = foreign(compression, blocks);
             let (_directory, input) = saved(&bytes, &Limits::default());
-            let (bytes_after, told) = merged(&input, 0, &part);
+            let (bytes_after, report) = merged(&input, 0, &part);
             let (_directory, output) = saved(&bytes_after, &Limits::default());
             let case = format!("{compression:?} {blocks:?}");
 
@@ -122,12 +122,12 @@ fn the_channels_of_the_part_keep_every_bit() {
 
             let [ours, theirs] = [&output.parts[0], &input.parts[0]];
             assert_eq!(ours.compression, name.unwrap_or("zip"), "{case}");
-            assert_eq!(told.warnings.len(), usize::from(name.is_none()), "{case}");
+            assert_eq!(report.warnings.len(), usize::from(name.is_none()), "{case}");
             assert!(!ours.tiled && ours.window == theirs.window, "{case}");
             assert_eq!(output.attributes["comments"], "as it was", "{case}");
             assert_eq!(output.attributes["software"], "relievo test", "{case}");
-            assert_eq!(told.channels, ["b.Z", "c.Z", "a.Z"], "{case}");
-            for (plane, name) in planes.iter().zip(&told.channels) {
+            assert_eq!(report.channels, ["b.Z", "c.Z", "a.Z"], "{case}");
+            for (plane, name) in planes.iter().zip(&report.channels) {
                 let channel = ours.channels.iter().position(|c| &c.name == name).unwrap();
                 let id = output.channel_ids().nth(channel).unwrap();
                 let read = output.read_channels(&[id]).unwrap();
@@ -151,9 +151,9 @@ fn other_parts_stay_as_they_were() {
         channel.name = format!("more.{}", channel.name);
     }
     // To the second part: the DWA tiles of the first are copied.
-    let (bytes, told) = merged(&input, 1, &part);
+    let (bytes, report) = merged(&input, 1, &part);
     let (_directory, output) = saved(&bytes, &Limits::default());
-    assert_eq!(told.warnings, [""; 0]);
+    assert_eq!(report.warnings, [""; 0]);
     assert_eq!(output.parts[0], input.parts[0]);
     assert_eq!(output.parts[1].name, input.parts[1].name);
     assert_eq!(output.parts[1].channels.len(), 6);
@@ -172,11 +172,11 @@ fn a_layer_whose_channels_exist_is_renamed() {
         channel.name = name.into();
     }
     // A is free, but belongs to R.
-    let (bytes, told) = merged(&input, 0, &part);
-    assert_eq!(told.channels, ["relievo.R", "relievo.A", "tone.V"]);
+    let (bytes, report) = merged(&input, 0, &part);
+    assert_eq!(report.channels, ["relievo.R", "relievo.A", "tone.V"]);
     let (_directory, once) = saved(&bytes, &Limits::default());
-    let (bytes, told) = merged(&once, 0, &part);
-    assert_eq!(told.channels, ["relievo.2.R", "relievo.2.A", "tone.2.V"]);
+    let (bytes, report) = merged(&once, 0, &part);
+    assert_eq!(report.channels, ["relievo.2.R", "relievo.2.A", "tone.2.V"]);
     let (_directory, twice) = saved(&bytes, &Limits::default());
     assert_eq!(twice.parts[0].channels.len(), 12);
     let ids = twice.parts[0].channels.iter().find(|c| c.name == "id");
@@ -240,8 +240,8 @@ fn real_parts_keep_their_samples() {
         for channel in &mut part.channels {
             channel.sample_type = OutputType::Float;
         }
-        let (bytes, told) = merged(&input, 0, &part);
-        println!("{name}: {:?}", told.warnings);
+        let (bytes, report) = merged(&input, 0, &part);
+        println!("{name}: {:?}", report.warnings);
         let (_directory, output) = saved(&bytes, &Limits::default());
         let [before, after] = [&input, &output].map(|f| f.read_channels(&all_ids(f)).unwrap());
         let read = |file: &ExrFile, planes: &[Plane]| -> Vec<(String, Vec<u32>)> {
@@ -279,8 +279,8 @@ fn all_ids(file: &ExrFile) -> Vec<relievo::io::exr::ChannelId> {
 fn our_own_results_are_added_to_a_second_time() {
     let planes = planes();
     let (_directory, input) = saved(&whole(&part(&planes)), &Limits::default());
-    let (bytes, told) = merged(&input, 0, &part(&planes));
-    assert_eq!(told.channels, ["b.2.Z", "c.2.Z", "a.2.Z"]);
+    let (bytes, report) = merged(&input, 0, &part(&planes));
+    assert_eq!(report.channels, ["b.2.Z", "c.2.Z", "a.2.Z"]);
     let (_directory, output) = saved(&bytes, &Limits::default());
     let read = output.read_channels(&all_ids(&output)).unwrap();
     // a.2.Z, a.Z, b.2.Z, b.Z, ...: each beside its twin.

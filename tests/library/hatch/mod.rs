@@ -1,4 +1,4 @@
-//! Drawings: strokes that lie where they are told to, in the tone they are told, and nothing that changes
+//! Drawings: strokes that lie where they are asked to, in the tone that is asked for, and nothing that changes
 //! with the machine.
 
 mod drawings;

@@ -46,7 +46,7 @@ fn a_ramp_is_drawn_as_it_runs() {
         let mut errors = Vec::new();
         for angle in [0.3_f32, 1.2, 2.5] {
             let white = hatched(&hatching, PAPER, angle, |x, _| tone(x));
-            // Means over 32 columns, a twentieth of the ramp and less, tell of it as an eye does.
+            // Means over 32 columns, a twentieth of the ramp and less, show it as an eye sees it.
             for from in (0..width).step_by(32) {
                 let columns = from..from + 32;
                 let drawn: f32 = white

@@ -107,8 +107,8 @@ fn lobes_are_found_by_name_and_told_of() {
         (channel_bits(&output, "relievo.G"), ran)
     };
     let (by_blender, said) = made(&blender, &[]);
-    let told = "diffuse lobe     (DiffDir + DiffInd) x DiffCol";
-    assert!(said.stderr.contains(told), "{}", said.stderr);
+    let line = "diffuse lobe     (DiffDir + DiffInd) x DiffCol";
+    assert!(said.stderr.contains(line), "{}", said.stderr);
     assert!(
         said.stderr.contains("specular lobe    GlossDir x GlossCol"),
         "{}",
@@ -313,12 +313,12 @@ fn renders_with_all_passes_recombine_and_are_scaled_by_lobe_and_group() {
         };
         let picture = channel_bits(&input, "ViewLayer.Combined.R");
         let (lobes, said) = made(&[]);
-        for told in [
+        for line in [
             "diffuse lobe",
             "specular lobe",
             "light passes     recombine to the picture",
         ] {
-            assert!(said.contains(told), "{name}: {said}");
+            assert!(said.contains(line), "{name}: {said}");
         }
         let (whole, _) = made(&["--lobes", "off"]);
         // The direction to the key and fill lights of these renders, turned to view space.

@@ -17,7 +17,7 @@ const HEIGHT: usize = 40;
 const WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Waves across the picture, a strip at its right uncovered, under white light on a coloured surface, with
-/// warm highlights; the picture is their sum and a little light that no layer tells of.
+/// warm highlights; the picture is their sum and a little light that no layer holds.
 fn scene() -> Frame {
     let surface = Surface::sine_relief(2.0, 19.0, 0.4);
     let mut frame = ExactScene::orthographic(surface, 30.0, 20.0).frame(WIDTH, HEIGHT);
@@ -461,7 +461,7 @@ fn anisotropy_takes_the_curvature_along_the_light() {
         let kappa = mapped_curvature_toward(h, [to_light.x, to_light.y], 20.0, 0.8);
         let light = frame.light.groups[0].light.r.at(x, y);
         let before = frame.color.as_ref().unwrap().r.at(x, y);
-        // The group tells of more light than this picture has: it takes the picture's share.
+        // The group holds more light than this picture has: it takes the picture's share.
         let share = (before / light).min(1.0);
         let expected = before + share * (scaling(d, kappa, 0.25) - 1.0) * light;
         near(made.r.at(x, y), expected, 1.0, "along the light");

@@ -140,7 +140,7 @@ fn a_ball_that_turns_in_depth_keeps_size_and_tone() {
 
 #[test]
 fn without_depth_motion_tells_what_was_hidden() {
-    // The card passes as above, told by its motion alone; from the third frame on motion can be compared.
+    // The card passes as above, known by its motion alone; from the third frame on motion can be compared.
     let front = |step: usize| {
         move |x: usize, y: usize| {
             (10 + 4 * step..70 + 4 * step).contains(&x) && (40..100).contains(&y)

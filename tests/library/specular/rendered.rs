@@ -119,9 +119,9 @@ fn strokes_on_a_mirror_lie_where_the_renderers_rays_put_them() {
         },
         ..LineParams::default()
     };
-    let told = scene(&loaded, hits());
-    let points = told.hit_position.clone().unwrap();
-    for (name, scene) in [("searched", scene(&loaded, None)), ("told", told)] {
+    let given = scene(&loaded, hits());
+    let points = given.hit_position.clone().unwrap();
+    for (name, scene) in [("searched", scene(&loaded, None)), ("given", given)] {
         let field = &fields(&loaded.frame, &scene, params, Bend::Mirror)[0];
         let mut errors = Vec::new();
         for y in 1..239 {

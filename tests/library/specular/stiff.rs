@@ -80,7 +80,7 @@ fn every_scene_gives_a_drawing() {
         behind: Some(nowhere),
         ..SpecularScene::default()
     };
-    let told = |value: DVec3| SpecularScene {
+    let given = |value: DVec3| SpecularScene {
         hit_position: Some(Vector3Planes {
             x: Plane::filled(64, 64, value.x as f32),
             y: Plane::filled(64, 64, value.y as f32),
@@ -98,9 +98,9 @@ fn every_scene_gives_a_drawing() {
         ("no surroundings at all", void, Bend::Mirror),
         ("nothing behind", nowhere, Bend::Mirror),
         ("no mirror", empty, Bend::Mirror),
-        ("hits that are no number", told(DVec3::NAN), Bend::Mirror),
-        ("hits that are all one", told(DVec3::NEG_Z), Bend::Mirror),
-        ("hits without end", told(DVec3::splat(1e30)), Bend::Mirror),
+        ("hits that are no number", given(DVec3::NAN), Bend::Mirror),
+        ("hits that are all one", given(DVec3::NEG_Z), Bend::Mirror),
+        ("hits without end", given(DVec3::splat(1e30)), Bend::Mirror),
     ];
     for (name, scene, bend) in &scenes {
         assert!(is_a_drawing(&drawn(&frame, scene, both(), *bend)), "{name}");
