@@ -2,13 +2,12 @@
 //!
 //! `cargo run --release --example before_after -- IN.exr OUT.png`
 
-use relievo::engine::cpu;
+use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::params::{ScalingParams, ShapeParams};
-use relievo::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
 
 /// Linear grey behind the pictures: on white a pale stone loses its edge.
@@ -31,21 +30,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         },
     )?
     .frame;
-    let made = |goal| -> Result<ColorPlanes, Box<dyn std::error::Error>> {
-        let available = Available::in_frame(&frame);
-        let plan = Plan::new(
-            goal,
-            available,
-            ShapeParams::default(),
-            ScalingParams::default(),
-        )?;
-        cpu::run(&plan, &frame)?
-            .color
-            .ok_or_else(|| "no picture was made".into())
+    let made = |request: &Request| -> Result<ColorPlanes, Box<dyn std::error::Error>> {
+        let outcome = Engine::cpu().run(request, &frame, &Run::new())?;
+        outcome.color.ok_or_else(|| "no picture was made".into())
     };
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let before = frame.color.clone().ok_or("the input has no picture")?;
-    let after = made(Goal::Enhance)?;
-    let curvature = linear(&made(Goal::Display)?);
+    let after = made(&Request::enhance(shape, scaling))?;
+    let curvature = linear(&made(&Request::display(shape, scaling))?);
     let strip = beside(&[
         over_backdrop(&before, &frame),
         over_backdrop(&after, &frame),

@@ -5,8 +5,7 @@
 mod common;
 
 use common::{light_from, load};
-use relievo::engine::Inputs;
-use relievo::engine::cpu::Runner;
+use relievo::engine::{Engine, Request, Run, Tone};
 use relievo::frame::{Frame, Plane};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
@@ -14,7 +13,6 @@ use relievo::params::{
     AlbedoSource, LineParams, Method, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
     StrokeScale, Style,
 };
-use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -68,16 +66,12 @@ fn drawn(
         ..RelightParams::default()
     };
     let tone = match light {
-        Some(light) => ToneFrom::Relit(relight, LightKinds::in_light(light)),
-        None => ToneFrom::Enhanced,
+        Some(light) => Tone::Relit(relight, light),
+        None => Tone::Enhanced,
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let plan = Plan::hatch(Available::in_frame(frame), shape, scaling, tone, line)?;
-    let inputs = Inputs {
-        illumination: light,
-        ..Inputs::default()
-    };
-    let drawing = Runner::default().execute(&plan, frame, inputs)?.drawing;
+    let request = Request::hatch(shape, scaling, tone, line);
+    let drawing = Engine::cpu().run(&request, frame, &Run::new())?.drawing;
     let drawing = drawing.ok_or("no drawing was made")?;
     let white = on_paper(&[
         &drawing.hatching,

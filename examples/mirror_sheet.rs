@@ -4,8 +4,7 @@
 
 mod common;
 
-use relievo::engine;
-use relievo::engine::cpu::Runner;
+use relievo::engine::{Engine, Request, Run, Tone};
 use relievo::frame::{ColorPlanes, Frame, SpecularScene};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, SpecularInputs, load_specular};
@@ -15,7 +14,6 @@ use relievo::params::{
     Bend, LineParams, Material, RelightParams, ScalingParams, SearchParams, ShapeParams,
     SpecularParams, StrokeScale,
 };
-use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -54,15 +52,11 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What is known of the frame, and of the mirror where it is to be followed.
-fn available(frame: &Frame, scene: Option<&SpecularScene>) -> Available {
-    let traced = SpecularParams {
+/// How sight lines are followed.
+fn traced() -> SpecularParams {
+    SpecularParams {
         bend: Bend::Mirror,
         search: SearchParams::default(),
-    };
-    Available {
-        specular: scene.map(|_| traced),
-        ..Available::in_frame(frame)
     }
 }
 
@@ -70,37 +64,22 @@ fn available(frame: &Frame, scene: Option<&SpecularScene>) -> Available {
 fn relit(frame: &Frame, scene: &SpecularScene) -> relievo::Result<ColorPlanes> {
     let mut params = RelightParams::default();
     params.material.material = Material::Mirror;
-    let plan = Plan::relight(
-        available(frame, Some(scene)),
-        ShapeParams::default(),
-        ScalingParams::default(),
-        params,
-        LightKinds::default(),
-    )?;
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let light = Illumination::default();
-    let inputs = engine::Inputs {
-        specular: Some(scene),
-        ..engine::Inputs::lit_by(&light)
-    };
-    let outcome = Runner::default().execute(&plan, frame, inputs)?;
+    let request = Request::relight(shape, scaling, params, &light).specular(scene, traced());
+    let outcome = Engine::cpu().run(&request, frame, &Run::new())?;
     Ok(outcome.color.expect("light makes a picture"))
 }
 
 fn drawn(frame: &Frame, scene: Option<&SpecularScene>) -> relievo::Result<ColorPlanes> {
     let mut line = LineParams::default();
     line.strokes.scale = StrokeScale::Factor(0.5);
-    let plan = Plan::hatch(
-        available(frame, scene),
-        ShapeParams::default(),
-        ScalingParams::default(),
-        ToneFrom::Enhanced,
-        line,
-    )?;
-    let inputs = engine::Inputs {
-        specular: scene,
-        ..engine::Inputs::default()
-    };
-    let drawing = Runner::default().execute(&plan, frame, inputs)?.drawing;
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let mut request = Request::hatch(shape, scaling, Tone::Enhanced, line);
+    if let Some(scene) = scene {
+        request = request.specular(scene, traced());
+    }
+    let drawing = Engine::cpu().run(&request, frame, &Run::new())?.drawing;
     let drawing = drawing.expect("a drawing is planned");
     let layers: Vec<_> = std::iter::once(&drawing.hatching)
         .chain(&drawing.contours)

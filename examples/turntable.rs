@@ -4,11 +4,9 @@
 
 mod common;
 
-use relievo::engine::Inputs;
-use relievo::engine::cpu::Runner;
+use relievo::engine::{Engine, Request, Run, Session};
 use relievo::frame::Frame;
 use relievo::params::{Method, RelightParams, ScalingParams, ShapeParams};
-use relievo::plan::{Available, LightKinds, Plan};
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
@@ -39,36 +37,27 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// One picture per direction of the light. The plan is made once, and every picture in the memory of the last.
+/// One picture per direction of the light. The shape is found once.
 fn write_turns(w: impl Write, frame: &Frame, count: u16) -> Result<(), Box<dyn Error>> {
     let params = RelightParams {
         method: Method::Both,
         ..RelightParams::default()
     };
-    let plan = Plan::relight(
-        Available::in_frame(frame),
-        ShapeParams::default(),
-        ScalingParams::default(),
-        params,
-        LightKinds {
-            directional: true,
-            ..LightKinds::default()
-        },
-    )?;
     let (width, height) = (frame.mask.width() as u32, frame.mask.height() as u32);
     let mut encoder = png::Encoder::new(w, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_animated(count.into(), 0)?;
     encoder.set_frame_delay(SECONDS, count)?;
     let mut writer = encoder.write_header()?;
-    let runner = Runner::default();
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let mut session = Session::new(Engine::cpu(), frame);
     for turn in 0..count {
         let azimuth = 360.0 * f32::from(turn) / f32::from(count);
         let light = common::light_from(azimuth, ELEVATION);
-        let outcome = runner.execute(&plan, frame, Inputs::lit_by(&light))?;
+        let request = Request::relight(shape, scaling, params, &light);
+        let outcome = session.run(&request, &Run::new())?;
         let color = outcome.color.as_ref().expect("light makes a picture");
         writer.write_image_data(&common::codes(&common::over_backdrop(color, frame)))?;
-        runner.recycle(outcome);
     }
     writer.finish()?;
     Ok(())

@@ -4,15 +4,13 @@
 
 pub(crate) mod room;
 
-use relievo::engine;
-use relievo::engine::cpu::Runner;
+use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{RelightParams, ScalingParams, ShapeParams};
-use relievo::plan::{Available, LightKinds, Plan};
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
@@ -65,14 +63,8 @@ pub(crate) fn relit(
     relight: RelightParams,
     scaling: ScalingParams,
 ) -> relievo::Result<ColorPlanes> {
-    let plan = Plan::relight(
-        Available::in_frame(frame),
-        ShapeParams::default(),
-        scaling,
-        relight,
-        LightKinds::in_light(light),
-    )?;
-    let outcome = Runner::default().execute(&plan, frame, engine::Inputs::lit_by(light))?;
+    let request = Request::relight(ShapeParams::default(), scaling, relight, light);
+    let outcome = Engine::cpu().run(&request, frame, &Run::new())?;
     let color = outcome.color.expect("light makes a picture");
     Ok(over_backdrop(&color, frame))
 }

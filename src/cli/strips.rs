@@ -11,6 +11,7 @@ use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::guard::not_finite;
 use crate::engine::outcome::Outcome;
+use crate::engine::tiles::Strips;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane, Window};
 use crate::io::exr::OutputChannel;
@@ -177,42 +178,15 @@ impl Cost {
     }
 }
 
-/// How a picture is cut.
-struct Strips {
-    whole: Window,
-    /// Rows that each strip gives.
-    rows: usize,
-    /// Rows that it takes above and below.
-    reach: usize,
-}
-
-impl Strips {
-    fn new(job: &Job, whole: Window, cost: Cost, reach: usize) -> Result<Self> {
-        let (least, most) = (cost.least(reach), job.work.run.max_memory.bytes());
-        if least > most {
-            let why = format!("takes {} MiB even in strips", least.div_ceil(1 << 20));
-            return Err(too_large(job, &why, least.min(whole_bytes(job))));
-        }
-        let rows = cost.rows_in(allowed(job).max(least));
-        let rows = match rows < cost.height {
-            true => rows - 2 * reach,
-            false => rows,
-        };
-        Ok(Self { whole, rows, reach })
-    }
-
-    fn count(&self) -> usize {
-        self.whole.height().div_ceil(self.rows)
-    }
-
-    /// The rows to be read for strip number `index`, and those among them that it gives.
-    fn strip(&self, index: usize) -> (Range<usize>, Range<usize>) {
-        let height = self.whole.height();
-        let gives = index * self.rows..((index + 1) * self.rows).min(height);
-        let takes = gives.start.saturating_sub(self.reach)..(gives.end + self.reach).min(height);
-        let within = gives.start - takes.start..gives.end - takes.start;
-        (takes, within)
-    }
+/// How a picture is cut, as memory allows.
+fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips> {
+    let (least, most) = (cost.least(reach), job.work.run.max_memory.bytes());
+    let rows = cost.rows_in(allowed(job).max(least));
+    let strips = Strips::new(reach, cost.height, rows).filter(|_| least <= most);
+    strips.ok_or_else(|| {
+        let why = format!("takes {} MiB even in strips", least.div_ceil(1 << 20));
+        too_large(job, &why, least.min(whole_bytes(job)))
+    })
 }
 
 /// A picture of which strips are read.
@@ -220,6 +194,7 @@ struct Source<'a, W> {
     files: InputFiles,
     inputs: Inputs,
     needs: Needs,
+    whole: Window,
     strips: Strips,
     work: &'a W,
     found: StripChoice,
@@ -227,16 +202,15 @@ struct Source<'a, W> {
 }
 
 impl<W: StripWork> Source<'_, W> {
-    /// Strip number `index`, its plan, and the rows of it that count.
-    fn load(&self, index: usize) -> Result<(Loaded, Plan, Range<usize>)> {
-        let (takes, within) = self.strips.strip(index);
+    /// These rows of the picture, and their plan.
+    fn load(&self, takes: Range<usize>) -> Result<(Loaded, Plan)> {
         let inputs = Inputs {
             rows: Some(takes),
             ..self.inputs.clone()
         };
         let loaded = self.timed("read", || self.files.load(&inputs, self.needs))?;
         let plan = self.work.plan(&loaded, &self.found)?;
-        Ok((loaded, plan, within))
+        Ok((loaded, plan))
     }
 
     fn timed<T>(&self, name: &'static str, stage: impl FnOnce() -> T) -> T {
@@ -275,7 +249,8 @@ pub(super) fn make<W: StripWork>(
         files,
         inputs,
         needs,
-        strips: Strips::new(job, whole, cost, plan.reach())?,
+        whole,
+        strips: strips_of(job, cost, plan.reach())?,
         work,
         found: StripChoice::default(),
         timings: RefCell::new(Timings::of_window(whole)),
@@ -342,14 +317,14 @@ fn gathered<W: StripWork>(
 
 /// What of the whole picture is left open, and chosen from it.
 fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<StripChoice> {
-    let Some(mut search) = StripSearch::new(plan, source.strips.whole) else {
+    let Some(mut search) = StripSearch::new(plan, source.whole) else {
         return Ok(StripChoice::default());
     };
     let looks = search.looks();
     let bar = strips_bar(&job.work.run, "looking", looks * source.strips.count());
     for look in 0..looks {
-        for index in 0..source.strips.count() {
-            let (loaded, plan, rows) = source.load(index)?;
+        for (takes, rows) in source.strips.each() {
+            let (loaded, plan) = source.load(takes)?;
             let runner = source.work.runner();
             source.timed("look", || search.look(runner, &plan, &loaded.frame, rows))?;
             bar.inc(1);
@@ -372,7 +347,7 @@ fn write_exr<W: StripWork>(
 ) -> Result<()> {
     let names = channels.iter().map(|c| (c.name.clone(), c.sample_type));
     let args = &job.work.output;
-    let part = args.part(sample, source.strips.whole, names.collect(), recipe);
+    let part = args.part(sample, source.whole, names.collect(), recipe);
     write_atomically(path, replace, |w| {
         let (mut writer, warnings) = args.part_writer(sample, w, path, &part)?;
         warnings.iter().for_each(|warning| job.warn(warning));
@@ -415,8 +390,8 @@ fn each_made<W: StripWork>(
     mut take: impl FnMut((&Plan, &Loaded, &Outcome), Range<usize>) -> Result<()>,
 ) -> Result<()> {
     let bar = strips_bar(&job.work.run, "writing", source.strips.count());
-    for index in 0..source.strips.count() {
-        let (loaded, plan, rows) = source.load(index)?;
+    for (takes, rows) in source.strips.each() {
+        let (loaded, plan) = source.load(takes)?;
         let outcome = run(source.work, &plan, &loaded.frame)?;
         let covered = |y| loaded.frame.mask.row(y).iter().filter(|&&c| c).count();
         let covered: usize = rows.clone().map(covered).sum();

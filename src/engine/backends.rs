@@ -207,7 +207,9 @@ impl Engine {
         }
         run.watch.begins(DEVICE, 0.0);
         match gpu.execute(plan, frame, inputs) {
-            Err(error @ Error::Gpu { .. }) => {
+            // The CPU would refuse it too.
+            Err(error @ Error::Unfit { .. }) => Err(error),
+            Err(error) => {
                 let how_long = match gpu.device().is_lost() {
                     true => "the CPU does it from here on",
                     false => "the CPU did it",
@@ -215,7 +217,7 @@ impl Engine {
                 run.warning(&format!("{error}: {how_long}"));
                 Ok(None)
             }
-            done => done.map(Some),
+            Ok(outcome) => Ok(Some(outcome)),
         }
     }
 

@@ -12,6 +12,7 @@ pub(crate) mod request;
 pub(crate) mod run;
 pub(crate) mod session;
 pub(crate) mod target;
+pub(crate) mod tiles;
 pub(crate) mod tolerances;
 
 pub use crate::engine::backends::Engine;

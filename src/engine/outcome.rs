@@ -91,6 +91,19 @@ pub struct Outcome {
     pub timings: Vec<(&'static str, Duration)>,
 }
 
+/// Adds times to those of the same passes.
+pub(crate) fn add_timings(
+    sum: &mut Vec<(&'static str, Duration)>,
+    more: &[(&'static str, Duration)],
+) {
+    for &(pass, time) in more {
+        match sum.iter_mut().find(|(name, _)| *name == pass) {
+            Some((_, sum)) => *sum += time,
+            None => sum.push((pass, time)),
+        }
+    }
+}
+
 /// What holds the planes of a product.
 trait Planes {
     fn planes(&self) -> Vec<&Plane>;
@@ -253,7 +266,6 @@ impl Outcome {
     }
 
     /// Changes every plane by that of an outcome of the same plan.
-    #[cfg(feature = "gpu")]
     pub(crate) fn for_each_pair(&mut self, of: &Self, mut change: impl FnMut(&mut Plane, &Plane)) {
         let mut pairs = |planes: Vec<&mut Plane>, of: Vec<&Plane>| {
             let pairs = planes.into_iter().zip(of);

@@ -4,9 +4,9 @@
 use crate::engine::cpu::gpu_support::contour_pieces;
 use crate::engine::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::engine::gpu::constants::{GAIN, WHITE};
-use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::runner::Runner;
 use crate::engine::inputs::Inputs;
+use crate::engine::outcome::add_timings;
 use crate::engine::outcome::{Drawing, Outcome};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};

@@ -3,13 +3,13 @@
 
 use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};
 use crate::engine::gpu::constants::WHITE;
-use crate::engine::gpu::recorder::add_timings;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::runner::Runner;
-use crate::engine::gpu::strips::Strips;
 use crate::engine::gpu::surface::apart;
 use crate::engine::inputs::Inputs;
+use crate::engine::outcome::add_timings;
 use crate::engine::outcome::{Drawing, Outcome, Shape};
+use crate::engine::tiles::Strips;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
@@ -79,7 +79,7 @@ impl Runner {
             true => self.run_strips(plan, frame, light, strips)?,
             false => Outcome::default(),
         };
-        let edges = strips.run(frame, |strip, _| self.edges_of(plan, strip))?;
+        let edges = strips.run(frame, |strip, _| self.edges_of(plan, strip), drop)?;
         outcome.shape = edges.shape;
         add_timings(&mut outcome.timings, &edges.timings);
         let made = outcome.color.take();
@@ -111,9 +111,8 @@ impl Runner {
                 lines,
             }),
         };
-        let strip_by_strip = strips.run(frame, |strip, rows| {
-            self.draw_strip(plan, strip, rows, &drawn)
-        })?;
+        let draw = |strip: &Frame, rows: &Range<usize>| self.draw_strip(plan, strip, rows, &drawn);
+        let strip_by_strip = strips.run(frame, draw, drop)?;
         add_timings(&mut outcome.timings, &strip_by_strip.timings);
         let lines = match drawn.ink {
             Ink::Lines(drawn) => drawn.lines,

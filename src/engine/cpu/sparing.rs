@@ -4,8 +4,9 @@ use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::run::Watch;
+use crate::engine::tiles::{Strips, rows_of};
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Plane, Window, luminance};
+use crate::frame::{ColorPlanes, Frame, Plane, luminance};
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu as light;
 use crate::light::radiance_scaling::stage::scaler;
@@ -85,41 +86,33 @@ impl Runner {
         watch: Watch<'a>,
         rows: usize,
     ) -> Result<Run<'a>> {
-        let (whole, reach) = (frame.data_window, plan.reach());
         // The gain is chosen from the whole.
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-        let mut run = Run {
-            watch,
-            ..Run::new(self, plan, frame, Inputs::default())
+        let strips = Strips::of_rows(rows, frame.mask.height(), plan.reach());
+        let find = |band: &Frame, _: &Range<usize>| {
+            let mut made = self.find_shape(&given, band, watch)?;
+            let shape = &mut made.shape;
+            let wanted = Shape {
+                silhouette: shape.silhouette.take(),
+                crease: shape.crease.take(),
+                conductance: shape.conductance.take(),
+                trace: shape.trace.take(),
+                ..Shape::default()
+            };
+            let rest = std::mem::replace(shape, wanted);
+            self.recycle(Outcome {
+                shape: rest,
+                ..Outcome::default()
+            });
+            Ok(made)
         };
-        for (takes, gives) in bands(whole.height(), rows, reach) {
-            let band = frame.crop(rows_of(whole, &takes));
-            let made = self.find_shape(&given, &band, watch)?;
-            let outcome = &mut run.outcome;
-            let (to, from) = (&mut outcome.shape, &made.shape);
-            for (to, from) in [
-                (&mut to.silhouette, &from.silhouette),
-                (&mut to.crease, &from.crease),
-                (&mut to.conductance, &from.conductance),
-                (&mut to.trace, &from.trace),
-            ] {
-                let Some(from) = from else { continue };
-                let blank = || Plane::filled(whole.width(), whole.height(), 0.0);
-                let to = to.get_or_insert_with(blank);
-                gives.clone().for_each(|y| {
-                    to.row_mut(y).copy_from_slice(from.row(y - takes.start));
-                });
-            }
-            for &(name, took) in &made.timings {
-                match outcome.timings.iter_mut().find(|(known, _)| *known == name) {
-                    Some((_, time)) => *time += took,
-                    None => outcome.timings.push((name, took)),
-                }
-            }
-            self.recycle(made);
-        }
-        Ok(run)
+        let made = strips.run(frame, find, |planes| self.memory.recycle(planes))?;
+        Ok(Run {
+            watch,
+            outcome: Outcome { gain: None, ..made },
+            ..Run::new(self, plan, frame, Inputs::default())
+        })
     }
 }
 
@@ -133,28 +126,6 @@ fn goes_in_bands(plan: &Plan) -> bool {
     scales_picture && plan.specular.is_none() && !plan.available.light.picture_is_occlusion
 }
 
-/// The rows that each band takes, and those of them that it gives.
-fn bands(
-    height: usize,
-    rows: usize,
-    reach: usize,
-) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
-    (0..height).step_by(rows).map(move |first| {
-        let gives = first..(first + rows).min(height);
-        let takes = gives.start.saturating_sub(reach)..(gives.end + reach).min(height);
-        (takes, gives)
-    })
-}
-
-fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
-    let row = |y: usize| whole.y0 + y as i32;
-    Window {
-        y0: row(rows.start),
-        y1: row(rows.end),
-        ..whole
-    }
-}
-
 /// The luminance of the scaled picture of a frame, which is used up.
 fn luminance_in_bands(
     scaler: &light::Scaler,
@@ -166,7 +137,7 @@ fn luminance_in_bands(
     let (whole, mask) = (frame.data_window, &frame.mask);
     let color = frame.color.take().expect("the tone takes the picture");
     let ColorPlanes { mut r, g, b } = color;
-    for (band, _) in bands(whole.height(), rows, 0) {
+    for (band, _) in Strips::of_rows(rows, whole.height(), 0).each() {
         let part = rows_of(whole, &band);
         let [old_r, old_g, old_b] = [&r, &g, &b].map(|plane| plane.crop(whole, part));
         let old = ColorPlanes {

@@ -22,7 +22,6 @@ pub(crate) mod run;
 mod run_strips;
 pub(crate) mod runner;
 pub(crate) mod sight;
-pub(crate) mod strips;
 pub(crate) mod surface;
 #[cfg(test)]
 mod twins;

@@ -8,6 +8,7 @@ use crate::engine::gpu::device::Device;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::uniforms::Uniforms;
 use crate::engine::gpu::wait::wait_for;
+use crate::engine::outcome::add_timings;
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -394,16 +395,6 @@ fn contents<T: bytemuck::AnyBitPattern>(device: &Device, buffer: &wgpu::Buffer) 
     drop(range);
     buffer.unmap();
     Ok(numbers)
-}
-
-/// Adds times to those of the same stages.
-pub(crate) fn add_timings(sum: &mut Timings, more: &[(&'static str, Duration)]) {
-    for &(stage, time) in more {
-        match sum.iter_mut().find(|(name, _)| *name == stage) {
-            Some((_, sum)) => *sum += time,
-            None => sum.push((stage, time)),
-        }
-    }
 }
 
 /// The time of each stage, its passes taken together, in the order of their first.

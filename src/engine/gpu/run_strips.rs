@@ -3,8 +3,8 @@
 use crate::engine::cpu::gpu_support::term_white_levels;
 use crate::engine::gpu::constants::{GAIN, SEARCH_PASSES, WHITE};
 use crate::engine::gpu::runner::Runner;
-use crate::engine::gpu::strips::{Strips, strip_of};
 use crate::engine::outcome::Outcome;
+use crate::engine::tiles::{Strips, strip_of};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::enhancement::Subject;
@@ -14,6 +14,7 @@ use crate::light::white_level::chosen_for;
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::shape::auto_levels::gpu::{Search, Searching};
+use std::ops::Range;
 
 impl Runner {
     /// Runs `plan` on the strips of a frame, with what is chosen from all of it.
@@ -37,9 +38,9 @@ impl Runner {
             let known = plan.scaling.term_white_levels;
             plan.scaling.term_white_levels = known.or(levels.into_iter());
         }
-        strips.run(frame, |strip, rows| {
-            self.run_whole(&plan, strip, light, rows.clone())
-        })
+        let run =
+            |strip: &Frame, rows: &Range<usize>| self.run_whole(&plan, strip, light, rows.clone());
+        strips.run(frame, run, drop)
     }
 
     /// Gain and white level of the whole picture, as far as they are left open.
@@ -90,7 +91,7 @@ impl Runner {
                     };
                     search.count(&mut run, pass, planes, rows.clone());
                 }
-                if takes.end == strips.height && gives.end == takes.len() {
+                if takes.start + gives.end == frame.mask.height() {
                     let chosen = run.chosen.clone();
                     searching
                         .iter()

@@ -1,48 +1,52 @@
-//! Pictures whose planes are larger than a device takes: strip by strip.
+//! Pictures in strips, where memory or a device takes no more than so many rows at a time.
 
-use crate::engine::gpu::recorder::add_timings;
-use crate::engine::outcome::Outcome;
+use crate::engine::outcome::{Outcome, add_timings};
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Window};
 use std::ops::Range;
 
 /// How a picture is cut into strips.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Strips {
-    pub(crate) height: usize,
+    height: usize,
     /// Rows that a strip gives, and those it takes above and below.
     rows: usize,
     reach: usize,
 }
 
 impl Strips {
+    /// Strips of which each gives so many rows and takes `reach` more above and below.
+    pub(crate) fn of_rows(rows: usize, height: usize, reach: usize) -> Self {
+        Self {
+            height,
+            rows: rows.max(1),
+            reach,
+        }
+    }
+
     /// Strips of which none has more than so many rows, `reach` above and below included; `None` where not even one
     /// row would be left to give. All of them are one strip where that is no more.
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn new(reach: usize, height: usize, most_rows: usize) -> Option<Self> {
         if most_rows >= height {
-            return Some(Self {
-                height,
-                rows: height.max(1),
-                reach: 0,
-            });
+            return Some(Self::of_rows(height, height, 0));
         }
         let rows = most_rows.checked_sub(2 * reach).filter(|&rows| rows > 0)?;
-        Some(Self {
-            height,
-            rows,
-            reach,
-        })
+        Some(Self::of_rows(rows, height, reach))
     }
 
     /// The same strips, taking no more rows above and below than so many.
+    #[cfg(feature = "gpu")]
     pub(crate) fn reaching(&self, reach: usize) -> Self {
         Self { reach, ..*self }
     }
 
-    /// What `run` makes of every strip of a frame, which is told with its rows: put together.
+    /// What `run` makes of every strip of a frame, given with its rows: put together. Planes of strips go to `recycle`.
     pub(crate) fn run(
         &self,
         frame: &Frame,
         mut run: impl FnMut(&Frame, &Range<usize>) -> Result<Outcome>,
+        mut recycle: impl FnMut(Vec<Plane>),
     ) -> Result<Outcome> {
         let mut whole: Option<Outcome> = None;
         for (takes, gives) in self.each() {
@@ -50,21 +54,31 @@ impl Strips {
             let start = takes.start + gives.start;
             match &mut whole {
                 None => {
+                    let mut strips = Vec::new();
                     part.for_each_plane(|plane| {
                         let size = (frame.mask.width(), frame.mask.height());
                         let all = Plane::filled(size.0, size.1, 0.0);
                         let strip = std::mem::replace(plane, all);
                         paste(&strip, &gives, plane, start);
+                        strips.push(strip);
                     });
+                    recycle(strips);
                     whole = Some(part);
                 }
                 Some(whole) => {
                     whole.for_each_pair(&part, |whole, strip| paste(strip, &gives, whole, start));
                     add_timings(&mut whole.timings, &part.timings);
+                    recycle(part.into_planes());
                 }
             }
         }
         Ok(whole.unwrap_or_default())
+    }
+
+    /// How many there are.
+    #[cfg(feature = "cli")]
+    pub(crate) fn count(&self) -> usize {
+        self.height.div_ceil(self.rows)
     }
 
     /// The rows that each strip takes of the picture, and those of these that it gives.
@@ -80,12 +94,16 @@ impl Strips {
 
 /// The rows of a frame, as one of their own.
 pub(crate) fn strip_of(frame: &Frame, rows: &Range<usize>) -> Frame {
-    let whole = frame.data_window;
-    frame.crop(Window {
+    frame.crop(rows_of(frame.data_window, rows))
+}
+
+/// The rows of a window.
+pub(crate) fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
+    Window {
         y0: whole.y0 + rows.start as i32,
         y1: whole.y0 + rows.end as i32,
         ..whole
-    })
+    }
 }
 
 /// Copies the rows `from` of a strip to those of `whole` from `start` on.
