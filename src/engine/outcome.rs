@@ -33,7 +33,7 @@ pub struct Shape {
     pub more_scales: Vec<ScaleShape>,
     /// Direction, in the picture, of the curvature of the surface itself that is larger in size: unit,
     /// x right, y up, equal to its opposite; 0 outside the mask. Where the surface has none it turns from that
-    /// of its neighbours to a fixed one, within [`crate::line::direction::FILL_REACH_PX`].
+    /// of its neighbours to a fixed one, within `FILL_REACH_PX`.
     pub direction: Option<Vector2Planes>,
     /// Direction of the view-centred curvature (of the Hessian) larger in size, likewise; 0 where there
     /// is none.
