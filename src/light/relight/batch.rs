@@ -2,8 +2,8 @@
 
 use crate::frame::{DepthKind, Plane};
 use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
-use crate::light::relight::Scene;
 use crate::light::relight::curvature::{CurvatureRow, Kind};
+use crate::light::relight::scene::Scene;
 use crate::light::sum::LightSum;
 use glam::DVec3;
 use std::ops::Range;

@@ -7,9 +7,8 @@ use crate::light::environment::Environment;
 use crate::light::light_warping::{Warp, half_vector};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::prepared_environment::{Map, Used};
-use crate::light::relight::Scene;
 use crate::light::relight::batch::Batch;
-use crate::light::relight::shade::Term;
+use crate::light::relight::scene::{Scene, Term};
 use crate::light::relight::traced::add_traced;
 use crate::params::{Material, MaterialParams};
 

@@ -8,7 +8,9 @@ pub(crate) mod gpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_lights;
 pub(crate) mod look_up;
+pub(crate) mod mirrors;
 pub(crate) mod rim;
+pub(crate) mod scene;
 pub(crate) mod setting;
 pub(crate) mod shade;
 pub(crate) mod stage;
@@ -18,57 +20,19 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run;
 use crate::engine::cpu::simd::Simd;
 use crate::engine::outcome::Shape;
-use crate::frame::{ColorPlanes, Frame, Mask, Projection, SightLines, Vector2Planes};
-use crate::light::lights::{DirectionalLight, PointLight};
+use crate::frame::{ColorPlanes, Frame, Projection, SightLines};
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Kind};
-use crate::light::relight::traced::Mirrors;
+use crate::light::relight::mirrors::Mirrors;
+use crate::light::relight::scene::Scene;
 use crate::light::sum::{Lobes, Scaled, Shading, TowardLight};
-use crate::params::{Magnitudes, Quantisation, RelightParams};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::product::Product;
 use rayon::prelude::*;
 
 /// Rows that one task lights: few, so that threads end together, and enough to fill batches.
 const ROWS_PER_TASK: usize = 8;
-
-/// Everything that all batches share.
-pub(crate) struct Scene<'a> {
-    frame: &'a Frame,
-    relighting: &'a Relighting,
-    /// Curvature, where it is needed.
-    curvature: Option<Curvature<'a>>,
-    /// Grain in the picture, where it follows the curvature.
-    grain: Option<&'a Vector2Planes>,
-    albedo: Option<&'a ColorPlanes>,
-    /// Curvature gain.
-    gain: f32,
-    magnitudes: Magnitudes,
-    invariant_point: f32,
-    luminance: [f32; 3],
-    /// How single lights act; `None` where none are summed.
-    shading: Option<Shading>,
-    /// Whether anything adds to specular light.
-    is_glossy: bool,
-    lights: &'a [DirectionalLight],
-    points: &'a [PointLight],
-    sight: SightLines,
-    around: Illuminants<'a>,
-    /// What mirrors and lenses show, where that is more than the environment.
-    mirrors: Option<Mirrors<'a>>,
-    /// The pixels that are lit.
-    lit: &'a Mask,
-    /// Direction to the eye per column and row, of z 1; `None` for parallel sight lines.
-    eye: Option<[Vec<f32>; 2]>,
-    tones: Option<Quantisation>,
-}
-
-impl Scene<'_> {
-    fn params(&self) -> &RelightParams {
-        &self.relighting.params
-    }
-}
 
 /// Lights the frame of a run anew.
 pub(crate) fn relight(run: &mut Run) {

@@ -8,23 +8,15 @@ use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
 use crate::light::lights::DirectionalLight;
 use crate::light::radiance_scaling::ScalingCurve;
-use crate::light::relight::Scene;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::curvature::{Curvature, Kind};
 use crate::light::relight::look_up::{add_lookups, look_up, warp_lookups};
+use crate::light::relight::scene::{Scene, Term};
 use crate::light::sum::{Incoming, Intensity, Lobes, Shading};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::plan::Albedo;
 use crate::shape::curvature::mapped_curvature;
-
-/// Which of [`crate::light::batch::Pixels::curves`] scales a term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Term {
-    Ambient,
-    Diffuse,
-    Specular,
-}
 
 /// Squared length below which the grain points along the normal, and is no tangent.
 pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;

@@ -2,59 +2,16 @@
 //! is scaled by its own brightness.
 
 use crate::frame::luminance;
-use crate::frame::{ColorPlanes, Frame, Ray, SpecularScene};
+use crate::frame::{Frame, Ray};
 use crate::light::batch::BATCH;
 use crate::light::brdf::{fresnel, thin_sheet};
 use crate::light::light_warping::{Warp, warped};
 use crate::light::prepared_environment::Map;
-use crate::light::relight::Scene;
 use crate::light::relight::batch::Batch;
-use crate::light::relight::shade::Term;
-use crate::params::{Bend, Material, MaterialParams, SpecularParams};
-use crate::trace::Tracer;
+use crate::light::relight::mirrors::Mirrors;
+use crate::light::relight::scene::{Scene, Term};
+use crate::params::{Bend, Material, MaterialParams};
 use glam::{DVec3, Vec3};
-
-/// The mirrors and lenses of a frame.
-pub(crate) struct Mirrors<'a> {
-    tracer: Tracer<'a>,
-    /// The luminance that counts as intensity 1: the largest that may be met.
-    largest: f32,
-}
-
-impl<'a> Mirrors<'a> {
-    /// Those of `frame` in a scene; `None` where nothing can be traced.
-    pub(crate) fn new(
-        frame: &'a Frame,
-        scene: &'a SpecularScene,
-        params: &SpecularParams,
-        weights: [f32; 3],
-    ) -> Option<Self> {
-        let around = scene
-            .surroundings
-            .as_ref()
-            .and_then(|map| map.color.as_ref());
-        let behind = scene
-            .behind
-            .as_ref()
-            .and_then(|behind| behind.color.as_ref());
-        let largest = around
-            .into_iter()
-            .chain(behind)
-            .map(|color| largest_luminance(color, weights))
-            .fold(f32::MIN_POSITIVE, f32::max);
-        Some(Self {
-            tracer: Tracer::new(frame, scene, params)?,
-            largest,
-        })
-    }
-}
-
-fn largest_luminance(color: &ColorPlanes, weights: [f32; 3]) -> f32 {
-    let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.samples());
-    let all = r.iter().zip(g).zip(b);
-    all.map(|((&r, &g), &b)| luminance([r, g, b], weights))
-        .fold(0.0, f32::max)
-}
 
 /// Adds what the pixels of a batch mirror and refract.
 pub(crate) fn add_traced(
