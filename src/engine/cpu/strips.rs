@@ -1,9 +1,9 @@
 //! What is chosen from a whole picture that comes strip by strip.
 
 use crate::engine::cpu::percentile::PercentileSearch;
-use crate::engine::cpu::run::Runner;
+use crate::engine::cpu::run::{Run, Runner};
+use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Shape;
-use crate::engine::run::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Window};
 use crate::light::albedo::AlbedoEstimate;
@@ -12,10 +12,12 @@ use crate::light::layers::cpu::add_to_searches;
 use crate::light::relight::albedo::AlbedoSearch;
 use crate::light::white_level::chosen_for;
 use crate::params::{Adaptive, ScalingParams};
+use crate::plan::stages::SHAPE;
 use crate::plan::{Albedo, Plan};
 use crate::product::Product;
 use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::cpu::{GainSearch, luminances, white_of};
+use crate::shape::curvature::stage::trace_of_gradient;
 use std::ops::Range;
 
 /// A search for the gain, the white levels and the estimate of the albedo that a picture would be given as a whole. All
@@ -97,7 +99,12 @@ impl StripSearch {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-            let outcome = runner.find_shape(&given, strip, Watch::default())?;
+            let mut run = Run::new(runner, &given, strip, Inputs::default());
+            run.go_through(SHAPE)?;
+            if run.outcome.shape.curvatures.is_none() && run.outcome.shape.trace.is_none() {
+                trace_of_gradient(&mut run);
+            }
+            let outcome = run.outcome;
             let Shape {
                 trace,
                 curvatures,

@@ -6,7 +6,7 @@ use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu;
-use crate::shape::curvature::stage::find_trace;
+use crate::shape::curvature::stage::trace_of_gradient;
 
 /// The gain of the curvature mapping.
 pub(crate) static AUTO_GAIN: Stage = Stage {
@@ -51,7 +51,7 @@ pub(crate) fn choose_gain(run: &mut Run) {
 fn gain_of_frame(run: &mut Run) -> f32 {
     let plan = run.plan;
     if run.trace.is_none() && run.outcome.shape.trace.is_none() {
-        find_trace(run);
+        trace_of_gradient(run);
     }
     let (shape, own) = (std::mem::take(&mut run.outcome.shape), run.trace.take());
     let trace = own.as_ref().or(shape.trace.as_ref());

@@ -127,12 +127,16 @@ fn unit(plan: &Plan) -> String {
     }
 }
 
-/// The trace of the Hessian, of the gradient. New light makes it row by row; there it is only made for the gain.
-pub(crate) fn find_trace(run: &mut Run) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
-    if plan.relighting.is_some() && !plan.chooses_gain() {
-        return;
+/// The trace of the Hessian. New light makes it row by row; there it is only made for the gain.
+fn find_trace(run: &mut Run) {
+    if run.plan.relighting.is_none() || run.plan.chooses_gain() {
+        trace_of_gradient(run);
     }
+}
+
+/// The trace of the Hessian, of the gradient.
+pub(crate) fn trace_of_gradient(run: &mut Run) {
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
     let shape = std::mem::take(&mut run.outcome.shape);
     let (gradient, conductance) = slopes(&shape);
     let key = format!("{} {}", plan.key(DIFFUSION.name), plan.resolution_factor);
