@@ -4,12 +4,15 @@
 use crate::engine::cpu::gpu_support::contour_pieces;
 use crate::engine::device_times::{READ_BACK, RECORD, UPLOAD};
 use crate::engine::gpu::constants::{GAIN, WHITE};
+use crate::engine::gpu::made::{Shape, TermWhites};
+use crate::engine::gpu::run::Run;
 use crate::engine::gpu::runner::Runner;
+use crate::engine::gpu::surface::Picture;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::add_timings;
 use crate::engine::outcome::{Drawing, Outcome};
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::frame::{Frame, Plane};
 use crate::light::enhancement::Subject;
 use crate::light::layers::gpu::levels_of;
 use crate::light::relight::gpu::frame_lit;
@@ -17,11 +20,13 @@ use crate::light::relight::gpu_lights::Light;
 use crate::line::contours::Contour;
 use crate::line::contours::gpu::PendingReadback;
 use crate::line::contours::gpu_coverage::Medium;
+use crate::line::contours::stage::scaled;
 use crate::line::hatching::gpu::{Strokes, Texture};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::{ContourParams, LineParams, Style};
 use crate::plan::Plan;
 use crate::plan::resolve::running;
+use crate::product::Product;
 use crate::shape::edges::stage::EDGES;
 use std::time::Instant;
 
@@ -41,15 +46,12 @@ impl Runner {
         let start = Instant::now();
         let mut run = self.start(plan, frame);
         let edges = run.edges(plan, frame);
-        let contours = params
-            .contours
-            .map(|contours| contours.scaled(params.strokes.factor(plan.resolution_factor as f32)));
+        let contours = scaled(plan, params);
         let lists = contours.map(|contours| run.edge_lists(plan, frame, &edges, &contours));
         let counts: Vec<_> = lists.iter().map(|lists| &lists.counts).collect();
         let of_edges = run.recorder.submit(&counts);
-        let rows = 0..frame.mask.height();
         let copied = match light {
-            Some(light) => light.albedo(self.upload(), plan, frame, &rows),
+            Some(light) => light.albedo(self.upload(), plan, frame, &(0..frame.mask.height())),
             None => self.upload().picture(frame),
         };
         let is_copied = copied.is_some();
@@ -68,29 +70,12 @@ impl Runner {
             frame,
             &edges.conductance,
         );
-        // The tone, between the edges that are there.
-        (run.light, run.made.shape, run.made.picture) = (light, Some(edges), copied);
-        let further = running(plan).filter(|stage| stage.name != EDGES.name);
-        further.for_each(|stage| (stage.gpu)(&mut run));
-        let made = std::mem::take(&mut run.made);
-        let there = "a drawing is planned with its tone";
-        let (shape, picture) = (made.shape.expect(there), made.picture.expect(there));
-        let term_whites = made.term_whites;
+        run.light = light;
+        let (shape, picture, term_whites) = tone_between(&mut run, edges, copied);
         let paper = run.choose_paper_white(&params.tone, frame, &picture);
         let densities = run.densities(&params.tone, frame, &picture, &paper);
-        let strokes = self.strokes(plan, params, inputs, &mut outcome);
-        let coordinates = self.coordinates(frame, inputs, &mut outcome);
-        let start = Instant::now();
-        let sheets = run.sheets(coordinates.as_ref(), &rows);
-        let ink = run.hatched(
-            &params.strokes,
-            frame,
-            &densities,
-            &fields.directions,
-            &strokes,
-            &sheets,
-        );
-        add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
+        let of_strokes = (&densities, &fields.directions[..]);
+        let (ink, coordinates) = self.hatch(&mut run, params, inputs, of_strokes, &mut outcome);
         let of_strokes = run.recorder.submit(&[]);
         let lines = listed
             .zip(contours)
@@ -120,29 +105,39 @@ impl Runner {
         }
         put_drawing(&mut outcome, plan, frame, &mut read, lines, coordinates);
         if is_made {
-            outcome.color = Some(ColorPlanes {
-                r: plane_of(frame, read.next()),
-                g: plane_of(frame, read.next()),
-                b: plane_of(frame, read.next()),
-            });
+            let mut planes = read.by_ref().map(|samples| plane_of(frame, Some(samples)));
+            outcome.put(Product::Picture, &mut planes);
         }
         if let (Some(color), true) = (&mut outcome.color, light.is_some()) {
             frame_lit(color, frame);
         }
         outcome.term_white_levels = levels_of(&term_whites, read);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        self.buffers.recycle(
-            contours
-                .into_iter()
-                .chain([densities, ink])
-                .chain(fields.into_buffers()),
-        );
-        self.buffers.recycle(shape.into_buffers());
-        match is_copied {
-            true => self.buffers.take_back_copied(picture),
-            false => self.buffers.recycle(picture),
-        }
+        let rest = contours.into_iter().chain([densities, ink]);
+        let rest = rest.chain(fields.into_buffers());
+        self.buffers.recycle(rest.chain(shape.into_buffers()));
+        self.buffers.take_back(picture, is_copied);
         Ok(Some(outcome))
+    }
+
+    /// Strokes of these densities along these directions, and where their texture lies.
+    fn hatch(
+        &self,
+        run: &mut Run,
+        params: &LineParams,
+        inputs: Inputs,
+        (densities, directions): (&wgpu::Buffer, &[[wgpu::Buffer; 2]]),
+        outcome: &mut Outcome,
+    ) -> (wgpu::Buffer, Option<TextureCoordinates>) {
+        let (plan, frame) = (run.plan, run.frame);
+        let strokes = self.strokes(plan, params, inputs, outcome);
+        let coordinates = self.coordinates(frame, inputs, outcome);
+        let start = Instant::now();
+        let sheets = run.sheets(coordinates.as_ref(), &(0..frame.mask.height()));
+        let style = &params.strokes;
+        let ink = run.hatched(style, frame, densities, directions, &strokes, &sheets);
+        add_timings(&mut outcome.timings, &[(UPLOAD, start.elapsed())]);
+        (ink, coordinates)
     }
 
     /// The strokes that the style asks for, on the device.
@@ -187,6 +182,22 @@ impl Runner {
             .push(("texture-coordinates", start.elapsed()));
         Some(coordinates)
     }
+}
+
+/// The tone between edges that are there, of a picture on the device: the shape and the picture that it takes, and the
+/// white levels of the terms of light.
+fn tone_between(
+    run: &mut Run,
+    edges: Shape,
+    picture: Option<Picture>,
+) -> (Shape, Picture, TermWhites) {
+    (run.made.shape, run.made.picture) = (Some(edges), picture);
+    let further = running(run.plan).filter(|stage| stage.name != EDGES.name);
+    further.for_each(|stage| (stage.gpu)(run));
+    let made = std::mem::take(&mut run.made);
+    let there = "a drawing is planned with its tone";
+    let (shape, picture) = (made.shape.expect(there), made.picture.expect(there));
+    (shape, picture, made.term_whites)
 }
 
 /// The lines along edges.

@@ -283,10 +283,7 @@ impl Runner {
             outcome.white_level = Some(chosen[WHITE as usize]);
         }
         let picture = picture.into_iter().flatten();
-        match is_copied {
-            true => self.buffers.take_back_copied(picture),
-            false => self.buffers.recycle(picture),
-        }
+        self.buffers.take_back(picture, is_copied);
         self.buffers.recycle(made.into_buffers());
         Ok(outcome)
     }

@@ -20,8 +20,8 @@ use crate::light::relight::rim::light_rims;
 use crate::light::relight::shade::SHORTEST_TANGENT;
 use crate::light::sum::terms::SHORTEST;
 use crate::light::sum::{Lobes, Power};
-use crate::params::{Material, Quantisation, Tangent};
-use crate::plan::{Albedo, Plan};
+use crate::params::{Material, MaterialParams, Quantisation, Tangent};
+use crate::plan::{Albedo, Plan, Relighting};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
 uniforms! {
@@ -161,9 +161,6 @@ impl Run<'_> {
         albedo: Option<Picture>,
     ) -> Picture {
         let relighting = relighting(plan);
-        let material = relighting.params.material;
-        let is = |kind: Material| material.material == kind;
-        let used = &light.around.ready.used;
         let has_albedo = albedo.is_some();
         let picture =
             albedo.unwrap_or_else(|| [(); 3].map(|()| self.take(self.surface.plane_bytes())));
@@ -178,16 +175,8 @@ impl Run<'_> {
         let depth = frame.depth.as_ref().filter(|_| light.counts.points > 0);
         let [occlusion, alpha, depth] = [occlusion, frame.alpha.as_ref(), depth]
             .map(|plane| plane.map(|plane| self.hold(plane.samples())));
-        let tones = relighting.params.tones();
-        let switches = [
-            ("WARPS", relighting.warps),
-            ("HAS_JACOBIAN", relighting.has_jacobian()),
-            ("SCALES", relighting.scales),
-            ("PHONG", is(Material::Phong)),
-            ("BLINN_PHONG", is(Material::BlinnPhong)),
-            ("ASHIKHMIN_SHIRLEY", is(Material::AshikhminShirley)),
+        let of_frame = [
             ("FAR_EYE", is_eye_far(frame)),
-            ("TOWARD_LIGHT", relighting.toward_light),
             (
                 "HAS_HESSIAN",
                 hessian.is_some_and(|hessian| hessian.entries.is_some()),
@@ -196,19 +185,8 @@ impl Run<'_> {
             ("HAS_OCCLUSION", occlusion.is_some()),
             ("HAS_ALPHA", alpha.is_some()),
             ("HAS_ALBEDO", has_albedo),
-            (
-                "ALBEDO_IS_COVERED",
-                matches!(relighting.albedo, Albedo::Layer | Albedo::Picture),
-            ),
-            ("PREFILTERED", matches!(used, Used::Prefiltered { .. })),
-            ("MIRRORED", matches!(used, Used::Mirrored(_))),
-            ("GLASS", is(Material::Glass)),
-            ("LIT_SPHERE", matches!(used, Used::LitSpheres(_))),
-            ("TWO_SPHERES", light.around.spheres.len() == 2),
-            ("HAS_CONTRAST", relighting.contrasts),
-            ("FEW_TONES", tones.is_some()),
-            ("TOON", is(Material::Toon)),
         ];
+        let switches = [&of_light(relighting, light)[..], &of_frame].concat();
         let [red, green, blue] = &picture;
         let params = light_params(plan, frame, light);
         let [xx, xy, yy] = entries;
@@ -265,13 +243,34 @@ pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
     }
 }
 
-fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
-    let relighting = relighting(plan);
-    let params = &relighting.params;
-    let (material, scaling) = (&params.material, &plan.scaling);
-    let magnitudes = scaling.magnitudes();
-    let weights = frame.luminance_weights();
-    let (whole_power, power) = match Lobes::of(material, is_eye_far(frame)) {
+/// What `relight.wgsl` is switched by that every frame in this light shares.
+fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 16] {
+    let is = |kind: Material| relighting.params.material.material == kind;
+    let used = &light.around.ready.used;
+    let is_covered = matches!(relighting.albedo, Albedo::Layer | Albedo::Picture);
+    [
+        ("WARPS", relighting.warps),
+        ("HAS_JACOBIAN", relighting.has_jacobian()),
+        ("SCALES", relighting.scales),
+        ("PHONG", is(Material::Phong)),
+        ("BLINN_PHONG", is(Material::BlinnPhong)),
+        ("ASHIKHMIN_SHIRLEY", is(Material::AshikhminShirley)),
+        ("TOWARD_LIGHT", relighting.toward_light),
+        ("ALBEDO_IS_COVERED", is_covered),
+        ("PREFILTERED", matches!(used, Used::Prefiltered { .. })),
+        ("MIRRORED", matches!(used, Used::Mirrored(_))),
+        ("GLASS", is(Material::Glass)),
+        ("LIT_SPHERE", matches!(used, Used::LitSpheres(_))),
+        ("TWO_SPHERES", light.around.spheres.len() == 2),
+        ("HAS_CONTRAST", relighting.contrasts),
+        ("FEW_TONES", relighting.params.tones().is_some()),
+        ("TOON", is(Material::Toon)),
+    ]
+}
+
+/// The exponent of a material's lobe: whole, or any other.
+fn exponent(material: &MaterialParams, is_far: bool) -> (u32, f32) {
+    match Lobes::of(material, is_far) {
         Some(
             Lobes::Diffuse { power } | Lobes::Phong { power } | Lobes::BlinnPhong { power, .. },
         ) => match power {
@@ -280,7 +279,16 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
         },
         // A coat has exponents of its own; mirrors and glass are not summed over lights.
         Some(Lobes::AshikhminShirley(_)) | None => (1, 0.0),
-    };
+    }
+}
+
+fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
+    let relighting = relighting(plan);
+    let params = &relighting.params;
+    let (material, scaling) = (&params.material, &plan.scaling);
+    let magnitudes = scaling.magnitudes();
+    let weights = frame.luminance_weights();
+    let (whole_power, power) = exponent(material, is_eye_far(frame));
     let coat = AshikhminShirley::new(material);
     let grain = match material.tangent {
         Tangent::Degrees(angle) => angle.to_radians(),
