@@ -50,8 +50,11 @@ pub(crate) fn choose_gain(run: &mut Run) {
 /// The gain by the sum of curvatures, however that is made.
 fn gain_of_frame(run: &mut Run) -> f32 {
     let plan = run.plan;
-    if run.trace.is_none() && run.outcome.shape.trace.is_none() {
-        trace_of_gradient(run);
+    let shape = &run.outcome.shape;
+    match (&shape.curvatures, &shape.trace) {
+        (Some(curvatures), _) => run.trace = Some(curvatures.trace()),
+        (None, None) => trace_of_gradient(run),
+        (None, Some(_)) => {}
     }
     let (shape, own) = (std::mem::take(&mut run.outcome.shape), run.trace.take());
     let trace = own.as_ref().or(shape.trace.as_ref());

@@ -195,7 +195,6 @@ fn find_curvatures(run: &mut Run) {
         "curvatures",
         || cpu::curvatures(&hessian, mask, memory),
     );
-    run.trace = Some(curvatures.trace());
     let shape = &mut run.outcome.shape;
     (shape.hessian, shape.curvatures) = (Some(hessian), Some(curvatures));
 }
@@ -217,7 +216,9 @@ fn find_directions(run: &mut Run) {
 fn map_curvature(run: &mut Run) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
     let gain = run.gain();
-    let trace = run.trace.take().expect("curvatures come before their map");
+    let curvatures = run.outcome.shape.curvatures.as_ref();
+    let curvatures = curvatures.expect("curvatures come before their map");
+    let trace = run.trace.take().unwrap_or_else(|| curvatures.trace());
     run.outcome.shape.kappa = Some(cpu::mapped_curvature(&trace, gain, mask, memory));
     if plan.more_px.is_empty() {
         return;
