@@ -1,6 +1,6 @@
 //! Errors of a result, counted in every pixel.
 
-use super::numbers::scientific;
+use super::numbers::{rounded, scientific};
 use crate::frame::{Mask, Plane, Window};
 use crate::quantile;
 use serde::Serialize;
@@ -159,6 +159,36 @@ impl Tally {
             non_finite: self.non_finite,
             pixels,
             worst: self.worst,
+        }
+    }
+}
+
+/// Angles between directions, in degrees, over all pixels compared.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Angles {
+    /// Mean.
+    pub mean: f64,
+    /// 95 in 100 stay below it.
+    pub p95: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl Display for Angles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [mean, p95, max] = [self.mean, self.p95, self.max].map(rounded);
+        write!(f, "{mean} / {p95} / {max}")
+    }
+}
+
+impl Angles {
+    pub(crate) fn of(mut tally: Tally) -> Self {
+        let p95 = tally.quantile(0.95);
+        let errors = tally.errors();
+        Self {
+            mean: errors.mean,
+            p95,
+            max: errors.max,
         }
     }
 }

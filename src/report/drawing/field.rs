@@ -1,10 +1,11 @@
 //! The field of directions: passes, and pixels of the picture to one of the field.
 
-use super::{Angles, Card};
+use super::Card;
 use crate::Result;
 use crate::frame::Vector2Planes;
 use crate::params::{FieldParams, LineParams, MAX_FIELD_PASSES};
 use crate::report::asked::On;
+use crate::report::compare::Angles;
 use crate::report::compare::{Tally, covered};
 use crate::report::pareto;
 use crate::report::scenes::Scene;

@@ -9,7 +9,6 @@ pub(super) mod tone;
 use super::asked::{Asked, Extent};
 use super::engine::{Inputs, Outcome, Session, hatch_plan, painted};
 use super::light::middle;
-use super::numbers::rounded as rounded_number;
 use super::scenes::Scene;
 use super::sweeps::precision::{Stored, rounded};
 use super::timing::{Effort, Timed};
@@ -18,7 +17,6 @@ use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::params::{FieldParams, LineParams, ShapeParams};
 use crate::plan::{Available, Plan};
 use serde::Serialize;
-use std::fmt::{self, Display};
 
 /// Everything that was measured of drawings.
 #[derive(Debug, Clone, Serialize)]
@@ -135,34 +133,4 @@ impl Card {
 
 fn hatching(outcome: Outcome) -> Plane {
     outcome.drawing.expect("a drawing was planned").hatching
-}
-
-/// Angles between directions, in degrees, over all pixels compared.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Angles {
-    /// Mean.
-    pub mean: f64,
-    /// 95 in 100 stay below it.
-    pub p95: f64,
-    /// Largest.
-    pub max: f64,
-}
-
-impl Display for Angles {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [mean, p95, max] = [self.mean, self.p95, self.max].map(rounded_number);
-        write!(f, "{mean} / {p95} / {max}")
-    }
-}
-
-impl Angles {
-    pub(super) fn of(mut tally: super::compare::Tally) -> Self {
-        let p95 = tally.quantile(0.95);
-        let errors = tally.errors();
-        Self {
-            mean: errors.mean,
-            p95,
-            max: errors.max,
-        }
-    }
 }

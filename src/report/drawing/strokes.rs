@@ -1,11 +1,12 @@
 //! Levels of angles and sets of them: how well strokes follow the field, how long they are, how even their
 //! tone is.
 
-use super::{Angles, Card, HALF};
+use super::{Card, HALF};
 use crate::Result;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::{LineParams, MAX_LEVELS, StrokeParams};
 use crate::report::asked::On;
+use crate::report::compare::Angles;
 use crate::report::compare::{Tally, covered};
 use crate::report::scenes::Scene;
 use crate::report::scenes::angle_deg;

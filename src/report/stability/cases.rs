@@ -1,10 +1,10 @@
 //! The list of cases: everything that shape analysis could stumble over, and what light and drawings add.
 
+use super::case::{case, cases};
 use super::frames::{
     ball, cylinder, random, through_a_file, with_conductance, with_depth, with_normals,
 };
-use super::{Case, Expected, Verdict, judged};
-use crate::Result;
+use super::{Case, Expected, judged};
 use crate::frame::{Frame, Plane};
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::report::scenes::frames::{gentle, masked, noise, relief, rough};
@@ -25,26 +25,6 @@ pub fn all() -> Vec<Case> {
         super::drawing_cases::all(),
     ];
     groups.into_iter().flatten().collect()
-}
-
-/// A table of cases, one to a row.
-macro_rules! cases {
-    ($($case:expr;)*) => { vec![$($case),*] };
-}
-pub(super) use cases;
-
-pub(super) fn case(
-    name: &'static str,
-    done: &'static str,
-    expected: Expected,
-    run: impl Fn() -> Result<Verdict> + 'static,
-) -> Case {
-    Case {
-        name,
-        done,
-        expected,
-        run: Box::new(run),
-    }
 }
 
 /// A frame straight into the backend.

@@ -1,6 +1,6 @@
 //! The list of cases, continued: everything that a drawing could stumble over.
 
-use super::cases::{case, cases};
+use super::case::{case, cases};
 use super::frames::random;
 use super::{Case, Expected, Verdict};
 use crate::Result;

@@ -1,6 +1,6 @@
 //! The list of cases, continued: everything that light could stumble over.
 
-use super::cases::{case, cases};
+use super::case::{case, cases};
 use super::frames::{ball, cylinder, random, through_a_file, with_normals};
 use super::lit::{Asked, judged, judged_picture};
 use super::{Case, Expected};

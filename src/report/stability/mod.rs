@@ -1,6 +1,7 @@
 //! Stiff and extreme cases, run live: each is bounded, warned of or refused, as it declares, and none
 //! gives a NaN or a panic.
 
+mod case;
 mod cases;
 mod drawing_cases;
 mod frames;
