@@ -5,13 +5,12 @@
 //! `max` and `min` are the fields of the larger and the lesser curvature, made calm; `layer` is the
 //! direction layer, pixel by pixel.
 
-use relievo::engine;
-use relievo::engine::cpu::Runner;
+use relievo::engine::{self, Engine, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs};
-use relievo::params::{FieldParams, ScalingParams, ShapeParams, StrokeDirections};
+use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeDirections};
 use relievo::plan::{Available, Goal, Plan};
 use std::path::PathBuf;
 
@@ -47,12 +46,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frame = io::load(&inputs, needs)?.frame;
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::new(Goal::Layers, Available::in_frame(&frame), shape, scaling)?;
-    let runner = Runner::default();
-    let shape = runner
-        .execute(&plan, &frame, engine::Inputs::default())?
-        .shape;
-    let field = FieldParams::default();
-    let fields = which.map(|which| runner.stroke_fields(&plan, &frame, &field, which));
+    let (engine, inputs) = (Engine::cpu(), engine::Inputs::default());
+    let shape = engine.execute(&plan, &frame, inputs, &Run::new())?.shape;
+    let line = which.map(|directions| LineParams {
+        directions,
+        ..LineParams::default()
+    });
+    let fields = line.map(|line| engine.stroke_fields(&plan, &frame, inputs, &line));
+    let fields = fields.transpose()?;
     let directions = fields
         .and_then(|mut fields| fields.pop())
         .or(shape.direction);

@@ -4,8 +4,8 @@
 //! takes, with the bytes that an ideal pass would move in that time.
 //! Without a file, waves of that size, 1920x1080 where none is given.
 
-use relievo::engine::gpu::{Choice, Device, Runner};
-use relievo::engine::{self, cpu};
+use relievo::engine::gpu::{Choice, Device};
+use relievo::engine::{self, Engine, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
@@ -41,9 +41,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         _ => return Err("give FRAME.exr, or WIDTH HEIGHT, or nothing".into()),
     };
-    let runner = Runner::new(Device::open(Choice::Any)?);
+    let device = Device::open(Choice::Any)?;
     let (width, height) = (frame.mask.width(), frame.mask.height());
-    println!("{}, {width}x{height}", runner.device().name());
+    println!("{}, {width}x{height}", device.name());
+    let engine = Engine::on(device);
     let shape = ShapeParams {
         scale: Scale::Iterations(0),
         ..ShapeParams::default()
@@ -56,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let available = Available::in_frame(&frame);
     let plan = Plan::new(Goal::Enhance, available, shape, given)?;
     let name = "no diffusion, gain and white level given";
-    measure(name, &runner, &plan, &frame, None)?;
+    measure(name, &engine, &plan, &frame, None)?;
     for (name, scale, solver) in [
         ("no diffusion", Scale::Iterations(0), Solver::Chebyshev),
         ("10 steps", Scale::Iterations(10), Solver::Chebyshev),
@@ -77,7 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ..ShapeParams::default()
         };
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
-        measure(name, &runner, &plan, &frame, None)?;
+        measure(name, &engine, &plan, &frame, None)?;
     }
     let lamp = Illumination {
         directional: vec![DirectionalLight {
@@ -96,7 +97,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("both, 10 steps", Method::Both, &room),
     ] {
         let plan = lighting(&frame, method, light)?;
-        measure(name, &runner, &plan, &frame, Some(light))?;
+        measure(name, &engine, &plan, &frame, Some(light))?;
     }
     if !matches!(arguments.as_slice(), [_]) {
         frame.depth = Some(plates(width, height));
@@ -107,7 +108,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
         let name = format!("hatching with contours, {name}");
-        measure(&name, &runner, &plan, &frame, None)?;
+        measure(&name, &engine, &plan, &frame, None)?;
     }
     Ok(())
 }
@@ -136,18 +137,18 @@ fn lighting(frame: &Frame, method: Method, light: &Illumination) -> relievo::Res
 
 fn measure(
     name: &str,
-    runner: &Runner,
+    engine: &Engine,
     plan: &Plan,
     frame: &Frame,
     light: Option<&Illumination>,
 ) -> relievo::Result<()> {
-    let on_cpu = cpu::Runner::default();
+    let on_cpu = Engine::cpu();
     let inputs = engine::Inputs {
         illumination: light,
         ..engine::Inputs::default()
     };
-    let by_cpu = || on_cpu.execute(plan, frame, inputs);
-    let by_device = || runner.execute(plan, frame, inputs);
+    let by_cpu = || on_cpu.execute(plan, frame, inputs, &Run::new());
+    let by_device = || engine.execute(plan, frame, inputs, &Run::new());
     let (found, expected) = (by_device()?, by_cpu()?);
     println!("\n{name}:");
     for product in [Product::Picture, Product::Strokes, Product::Contours] {

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example live -- render.exr` prints the median and the longest of a few dozen changes.
 
-use relievo::engine::cpu::Outcome;
+use relievo::engine::Outcome;
 use relievo::engine::{Engine, Request, Run, Session};
 use relievo::frame::Frame;
 use relievo::io::inputs::{Inputs, LightInputs};

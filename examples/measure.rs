@@ -6,8 +6,7 @@
 //! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too. Light is
 //! held against double precision at some hundred pixels, the ink of drawings against the tone asked for.
 
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{Outcome, Runner};
+use relievo::engine::{Engine, Inputs, Outcome, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -153,16 +152,16 @@ fn print_drawing(
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
-    let runner = Runner::default();
+    let engine = Engine::cpu();
     let effort = Effort {
         runs: repeats,
         limit: Duration::MAX,
     };
     let draw = || {
-        let outcome = runner.execute(&plan, frame, Inputs::default());
+        let outcome = engine.execute(&plan, frame, Inputs::default(), &Run::new());
         outcome.expect("the plan was made for the frame")
     };
-    let (outcome, timed) = measure_runs(&runner, effort, draw);
+    let (outcome, timed) = measure_runs(&engine, effort, draw);
     let ink = outcome.drawing.expect("a drawing was planned").hatching;
     let covered = frame.mask.plane().samples().iter().zip(ink.samples());
     let ink = covered.filter(|(covered, _)| **covered);
@@ -291,13 +290,14 @@ impl Lighting<'_> {
         let kinds = LightKinds::in_light(&self.light);
         let available = Available::in_frame(frame);
         let plan = Plan::relight(available, shape, scaling, self.params, kinds)?;
-        let runner = Runner::default();
-        let mut outcome = runner.execute(&plan, frame, Inputs::lit_by(&self.light))?;
+        let engine = Engine::cpu();
+        let relit = || engine.execute(&plan, frame, Inputs::lit_by(&self.light), &Run::new());
+        let mut outcome = relit()?;
         let (mut times, mut once) = (Vec::new(), Vec::new());
         for _ in 0..repeats {
-            runner.recycle(outcome);
-            runner.forget_environment();
-            outcome = runner.execute(&plan, frame, Inputs::lit_by(&self.light))?;
+            engine.recycle(outcome);
+            engine.forget_environment();
+            outcome = relit()?;
             let stage = |name: &str| {
                 let mut timings = outcome.timings.iter();
                 timings

@@ -53,9 +53,8 @@
 //! **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is the only place where
 //! the sign turns. Directions are modulo pi.
 //!
-//! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `engine` runs. The
-//! kernels in [`shape`], [`light`] and [`line`] are plain functions of samples and rows, to be called
-//! from any renderer. [`trace`] follows sight lines through mirrors and lenses, for light and lines alike.
+//! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `engine` runs. What is
+//! public in [`shape`], [`light`] and [`line`] are plain functions of one pixel's samples, to be called from any renderer. [`trace`] follows sight lines through mirrors and lenses, for light and lines alike.
 //!
 //! # References
 //!
@@ -72,6 +71,15 @@
 //!   Visualization in Scientific Computing, 1997. <https://doi.org/10.1007/978-3-7091-6876-9_5>
 //! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
+
+#![cfg_attr(
+    not(feature = "cli"),
+    allow(
+        dead_code,
+        unused_imports,
+        reason = "much that the command line asks for nobody else does"
+    )
+)]
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -16,7 +16,6 @@ pub(crate) fn quantile<T: Copy>(
 
 /// The least of `values` that at least a share of them, 0..1, do not exceed: an error that so many stay below. `None`
 /// where there is no value. Reorders `values`.
-#[cfg(feature = "report")]
 pub(crate) fn bound(values: &mut [f64], share: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let count = (share * values.len() as f64).ceil() as usize;

@@ -6,7 +6,7 @@ use crate::path::{Direct, Tracing};
 use crate::render::Job;
 use crate::stage::{self, Setting};
 use crate::urn::urn;
-use relievo::engine::cpu;
+use relievo::engine::{Engine, Inputs as EngineInputs, Run};
 use relievo::io::{self, Needs, inputs::Inputs};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
@@ -85,7 +85,8 @@ fn a_render_is_read_and_enhanced_without_a_flag() {
         ScalingParams::default(),
     )
     .unwrap();
-    let color = cpu::run(&plan, frame)
+    let color = Engine::cpu()
+        .execute(&plan, frame, EngineInputs::default(), &Run::new())
         .unwrap()
         .color
         .expect("enhancing gives a picture");

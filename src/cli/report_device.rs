@@ -2,7 +2,7 @@
 
 use super::args::BackendArg;
 #[cfg(feature = "gpu")]
-use crate::engine::Inputs;
+use crate::engine::{Engine, Inputs, Run};
 use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::frame::Frame;
@@ -39,8 +39,10 @@ pub(super) enum ReportDevice {
     /// Nothing, and why.
     None(String),
     /// What it takes.
-    Runner {
-        runner: Box<crate::engine::gpu::runner::Runner>,
+    Opened {
+        engine: Box<Engine>,
+        name: String,
+        is_software: bool,
         is_required: bool,
     },
 }
@@ -51,7 +53,6 @@ impl ReportDevice {
     /// [`crate::Error::NoGpu`] where there has to be a device and is none.
     pub(super) fn of(backend: BackendArg) -> Result<Self> {
         use crate::engine::gpu::device::{Choice, Device};
-        use crate::engine::gpu::runner::Runner;
         let opened = match backend {
             BackendArg::Cpu => return Ok(Self::None("the backend asked for is the CPU".into())),
             BackendArg::Gpu => Device::open(Choice::Any)?,
@@ -60,8 +61,10 @@ impl ReportDevice {
                 Err(why) => return Ok(Self::None(why.to_string())),
             },
         };
-        Ok(Self::Runner {
-            runner: Box::new(Runner::new(opened.timed_apart())),
+        Ok(Self::Opened {
+            name: opened.name(),
+            is_software: opened.is_software(),
+            engine: Engine::on(opened.timed_apart()).into(),
             is_required: backend == BackendArg::Gpu,
         })
     }
@@ -70,17 +73,18 @@ impl ReportDevice {
     pub(super) fn measured<T>(&self, measure: impl FnOnce(gpu::Device) -> Result<T>) -> Result<T> {
         match self {
             Self::None(why) => measure(gpu::Device::NotMeasured(why.clone())),
-            Self::Runner {
-                runner,
+            Self::Opened {
+                engine,
+                name,
+                is_software,
                 is_required,
             } => {
-                let device = runner.device();
                 let run = |plan: &Plan, frame: &Frame, light: &Illumination| {
-                    runner.execute(plan, frame, Inputs::lit_by(light))
+                    engine.execute(plan, frame, Inputs::lit_by(light), &Run::new())
                 };
                 measure(gpu::Device::Measured(gpu::Gpu::new(
-                    device.name(),
-                    device.is_software(),
+                    name.clone(),
+                    *is_software,
                     *is_required,
                     &run,
                 )))

@@ -10,8 +10,10 @@ use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Window};
+use crate::frame::{Frame, Vector2Planes, Window};
+use crate::params::{LineParams, RunOptions};
 use crate::plan::{Available, Plan};
+use crate::product::Product;
 
 /// Runs requests and plans on the backends of this machine, one after another. An engine that is given outcomes back makes
 /// the next ones in their memory, and it keeps what it made of the last environment and the last texture of strokes.
@@ -63,10 +65,16 @@ impl Engine {
     /// [`Error::NoGpu`] where there is none, and in a build without the feature `gpu`.
     #[cfg(feature = "gpu")]
     pub fn gpu() -> Result<Self> {
-        Ok(Self {
+        Device::open(Choice::Any).map(Self::on)
+    }
+
+    /// This device for everything.
+    #[cfg(feature = "gpu")]
+    pub fn on(device: Device) -> Self {
+        Self {
             cpu: cpu::Runner::default(),
-            device: OnDevice::Only(gpu::Runner::new(Device::open(Choice::Any)?)),
-        })
+            device: OnDevice::Only(gpu::Runner::new(device)),
+        }
     }
 
     /// A device for everything, be it software.
@@ -94,8 +102,14 @@ impl Engine {
         self
     }
 
+    /// The same engine, whose work on the CPU is cut by these options: they change its time, and no bit of what it makes.
+    #[must_use]
+    pub fn with_options(mut self, options: RunOptions) -> Self {
+        self.cpu.options = options;
+        self
+    }
+
     /// What does the part of the CPU.
-    #[cfg(feature = "cli")]
     pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
         &self.cpu
     }
@@ -231,6 +245,39 @@ impl Engine {
         _: &Run,
     ) -> Result<Option<Outcome>> {
         Ok(None)
+    }
+
+    /// The directions that strokes by `params` follow on the CPU, a field for each of
+    /// [`StrokeDirections`](crate::params::StrokeDirections): unit, in the picture, x right, y up, each equal to its
+    /// opposite; 0 outside the mask. Where `plan` traces mirrors and lenses, those of what they show.
+    ///
+    /// # Errors
+    /// [`Error::Unfit`] if the plan finds no edges, at which strokes stop, or traces mirrors of which there is no scene.
+    pub fn stroke_fields(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        params: &LineParams,
+    ) -> Result<Vec<Vector2Planes>> {
+        if !plan.wants(Product::Conductance) {
+            return Err(Error::Unfit {
+                found: "the plan finds no edges, at which strokes stop".into(),
+                remedy: "make it for layers or for a drawing",
+            });
+        }
+        if plan.specular.is_some() && inputs.specular.is_none() {
+            return Err(Error::Unfit {
+                found: "the plan traces mirrors and lenses, and no scene is given".into(),
+                remedy: "give what they show with the inputs",
+            });
+        }
+        Ok(self.cpu.stroke_fields(plan, frame, inputs, params))
+    }
+
+    /// Forgets what was made of the last environment, so that making it is measured again.
+    pub fn forget_environment(&self) {
+        self.cpu.forget_environment();
     }
 
     /// Takes an outcome that is no longer needed.

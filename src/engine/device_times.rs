@@ -1,13 +1,13 @@
 //! What the times of a run on a device are called that are of no stage.
 
 /// Copies to the device.
-pub const UPLOAD: &str = "upload";
+pub(crate) const UPLOAD: &str = "upload";
 
 /// Telling the device what to run.
-pub const RECORD: &str = "record";
+pub(crate) const RECORD: &str = "record";
 
 /// All kernels together, on a device without a clock for each stage.
-pub const KERNELS: &str = "kernels";
+pub(crate) const KERNELS: &str = "kernels";
 
 /// Copies from the device.
-pub const READ_BACK: &str = "read-back";
+pub(crate) const READ_BACK: &str = "read-back";

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Results that are not finite although everything they were made of is.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NotFinite {
+pub(crate) struct NotFinite {
     /// The stage that first gave such a sample; several where they cannot be told apart.
     pub stage: String,
     /// How many samples there are, and where.
@@ -25,7 +25,7 @@ pub struct NotFinite {
 
 /// Looks for samples of `results` that are not finite where all planes of `frame` are. `results` have the size of the
 /// frame, and are of what `plan` made of it, `outcome`.
-pub fn not_finite(
+pub(crate) fn not_finite(
     plan: &Plan,
     frame: &Frame,
     outcome: &Outcome,
@@ -50,7 +50,7 @@ pub fn not_finite(
 }
 
 /// Looks for lines of a drawing that are not finite.
-pub fn lines_not_finite(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<NotFinite> {
+pub(crate) fn lines_not_finite(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<NotFinite> {
     let drawing = outcome.drawing.as_ref()?;
     let strokes = drawing.lines.iter().map(|l| (&l.points[..], &l.widths[..]));
     let contours = drawing.contour_lines.iter();

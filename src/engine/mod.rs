@@ -1,13 +1,13 @@
 //! Running a plan.
 
 pub(crate) mod backends;
-pub mod cpu;
-pub mod device_times;
+pub(crate) mod cpu;
+pub(crate) mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod guard;
+pub(crate) mod guard;
 pub(crate) mod inputs;
-pub mod outcome;
+pub(crate) mod outcome;
 pub(crate) mod request;
 pub(crate) mod run;
 pub(crate) mod session;
@@ -17,11 +17,10 @@ pub(crate) mod tolerances;
 
 pub use crate::engine::backends::Engine;
 pub use crate::engine::inputs::Inputs;
-pub use crate::engine::outcome::Outcome;
+pub use crate::engine::outcome::{Drawing, Outcome, ScaleShape, Shape};
 pub use crate::engine::request::{Request, Tone};
 pub use crate::engine::run::{CancelToken, Progress, Run};
 pub use crate::engine::session::Session;
 pub use crate::engine::target::Target;
-pub use crate::engine::tolerances::{
-    difference, direction_difference, ink_difference, relit_tolerance,
-};
+pub use crate::engine::tolerances::{difference, relit_tolerance};
+pub use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};

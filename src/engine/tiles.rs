@@ -26,7 +26,6 @@ impl Strips {
 
     /// Strips of which none has more than so many rows, `reach` above and below included; `None` where not even one
     /// row would be left to give. All of them are one strip where that is no more.
-    #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn new(reach: usize, height: usize, most_rows: usize) -> Option<Self> {
         if most_rows >= height {
             return Some(Self::of_rows(height, height, 0));
@@ -76,7 +75,6 @@ impl Strips {
     }
 
     /// How many there are.
-    #[cfg(feature = "cli")]
     pub(crate) fn count(&self) -> usize {
         self.height.div_ceil(self.rows)
     }

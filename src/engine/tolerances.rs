@@ -117,7 +117,7 @@ pub fn difference(found: &Plane, expected: &Plane) -> f64 {
 ///
 /// A texture of strokes is compared with thresholds, and a rounding that reaches the next one changes the ink of a pixel
 /// by a leap: the largest difference says little. A stroke in a wrong place is wrong by more than a sixteenth.
-pub fn ink_difference(found: &Plane, expected: &Plane) -> f64 {
+pub(crate) fn ink_difference(found: &Plane, expected: &Plane) -> f64 {
     let pairs = found.samples().iter().zip(expected.samples());
     let apart = pairs.map(|(&found, &expected)| {
         let apart = f64::from((found - expected).abs());
@@ -135,7 +135,7 @@ const LEAP: f64 = 1.0 / 16.0;
 ///
 /// Where a direction is told at all is a matter of comparisons with what is uncertain of it. A rounding that decides one
 /// makes of a pixel one that takes its neighbours' direction: the largest difference says little.
-pub fn direction_difference(found: [&Plane; 2], expected: [&Plane; 2]) -> f64 {
+pub(crate) fn direction_difference(found: [&Plane; 2], expected: [&Plane; 2]) -> f64 {
     fn vectors<'a>([x, y]: [&'a Plane; 2]) -> impl Iterator<Item = DVec2> + 'a {
         let pairs = x.samples().iter().zip(y.samples());
         pairs.map(|(&x, &y)| DVec2::new(x.into(), y.into()))

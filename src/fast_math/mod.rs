@@ -17,7 +17,7 @@ mod rows;
 pub(crate) use circular::tan_to_eighth_turn;
 pub use circular::{atan, atan2};
 pub use exponential::{exp, ln, pow, tanh};
-pub use rows::Function;
+pub(crate) use rows::Function;
 
 /// The polynomial with these coefficients, the constant first.
 #[inline(always)]

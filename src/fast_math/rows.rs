@@ -6,7 +6,7 @@ use super::{atan, exp, ln, pow, tan_to_eighth_turn, tanh};
 
 /// A function of this module.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Function {
+pub(crate) enum Function {
     /// [`exp`].
     Exp,
     /// [`ln`].

@@ -25,16 +25,17 @@ pub use conventions::{Flip, NormalEncoding, StoredDepth};
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
+pub use plane::CurvaturePlanes;
 pub use plane::{
-    ColorPlanes, CurvaturePlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes,
-    Vector3Planes,
+    ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };
 pub use ray::Ray;
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;
 pub use sight::SightLines;
+pub use space::OutOfRange;
 pub(crate) use space::check_place;
-pub use space::{Camera, DepthKind, NormalSpace, OutOfRange, Projection};
+pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use specular::SpecularScene;
 pub(crate) use steps::{SURFACE_JUMP, step_between};
 pub use surroundings::{Surroundings, map_direction};

@@ -104,7 +104,7 @@ pub(super) fn luminance_weights(chromaticities: Chromaticities) -> Option<[f32; 
 
 /// From linear colours with these chromaticities to Rec. 709; `None` where that changes nothing, or they are
 /// unusable.
-pub fn rec709_from(chromaticities: Chromaticities) -> Option<DMat3> {
+pub(crate) fn rec709_from(chromaticities: Chromaticities) -> Option<DMat3> {
     let near = |(a, b): (f32, f32)| (a - b).abs() < 1e-4;
     if chromaticities.into_iter().zip(REC709).all(near) {
         return None;
@@ -117,7 +117,7 @@ pub fn rec709_from(chromaticities: Chromaticities) -> Option<DMat3> {
 }
 
 /// Colours turned by a matrix.
-pub fn converted(color: &ColorPlanes, matrix: DMat3) -> ColorPlanes {
+pub(crate) fn converted(color: &ColorPlanes, matrix: DMat3) -> ColorPlanes {
     let matrix = matrix.as_mat3();
     let mut made = color.clone();
     let planes = [&mut made.r, &mut made.g, &mut made.b].map(|plane| plane.samples_mut());

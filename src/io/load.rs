@@ -79,13 +79,13 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
 }
 
 /// The files of a frame, opened once for as many loads of its rows as there are.
-pub struct InputFiles {
+pub(crate) struct InputFiles {
     main: Rc<Opened>,
 }
 
 /// How large a frame is, as far as headers say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Extent {
+pub(crate) struct Extent {
     /// The pixels that it has.
     pub window: Window,
     /// Bytes that its photos take while they are held, decoded.
@@ -97,7 +97,7 @@ impl InputFiles {
     ///
     /// # Errors
     /// Any [`crate::Error`] of reading a header.
-    pub fn open(inputs: &Inputs) -> Result<Self> {
+    pub(crate) fn open(inputs: &Inputs) -> Result<Self> {
         Self::open_held(inputs, Holding::default())
     }
 
@@ -105,7 +105,7 @@ impl InputFiles {
     ///
     /// # Errors
     /// As [`InputFiles::open`].
-    pub fn open_for_strips(inputs: &Inputs) -> Result<Self> {
+    pub(crate) fn open_for_strips(inputs: &Inputs) -> Result<Self> {
         let holding = Holding {
             stay: true,
             ..Holding::default()
@@ -117,7 +117,7 @@ impl InputFiles {
     ///
     /// # Errors
     /// As [`InputFiles::open`].
-    pub fn open_within(inputs: &Inputs, most_bytes: u64) -> Result<Self> {
+    pub(crate) fn open_within(inputs: &Inputs, most_bytes: u64) -> Result<Self> {
         let holding = Holding {
             most_bytes,
             ..Holding::default()
@@ -134,7 +134,7 @@ impl InputFiles {
     ///
     /// # Errors
     /// As [`load`], as far as headers say.
-    pub fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
+    pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
         let light = LightSources::resolve(inputs, &self.main)?;
         let sources = FrameSources::resolve(inputs, &self.main, needs, !light.is_empty())?;
         let mut photos: Vec<_> = sources.roles.iter().filter_map(RoleSource::photo).collect();
@@ -151,12 +151,12 @@ impl InputFiles {
     ///
     /// # Errors
     /// As [`load`].
-    pub fn load(&self, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
+    pub(crate) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
         load_from(self.main.clone(), inputs, needs)
     }
 
     /// Lets go of photos that are held.
-    pub fn release(&self) {
+    pub(crate) fn release(&self) {
         self.main.release();
     }
 }

@@ -9,7 +9,6 @@ pub mod environment;
 pub mod exr;
 mod fence;
 mod finding;
-#[cfg(feature = "cli")]
 mod footprint;
 mod frame_sources;
 pub mod inputs;
@@ -42,11 +41,14 @@ mod views;
 pub use art_map::read_art_map;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use finding::Finding;
-#[cfg(feature = "cli")]
 pub(crate) use footprint::frame_bytes;
 pub use inputs::Needs;
-pub use load::{Extent, InputFiles, Loaded, load};
+pub(crate) use load::InputFiles;
+pub use load::{Loaded, load};
 pub use specular::{SpecularInputs, load_specular};
-#[cfg(feature = "cli")]
 pub(crate) use surroundings::surroundings_bytes;
-pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};
+pub use survey::LayerSurvey;
+pub use survey::PartSurvey;
+pub use survey::RoleSurvey;
+pub use survey::Survey;
+pub use survey::survey;

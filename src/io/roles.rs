@@ -10,7 +10,7 @@ pub use super::names::Role;
 
 /// The channels of one part that share a name up to their component.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Layer {
+pub(crate) struct Layer {
     /// The part the channels are in.
     pub part: usize,
     /// The name without component; the part's name where the channels have none; may be empty.
@@ -25,7 +25,7 @@ pub struct Layer {
 
 /// The channels that play a role, in the order of its components.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Match {
+pub(crate) struct Match {
     /// Name of the layer, as the file has it.
     pub layer: String,
     /// The part the channels are in.
@@ -40,7 +40,9 @@ const COMPONENTS: &[(&str, &str)] = &[("red", "r"), ("green", "g"), ("blue", "b"
 const SHORT_COMPONENTS: &[&str] = &["r", "g", "b", "a", "x", "y", "z", "w", "u", "v", "t", "s"];
 
 /// Groups the channels of a file's parts into layers, in the order of the file.
-pub fn layers<'a>(parts: impl Iterator<Item = (Option<&'a str>, Vec<&'a str>)>) -> Vec<Layer> {
+pub(crate) fn layers<'a>(
+    parts: impl Iterator<Item = (Option<&'a str>, Vec<&'a str>)>,
+) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
     for (part, (part_name, channels)) in parts.enumerate() {
         for (index, channel) in channels.into_iter().enumerate() {
@@ -90,7 +92,7 @@ impl Layer {
     }
 
     /// The layer's channels in the order that `role` wants, if it has them.
-    pub fn matched(&self, role: Role) -> Option<Match> {
+    pub(crate) fn matched(&self, role: Role) -> Option<Match> {
         let component = |name: &str| {
             self.components
                 .iter()
@@ -122,7 +124,7 @@ impl Layer {
 }
 
 /// The layer that plays `role`, by the table's order of preference, then the file's.
-pub fn find(layers: &[Layer], role: Role) -> Option<Match> {
+pub(crate) fn find(layers: &[Layer], role: Role) -> Option<Match> {
     let mut names = role.names().iter();
     names
         .find_map(|name| {
@@ -156,7 +158,7 @@ fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
 }
 
 /// The layer that a user called `name`: its full name, else its last word, in any case.
-pub fn named(layers: &[Layer], name: &str, role: Role) -> Option<Match> {
+pub(crate) fn named(layers: &[Layer], name: &str, role: Role) -> Option<Match> {
     let exact = layers.iter().find(|l| l.name.eq_ignore_ascii_case(name));
     let by_last_word = || {
         layers.iter().find(|l| {

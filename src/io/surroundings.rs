@@ -22,14 +22,12 @@ const WORST_RESIDUAL_PX: f64 = 1.0;
 const MADE_ROUNDING: f32 = 1e-3;
 
 /// Bytes for each pixel of a map: its planes as they are read, and points, normals and colour made of them.
-#[cfg(feature = "cli")]
 const BYTES_PER_PIXEL: u64 = 96;
 
 /// About how much memory the surroundings in the panorama at `path` take, by its header.
 ///
 /// # Errors
 /// As [`read_surroundings`], as far as headers say.
-#[cfg(feature = "cli")]
 pub(crate) fn surroundings_bytes(path: &Path) -> Result<u64> {
     let window = place_in(&Opened::open(path)?)?.window();
     let pixels = window.width() as u64 * window.height() as u64;

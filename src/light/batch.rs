@@ -5,18 +5,18 @@ use super::light_warping::{MOST_BRIGHTENED, Warp};
 use super::radiance_scaling::ScalingCurve;
 
 /// Pixels of a batch. All its planes stay in the first-level cache.
-pub const BATCH: usize = 128;
+pub(crate) const BATCH: usize = 128;
 
 /// One number per pixel of a batch.
-pub type Lanes = [f32; BATCH];
+pub(crate) type Lanes = [f32; BATCH];
 
 /// One vector per pixel of a batch.
-pub type Vectors = [Lanes; 3];
+pub(crate) type Vectors = [Lanes; 3];
 
 /// A vector per pixel, and its picture under the inverse of the warp: what its scalar product with an
 /// unwarped direction takes.
 #[derive(Debug, Clone, Copy)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// The vector.
     pub vector: Vectors,
     /// Its x and y times the inverse of Lambda.
@@ -25,7 +25,7 @@ pub struct Axis {
 
 /// The pixels of a batch.
 #[derive(Debug, Clone)]
-pub struct Pixels {
+pub(crate) struct Pixels {
     /// How many of the lanes are in use; the others hold finite numbers of no meaning.
     pub count: usize,
     /// Unit normals.
@@ -56,7 +56,7 @@ pub struct Pixels {
 
 /// Scaling curves of a batch.
 #[derive(Debug, Clone, Copy)]
-pub struct CurveLanes {
+pub(crate) struct CurveLanes {
     /// See [`ScalingCurve::dark`].
     pub dark: Lanes,
     /// See [`ScalingCurve::bright`].
@@ -65,14 +65,14 @@ pub struct CurveLanes {
 
 impl CurveLanes {
     /// Those that change nothing.
-    pub const FLAT: Self = Self {
+    pub(crate) const FLAT: Self = Self {
         dark: [1.0; BATCH],
         bright: [1.0; BATCH],
     };
 
     /// The one of lane `i`.
     #[inline(always)]
-    pub fn at(&self, i: usize) -> ScalingCurve {
+    pub(crate) fn at(&self, i: usize) -> ScalingCurve {
         ScalingCurve {
             dark: self.dark[i],
             bright: self.bright[i],
@@ -81,7 +81,7 @@ impl CurveLanes {
 
     /// Sets the one of lane `i`.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, curve: ScalingCurve) {
+    pub(crate) fn set(&mut self, i: usize, curve: ScalingCurve) {
         self.dark[i] = curve.dark;
         self.bright[i] = curve.bright;
     }
@@ -89,7 +89,7 @@ impl CurveLanes {
 
 /// A cone that holds all normals of a batch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Facing {
+pub(crate) struct Facing {
     axis: [f32; 3],
     /// Sine and cosine of the half angle; a sine above 1 tells nothing.
     sine: f32,
@@ -98,7 +98,7 @@ pub struct Facing {
 
 /// For which pixels of a batch a direction is above the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Above {
+pub(crate) enum Above {
     /// For none.
     Nowhere,
     /// For some, perhaps.
@@ -109,7 +109,7 @@ pub enum Above {
 
 impl Facing {
     /// Nothing is known.
-    pub const ANYWHERE: Self = Self {
+    pub(crate) const ANYWHERE: Self = Self {
         axis: [0.0, 0.0, 1.0],
         sine: 2.0,
         cosine: 0.0,
@@ -123,7 +123,7 @@ impl Facing {
 
     /// The cone about the mean of the first `count` normals.
     #[inline(always)]
-    pub fn of(normals: &Vectors, count: usize) -> Self {
+    pub(crate) fn of(normals: &Vectors, count: usize) -> Self {
         let [x, y, z] = normals;
         let sum = [sum(&x[..count]), sum(&y[..count]), sum(&z[..count])];
         let length = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).sqrt();
@@ -148,7 +148,7 @@ impl Facing {
 
     /// Where a unit direction is above the surface.
     #[inline]
-    pub fn above(&self, direction: [f32; 3]) -> Above {
+    pub(crate) fn above(&self, direction: [f32; 3]) -> Above {
         let [x, y, z] = self.axis;
         let cosine = x * direction[0] + y * direction[1] + z * direction[2];
         let aside = (1.0 - cosine * cosine).max(0.0).sqrt();
@@ -208,13 +208,13 @@ impl Axis {
 
     /// The vector of lane `i`.
     #[inline(always)]
-    pub fn at(&self, i: usize) -> [f32; 3] {
+    pub(crate) fn at(&self, i: usize) -> [f32; 3] {
         [self.vector[0][i], self.vector[1][i], self.vector[2][i]]
     }
 
     /// Sets the vector of lane `i`.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, vector: [f32; 3]) {
+    pub(crate) fn set(&mut self, i: usize, vector: [f32; 3]) {
         self.vector[0][i] = vector[0];
         self.vector[1][i] = vector[1];
         self.vector[2][i] = vector[2];
@@ -222,7 +222,7 @@ impl Axis {
 
     /// Follows the vectors under the inverse warps.
     #[inline(always)]
-    pub fn unwarp(&mut self, unwarp: &Vectors) {
+    pub(crate) fn unwarp(&mut self, unwarp: &Vectors) {
         let [xx, xy, yy] = unwarp;
         let [x, y, _] = &self.vector;
         let [unwarped_x, unwarped_y] = &mut self.unwarped;
@@ -235,7 +235,7 @@ impl Axis {
 
 impl Pixels {
     /// No pixels.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             count: 0,
             normal: Axis::NONE,
@@ -258,13 +258,13 @@ impl Pixels {
 
     /// The scaling curves of ambient (0), diffuse (1) or specular (2) light.
     #[inline(always)]
-    pub fn curve(&self, term: usize) -> &CurveLanes {
+    pub(crate) fn curve(&self, term: usize) -> &CurveLanes {
         &self.curves[self.curve_of[term]]
     }
 
     /// Sets the inverse warps, their squares and determinants from the Hessians, for strength `alpha`.
     #[inline(always)]
-    pub fn warp_by(&mut self, alpha: f32) {
+    pub(crate) fn warp_by(&mut self, alpha: f32) {
         let [h_xx, h_xy, h_yy] = &self.hessian;
         let [xx, xy, yy] = &mut self.unwarp;
         let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;

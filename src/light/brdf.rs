@@ -120,7 +120,7 @@ pub fn refracted(n: [f32; 3], to_eye: [f32; 3], ior: f32) -> Option<[f32; 3]> {
 
 /// The sheet of glass between two parallel surfaces that each mirror the share `r`: what all rays between
 /// them add up to.
-pub fn thin_sheet(r: f32) -> f32 {
+pub(crate) fn thin_sheet(r: f32) -> f32 {
     2.0 * r / (1.0 + r)
 }
 

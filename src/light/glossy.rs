@@ -23,7 +23,7 @@ type Weighed = [f32; 4];
 
 /// The filtering of one environment by one lobe, row by row: rows may be filled in any order.
 #[derive(Debug, Clone)]
-pub struct GlossyFilter {
+pub(crate) struct GlossyFilter {
     width: usize,
     height: usize,
     shininess: f64,
@@ -42,7 +42,7 @@ enum Source {
 impl GlossyFilter {
     /// Prepares the filtering of `environment` with the exponent `shininess` (eta, 0 and up) to a map of
     /// at most `max_width` columns (at least 4), fewer where the lobe shows no more.
-    pub fn new(environment: &Environment, shininess: f32, max_width: usize) -> Self {
+    pub(crate) fn new(environment: &Environment, shininess: f32, max_width: usize) -> Self {
         let shininess = f64::from(shininess.max(0.0)).min(1e12);
         let max_width = max_width.max(4) & !1;
         let deviation = 1.0 / shininess.sqrt();
@@ -74,12 +74,12 @@ impl GlossyFilter {
     }
 
     /// Columns of the filtered map.
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.width
     }
 
     /// Rows of the filtered map.
-    pub fn height(&self) -> usize {
+    pub(crate) fn height(&self) -> usize {
         self.height
     }
 
@@ -87,7 +87,7 @@ impl GlossyFilter {
     ///
     /// # Panics
     /// If there is no such row, or a slice is shorter than a row.
-    pub fn row(&self, y: usize, [r, g, b]: [&mut [f32]; 3]) {
+    pub(crate) fn row(&self, y: usize, [r, g, b]: [&mut [f32]; 3]) {
         let mut put = |x: usize, color: [f32; 3]| {
             [r[x], g[x], b[x]] = color;
         };
@@ -102,12 +102,12 @@ impl GlossyFilter {
     }
 
     /// The filtered map, made of its rows.
-    pub fn finish(&self, rows: ColorPlanes) -> Environment {
+    pub(crate) fn finish(&self, rows: ColorPlanes) -> Environment {
         Environment::new(rows).turned_like(&self.turned_like)
     }
 
     /// The filtered map, computed here.
-    pub fn all_rows(&self) -> Environment {
+    pub(crate) fn all_rows(&self) -> Environment {
         let mut planes = [(); 3].map(|()| Plane::filled(self.width, self.height, 0.0));
         for y in 0..self.height {
             self.row(y, planes.each_mut().map(|plane| plane.row_mut(y)));
@@ -165,7 +165,8 @@ impl GlossyFilter {
 
 /// What the lobe with exponent `shininess` (eta, 0 and up) reflects, by the direction r of the mirror
 /// reflection: a map of at most `max_width` columns. A constant environment stays that constant.
-pub fn glossy(environment: &Environment, shininess: f32, max_width: usize) -> Environment {
+#[cfg(test)]
+pub(crate) fn glossy(environment: &Environment, shininess: f32, max_width: usize) -> Environment {
     GlossyFilter::new(environment, shininess, max_width).all_rows()
 }
 

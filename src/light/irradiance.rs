@@ -13,7 +13,7 @@ use super::glossy::GlossyFilter;
 const WIDTH: usize = 128;
 
 /// The irradiance E(n) / pi under `environment`, by normal n, still to be computed row by row.
-pub fn irradiance_filter(environment: &Environment) -> GlossyFilter {
+pub(crate) fn irradiance_filter(environment: &Environment) -> GlossyFilter {
     GlossyFilter::new(environment, 1.0, WIDTH)
 }
 

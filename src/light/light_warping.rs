@@ -38,7 +38,7 @@ pub fn scale_factor(k: f32, alpha: f32) -> f32 {
 /// [LW] section 6.1 lets a light count only where both its directions are above the surface. A hard edge
 /// there tears the terminator of a raking light into shreds; with the smaller of the unwarped cosine and
 /// this many times the other one the light fades as it sets. Smaller values damp the warp itself.
-pub const MOST_BRIGHTENED: f32 = 4.0;
+pub(crate) const MOST_BRIGHTENED: f32 = 4.0;
 
 /// The cosine with the normal that a warped light counts with, 0 where it does not: `unwarped` is that of the
 /// direction the surface takes it to come from, `warped` that of the direction it does come from.

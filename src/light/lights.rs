@@ -39,7 +39,7 @@ pub struct PointLight {
 }
 
 /// Azimuth and elevation, in degrees, of the lamp that lights what has no other light: from the upper left.
-pub const LAMP_DEG: [f32; 2] = [135.0, 40.0];
+pub(crate) const LAMP_DEG: [f32; 2] = [135.0, 40.0];
 
 /// The unit direction at `azimuth_deg` counterclockwise from the right of the picture and `elevation_deg`
 /// from the picture plane toward the viewer.

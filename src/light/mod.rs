@@ -1,14 +1,14 @@
 //! Light made to tell of shape: pure kernels per sample.
 
 pub mod albedo;
-pub mod batch;
+pub(crate) mod batch;
 pub mod brdf;
 pub(crate) mod enhancement;
 pub mod environment;
 pub mod environment_layout;
-pub mod glossy;
+pub(crate) mod glossy;
 pub mod irradiance;
-pub mod layers;
+pub(crate) mod layers;
 pub mod light_samples;
 pub mod light_warping;
 pub mod lights;
@@ -17,9 +17,9 @@ pub mod median_cut;
 pub(crate) mod prepared_environment;
 pub mod radiance_scaling;
 pub(crate) mod relight;
-pub mod sum;
+pub(crate) mod sum;
 pub(crate) mod texels;
-pub mod tones;
+pub(crate) mod tones;
 pub(crate) mod white_level;
 
 pub(crate) use texels::sane;

@@ -10,7 +10,7 @@ use crate::params::Quantisation;
 /// Source: [LW] section 6.2, after H. Winnemoeller, S. Olsen, B. Gooch: Real-Time Video Abstraction, 2006.
 /// Departs from it: a cubic step in place of a hyperbolic tangent, so that tones are exactly flat.
 #[inline(always)]
-pub fn tone_factor(y: f32, tones: Quantisation) -> f32 {
+pub(crate) fn tone_factor(y: f32, tones: Quantisation) -> f32 {
     if !(y > 0.0 && y.is_finite()) {
         return 1.0;
     }

@@ -6,7 +6,7 @@
 //! undefined; with slopes *relative* to the plane, `x = u + z sigma` and `y = v + z tau`, they are
 //! `A' = a d - b c`, `B' = a + d`, `C' = 1` for the differences of slopes `a = sigma2 - sigma1`,
 //! `b = sigma3 - sigma1`, `c = tau2 - tau1`, `d = tau3 - tau1`. And the paper projects a point a little
-//! along a stroke, which in f32 costs degrees; [`LinearCamera::foot_direction`] is the limit of that in
+//! along a stroke, which in f32 costs degrees; `foot_direction` is the limit of that in
 //! closed form. Practice: give the plane the steps between the feet of neighbouring rays as axes, and
 //! (u, v) is an offset in pixels.
 
@@ -16,7 +16,7 @@ use num_traits::Float;
 
 /// A general linear camera: its first ray through the origin, and how slopes grow along u and v.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinearCamera<F> {
+pub(crate) struct LinearCamera<F> {
     /// (sigma, tau) of the first ray.
     slope: [F; 2],
     /// (a, c): what slopes gain from one foot to the next along u.
@@ -27,7 +27,7 @@ pub struct LinearCamera<F> {
 
 impl<F: Float> LinearCamera<F> {
     /// The camera of three rays with their feet at (0, 0), (1, 0) and (0, 1) and these slopes.
-    pub fn new([first, beside_u, beside_v]: [[F; 2]; 3]) -> Self {
+    pub(crate) fn new([first, beside_u, beside_v]: [[F; 2]; 3]) -> Self {
         let gain = |there: [F; 2]| [there[0] - first[0], there[1] - first[1]];
         Self {
             slope: first,
@@ -38,8 +38,8 @@ impl<F: Float> LinearCamera<F> {
 
     /// Where the ray through a point (x, y, z) has its foot: [LA] equation 6. `None` on the focal locus,
     /// where rays beside one another meet.
-    #[inline]
-    pub fn foot_of(&self, [x, y, z]: [F; 3]) -> Option<[F; 2]> {
+    #[cfg(test)]
+    pub(crate) fn foot_of(&self, [x, y, z]: [F; 3]) -> Option<[F; 2]> {
         let [s, t] = self.slope;
         let [u, v] = self.spread_back(z, [x - z * s, y - z * t]);
         let (area, size) = self.area(z);
@@ -53,7 +53,7 @@ impl<F: Float> LinearCamera<F> {
     /// On the focal locus the foot moves infinitely fast, and its direction is still a limit. It is 0
     /// only there, for directions that the rays do not spread along.
     #[inline]
-    pub fn foot_direction(&self, z: F, direction: [F; 3]) -> [F; 2] {
+    pub(crate) fn foot_direction(&self, z: F, direction: [F; 3]) -> [F; 2] {
         let [s, t] = self.slope;
         let [x, y, rise] = direction;
         self.spread_back(z, [x - rise * s, y - rise * t])
@@ -68,7 +68,7 @@ impl<F: Float> LinearCamera<F> {
     }
 
     /// The determinant of `I + z M`, `A' z^2 + B' z + C'`, and the sum of the sizes of its terms.
-    #[inline]
+    #[cfg(test)]
     fn area(&self, z: F) -> (F, F) {
         let ([a, c], [b, d]) = (self.along_u, self.along_v);
         let (quadratic, linear) = ((a * d - b * c) * z * z, (a + d) * z);
@@ -151,7 +151,7 @@ impl LocalCamera {
 /// The direction in pixels, of any length, in which a tangent is seen where the points that rays meet change by
 /// `steps` from pixel to pixel: the pseudo-inverse `[dP/di dP/dj]^+ V`. `None` where no step has a part along it.
 #[inline]
-pub fn seen_by_steps(steps: [DVec3; 2], tangent: DVec3) -> Option<DVec2> {
+pub(crate) fn seen_by_steps(steps: [DVec3; 2], tangent: DVec3) -> Option<DVec2> {
     let [a, b] = steps;
     let along = DVec2::new(a.dot(tangent), b.dot(tangent));
     let (aa, ab, bb) = (a.length_squared(), a.dot(b), b.length_squared());

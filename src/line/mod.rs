@@ -4,8 +4,8 @@
 pub(crate) mod canvas;
 pub mod contours;
 pub(crate) mod density;
-pub mod direction;
-pub mod direction_field;
+pub(crate) mod direction;
+pub(crate) mod direction_field;
 pub(crate) mod drawing;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_drawing;
@@ -13,9 +13,9 @@ pub(crate) mod gpu_drawing;
 pub(crate) mod gpu_drawing_strips;
 pub mod hatching;
 pub mod linear_camera;
-pub mod normal_rays;
+pub(crate) mod normal_rays;
 pub mod paper;
-pub mod patches;
+pub(crate) mod patches;
 pub mod propagation;
 mod random;
 mod response;

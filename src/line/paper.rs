@@ -19,7 +19,7 @@ pub fn on_paper(layers: &[&Plane]) -> ColorPlanes {
 
 /// How high the paper stands at a pixel, 0..1: noise of about two pixels, the same for a seed everywhere.
 #[inline]
-pub fn grain(x: i32, y: i32, seed: u64) -> f32 {
+pub(crate) fn grain(x: i32, y: i32, seed: u64) -> f32 {
     let at = |dx: i32, dy: i32| unit(hash(x.wrapping_add(dx), y.wrapping_add(dy), seed));
     rough(at, SPREAD)
 }
@@ -42,7 +42,7 @@ pub(crate) const SPREAD: f32 = 1.8;
 /// What a pencil line that would cover `coverage` leaves on paper as high as `grain`: graphite sits on what
 /// stands out, and a soft rim breaks up before its middle does.
 #[inline]
-pub fn graphite(coverage: f32, grain: f32) -> f32 {
+pub(crate) fn graphite(coverage: f32, grain: f32) -> f32 {
     let reach = coverage * (1.0 + GRIP) - GRIP * (1.0 - grain);
     LIGHTEST_BLACK * reach.clamp(0.0, 1.0)
 }

@@ -52,7 +52,7 @@ pub(crate) fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usiz
 /// The patches of two neighbouring cells that go on in each other: `first` and `second` are labels along
 /// the side they share. Pairs of those that share most of it come first, and no patch goes on in two.
 #[inline]
-pub fn joined(first: &[u8], second: &[u8], mut join: impl FnMut(u8, u8)) {
+pub(crate) fn joined(first: &[u8], second: &[u8], mut join: impl FnMut(u8, u8)) {
     const MOST: usize = MAX_CELL_PX;
     // One patch on each side, as nearly everywhere.
     if first.iter().chain(second).all(|&label| label == 0) {

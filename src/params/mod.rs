@@ -34,10 +34,10 @@ pub use line::{
     ContourParams, Fallback, FieldParams, LineParams, Stroke, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneParams, ToneSource,
 };
-pub use line::{MAX_FIELD_PASSES, MAX_LEVELS};
+pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;
 pub(crate) use relight::AUTO_SAMPLES;
-pub use relight::MAX_LIGHTS;
+pub(crate) use relight::MAX_LIGHTS;
 pub use relight::{
     AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples, Tangent,
     WarpBy, WarpingParams,
@@ -98,7 +98,7 @@ pub fn table() -> &'static [&'static Param] {
 }
 
 /// The row of the parameter that recipes call `name`.
-pub fn param(name: &str) -> Option<&'static Param> {
+pub(crate) fn param(name: &str) -> Option<&'static Param> {
     table()
         .iter()
         .find(|row| row.has_flag() && row.name() == name)

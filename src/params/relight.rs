@@ -84,7 +84,7 @@ const EXPONENTS: RangeInclusive<f32> = 0.0..=1e6;
 pub(crate) const AUTO_SAMPLES: u32 = 54;
 
 /// Most samples of an environment, and most lights.
-pub const MAX_LIGHTS: u32 = 100_000;
+pub(crate) const MAX_LIGHTS: u32 = 100_000;
 
 number_or_word! {
     /// How many samples stand for an environment.

@@ -7,9 +7,11 @@ pub(crate) mod resolve;
 pub(crate) mod stage;
 pub(crate) mod stages;
 
-pub use crate::light::enhancement::LightAvailable;
-pub use crate::light::relight::setting::{Albedo, EnvironmentUse, LightKinds, Relighting};
+pub(crate) use crate::light::enhancement::LightAvailable;
+pub use crate::light::relight::setting::{Albedo, LightKinds};
+pub(crate) use crate::light::relight::setting::{EnvironmentUse, Relighting};
 pub use crate::plan::available::Available;
-pub use crate::plan::planned::{Decision, Plan, Points};
+pub use crate::plan::planned::Decision;
+pub use crate::plan::planned::{Plan, Points};
 pub use crate::plan::resolve::{Goal, ToneFrom};
-pub use crate::shape::diffusion::sweeps::{DiffusionSchedule, Importance, Readout, Recurrence};
+pub(crate) use crate::shape::diffusion::sweeps::{DiffusionSchedule, Recurrence};

@@ -80,7 +80,7 @@ pub(crate) fn compare_where<const N: usize>(
 /// How far beyond `range`, [least, largest], the covered samples of `plane` reach, relative to `scale`.
 ///
 /// Diffusion makes no new extremum; an expansion of it does, by its error.
-pub fn overshoot(plane: &Plane, range: [f64; 2], mask: &Mask, scale: f64) -> f64 {
+pub(crate) fn overshoot(plane: &Plane, range: [f64; 2], mask: &Mask, scale: f64) -> f64 {
     let samples = plane.samples().iter().zip(mask.plane().samples());
     let beyond = |v: f64| (range[0] - v).max(v - range[1]);
     samples

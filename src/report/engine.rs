@@ -2,16 +2,14 @@
 
 use super::timing::{self, Effort, Timed};
 use crate::Result;
-pub(super) use crate::engine::cpu::{
-    Outcome, Runner, SequenceInputs, TextureCoordinates, map_row, vector_bits,
-};
+pub(super) use crate::engine::cpu::{map_row, vector_bits};
 pub(super) use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
-pub(super) use crate::engine::inputs::Inputs;
-use crate::frame::{Frame, Plane, SpecularScene, SymmetricPlanes, Vector2Planes};
+use crate::engine::{Engine, Run};
+pub(super) use crate::engine::{Inputs, Outcome, SequenceInputs, TextureCoordinates};
+use crate::frame::{Frame, Plane, SymmetricPlanes, Vector2Planes};
 use crate::light::lights::Illumination;
 use crate::params::{
-    Adaptive, FieldParams, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
-    ToneParams,
+    Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeDirections, ToneParams,
 };
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 pub(super) use crate::product::Product;
@@ -46,9 +44,17 @@ pub(super) fn painted() -> ToneParams {
     }
 }
 
+/// Runs `plan` on the CPU.
+///
+/// # Errors
+/// As [`Engine::execute`].
+pub(super) fn run(plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+    Engine::cpu().execute(plan, frame, inputs, &Run::new())
+}
+
 /// Runs plans in the memory of the runs before, as the frames of a sequence do.
 #[derive(Default)]
-pub(super) struct Session(Runner);
+pub(super) struct Session(Engine);
 
 impl Session {
     /// Runs `plan`.
@@ -56,7 +62,7 @@ impl Session {
     /// # Panics
     /// If it was made for other inputs.
     pub(super) fn run(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Outcome {
-        let outcome = self.0.execute(plan, frame, inputs);
+        let outcome = self.0.execute(plan, frame, inputs, &Run::new());
         outcome.expect("plans of reports are made for what they are run on")
     }
 
@@ -80,28 +86,23 @@ impl Session {
         self.0.recycle(outcome);
     }
 
-    /// The directions that strokes follow along the larger curvature.
+    /// The directions that strokes follow along the larger curvature, where specular pixels show a scene on what they show.
+    ///
+    /// # Panics
+    /// If the plan was made for other inputs.
     pub(super) fn stroke_field(
         &self,
         plan: &Plan,
         frame: &Frame,
-        field: &FieldParams,
-    ) -> Vector2Planes {
-        let fields = self
-            .0
-            .stroke_fields(plan, frame, field, StrokeDirections::Max);
-        fields.into_iter().next().expect("one field was asked for")
-    }
-
-    /// [`Session::stroke_field`] where specular pixels show `scene`.
-    pub(super) fn stroke_field_through(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        scene: &SpecularScene,
+        inputs: Inputs,
         line: &LineParams,
     ) -> Vector2Planes {
-        let fields = self.0.stroke_fields_through(plan, frame, scene, line);
+        let line = LineParams {
+            directions: StrokeDirections::Max,
+            ..*line
+        };
+        let fields = self.0.stroke_fields(plan, frame, inputs, &line);
+        let fields = fields.expect("plans of reports are made for what they are run on");
         fields.into_iter().next().expect("one field was asked for")
     }
 }

@@ -99,7 +99,7 @@ fn lambda(h: [f64; 3], alpha: f64) -> DMat2 {
 
 /// The direction `l` warped by the matrix `lambda`, in stereographic coordinates as printed: of no
 /// meaning for -z.
-pub fn warp(l: DVec3, lambda: DMat2) -> DVec3 {
+pub(crate) fn warp(l: DVec3, lambda: DMat2) -> DVec3 {
     let p = lambda * (l.truncate() / (1.0 + l.z));
     let square = p.length_squared();
     DVec3::new(2.0 * p.x, 2.0 * p.y, 1.0 - square) / (1.0 + square)

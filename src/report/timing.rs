@@ -7,8 +7,7 @@ use super::machine::Machine;
 use super::numbers::milliseconds;
 use super::work::Work;
 use crate::Result;
-use crate::engine::cpu::{Outcome, Runner};
-use crate::engine::inputs::Inputs;
+use crate::engine::{Engine, Inputs, Outcome, Run};
 use crate::frame::Frame;
 use crate::params::{RunOptions, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
@@ -120,7 +119,7 @@ pub(super) type Timings = Vec<(&'static str, Duration)>;
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub fn plan(goal: Goal, frame: &Frame, shape: ShapeParams) -> Result<Plan> {
+pub(crate) fn plan(goal: Goal, frame: &Frame, shape: ShapeParams) -> Result<Plan> {
     Plan::new(
         goal,
         Available::in_frame(frame),
@@ -141,24 +140,24 @@ pub(super) fn measure_with(
     frame: &Frame,
     effort: Effort,
 ) -> (Outcome, Timed) {
-    let runner = Runner::new(options);
-    measure_runs(&runner, effort, || of_shape(&runner, plan, frame))
+    let engine = Engine::cpu().with_options(options);
+    measure_runs(&engine, effort, || of_shape(&engine, plan, frame))
 }
 
 /// What a plan that takes nothing beside the frame gives.
-fn of_shape(runner: &Runner, plan: &Plan, frame: &Frame) -> Outcome {
-    let outcome = runner.execute(plan, frame, Inputs::default());
+fn of_shape(engine: &Engine, plan: &Plan, frame: &Frame) -> Outcome {
+    let outcome = engine.execute(plan, frame, Inputs::default(), &Run::new());
     outcome.expect("plans of reports are made for what they are run on")
 }
 
 /// Runs `plans` in turn, round after round: a busy machine slows all of them alike.
 pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
-    let runner = Runner::default();
-    let run = |plan| of_shape(&runner, plan, frame);
+    let engine = Engine::cpu();
+    let run = |plan| of_shape(&engine, plan, frame);
     plans
         .first()
         .into_iter()
-        .for_each(|plan| runner.recycle(run(plan)));
+        .for_each(|plan| engine.recycle(run(plan)));
     let mut runs: Vec<Vec<Timings>> = vec![Vec::new(); plans.len()];
     let mut spent = vec![Duration::ZERO; plans.len()];
     for round in 0..effort.runs.max(2) {
@@ -168,20 +167,20 @@ pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> 
                 let mut outcome = run(plan);
                 spent[i] += start.elapsed();
                 runs[i].push(std::mem::take(&mut outcome.timings));
-                runner.recycle(outcome);
+                engine.recycle(outcome);
             }
         }
     }
     runs.iter().map(|runs| Timed::of(runs)).collect()
 }
 
-/// Makes `run` once to warm up, then as often as `effort` says; the memory of all outcomes but the last goes back to `runner`.
+/// Makes `run` once to warm up, then as often as `effort` says; the memory of all outcomes but the last goes back to `engine`.
 pub fn measure_runs(
-    runner: &Runner,
+    engine: &Engine,
     effort: Effort,
     run: impl Fn() -> Outcome,
 ) -> (Outcome, Timed) {
-    runner.recycle(run());
+    engine.recycle(run());
     let mut runs: Vec<Timings> = Vec::new();
     let start = Instant::now();
     loop {
@@ -191,7 +190,7 @@ pub fn measure_runs(
         if enough && runs.len() >= 2 {
             return (outcome, Timed::of(&runs));
         }
-        runner.recycle(outcome);
+        engine.recycle(outcome);
     }
 }
 

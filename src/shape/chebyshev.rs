@@ -94,7 +94,7 @@ const NEGLIGIBLE: f64 = 1e-18;
 /// They are a cosine transform of the factor, sampled so finely that aliases fall below 1e-15; for long
 /// times nearly all samples are negligible.
 #[derive(Debug)]
-pub struct Expansion {
+pub(crate) struct Expansion {
     degree: usize,
     /// Angles of the samples.
     angles: Vec<f64>,
@@ -102,7 +102,7 @@ pub struct Expansion {
 
 impl Expansion {
     /// For spreads up to `farthest`.
-    pub fn up_to(farthest: Spread) -> Self {
+    pub(crate) fn up_to(farthest: Spread) -> Self {
         let degree = farthest.largest_degree();
         let samples = 2 * (degree + 16);
         let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / samples as f64;
@@ -113,7 +113,7 @@ impl Expansion {
     }
 
     /// [`coefficients`] of a spread.
-    pub fn coefficients(&self, spread: Spread, tolerance: f64) -> Vec<f64> {
+    pub(crate) fn coefficients(&self, spread: Spread, tolerance: f64) -> Vec<f64> {
         let mut kept = self.truncated(spread, 0.5 * tolerance, focus);
         // A constant has the eigenvalue X = -1, where T_k is (-1)^k.
         let signs = [1.0, -1.0].into_iter().cycle();

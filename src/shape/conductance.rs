@@ -10,7 +10,12 @@ pub fn conductance(silhouette: f32, crease: f32) -> f32 {
 
 /// [`conductance`] of a row; 0 where uncovered.
 #[inline(always)]
-pub fn conductance_row(out: &mut [f32], silhouette: &[f32], crease: &[f32], covered: &[bool]) {
+pub(crate) fn conductance_row(
+    out: &mut [f32],
+    silhouette: &[f32],
+    crease: &[f32],
+    covered: &[bool],
+) {
     let n = out.len();
     let (silhouette, crease, covered) = (&silhouette[..n], &crease[..n], &covered[..n]);
     for x in 0..n {
@@ -28,14 +33,14 @@ widened! {
 /// It leaks nothing through a closed ring of zeros and is second order in space. The minimum is
 /// only first order, the product converges to another equation, and the arithmetic mean leaks.
 #[inline(always)]
-pub fn face_conductance(a: f32, b: f32) -> f32 {
+pub(crate) fn face_conductance(a: f32, b: f32) -> f32 {
     let sum = a + b;
     if sum > 0.0 { 2.0 * a * b / sum } else { 0.0 }
 }
 
 /// Face conductances between the pixels of two rows or of one row and itself shifted by one.
 #[inline(always)]
-pub fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]) {
+pub(crate) fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]) {
     for ((face, &a), &b) in faces.iter_mut().zip(a).zip(b) {
         *face = face_conductance(a, b);
     }

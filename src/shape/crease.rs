@@ -15,7 +15,7 @@ use std::ops::Range;
 
 /// Turns angles between unit normals into crease weights.
 #[derive(Debug, Clone, Copy)]
-pub struct CreaseDetector {
+pub(crate) struct CreaseDetector {
     pub(crate) threshold_rad: SoftThreshold,
     /// Above this cosine the angle is surely below the threshold.
     pub(crate) flat_cosine: f32,
@@ -25,7 +25,7 @@ pub struct CreaseDetector {
 
 impl CreaseDetector {
     /// A detector with thresholds in degrees.
-    pub fn new(threshold_deg: SoftThreshold) -> Self {
+    pub(crate) fn new(threshold_deg: SoftThreshold) -> Self {
         let (lo, hi) = (threshold_deg.lo.to_radians(), threshold_deg.hi.to_radians());
         // Rounding of unit vectors and cosines stays far below this margin.
         let margin = 1e-5;
@@ -39,7 +39,7 @@ impl CreaseDetector {
     /// Whether none of the pixels can be a crease, whose least cosines and, where they were filtered,
     /// normals' lengths are given.
     #[inline(always)]
-    pub fn all_flat(&self, least_cosines: &[f32], lengths: Option<&[f32]>) -> bool {
+    pub(crate) fn all_flat(&self, least_cosines: &[f32], lengths: Option<&[f32]>) -> bool {
         let all_above = |values: &[f32], limit: f32| {
             values
                 .iter()
@@ -56,7 +56,7 @@ impl CreaseDetector {
     /// latter is the whole dihedral angle even where a filter has spread the edge over a pixel.
     /// Source: [LW] algorithm 1, step 2.
     #[inline(always)]
-    pub fn weight(&self, n: Vec3, length: f32, neighbours: [Option<Vec3>; 4]) -> f32 {
+    pub(crate) fn weight(&self, n: Vec3, length: f32, neighbours: [Option<Vec3>; 4]) -> f32 {
         let [left, right, above, below] = neighbours;
         let centre = Some(n);
         let pairs = [
@@ -84,7 +84,7 @@ impl CreaseDetector {
 
 /// The normals of a row and of the rows above and below it.
 #[derive(Debug, Clone, Copy)]
-pub struct NormalRows<'a> {
+pub(crate) struct NormalRows<'a> {
     /// First components.
     pub x: Rows<'a>,
     /// Second components.
@@ -95,7 +95,7 @@ pub struct NormalRows<'a> {
 
 impl<'a> NormalRows<'a> {
     /// The normals around row `y`.
-    pub fn around(normal: &'a Vector3Planes, y: usize) -> Self {
+    pub(crate) fn around(normal: &'a Vector3Planes, y: usize) -> Self {
         Self {
             x: Rows::around(&normal.x, y),
             y: Rows::around(&normal.y, y),
@@ -105,13 +105,13 @@ impl<'a> NormalRows<'a> {
 
     /// The normal at column `x`.
     #[inline(always)]
-    pub fn at(&self, x: usize) -> Vec3 {
+    pub(crate) fn at(&self, x: usize) -> Vec3 {
         Vec3::new(self.x.at[x], self.y.at[x], self.z.at[x])
     }
 
     /// The normals left, right, above and below column `x`, where covered.
     #[inline(always)]
-    pub fn beside(&self, x: usize, covered: &Rows<bool>) -> [Option<Vec3>; 4] {
+    pub(crate) fn beside(&self, x: usize, covered: &Rows<bool>) -> [Option<Vec3>; 4] {
         let (left, right) = (x.saturating_sub(1), (x + 1).min(covered.at.len() - 1));
         let above = Vec3::new(self.x.above[x], self.y.above[x], self.z.above[x]);
         let below = Vec3::new(self.x.below[x], self.y.below[x], self.z.below[x]);
@@ -128,7 +128,7 @@ impl<'a> NormalRows<'a> {
 /// `columns`; where they are uncovered no matter what. It tells, for whole vectors of pixels at a
 /// time, where there is no crease.
 #[inline(always)]
-pub fn least_cosine_row(
+pub(crate) fn least_cosine_row(
     out: &mut [f32],
     normals: &NormalRows,
     covered: &Rows<bool>,
@@ -203,7 +203,7 @@ pub fn angle_between(a: Vec3, b: Vec3) -> f32 {
 
 /// Angle in radians between two unit normals whose mean has the given length.
 #[inline(always)]
-pub fn angle_within(length: f32) -> f32 {
+pub(crate) fn angle_within(length: f32) -> f32 {
     let cosine = length.clamp(0.0, 1.0);
     2.0 * (1.0 - cosine * cosine).sqrt().atan2(cosine)
 }

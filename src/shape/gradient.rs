@@ -35,7 +35,7 @@ pub(crate) fn facing(n: Vec3, to_eye: Vec2) -> f32 {
 /// [`depth_gradient`] of the pixels of a row, 0 where uncovered. The direction to the eye is given by
 /// its x in every column and its y in the row.
 #[inline(always)]
-pub fn depth_gradient_row(
+pub(crate) fn depth_gradient_row(
     out: [&mut [f32]; 2],
     normal: [&[f32]; 3],
     covered: &[bool],

@@ -11,14 +11,14 @@ use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 
 /// Pixels read to each side.
-pub const REACH: usize = 1;
+pub(crate) const REACH: usize = 1;
 
 /// Symmetric Hessian [xx, xy, yy] per pixel, y up, from the 3x3 gradients around column `x`.
 ///
 /// With a foreshortening other than 1 the gradient is not a gradient of anything, and the mean of
 /// the two mixed derivatives is taken.
 #[inline(always)]
-pub fn hessian(gx: &Rows, gy: &Rows, conductance: &Rows, x: usize) -> [f32; 3] {
+pub(crate) fn hessian(gx: &Rows, gy: &Rows, conductance: &Rows, x: usize) -> [f32; 3] {
     fitted(
         gx.neighbourhood(x),
         gy.neighbourhood(x),
@@ -28,7 +28,7 @@ pub fn hessian(gx: &Rows, gy: &Rows, conductance: &Rows, x: usize) -> [f32; 3] {
 
 /// [`hessian`] of the pixels of a row in `columns`.
 #[inline(always)]
-pub fn hessian_row(
+pub(crate) fn hessian_row(
     out: [&mut [f32]; 3],
     gx: &Rows,
     gy: &Rows,
@@ -70,7 +70,7 @@ widened! {
 
 /// Trace of [`hessian`] alone, of the pixels of a row in `columns`: all that isotropic scaling needs.
 #[inline(always)]
-pub fn trace_row(
+pub(crate) fn trace_row(
     trace: &mut [f32],
     gx: &Rows,
     gy: &Rows,

@@ -13,19 +13,19 @@ pub mod chebyshev;
 pub mod conductance;
 pub mod crease;
 pub mod curvature;
-pub mod diffusion;
+pub(crate) mod diffusion;
 pub mod gradient;
-pub mod hessian;
-pub mod silhouette;
+pub(crate) mod hessian;
+pub(crate) mod silhouette;
 pub mod view_hessian;
 
 /// Pixels that edge weights read to each side.
-pub const EDGE_REACH: usize = 1;
+pub(crate) const EDGE_REACH: usize = 1;
 
 /// Three neighbouring rows of one plane: above, at and below the row being computed. At the border
 /// of a picture the row beyond it is the border row again.
 #[derive(Debug, Clone, Copy)]
-pub struct Rows<'a, T = f32> {
+pub(crate) struct Rows<'a, T = f32> {
     /// The row above.
     pub above: &'a [T],
     /// The row being computed.
@@ -36,7 +36,7 @@ pub struct Rows<'a, T = f32> {
 
 impl<'a, T: Copy> Rows<'a, T> {
     /// The rows around row `y` of `plane`.
-    pub fn around(plane: &'a crate::frame::Plane<T>, y: usize) -> Self {
+    pub(crate) fn around(plane: &'a crate::frame::Plane<T>, y: usize) -> Self {
         Self {
             above: plane.row(y.saturating_sub(1)),
             at: plane.row(y),
@@ -46,7 +46,7 @@ impl<'a, T: Copy> Rows<'a, T> {
 
     /// The 3x3 samples around column `x`, rows top to bottom; columns beyond the border repeat it.
     #[inline(always)]
-    pub fn neighbourhood(&self, x: usize) -> [[T; 3]; 3] {
+    pub(crate) fn neighbourhood(&self, x: usize) -> [[T; 3]; 3] {
         let around = |row: &[T]| match row.get(x.wrapping_sub(1)..x + 2) {
             Some(&[left, centre, right]) => [left, centre, right],
             _ => [
@@ -63,7 +63,7 @@ impl<'a, T: Copy> Rows<'a, T> {
 /// The samples of a row in a range of columns, with those to their left and right, in slices of one
 /// length: a loop over them is vectorised.
 #[derive(Debug, Clone, Copy)]
-pub struct Shifted<'a, T = f32> {
+pub(crate) struct Shifted<'a, T = f32> {
     /// The samples of `left` and `right` together.
     reach: &'a [T],
     left: &'a [T],
@@ -112,7 +112,7 @@ fn outer_columns(columns: &Range<usize>, inner: &Range<usize>) -> impl Iterator<
 /// Derivatives (d/dx, d/dy) per pixel of a 3x3 neighbourhood, y up: Sobel's kernel, whose sum of 8
 /// is divided out.
 #[inline(always)]
-pub fn sobel(n: [[f32; 3]; 3]) -> [f32; 2] {
+pub(crate) fn sobel(n: [[f32; 3]; 3]) -> [f32; 2] {
     let column = |x: usize| (n[0][x] + n[2][x]) + 2.0 * n[1][x];
     let row = |y: usize| (n[y][0] + n[y][2]) + 2.0 * n[y][1];
     [(column(2) - column(0)) / 8.0, (row(0) - row(2)) / 8.0]

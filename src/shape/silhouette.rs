@@ -17,7 +17,7 @@ use std::ops::Range;
 /// A pixel with an uncovered pixel among its eight neighbours is on the border, weight 1.
 /// Source: [LW] algorithm 1, step 1.
 #[inline(always)]
-pub fn silhouette_weight(
+pub(crate) fn silhouette_weight(
     map: &Rows,
     covered: &Rows<bool>,
     x: usize,
@@ -38,7 +38,7 @@ pub(crate) fn jump_weight(around: [[f32; 3]; 3], threshold: SoftThreshold) -> f3
 
 /// The logarithm of depth where covered, 0 elsewhere: the map that silhouettes are sought in.
 #[inline(always)]
-pub fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]) {
+pub(crate) fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]) {
     let n = out.len();
     let (depth, covered) = (&depth[..n], &covered[..n]);
     for x in 0..n {
@@ -53,7 +53,7 @@ widened! {
 
 /// [`silhouette_weight`] of the pixels of a row in `columns`; where they are uncovered no matter what.
 #[inline(always)]
-pub fn silhouette_row(
+pub(crate) fn silhouette_row(
     weight: &mut [f32],
     map: &Rows,
     covered: &Rows<bool>,
@@ -93,7 +93,7 @@ widened! {
 
 /// 1 for the pixels of a row in `columns` that are [`on_border`], 0 for the others.
 #[inline(always)]
-pub fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>) {
+pub(crate) fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>) {
     for x in columns {
         weight[x] = f32::from(on_border(covered, x));
     }
@@ -105,7 +105,7 @@ widened! {
 
 /// Whether the pixel at column `x` has an uncovered pixel among its eight neighbours.
 #[inline(always)]
-pub fn on_border(covered: &Rows<bool>, x: usize) -> bool {
+pub(crate) fn on_border(covered: &Rows<bool>, x: usize) -> bool {
     covered.neighbourhood(x).iter().flatten().any(|&c| !c)
 }
 

@@ -1,10 +1,10 @@
 //! Directions of the surface's own curvature: every form of surface, seen every way, stored every way.
 
 use super::{assert_alike, on_gpu, plan};
+use crate::common::cpu;
 use crate::common::{in_8_bits, poisoned};
 use glam::{DMat3, DVec3};
 use relievo::engine::Inputs;
-use relievo::engine::cpu;
 use relievo::engine::gpu::Runner;
 use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};

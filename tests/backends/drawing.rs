@@ -3,11 +3,11 @@
 use super::hostile::HOSTILE;
 use super::light_layers::with_lobes;
 use super::{assert_alike, on_gpu, waves, with_color};
+use crate::common::cpu;
 use crate::common::poisoned;
 use glam::DVec3;
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{self, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::engine::gpu::{Choice, Device, Runner};
+use relievo::engine::{Inputs, Outcome, SequenceInputs, TextureCoordinates};
 use relievo::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::line::tonal_art_map::TonalArtMap;
@@ -38,9 +38,7 @@ pub(super) fn assert_drawn(
         illumination: Some(&lamp),
         ..Inputs::default()
     };
-    let expected = cpu::Runner::default()
-        .execute(&plan, frame, inputs)
-        .unwrap();
+    let expected = cpu::execute(&plan, frame, inputs).unwrap();
     let found = runner.execute(&plan, frame, inputs).unwrap();
     assert_is_drawing(name, found, expected)
 }
@@ -380,9 +378,7 @@ fn strokes_move_with_the_surface() {
                     sequence: Some(sequence),
                     ..Inputs::default()
                 };
-                let expected = cpu::Runner::default()
-                    .execute(&plan, frame, inputs)
-                    .unwrap();
+                let expected = cpu::execute(&plan, frame, inputs).unwrap();
                 let drawing = expected.drawing.as_ref().unwrap();
                 let coordinates = drawing.coordinates.clone().unwrap();
                 most_sheets = coordinates.mean_shares().len().max(most_sheets);

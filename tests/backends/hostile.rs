@@ -1,9 +1,9 @@
 //! Values and sizes that files and callers bring: the GPU makes of them what the CPU makes.
 
 use super::{assert_same, on_gpu, plan, waves};
+use crate::common::cpu;
 use crate::common::poisoned;
 use relievo::engine::Inputs;
-use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::Window;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};

@@ -1,9 +1,9 @@
 //! Light that a file tells apart: lobes, light groups, ambient occlusion.
 
 use super::{assert_same, on_gpu, plan, waves};
+use crate::common::cpu;
 use glam::Vec3;
 use relievo::engine::Inputs;
-use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Frame, LightGroup, Lobe, LobeLayers, Plane};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};

@@ -15,9 +15,9 @@ mod products;
 mod relight;
 mod report;
 
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{self, Outcome};
+use crate::common::cpu;
 use relievo::engine::gpu::{self, Choice, Device};
+use relievo::engine::{Inputs, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
 
+pub mod cpu;
 pub mod exr;
 pub mod planes;
 pub mod program;
@@ -11,7 +12,7 @@ pub mod relit;
 
 use exr::{Part, Stored};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
-use relievo::engine::cpu::Drawing;
+use relievo::engine::Drawing;
 use relievo::frame::{
     Camera, ColorPlanes, Frame, Mask, NormalSpace, Plane, Projection, Vector2Planes, Vector3Planes,
     Window,

@@ -1,6 +1,6 @@
 //! The planes of an outcome, by name.
 
-use relievo::engine::cpu::Outcome;
+use relievo::engine::Outcome;
 use relievo::frame::Plane;
 
 /// Every plane there is; those of the picture last.

@@ -1,10 +1,10 @@
 //! Contours against scenes whose edges are known: where lines run, how wide they are, that each edge has one,
 //! and that they meet.
 
+use crate::common::cpu;
 use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
 use glam::{DVec3, Vec2};
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{Drawing, Runner};
+use relievo::engine::{Drawing, Inputs};
 use relievo::frame::{Frame, Plane};
 use relievo::line::contours::{Contour, ContourKind};
 use relievo::params::{ContourParams, LineParams, ScalingParams, ShapeParams};
@@ -21,9 +21,7 @@ fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, drawing).unwrap();
-    let outcome = Runner::default()
-        .execute(&plan, frame, Inputs::default())
-        .unwrap();
+    let outcome = cpu::execute(&plan, frame, Inputs::default()).unwrap();
     outcome.drawing.expect("a drawing was asked for")
 }
 

@@ -1,6 +1,6 @@
 //! The solvers against diffusion in double precision, on scenes full of barriers.
 
-use relievo::engine::cpu;
+use crate::common::cpu;
 use relievo::frame::{Plane, Vector2Planes};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};

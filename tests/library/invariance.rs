@@ -1,12 +1,11 @@
 //! What must change nothing: mirrors, turns, crops, windows, threads, tiles and whatever lies outside the
 //! mask.
 
+use crate::common::cpu;
 use crate::common::planes::planes;
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use glam::DVec3;
-use relievo::engine::Inputs;
-use relievo::engine::cpu;
-use relievo::engine::cpu::{Outcome, Runner};
+use relievo::engine::{Engine, Inputs, Outcome, Run};
 use relievo::frame::{Frame, Plane, Window};
 use relievo::params::{Adaptive, RunOptions, Scale, ScalingParams, ShapeParams, TileSize};
 use relievo::plan::{Available, Goal, Plan};
@@ -169,26 +168,23 @@ fn any_tile_size_and_number_of_passes_gives_the_same_bits() {
         for (width, height, sweeps) in
             [(7, 5, 1), (33, 80, 3), (96, 16, 5), (1, 1, 2), (16, 24, 64)]
         {
-            let runner = Runner::new(options(width, height, sweeps));
-            assert_same_bits(
-                &whole,
-                &runner
-                    .execute(&plan(case, frame), frame, Inputs::default())
-                    .unwrap(),
-            );
+            let engine = Engine::cpu().with_options(options(width, height, sweeps));
+            let plan = plan(case, frame);
+            let cut = engine.execute(&plan, frame, Inputs::default(), &Run::new());
+            assert_same_bits(&whole, &cut.unwrap());
         }
     }
 }
 
 #[test]
 fn memory_used_again_leaves_no_trace() {
-    let runner = Runner::default();
+    let engine = Engine::cpu();
     for (frame, case) in frames().iter().flat_map(|f| CASES.map(|case| (f, case))) {
-        let again = runner
-            .execute(&plan(case, frame), frame, Inputs::default())
-            .unwrap();
+        let plan = plan(case, frame);
+        let again = engine.execute(&plan, frame, Inputs::default(), &Run::new());
+        let again = again.unwrap();
         assert_same_bits(&run(case, frame), &again);
-        runner.recycle(again);
+        engine.recycle(again);
     }
 }
 

@@ -1,9 +1,9 @@
 //! A runner that keeps a frame makes what one makes that begins anew, and no more of it than a change touches.
 
 use crate::common::bits;
+use crate::common::cpu;
 use crate::common::planes::planes;
-use relievo::engine::cpu::{Outcome, Runner};
-use relievo::engine::{self, Engine, Run, Session};
+use relievo::engine::{self, Engine, Outcome, Run, Session};
 use relievo::frame::Frame;
 use relievo::io::{self, Needs, inputs::Inputs, inputs::LightInputs};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
@@ -91,9 +91,8 @@ impl Asked {
     }
 
     fn run_anew(&self, frame: &Frame) -> Outcome {
-        let (plan, light, runner) = (self.plan(frame), light(self.azimuth), Runner::default());
-        let inputs = engine::Inputs::lit_by(&light);
-        runner.execute(&plan, frame, inputs).unwrap()
+        let (plan, light) = (self.plan(frame), light(self.azimuth));
+        cpu::execute(&plan, frame, engine::Inputs::lit_by(&light)).unwrap()
     }
 
     fn run_on<'l>(&self, live: &'l mut Session<Frame>) -> &'l Outcome {

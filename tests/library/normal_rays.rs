@@ -1,10 +1,10 @@
 //! Normal-ray principal directions against surfaces whose curvatures are known exactly.
 
+use crate::common::cpu;
 use crate::common::{
     direction_at, in_8_bits, mirrored, poisoned, quantile, quarter_turned, rounded, without_depth,
 };
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use relievo::engine::cpu;
 use relievo::frame::{DepthKind, Frame, Plane, Projection, Vector2Planes, Vector3Planes};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};

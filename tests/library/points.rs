@@ -1,8 +1,8 @@
 //! Where the surface lies, from whatever layers give it: positions, or depth of any kind.
 
+use crate::common::cpu;
 use crate::common::exr::{Part, Stored};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use relievo::engine::cpu;
 use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection};
 use relievo::io::{self, Loaded, Needs, inputs::Inputs};
 use relievo::params::{ScalingParams, ShapeParams};

@@ -3,9 +3,9 @@
 //! Lengths are in pixels at the reference height of 540 lines. What is found is compared with the closed
 //! form, so that the errors stated hold between any two resolutions too, added up.
 
+use crate::common::cpu;
 use glam::{DVec2, DVec3};
-use relievo::engine::cpu;
-use relievo::engine::cpu::Outcome;
+use relievo::engine::Outcome;
 use relievo::frame::{Frame, Projection, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};

@@ -1,10 +1,10 @@
 //! Hostile values: whatever a file or a caller brings, no panic, and no NaN or infinity in a result.
 
+use crate::common::cpu;
 use crate::common::exr::Stored;
 use crate::common::planes::planes;
 use crate::common::{poisoned, through_a_file, without_depth};
 use glam::Vec3;
-use relievo::engine::cpu;
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::Loaded;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};

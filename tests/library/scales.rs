@@ -1,6 +1,6 @@
 //! Several scales, and scales of every pixel's own, from the sweeps of one.
 
-use relievo::engine::cpu;
+use crate::common::cpu;
 use relievo::frame::{Frame, Plane, Vector2Planes};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};

@@ -1,8 +1,8 @@
 //! The shape descriptor against scenes whose normals, depth and derivatives are known exactly.
 
+use crate::common::cpu;
 use glam::{DMat3, DQuat, DVec3};
-use relievo::engine::cpu;
-use relievo::engine::cpu::Outcome;
+use relievo::engine::Outcome;
 use relievo::frame::{Frame, Plane};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};

@@ -2,9 +2,11 @@
 
 use crate::common::{direction_at, in_8_bits, mirrored, quantile, quarter_turned, without_depth};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec2};
-use relievo::engine::cpu::Runner;
+use relievo::engine::{Engine, Inputs};
 use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Window};
-use relievo::params::{Fallback, FieldParams, ScalingParams, ShapeParams, StrokeDirections};
+use relievo::params::{
+    Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
+};
 use relievo::plan::{Available, Goal, Plan};
 use relievo::report::scenes::angle_deg;
 use relievo::report::scenes::{Exact, ExactScene, Surface};
@@ -13,7 +15,13 @@ fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> 
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
-    let found = Runner::default().stroke_fields(&plan, frame, params, directions);
+    let line = LineParams {
+        field: *params,
+        directions,
+        ..LineParams::default()
+    };
+    let found = Engine::cpu().stroke_fields(&plan, frame, Inputs::default(), &line);
+    let found = found.unwrap();
     for (x, y) in places(frame) {
         for field in &found {
             let t = direction_at(field, x, y);

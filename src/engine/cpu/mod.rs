@@ -12,14 +12,10 @@ pub(crate) mod simd;
 pub(crate) mod sparing;
 pub(crate) mod strips;
 
-pub use crate::engine::cpu::run::Runner;
-pub use crate::engine::cpu::strips::{StripChoice, StripSearch};
+pub(crate) use crate::engine::cpu::run::Runner;
 use crate::engine::inputs::Inputs;
-pub use crate::engine::outcome::{Drawing, Outcome, ScaleShape, Shape};
+use crate::engine::outcome::Outcome;
 use crate::error::Result;
-pub use crate::frame::CurvaturePlanes;
-pub use crate::line::texture_coordinates::cpu::SequenceInputs;
-pub use crate::line::texture_coordinates::cpu::TextureCoordinates;
 
 use crate::fast_math::Function;
 use crate::frame::Frame;
@@ -29,16 +25,16 @@ use crate::plan::Plan;
 ///
 /// # Errors
 /// As [`Runner::execute`].
-pub fn run(plan: &Plan, frame: &Frame) -> Result<Outcome> {
+pub(crate) fn run(plan: &Plan, frame: &Frame) -> Result<Outcome> {
     Runner::default().execute(plan, frame, Inputs::default())
 }
 
 /// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.
-pub fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
+pub(crate) fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     simd::Simd::widest().map_row(function, out, x);
 }
 
 /// Bits of the widest vectors that this machine has.
-pub fn vector_bits() -> u32 {
+pub(crate) fn vector_bits() -> u32 {
     simd::Simd::widest().bits()
 }

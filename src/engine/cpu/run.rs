@@ -18,7 +18,7 @@ use std::time::Instant;
 /// and it keeps what it made of the last environment and the last texture of strokes; all are faster. None of
 /// its options changes a bit of the outcome.
 #[derive(Debug, Default)]
-pub struct Runner {
+pub(crate) struct Runner {
     pub(crate) options: RunOptions,
     pub(crate) memory: Memory,
     pub(crate) environment: EnvironmentCache,

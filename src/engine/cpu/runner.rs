@@ -6,10 +6,10 @@ use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::run::Watch;
 use crate::error::Result;
-use crate::frame::{Frame, SpecularScene, Vector2Planes};
+use crate::frame::{Frame, Vector2Planes};
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::specular;
-use crate::params::{FieldParams, LineParams, RunOptions, StrokeDirections};
+use crate::params::LineParams;
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
 use crate::plan::stages::{SHAPE, stages};
@@ -17,19 +17,11 @@ use crate::product::Product;
 use crate::shape::edges::cpu as edges;
 
 impl Runner {
-    /// A runner with these options.
-    pub fn new(options: RunOptions) -> Self {
-        Self {
-            options,
-            ..Self::default()
-        }
-    }
-
     /// Runs `plan` on `frame`, in the rayon pool of the caller.
     ///
     /// # Errors
     /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs.
-    pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+    pub(crate) fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
         self.execute_watched(plan, frame, inputs, Watch::default(), None)
     }
 
@@ -55,44 +47,26 @@ impl Runner {
         Ok(run.outcome)
     }
 
-    /// The directions that strokes follow, of the curvatures wanted in turn: unit, in the picture, x right,
-    /// y up, each equal to its opposite; 0 outside the mask.
+    /// The directions that strokes by `params` follow: see [`Engine::stroke_fields`](crate::engine::Engine::stroke_fields).
     ///
     /// # Panics
     /// If the plan leaves out conductance.
-    pub fn stroke_fields(
+    pub(crate) fn stroke_fields(
         &self,
         plan: &Plan,
         frame: &Frame,
-        params: &FieldParams,
-        directions: StrokeDirections,
-    ) -> Vec<Vector2Planes> {
-        assert!(plan.wants(Product::Conductance), "strokes stop at edges");
-        let (edges, _) = edges::edges_and_gradient(plan, frame, &self.memory);
-        let memory = &self.memory;
-        let conductance = &edges.conductance;
-        direction_field::stroke_fields(plan, params, directions, frame, conductance, None, memory)
-    }
-
-    /// The directions that strokes by `params` follow on `frame` and on what its specular pixels show of `scene`, in
-    /// the form of [`Runner::stroke_fields`].
-    ///
-    /// # Panics
-    /// If the plan leaves out conductance, or does not trace specular pixels.
-    pub fn stroke_fields_through(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        scene: &SpecularScene,
+        inputs: Inputs,
         params: &LineParams,
     ) -> Vec<Vector2Planes> {
-        let specular = plan.specular.expect("the plan traces specular pixels");
-        let kept = &self.map_directions;
-        let seen =
-            specular::seen_through(plan, frame, scene, &specular, params, kept, &self.memory);
+        assert!(plan.wants(Product::Conductance), "strokes stop at edges");
+        let (kept, memory) = (&self.map_directions, &self.memory);
+        let through = inputs.specular.zip(plan.specular);
+        let seen = through.and_then(|(scene, specular)| {
+            specular::seen_through(plan, frame, scene, &specular, params, kept, memory)
+        });
         let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
         let given = seen.as_ref().map(|seen| &seen.directions[..]);
-        let (edges, _) = edges::edges_and_gradient(plan, drawn, &self.memory);
+        let (edges, _) = edges::edges_and_gradient(plan, drawn, memory);
         direction_field::stroke_fields(
             plan,
             &params.field,
@@ -100,7 +74,7 @@ impl Runner {
             drawn,
             &edges.conductance,
             given,
-            &self.memory,
+            memory,
         )
     }
 
@@ -118,12 +92,12 @@ impl Runner {
     }
 
     /// Forgets what was made of the last environment, so that making it is measured again.
-    pub fn forget_environment(&self) {
+    pub(crate) fn forget_environment(&self) {
         self.environment.forget();
     }
 
     /// Takes an outcome that is no longer needed.
-    pub fn recycle(&self, outcome: Outcome) {
+    pub(crate) fn recycle(&self, outcome: Outcome) {
         self.memory.recycle(outcome.into_planes());
     }
 }

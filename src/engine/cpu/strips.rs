@@ -23,7 +23,7 @@ use std::ops::Range;
 /// A search for the gain, the white levels and the estimate of the albedo that a picture would be given as a whole. All
 /// strips come, from top to bottom, as often as [`StripSearch::looks`] says, with [`StripSearch::next_look`] in between.
 #[derive(Debug, Clone)]
-pub struct StripSearch {
+pub(crate) struct StripSearch {
     gain: Option<GainSearch>,
     white: Option<PercentileSearch>,
     terms: Vec<(&'static str, PercentileSearch)>,
@@ -37,7 +37,7 @@ const PERCENTILE_LOOKS: usize = 2;
 
 /// What a search came to; `None` for what was given.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct StripChoice {
+pub(crate) struct StripChoice {
     /// Gain of the curvature mapping.
     pub gain: Option<f32>,
     /// White level of the picture.
@@ -50,7 +50,7 @@ pub struct StripChoice {
 
 impl StripSearch {
     /// A search in a picture of this window for what `plan` leaves open; `None` where that is nothing.
-    pub fn new(plan: &Plan, whole: Window) -> Option<Self> {
+    pub(crate) fn new(plan: &Plan, whole: Window) -> Option<Self> {
         let size = [whole.width(), whole.height()];
         let factor = plan.resolution_factor as f32;
         let relighting = plan.relighting.as_ref();
@@ -68,7 +68,7 @@ impl StripSearch {
     }
 
     /// How often all strips are to come.
-    pub fn looks(&self) -> usize {
+    pub(crate) fn looks(&self) -> usize {
         // The shading is fitted before the white level over it is searched for.
         PERCENTILE_LOOKS + usize::from(self.albedo.is_some())
     }
@@ -80,7 +80,7 @@ impl StripSearch {
     ///
     /// # Panics
     /// If it is for a drawing.
-    pub fn look(
+    pub(crate) fn look(
         &mut self,
         runner: &Runner,
         plan: &Plan,
@@ -131,7 +131,7 @@ impl StripSearch {
     }
 
     /// Ends a look, and begins the next.
-    pub fn next_look(&mut self) {
+    pub(crate) fn next_look(&mut self) {
         if let Some(search) = &mut self.albedo {
             search.next_look();
         }
@@ -147,7 +147,7 @@ impl StripSearch {
     }
 
     /// What was searched for, when all strips have come for the last time.
-    pub fn found(&self) -> StripChoice {
+    pub(crate) fn found(&self) -> StripChoice {
         let terms = self.terms.iter();
         StripChoice {
             gain: self.gain.as_ref().map(GainSearch::gain),
@@ -162,7 +162,7 @@ impl StripSearch {
 
 impl StripChoice {
     /// `scaling` with what was found in the place of what was left open; what was given for a kind of light stays.
-    pub fn given(&self, mut scaling: ScalingParams) -> ScalingParams {
+    pub(crate) fn given(&self, mut scaling: ScalingParams) -> ScalingParams {
         if let Some(gain) = self.gain {
             scaling.curvature_gain = Adaptive::Fixed(gain);
         }

@@ -3,10 +3,10 @@
 mod target;
 mod temporary;
 
-#[cfg(feature = "cli")]
+pub(crate) use target::Files;
+pub use target::Replace;
 pub(crate) use target::directory_of;
-pub use target::{Files, Replace};
-pub use temporary::{drop_unfinished, remove_leftovers};
+pub(crate) use temporary::{drop_unfinished, remove_leftovers};
 
 use super::exr::{ExrFile, Limits};
 use super::open::open_input;
@@ -49,7 +49,6 @@ pub fn write_atomically(
 ///
 /// # Errors
 /// As there.
-#[cfg(feature = "cli")]
 pub(crate) fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
     write_atomically(path, replace, |w| {
         w.write_all(text.as_bytes())

@@ -150,7 +150,7 @@ fn place_of(path: &Path) -> Option<Place> {
 
 /// The files that a run reads and writes: no output may be an input or another output.
 #[derive(Debug, Default)]
-pub struct Files {
+pub(crate) struct Files {
     read: HashMap<FileId, PathBuf>,
     /// Directories all files of which are read.
     folders: HashMap<FileId, PathBuf>,
@@ -159,14 +159,14 @@ pub struct Files {
 
 impl Files {
     /// Notes an input. One that does not exist cannot be written over.
-    pub fn reads(&mut self, path: &Path) {
+    pub(crate) fn reads(&mut self, path: &Path) {
         if let Some(id) = FileId::of(path) {
             self.read.insert(id, path.into());
         }
     }
 
     /// Notes a folder all files of which are inputs.
-    pub fn reads_all_in(&mut self, folder: &Path) {
+    pub(crate) fn reads_all_in(&mut self, folder: &Path) {
         if let Some(id) = FileId::of(folder) {
             self.folders.insert(id, folder.into());
         }
@@ -176,7 +176,7 @@ impl Files {
     ///
     /// # Errors
     /// [`Error::BadParameter`] if it is an input, lies in a folder that is one, or is an output already.
-    pub fn writes(&mut self, name: &'static str, path: &Path) -> Result<()> {
+    pub(crate) fn writes(&mut self, name: &'static str, path: &Path) -> Result<()> {
         // What cannot be reached fails where it is written.
         let Some(id) = FileId::of(path) else {
             return Ok(());

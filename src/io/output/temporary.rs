@@ -194,7 +194,7 @@ impl Drop for Unfinished {
 }
 
 /// Removes what is being written, for a program that is about to end. Nothing can be written after it.
-pub fn drop_unfinished() {
+pub(crate) fn drop_unfinished() {
     if let Ok(all) = UNFINISHED.lock() {
         for path in all.iter() {
             // What is gone already needs no removing.
@@ -207,7 +207,7 @@ pub fn drop_unfinished() {
 
 /// Removes what programs that were killed on this machine have left in `directory`: temporary files that nobody
 /// writes.
-pub fn remove_leftovers(directory: &Path) {
+pub(crate) fn remove_leftovers(directory: &Path) {
     let prefix = prefix_of_host();
     let Ok(entries) = fs::read_dir(directory) else {
         return;

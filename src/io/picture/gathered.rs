@@ -16,7 +16,7 @@ const JPEG_QUALITY: u8 = 95;
 
 /// A picture of which the stored samples are gathered, some rows at a time, before it is written.
 #[derive(Debug, Clone)]
-pub struct Gathered {
+pub(crate) struct Gathered {
     format: PictureFormat,
     size: [usize; 2],
     /// Samples of each pixel: 1, 3, or 4 with alpha.
@@ -42,7 +42,7 @@ impl Gathered {
     ///
     /// # Panics
     /// If its `bits` are neither 8 nor 16.
-    pub fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
+    pub(crate) fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
         assert!([8, 16].contains(&part.bits), "bits must be 8 or 16");
         let channels = match part.alpha {
             Some(_) if format.holds_alpha() => 4,
@@ -68,7 +68,7 @@ impl Gathered {
     }
 
     /// Bytes that its samples take.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let pixels = self.size[0] as u64 * self.size[1] as u64;
         pixels
             * self.channels as u64
@@ -81,7 +81,7 @@ impl Gathered {
     }
 
     /// Bytes that encoding takes besides: what is compressed, and samples of 16 bits in another order of bytes.
-    pub fn encoding_bytes(&self) -> u64 {
+    pub(crate) fn encoding_bytes(&self) -> u64 {
         match self.samples {
             Samples::Wide(_) => 2 * self.bytes(),
             Samples::Narrow(_) => self.bytes(),
@@ -93,7 +93,7 @@ impl Gathered {
     ///
     /// # Panics
     /// If planes differ in size, or `part` is not as wide as the picture.
-    pub fn push(&mut self, part: &Picture, rows: Range<usize>) {
+    pub(crate) fn push(&mut self, part: &Picture, rows: Range<usize>) {
         let planes = [&part.color.r, &part.color.g, &part.color.b];
         let size = (self.size[0], part.color.r.height());
         for plane in planes.into_iter().chain(part.alpha) {
@@ -141,7 +141,7 @@ impl Gathered {
     ///
     /// # Panics
     /// If rows are missing.
-    pub fn write(mut self, w: &mut (impl Write + Seek), target: &Path) -> Result<()> {
+    pub(crate) fn write(mut self, w: &mut (impl Write + Seek), target: &Path) -> Result<()> {
         if self.channels == 4 && self.is_opaque {
             self.drop_alpha();
         }

@@ -5,7 +5,7 @@ mod format;
 mod gathered;
 
 pub use format::{Picture, PictureFormat, ViewTransform};
-pub use gathered::Gathered;
+pub(crate) use gathered::Gathered;
 
 use super::photo::max_code;
 use crate::error::Result;

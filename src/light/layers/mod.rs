@@ -24,11 +24,11 @@ pub(crate) const MAX_RADIANCE: f32 = 1e11;
 pub(crate) const MIN_ALBEDO: f32 = 1e-3;
 
 /// Three rows of one colour.
-pub type ColorRow<'a> = [&'a [f32]; 3];
+pub(crate) type ColorRow<'a> = [&'a [f32]; 3];
 
 /// A row of the layers of a lobe. What is absent is a row of zeros, an absent colour one of ones.
 #[derive(Debug, Clone, Copy)]
-pub struct LobeRow<'a> {
+pub(crate) struct LobeRow<'a> {
     /// Light from lights.
     pub direct: ColorRow<'a>,
     /// Light from other surfaces.
@@ -54,7 +54,7 @@ impl LobeRow<'_> {
     /// Luminance at column `x` of the light before it takes the surface's colour: a dark surface in bright
     /// light counts as bright.
     #[inline(always)]
-    pub fn luminance(&self, x: usize, weights: [f32; 3]) -> f32 {
+    pub(crate) fn luminance(&self, x: usize, weights: [f32; 3]) -> f32 {
         let (mut light, mut albedo) = (0.0, 0.0);
         for (i, weight) in weights.into_iter().enumerate() {
             light += weight * (self.direct[i][x] + self.indirect[i][x]);
@@ -66,7 +66,7 @@ impl LobeRow<'_> {
 
 /// How a term of the light is scaled.
 #[derive(Debug, Clone, Copy)]
-pub struct TermScaling {
+pub(crate) struct TermScaling {
     /// Magnitude gamma.
     pub magnitude: f32,
     /// Invariant point alpha.
@@ -94,7 +94,7 @@ pub(crate) fn limited(value: f32, most: f32) -> f32 {
 
 /// A row of mapped curvature.
 #[inline(always)]
-pub fn kappa_row(kappa: &mut [f32], trace: &[f32], gain: f32) {
+pub(crate) fn kappa_row(kappa: &mut [f32], trace: &[f32], gain: f32) {
     for (kappa, &trace) in kappa.iter_mut().zip(trace) {
         *kappa = mapped_curvature(trace, gain);
     }
@@ -106,7 +106,7 @@ widened! {
 
 /// A row of mapped curvature for light from `l_xy`, from a row of the Hessian [xx, xy, yy].
 #[inline(always)]
-pub fn kappa_toward_row(
+pub(crate) fn kappa_toward_row(
     kappa: &mut [f32],
     hessian: [&[f32]; 3],
     l_xy: [f32; 2],
@@ -133,7 +133,7 @@ widened! {
 
 /// A row of the luminance of a lobe's light.
 #[inline(always)]
-pub fn lobe_luminance_row(luminance: &mut [f32], lobe: &LobeRow, weights: [f32; 3]) {
+pub(crate) fn lobe_luminance_row(luminance: &mut [f32], lobe: &LobeRow, weights: [f32; 3]) {
     let width = luminance.len();
     let lobe = lobe.first(width);
     for (x, luminance) in luminance.iter_mut().enumerate() {
@@ -147,7 +147,7 @@ widened! {
 
 /// The scaling of a lobe: its intensity is its own light over the white level ([RS] section 5.3).
 #[inline(always)]
-pub fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling) {
+pub(crate) fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling) {
     let width = sigma.len();
     let lobe = lobe.first(width);
     let kappa = &kappa[..width];
@@ -162,7 +162,7 @@ widened! {
 
 /// Adds one direction of a light group to two sums: of `n.l` where it is above 0, and of `n.l` scaled.
 #[inline(always)]
-pub fn add_direction_row(
+pub(crate) fn add_direction_row(
     plain: &mut [f32],
     scaled: &mut [f32],
     normal: [&[f32]; 3],
@@ -195,7 +195,7 @@ widened! {
 /// The scaling of a light group: that of its directions on the whole, 1 where all are below the horizon.
 /// Shadows are in the group and not in the directions, so they keep their shape ([RS] section 5.4).
 #[inline(always)]
-pub fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]) {
+pub(crate) fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]) {
     let width = sigma.len();
     let (plain, scaled) = (&plain[..width], &scaled[..width]);
     for x in 0..width {
@@ -211,7 +211,7 @@ widened! {
 /// Adds to one channel of two sums: of what `sigma` changes of the radiance `(direct + indirect) * color`,
 /// and of that radiance.
 #[inline(always)]
-pub fn add_change_row(
+pub(crate) fn add_change_row(
     change: &mut [f32],
     told: &mut [f32],
     [direct, indirect, color]: [&[f32]; 3],
@@ -236,7 +236,13 @@ widened! {
 /// Layers that tell of more light than the picture has, by a lossy compression or because they belong to
 /// another one, change it by the picture's share only: nothing that was 0 or more falls below 0.
 #[inline(always)]
-pub fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], told: &[f32], covered: &[bool]) {
+pub(crate) fn changed_row(
+    out: &mut [f32],
+    from: &[f32],
+    change: &[f32],
+    told: &[f32],
+    covered: &[bool],
+) {
     let width = out.len();
     let (from, covered) = (&from[..width], &covered[..width]);
     let (change, told) = (&change[..width], &told[..width]);
@@ -261,7 +267,7 @@ pub(crate) fn changed(c: f32, change: f32, told: f32) -> f32 {
 /// Scales a row of colours by ambient occlusion: the intensity of light from everywhere is the share of it
 /// that arrives ([RS] section 5.3.1 and figure 8 b).
 #[inline(always)]
-pub fn occlude_row(
+pub(crate) fn occlude_row(
     [r, g, b]: [&mut [f32]; 3],
     occlusion: &[f32],
     kappa: &[f32],

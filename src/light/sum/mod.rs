@@ -5,16 +5,19 @@
 //! Jacobian of the inverse weighs it. Changes: a warp is linear in the half vector h of light and viewer
 //! (see [`super::light_warping`]), so unwarped directions are never made: with `g = (Lambda^-1 h_xy, h_z)`
 //! the scalar product of one with a vector a is `2 h_z (a . g) / |g|^2 - a_z`. What of this belongs to the
-//! pixel alone is prepared once ([`Pixels`]); what is left per light is some twenty operations and a
+//! pixel alone is prepared once (`Pixels`); what is left per light is some twenty operations and a
 //! division. A light counts only where it is above the surface both as it stands and as unwarped ([LW]
-//! section 6.1), and fades toward that edge ([`super::light_warping::MOST_BRIGHTENED`]).
+//! section 6.1), and fades toward that edge (`MOST_BRIGHTENED`).
 //!
-//! Use: [`LightSum::add`] light by light, then read the sums.
+//! Use: `LightSum::add` light by light, then read the sums.
 
 mod shading;
 pub(crate) mod terms;
 
-pub use shading::{Lobes, Power, Scaled, Shading, TowardLight};
+pub(crate) use shading::Lobes;
+#[cfg(feature = "gpu")]
+pub(crate) use shading::Power;
+pub(crate) use shading::{Scaled, Shading, TowardLight};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;
@@ -22,7 +25,7 @@ use terms::{Arriving, Scratch, Terms};
 
 /// Light from one direction, or from a point at another one for every pixel.
 #[derive(Debug, Clone, Copy)]
-pub enum Incoming<'a> {
+pub(crate) enum Incoming<'a> {
     /// Unit direction to the light.
     From([f32; 3]),
     /// Unit directions by pixel, with the share of the intensity that arrives.
@@ -31,7 +34,7 @@ pub enum Incoming<'a> {
 
 /// The intensity of a light.
 #[derive(Debug, Clone, Copy)]
-pub enum Intensity<'a> {
+pub(crate) enum Intensity<'a> {
     /// Red, green and blue.
     Even([f32; 3]),
     /// Red, green and blue by pixel: what was looked up in an environment.
@@ -43,7 +46,7 @@ const GROUP: usize = 4;
 
 /// The sums of a batch, and the terms of the lights being added.
 #[derive(Debug, Clone)]
-pub struct LightSum {
+pub(crate) struct LightSum {
     /// Red, green and blue of diffusely reflected light, of albedo 1; complete after [`LightSum::finish`].
     pub diffuse: [Lanes; 3],
     /// Red, green and blue of specularly reflected light, likewise.
@@ -64,7 +67,7 @@ impl Default for LightSum {
 
 impl LightSum {
     /// Sums of no light.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             diffuse: [ZERO; 3],
             specular: [ZERO; 3],
@@ -76,7 +79,7 @@ impl LightSum {
     }
 
     /// Forgets the lights.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.diffuse = [ZERO; 3];
         self.specular = [ZERO; 3];
         self.waiting = 0;
@@ -84,7 +87,7 @@ impl LightSum {
 
     /// Adds one light.
     #[inline(always)]
-    pub fn add(
+    pub(crate) fn add(
         &mut self,
         pixels: &Pixels,
         shading: &Shading,
@@ -151,7 +154,7 @@ impl LightSum {
 
     /// Lets only this share of the diffuse light that was added so far count.
     #[inline(always)]
-    pub fn dim(&mut self, share: &Lanes, shading: &Shading) {
+    pub(crate) fn dim(&mut self, share: &Lanes, shading: &Shading) {
         self.gather_waiting(shading.lobes.are_glossy());
         for sum in &mut self.diffuse {
             for (sum, share) in sum.iter_mut().zip(share) {
@@ -162,7 +165,7 @@ impl LightSum {
 
     /// Completes the sums.
     #[inline(always)]
-    pub fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
+    pub(crate) fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
         self.gather_waiting(shading.lobes.are_glossy());
         if shading.warped {
             for sum in self.diffuse.iter_mut().chain(&mut self.specular) {

@@ -7,7 +7,7 @@ use crate::params::{Material, MaterialParams};
 
 /// How lights act on the pixels of a run: everything that all batches share.
 #[derive(Debug, Clone, Copy)]
-pub struct Shading {
+pub(crate) struct Shading {
     /// Whether directions are warped.
     pub warped: bool,
     /// Radiance scaling, where there is any.
@@ -18,7 +18,7 @@ pub struct Shading {
 
 /// Radiance scaling inside the sum.
 #[derive(Debug, Clone, Copy)]
-pub struct Scaled {
+pub(crate) struct Scaled {
     /// Scaling-invariant point.
     pub invariant_point: f32,
     /// The mapping of curvature, where it depends on the direction of light.
@@ -27,7 +27,7 @@ pub struct Scaled {
 
 /// A mapping of curvature that depends on the direction of light ([RS] section 4.1).
 #[derive(Debug, Clone, Copy)]
-pub struct TowardLight {
+pub(crate) struct TowardLight {
     /// Curvature gain, in pixels.
     pub gain: f32,
     /// Anisotropy lambda.
@@ -38,7 +38,7 @@ pub struct TowardLight {
 
 /// The lobes of a material under lights.
 #[derive(Debug, Clone, Copy)]
-pub enum Lobes {
+pub(crate) enum Lobes {
     /// The cosine to a power: 1 is Lambert.
     Diffuse {
         /// The power zeta.
@@ -62,7 +62,7 @@ pub enum Lobes {
 
 impl Lobes {
     /// Those of a material that lights can be summed on; `None` for a mirror and for glass.
-    pub fn of(params: &MaterialParams, far: bool) -> Option<Self> {
+    pub(crate) fn of(params: &MaterialParams, far: bool) -> Option<Self> {
         match params.material {
             Material::Lambert | Material::Toon => Some(Self::Diffuse {
                 power: Power::of(1.0),
@@ -85,14 +85,14 @@ impl Lobes {
     }
 
     /// Whether there is more than the diffuse lobe.
-    pub fn are_glossy(&self) -> bool {
+    pub(crate) fn are_glossy(&self) -> bool {
         !matches!(self, Self::Diffuse { .. })
     }
 }
 
 /// An exponent: whole ones that are not large take multiplications alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Power {
+pub(crate) enum Power {
     /// A whole number from 1 on.
     Whole(u32),
     /// Any number from 0 on.
@@ -104,7 +104,7 @@ impl Power {
     const MOST: f32 = 1024.0;
 
     /// The power with this exponent, at least 0.
-    pub fn of(exponent: f32) -> Self {
+    pub(crate) fn of(exponent: f32) -> Self {
         if (1.0..=Self::MOST).contains(&exponent) && exponent.fract() == 0.0 {
             Self::Whole(exponent as u32)
         } else {

@@ -5,7 +5,7 @@
 
 /// Samples along a row or column, from two before the crack to three behind it, that is three to either
 /// side: the crack lies between the third and the fourth. `None` where uncovered or beyond the picture.
-pub type Across = [Option<f32>; 6];
+pub(crate) type Across = [Option<f32>; 6];
 
 /// A jump that is spread counts if it is so many times the steepest slope beside it: a kink alone leaves up to twice
 /// its slope.

@@ -1,7 +1,7 @@
 //! Lattices of nodes linked to neighbours, and the paths along their links.
 
 /// The eight steps to a neighbour, x right and y down; the opposite of step `i` is `i + 4` modulo 8.
-pub const STEPS: [[i32; 2]; 8] = [
+pub(crate) const STEPS: [[i32; 2]; 8] = [
     [1, 0],
     [1, 1],
     [0, 1],
@@ -14,7 +14,7 @@ pub const STEPS: [[i32; 2]; 8] = [
 
 /// Nodes in rows, each linked to some of its eight neighbours.
 #[derive(Debug, Clone)]
-pub struct Lattice {
+pub(crate) struct Lattice {
     width: usize,
     height: usize,
     /// Bit i of a node: whether it is linked along step i.
@@ -25,7 +25,7 @@ pub struct Lattice {
 
 /// Nodes joined one to the next by links.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Path {
+pub(crate) struct Path {
     /// The nodes in order; of a closed path the first is not repeated.
     pub nodes: Vec<u32>,
     /// Whether the last node is linked to the first.
@@ -37,7 +37,11 @@ impl Lattice {
     ///
     /// # Panics
     /// If a link leads out of the lattice.
-    pub fn new(width: usize, height: usize, links: impl IntoIterator<Item = (u32, usize)>) -> Self {
+    pub(crate) fn new(
+        width: usize,
+        height: usize,
+        links: impl IntoIterator<Item = (u32, usize)>,
+    ) -> Self {
         let mut lattice = Self {
             width,
             height,
@@ -59,28 +63,28 @@ impl Lattice {
     }
 
     /// The column and row of a node.
-    pub fn place(&self, node: u32) -> [usize; 2] {
+    pub(crate) fn place(&self, node: u32) -> [usize; 2] {
         [node as usize % self.width, node as usize / self.width]
     }
 
     /// How many links a node has.
-    pub fn degree(&self, node: u32) -> u32 {
+    pub(crate) fn degree(&self, node: u32) -> u32 {
         self.links[node as usize].count_ones()
     }
 
     /// The nodes that have links, in order.
-    pub fn linked(&self) -> &[u32] {
+    pub(crate) fn linked(&self) -> &[u32] {
         &self.linked
     }
 
     /// Whether a node lies on the rim of the lattice, or up to so many steps inside.
-    pub fn on_rim(&self, node: u32, steps: usize) -> bool {
+    pub(crate) fn on_rim(&self, node: u32, steps: usize) -> bool {
         let [x, y] = self.place(node);
         x.min(y) <= steps || x + 1 + steps >= self.width || y + 1 + steps >= self.height
     }
 
     /// The node a step away, if there is one.
-    pub fn neighbour(&self, node: u32, step: usize) -> Option<u32> {
+    pub(crate) fn neighbour(&self, node: u32, step: usize) -> Option<u32> {
         let [dx, dy] = STEPS[step];
         let [x, y] = self.place(node);
         let (x, y) = (x as i64 + i64::from(dx), y as i64 + i64::from(dy));
@@ -89,7 +93,7 @@ impl Lattice {
     }
 
     /// Every link once, in paths that end only at nodes with another number of links than two, or close.
-    pub fn paths(&self) -> Vec<Path> {
+    pub(crate) fn paths(&self) -> Vec<Path> {
         let mut left = self.links.clone();
         let mut paths = Vec::new();
         let at_ends = self.linked.iter().filter(|&&node| self.degree(node) != 2);

@@ -2,9 +2,9 @@
 //!
 //! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per
 //! pixel. Changes: they are lines with a place, a length and a width, as a draughtsman's are: one to an edge,
-//! heavier around what is near and before what is far behind. Practice: [`crack`] and
-//! [`ridge`] say where edges are, [`network`] makes lines of them, and
-//! [`round_stroke`] says what a line covers.
+//! heavier around what is near and before what is far behind. Practice: `crack` and
+//! `ridge` say where edges are, `network` makes lines of them, and
+//! `round_stroke` says what a line covers.
 
 pub(crate) mod coverage;
 pub(crate) mod cpu;
@@ -21,13 +21,13 @@ pub(crate) mod map_tile;
 pub(crate) mod silhouettes;
 pub(crate) mod stage;
 
-pub mod crack;
-pub mod gaps;
-pub mod lattice;
-pub mod network;
-pub mod polyline;
-pub mod ridge;
-pub mod round_stroke;
+pub(crate) mod crack;
+pub(crate) mod gaps;
+pub(crate) mod lattice;
+pub(crate) mod network;
+pub(crate) mod polyline;
+pub(crate) mod ridge;
+pub(crate) mod round_stroke;
 
 use crate::line::contours::network::{End, Line};
 use crate::line::contours::polyline::{evened, lengths};
@@ -66,7 +66,7 @@ impl Contour {
 
 /// The depths that lines lie at: what counts as near and as far.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DepthRange {
+pub(crate) struct DepthRange {
     /// Logarithm of the depth of what is nearest.
     pub near: f32,
     /// Logarithm of the depth of what is farthest.
@@ -79,7 +79,7 @@ const DEEP: f32 = 0.4;
 
 impl DepthRange {
     /// The range of all lines.
-    pub fn of<'a>(lines: impl IntoIterator<Item = &'a Line>) -> Self {
+    pub(crate) fn of<'a>(lines: impl IntoIterator<Item = &'a Line>) -> Self {
         let depths = lines
             .into_iter()
             .flat_map(|line| &line.spots)
@@ -106,7 +106,7 @@ const WIDTH_REACH: usize = 8;
 const TIP: f32 = 0.25;
 
 /// The contour along a line.
-pub fn contour(
+pub(crate) fn contour(
     line: &Line,
     kind: ContourKind,
     depths: DepthRange,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// A point that a line passes, and what its width depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
+pub(crate) struct Spot {
     /// Where, in picture coordinates: x right, y down, pixel edges at integers.
     pub at: Vec2,
     /// How plain the edge is, 0..1.
@@ -21,7 +21,7 @@ pub struct Spot {
 
 /// How a line ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub(crate) enum End {
     /// In the open.
     Free,
     /// At the border of the picture, beyond which it would go on.
@@ -32,7 +32,7 @@ pub enum End {
 
 /// A line through spots.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub(crate) struct Line {
     /// The spots in order; of a closed line the first is not repeated.
     pub spots: Vec<Spot>,
     /// Whether the last spot is joined to the first.
@@ -83,7 +83,7 @@ const STRAIGHT: f32 = 0.77;
 /// branches with fewer spots than `SHORTEST_BRANCH` that end in the open are left out, and so are the fainter
 /// sides of slivers. Those that end up to `rim` steps from the border of the picture go on beyond it. `smooth`
 /// evens out all lines before they are led to meet.
-pub fn lines(
+pub(crate) fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,
     spots: impl Fn(&Path) -> Vec<Spot>,
@@ -440,7 +440,7 @@ impl Line {
 
     /// Leads the line's first (`end` 0) or last (1) spot on to a point. Spots closer to it than a pixel and a
     /// half give way, so that the line does not bend there.
-    pub fn lead_to(&mut self, point: Vec2, end: usize) {
+    pub(crate) fn lead_to(&mut self, point: Vec2, end: usize) {
         const ROOM_PX: f32 = 1.5;
         let near = |spot: &Spot| spot.at.distance(point) < ROOM_PX;
         let mut nearest = if end == 0 {
@@ -468,13 +468,13 @@ impl Line {
     }
 
     /// The line's length in pixels.
-    pub fn length(&self) -> f32 {
+    pub(crate) fn length(&self) -> f32 {
         let points: Vec<Vec2> = self.spots.iter().map(|spot| spot.at).collect();
         length(&points, self.closed)
     }
 
     /// The unit direction in which the line leaves through its first (`end` 0) or last (1) spot.
-    pub fn direction_out(&self, end: usize) -> Vec2 {
+    pub(crate) fn direction_out(&self, end: usize) -> Vec2 {
         direction_at(&self.spots, end * (self.spots.len() - 1))
     }
 }

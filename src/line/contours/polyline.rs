@@ -278,7 +278,7 @@ impl Parabola {
 }
 
 /// The mean of the values up to `reach` away along a line.
-pub fn evened(values: &[f32], closed: bool, reach: usize) -> Vec<f32> {
+pub(crate) fn evened(values: &[f32], closed: bool, reach: usize) -> Vec<f32> {
     let n = values.len();
     let reach = reach.min(n.saturating_sub(1) / 2);
     if closed {
@@ -297,7 +297,7 @@ pub fn evened(values: &[f32], closed: bool, reach: usize) -> Vec<f32> {
 }
 
 /// The lengths from the first point to every point, along the line.
-pub fn lengths(points: &[Vec2]) -> Vec<f32> {
+pub(crate) fn lengths(points: &[Vec2]) -> Vec<f32> {
     let mut length = 0.0;
     let mut before = None;
     points
@@ -311,7 +311,7 @@ pub fn lengths(points: &[Vec2]) -> Vec<f32> {
 }
 
 /// The length of a line.
-pub fn length(points: &[Vec2], closed: bool) -> f32 {
+pub(crate) fn length(points: &[Vec2], closed: bool) -> f32 {
     let open: f32 = points
         .windows(2)
         .map(|pair| pair[0].distance(pair[1]))
@@ -324,7 +324,7 @@ pub fn length(points: &[Vec2], closed: bool) -> f32 {
 
 /// The indices of the points that a line needs so that it passes within `tolerance_px` of all of them, of
 /// which none leaves out more than `most` others.
-pub fn thinned(points: &[Vec2], tolerance_px: f32, most: usize) -> Vec<usize> {
+pub(crate) fn thinned(points: &[Vec2], tolerance_px: f32, most: usize) -> Vec<usize> {
     let mut kept = vec![0];
     let mut from = 0;
     while from + 1 < points.len() {

@@ -5,7 +5,7 @@ use glam::Vec2;
 
 /// Pixels with weights, of which those above 0 form bands.
 #[derive(Debug)]
-pub struct Bands<'a> {
+pub(crate) struct Bands<'a> {
     /// Number of columns.
     pub width: usize,
     /// Number of rows.
@@ -45,7 +45,7 @@ impl Bands<'_> {
 
     /// The lines that the bands are thinned to, connected as the bands are: pixels are taken away, those of the
     /// least weight around them first, as long as that neither parts a line nor shortens one that is a pixel wide.
-    pub fn ridges(&self) -> Lattice {
+    pub(crate) fn ridges(&self) -> Lattice {
         let mut is_left = vec![false; self.width * self.height];
         for &pixel in self.pixels {
             is_left[pixel as usize] = true;
@@ -150,7 +150,7 @@ impl Bands<'_> {
 
     /// The middle of the weights around a pixel, in picture coordinates: of a band two pixels wide it is the
     /// crack between them.
-    pub fn middle(&self, pixel: u32) -> Vec2 {
+    pub(crate) fn middle(&self, pixel: u32) -> Vec2 {
         let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
         let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize].max(0.0));
         for step in STEPS {

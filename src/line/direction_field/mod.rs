@@ -74,7 +74,7 @@ pub(crate) const ROUND: f64 = 0.1;
 /// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
 /// the angle of the algebraically larger one, and their mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Form {
+pub(crate) struct Form {
     /// Half the difference.
     pub deviator: DVec2,
     /// The mean.
@@ -85,7 +85,7 @@ impl Form {
     /// The unit direction, in the frame of the tensor, of the curvature larger in size; `None` where
     /// there is none at all.
     #[inline]
-    pub fn larger(&self) -> Option<DVec2> {
+    pub(crate) fn larger(&self) -> Option<DVec2> {
         let d = if self.mean >= 0.0 {
             self.deviator
         } else {
@@ -107,7 +107,7 @@ impl Form {
     /// the second compares `|k1| - |k2|`
     /// with what noise, or a plane, would show.
     #[inline]
-    pub fn confidence(&self, doubt: f64) -> f64 {
+    pub(crate) fn confidence(&self, doubt: f64) -> f64 {
         let (difference, mean) = (self.deviator.length(), self.mean.abs());
         let (lesser, larger) = (difference.min(mean), difference.max(mean));
         let apart = 4.0 * lesser * lesser;
@@ -121,7 +121,7 @@ impl Form {
 
     /// How much the surface is a plane, 0..1, where a curvature of `doubt` counts a quarter.
     #[inline]
-    pub fn flatness(&self, doubt: f64) -> f64 {
+    pub(crate) fn flatness(&self, doubt: f64) -> f64 {
         let larger = self.deviator.length() + self.mean.abs();
         let square = doubt * doubt;
         if square > 0.0 {
@@ -138,7 +138,7 @@ impl Form {
 /// Directions that agree add up to a vector as long as they are sure together, the third of `own`; where lines
 /// of forms meet, or noise, they cancel, and a form too small for the radius does not make a swirl.
 #[inline]
-pub fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
+pub(crate) fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
     let length = (x * x + y * y).sqrt();
     let agreement = if sure > 0.0 { length / sure } else { 0.0 };
     let share = ((agreement - AGREE.start) / (AGREE.end - AGREE.start)).clamp(0.0, 1.0);

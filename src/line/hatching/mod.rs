@@ -80,7 +80,7 @@ impl Pixels {
 
 /// What of the optical density that is wanted one of `families` families of strokes gives: see [`Pixels::share`].
 #[inline(always)]
-pub fn share(wanted: f32, family: usize, families: usize) -> f32 {
+pub(crate) fn share(wanted: f32, family: usize, families: usize) -> f32 {
     let crossed = (0.5 * (wanted - CROSSED_FROM)).max(0.0);
     match (families, family) {
         (1, _) => wanted,

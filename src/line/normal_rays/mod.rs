@@ -20,7 +20,7 @@ use glam::{DVec2, DVec3};
 
 /// A normal ray beside the point looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NormalRay {
+pub(crate) struct NormalRay {
     /// From the point looked at to a point on the ray, in view space, in any unit of length.
     pub offset: DVec3,
     /// Where the ray leads: the normal there, of any length.
@@ -29,7 +29,7 @@ pub struct NormalRay {
 
 /// The rays on both sides of a point along one axis of the picture, as far as there are any.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sides {
+pub(crate) struct Sides {
     /// On the side of lesser x or y (y up).
     pub before: Option<NormalRay>,
     /// On the side of greater x or y.
@@ -43,7 +43,7 @@ pub(crate) const ROUNDING_DEVIATION: f64 = 0.577_350_269;
 
 /// How far samples are to be trusted: standard deviations of their errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Noise {
+pub(crate) struct Noise {
     /// Of a component of a unit normal.
     pub normal: f64,
     /// Of a component of an offset, in its unit of length.

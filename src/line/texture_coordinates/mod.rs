@@ -36,7 +36,7 @@ const WORN: f32 = 1.2;
 const OUTWORN: f32 = 1.5;
 
 /// Derivatives of the place by the picture, rows down in both: columns first, `[d/dx, d/dy]`.
-pub type Jacobian = [[f32; 2]; 2];
+pub(crate) type Jacobian = [[f32; 2]; 2];
 
 /// The Jacobian of what lies still.
 pub(crate) const STILL: Jacobian = [[1.0, 0.0], [0.0, 1.0]];
@@ -76,7 +76,7 @@ pub(crate) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
 /// are any. Places that do not belong to the same surface are left out; a derivative that is then missing
 /// is taken for a turn of the other.
 #[inline(always)]
-pub fn jacobian(
+pub(crate) fn jacobian(
     here: [f32; 2],
     beside: [Option<[f32; 2]>; 2],
     over: [Option<[f32; 2]>; 2],
@@ -138,7 +138,7 @@ pub fn soundness(distortion: f32) -> f32 {
 
 /// Cosine and sine of the turn that is in a Jacobian, or a sum of several.
 #[inline(always)]
-pub fn turn(by: &Jacobian) -> [f32; 2] {
+pub(crate) fn turn(by: &Jacobian) -> [f32; 2] {
     let [dx, dy] = by;
     let [cos, sin] = [dx[0] + dy[1], dx[1] - dy[0]];
     let length = (cos * cos + sin * sin).sqrt();
@@ -210,7 +210,7 @@ pub(crate) fn extrapolated(place: [f32; 2], by: &Jacobian, [x, y]: [f32; 2]) -> 
 /// Where the map of a generation is laid in the texture: added to pixel coordinates. The first lies as the
 /// texture of a still picture does; later ones elsewhere, for two that agreed would print strokes of both
 /// onto each other.
-pub fn origin(generation: u32) -> [f32; 2] {
+pub(crate) fn origin(generation: u32) -> [f32; 2] {
     if generation == 0 {
         return [0.0; 2];
     }

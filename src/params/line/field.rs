@@ -60,7 +60,7 @@ choices! {
 }
 
 /// The most passes over a field of directions.
-pub const MAX_FIELD_PASSES: u32 = 6;
+pub(crate) const MAX_FIELD_PASSES: u32 = 6;
 
 impl StrokeDirections {
     /// Whether strokes follow the larger curvature, and the lesser one.

@@ -6,9 +6,9 @@ mod strokes;
 mod tone;
 
 pub use contours::ContourParams;
-pub use field::MAX_FIELD_PASSES;
+pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
-pub use strokes::MAX_LEVELS;
+pub(crate) use strokes::MAX_LEVELS;
 pub use strokes::{Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{ToneParams, ToneSource};
 

@@ -152,7 +152,7 @@ params! {
 }
 
 /// Past this a level turns by less than strokes tremble.
-pub const MAX_LEVELS: u32 = 360;
+pub(crate) const MAX_LEVELS: u32 = 360;
 
 /// Sizes and habits of a stroke, in output pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -118,7 +118,12 @@ impl Card {
     /// The directions that strokes follow.
     fn field(&self, field: FieldParams) -> Result<Vector2Planes> {
         let plan = self.plan(LineParams::default())?;
-        Ok(self.session.stroke_field(&plan, &self.card, &field))
+        let line = LineParams {
+            field,
+            ..LineParams::default()
+        };
+        let inputs = Inputs::default();
+        Ok(self.session.stroke_field(&plan, &self.card, inputs, &line))
     }
 
     fn plan(&self, line: LineParams) -> Result<Plan> {

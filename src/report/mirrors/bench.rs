@@ -187,10 +187,11 @@ impl MirrorBench {
             ..LineParams::default()
         };
         let plan = self.plan(specular, line)?;
-        let scene = &self.around.1;
-        let field = self
-            .session
-            .stroke_field_through(&plan, &self.frame, scene, &line);
+        let inputs = Inputs {
+            specular: Some(&self.around.1),
+            ..Inputs::default()
+        };
+        let field = self.session.stroke_field(&plan, &self.frame, inputs, &line);
         let [mut all, mut columns] = [Tally::default(), Tally::default()];
         for (at, shown) in self.shown.iter().filter(|(_, shown)| shown.in_map) {
             let Some(exact) = shown.direction else {

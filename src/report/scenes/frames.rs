@@ -4,7 +4,7 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use glam::Vec3;
 
 /// A gentle relief that fills the picture.
-pub fn relief(width: usize, height: usize) -> Frame {
+pub(crate) fn relief(width: usize, height: usize) -> Frame {
     Frame {
         depth: Some(Plane::from_fn(width, height, |x, y| {
             5.0 + 0.01 * (x + y) as f32
@@ -14,7 +14,7 @@ pub fn relief(width: usize, height: usize) -> Frame {
 }
 
 /// The relief's unit normal.
-pub fn gentle(x: usize, y: usize) -> Vec3 {
+pub(crate) fn gentle(x: usize, y: usize) -> Vec3 {
     Vec3::new(0.3 * (x as f32).sin(), 0.2 * (y as f32).cos(), 1.0).normalize()
 }
 
@@ -29,7 +29,7 @@ pub fn noise(x: usize, y: usize, channel: u32) -> f32 {
 }
 
 /// Unit normals all ways, the viewer's side and the other.
-pub fn rough(x: usize, y: usize) -> Vec3 {
+pub(crate) fn rough(x: usize, y: usize) -> Vec3 {
     Vec3::from_array([1, 2, 3].map(|c| 2.0 * noise(x, y, c) - 1.0)).normalize_or(Vec3::Z)
 }
 

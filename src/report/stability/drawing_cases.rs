@@ -5,13 +5,13 @@ use super::frames::random;
 use super::{Case, Expected, Verdict};
 use crate::Result;
 use crate::engine::Inputs;
-use crate::engine::cpu::Runner;
 use crate::frame::Frame;
 use crate::params::{
     Adaptive, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneParams,
 };
 use crate::plan::{Available, Plan, ToneFrom};
+use crate::report::engine;
 use crate::report::scenes::Scene;
 use crate::report::scenes::frames::{grey, masked};
 
@@ -192,7 +192,7 @@ fn judged(frame: &Frame, line: LineParams, bounds: [f64; 2]) -> Result<Verdict> 
         ToneFrom::Picture,
         line,
     )?;
-    let outcome = Runner::default().execute(&plan, frame, Inputs::default())?;
+    let outcome = engine::run(&plan, frame, Inputs::default())?;
     let drawing = outcome.drawing.expect("a drawing was planned");
     let layers = std::iter::once(&drawing.hatching).chain(&drawing.contours);
     let mut samples = layers.flat_map(|plane| plane.samples());

@@ -3,13 +3,12 @@
 use super::{Verdict, largest};
 use crate::Result;
 use crate::engine::Inputs;
-use crate::engine::cpu;
-use crate::engine::cpu::Runner;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::light::lights::Illumination;
 use crate::params::{Adaptive, Material, Method, RelightParams, ScalingParams, ShapeParams};
 use crate::plan::LightKinds;
 use crate::plan::{Available, Goal, Plan};
+use crate::report::engine;
 use crate::report::light::lit::bare;
 use crate::report::timing;
 
@@ -107,7 +106,7 @@ pub(super) fn judged(frame: &Frame, asked: &Asked) -> Result<Verdict> {
         asked.relight,
         LightKinds::in_light(&asked.light),
     )?;
-    let outcome = Runner::default().execute(&plan, frame, Inputs::lit_by(&asked.light))?;
+    let outcome = engine::run(&plan, frame, Inputs::lit_by(&asked.light))?;
     let color = outcome.color.as_ref().expect("light makes a picture");
     Ok(held(color, asked.bound(frame)))
 }
@@ -115,7 +114,7 @@ pub(super) fn judged(frame: &Frame, asked: &Asked) -> Result<Verdict> {
 /// Scales the picture of `frame` and holds it against its brightest pixel, times e^gamma.
 pub(super) fn judged_picture(frame: &Frame, warnings: &[String]) -> Result<Verdict> {
     let plan = timing::plan(Goal::Enhance, frame, ShapeParams::default())?;
-    let outcome = cpu::run(&plan, frame)?;
+    let outcome = engine::run(&plan, frame, Inputs::default())?;
     let color = outcome.color.as_ref().expect("enhancing makes a picture");
     let before = frame.color.as_ref().expect("it had a picture");
     let strongest = f64::from(ScalingParams::default().scaling).exp();

@@ -12,11 +12,12 @@ pub use cases::all;
 pub use drawing_cases::extreme_strokes;
 
 use super::timing;
-use crate::engine::cpu;
+use crate::engine::Inputs;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::params::ShapeParams;
 use crate::plan::Goal;
+use crate::report::engine;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -186,8 +187,16 @@ const ROUNDING: f64 = 1e-4;
 
 /// Runs every goal of shape analysis over `frame` and holds all planes against their bounds.
 fn judged(frame: &Frame, shape: ShapeParams, warnings: &[String]) -> Result<Verdict> {
-    let display = cpu::run(&timing::plan(Goal::Display, frame, shape)?, frame)?;
-    let layers = cpu::run(&timing::plan(Goal::Layers, frame, shape)?, frame)?;
+    let display = engine::run(
+        &timing::plan(Goal::Display, frame, shape)?,
+        frame,
+        Inputs::default(),
+    )?;
+    let layers = engine::run(
+        &timing::plan(Goal::Layers, frame, shape)?,
+        frame,
+        Inputs::default(),
+    )?;
     let color = display.color.as_ref().expect("a display has colours");
     let found = &layers.shape;
     let gradient = found.gradient.as_ref().expect("layers hold the gradient");

@@ -18,7 +18,7 @@ pub(crate) mod wavefront;
 
 /// Face conductances around one row of pixels.
 #[derive(Debug, Clone, Copy)]
-pub struct Faces<'a> {
+pub(crate) struct Faces<'a> {
     /// `left[x]` joins column `x - 1` and `x`; one longer than the row.
     pub left: &'a [f32],
     /// `above[x]` joins this row and the row above.
@@ -28,11 +28,11 @@ pub struct Faces<'a> {
 }
 
 /// Pixels read to each side by one step.
-pub const REACH: usize = 1;
+pub(crate) const REACH: usize = 1;
 
 /// What a sweep makes of a sample g, the flux Lg into it and an earlier value of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Update {
+pub(crate) enum Update {
     /// An explicit step of the given length: g + dt Lg.
     Step(f32),
     /// The first step of the Chebyshev recurrence: T_1 = X g with X = -L/4 - 1.
@@ -55,7 +55,7 @@ impl Update {
 
 /// The rows of a field that a sweep reads.
 #[derive(Debug, Clone, Copy)]
-pub struct Stencil<'a> {
+pub(crate) struct Stencil<'a> {
     /// The row above.
     pub above: &'a [f32],
     /// The row itself, and one column more at both of its ends.
@@ -69,7 +69,7 @@ pub struct Stencil<'a> {
 ///
 /// All slices have the length of `out`, but for the columns beyond it that their types tell of.
 #[inline(always)]
-pub fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
+pub(crate) fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
     match update {
         Update::Step(dt) => sweep(out, g, faces, |g, lg, _| {
             Update::Step(dt).updated(g, lg, 0.0)
@@ -162,7 +162,7 @@ pub(crate) fn flux(g: f32, sides: [f32; 4], joined: [f32; 4]) -> f32 {
 
 /// Adds two terms of a recurrence to a row of a sum, with their weights.
 #[inline(always)]
-pub fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]) {
+pub(crate) fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]) {
     let n = sum.len();
     let (first, second) = (&terms[0][..n], &terms[1][..n]);
     for x in 0..n {
@@ -175,11 +175,11 @@ widened! {
 }
 
 /// Levels that importance is quantised to.
-pub const LEVELS: usize = 1024;
+pub(crate) const LEVELS: usize = 1024;
 
 /// [`add_terms_row`] of both components, where the weights depend on the level of the pixel.
 #[inline(always)]
-pub fn add_terms_by_level_row(
+pub(crate) fn add_terms_by_level_row(
     sum: [&mut [f32]; 2],
     terms: [[&[f32]; 2]; 2],
     levels: &[u16],
@@ -201,11 +201,11 @@ widened! {
 }
 
 /// So few levels that weights are faster chosen, for a whole vector of pixels, than looked up.
-pub const FEW_LEVELS: usize = 8;
+pub(crate) const FEW_LEVELS: usize = 8;
 
 /// [`add_terms_by_level_row`] for few levels.
 #[inline(always)]
-pub fn add_terms_by_few_levels_row(
+pub(crate) fn add_terms_by_few_levels_row(
     sum: [&mut [f32]; 2],
     terms: [[&[f32]; 2]; 2],
     levels: &[u16],

@@ -5,11 +5,11 @@ mod materials;
 mod surfaces;
 
 use super::{assert_alike, with_color};
+use crate::common::cpu;
 use crate::common::relit::{self, Asked, LIT, METHODS, torus_scene};
 use glam::Vec3;
-use relievo::engine::Inputs;
 use relievo::engine::gpu::Runner;
-use relievo::engine::{cpu, relit_tolerance};
+use relievo::engine::{Inputs, relit_tolerance};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -49,9 +49,7 @@ impl Asked {
     fn assert_same(&self, name: &str, runner: &Runner, frame: &Frame) {
         let plan = self.plan(frame).unwrap();
         assert!(Runner::can_run(&plan), "{name}");
-        let expected = cpu::Runner::default()
-            .execute(&plan, frame, Inputs::lit_by(&self.light))
-            .unwrap();
+        let expected = cpu::execute(&plan, frame, Inputs::lit_by(&self.light)).unwrap();
         let found = runner
             .execute(&plan, frame, Inputs::lit_by(&self.light))
             .unwrap();

@@ -3,10 +3,10 @@
 use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
 use super::{Asked, sky, torus, torus_from_near, with_layers};
+use crate::common::cpu;
 use crate::common::poisoned;
 use glam::Vec3;
 use relievo::engine::Inputs;
-use relievo::engine::cpu;
 use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
@@ -63,9 +63,7 @@ fn colors_that_are_no_numbers() {
                 asked.relight.toon_softness = 1.0;
             });
             let plan = asked.plan(&frame).unwrap();
-            let expected = cpu::Runner::default()
-                .execute(&plan, &frame, Inputs::lit_by(&asked.light))
-                .unwrap();
+            let expected = cpu::execute(&plan, &frame, Inputs::lit_by(&asked.light)).unwrap();
             let found = runner
                 .execute(&plan, &frame, Inputs::lit_by(&asked.light))
                 .unwrap();

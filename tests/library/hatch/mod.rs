@@ -5,8 +5,7 @@ mod drawings;
 mod stiff;
 mod strokes;
 
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{Drawing, Runner};
+use relievo::engine::{Drawing, Engine, Inputs, Run};
 use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{BATCH, Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
@@ -102,15 +101,16 @@ fn mean(plane: &Plane) -> f64 {
 
 /// A drawing of `frame` in the tone of its picture as it is.
 fn drawing(frame: &Frame, line: LineParams) -> Drawing {
-    drawn_by(&Runner::default(), frame, line)
+    drawn_by(&Engine::cpu(), frame, line)
 }
 
-fn drawn_by(runner: &Runner, frame: &Frame, line: LineParams) -> Drawing {
+fn drawn_by(engine: &Engine, frame: &Frame, line: LineParams) -> Drawing {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
-    let drawn = runner.execute(&plan, frame, Inputs::default()).unwrap();
-    drawn.drawing.expect("a drawing was planned")
+    let drawn = engine.execute(&plan, frame, Inputs::default(), &Run::new());
+    let drawing = drawn.unwrap().drawing;
+    drawing.expect("a drawing was planned")
 }
 
 /// Tone is luminance itself: white 1, no curve.

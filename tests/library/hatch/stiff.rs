@@ -69,10 +69,10 @@ fn frames() -> Vec<(&'static str, Frame)> {
 fn extremes_are_drawn() {
     let frames = frames();
     for (setting, line) in settings() {
-        // One runner for a setting: it keeps the strokes it has made.
-        let runner = Runner::default();
+        // One engine for a setting: it keeps the strokes it has made.
+        let engine = Engine::cpu();
         for (name, frame) in &frames {
-            let drawn = drawn_by(&runner, frame, line);
+            let drawn = drawn_by(&engine, frame, line);
             assert!(is_a_drawing(&drawn), "{name}, {setting}");
         }
     }

@@ -3,8 +3,9 @@
 
 mod files;
 
+use crate::common::cpu;
 use glam::Vec3;
-use relievo::engine::cpu::{self, Outcome};
+use relievo::engine::Outcome;
 use relievo::frame::{ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Mask, Plane};
 use relievo::light::radiance_scaling::scaling;
 use relievo::params::{Adaptive, ScalingParams, ShapeParams};

@@ -3,8 +3,7 @@
 use super::{Asked, LIT, METHODS, bits, sky, torus, torus_in_perspective};
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
 use glam::Vec3;
-use relievo::engine::Inputs;
-use relievo::engine::cpu::Runner;
+use relievo::engine::{Engine, Inputs, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Window};
 use relievo::params::{Adaptive, Material, Method, Samples, Tangent};
 
@@ -239,12 +238,11 @@ fn a_hundred_thousand_lights_are_a_lot_and_no_more() {
 fn an_environment_is_made_ready_once_and_again_for_another_purpose() {
     let frame = torus();
     let mut asked = asked(Material::Phong, Method::Scale).in_environment(sky(), Samples::Fixed(0));
-    let runner = Runner::default();
+    let engine = Engine::cpu();
     let run = |asked: &Asked| {
         let plan = asked.plan(&frame).unwrap();
-        let outcome = runner
-            .execute(&plan, &frame, Inputs::lit_by(&asked.light))
-            .unwrap();
+        let inputs = Inputs::lit_by(&asked.light);
+        let outcome = engine.execute(&plan, &frame, inputs, &Run::new()).unwrap();
         let made = outcome
             .timings
             .iter()
@@ -260,6 +258,6 @@ fn an_environment_is_made_ready_once_and_again_for_another_purpose() {
     assert!(wider.1 && wider.0 != first.0 && wider.0 == bits(&asked.color(&frame)));
     asked.light.environment = Some(sky().into());
     assert!(run(&asked).1);
-    runner.forget_environment();
+    engine.forget_environment();
     assert!(run(&asked).1);
 }

@@ -6,10 +6,10 @@ mod invariances;
 mod nothing_asked;
 mod sums;
 
+use crate::common::cpu;
 use crate::common::relit::{self, Asked, LIT, METHODS, surroundings, torus_scene};
 use glam::Vec3;
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{Outcome, Runner};
+use relievo::engine::{Inputs, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -35,9 +35,7 @@ impl Asked {
 
     fn outcome(&self, frame: &Frame) -> Outcome {
         let plan = self.plan(frame).unwrap();
-        Runner::default()
-            .execute(&plan, frame, Inputs::lit_by(&self.light))
-            .unwrap()
+        cpu::execute(&plan, frame, Inputs::lit_by(&self.light)).unwrap()
     }
 
     fn color(&self, frame: &Frame) -> ColorPlanes {

@@ -5,8 +5,8 @@ mod distortion;
 mod measured;
 mod rendered;
 
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{Drawing, Runner, SequenceInputs, TextureCoordinates};
+use crate::common::cpu;
+use relievo::engine::{Drawing, Inputs, SequenceInputs, TextureCoordinates};
 use relievo::frame::{
     ColorPlanes, Frame, LightLayers, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };
@@ -84,9 +84,7 @@ fn draw(frame: &Frame, line: LineParams, sequence: Option<SequenceInputs>) -> Dr
         sequence,
         ..Inputs::default()
     };
-    let outcome = Runner::default()
-        .execute(&plan(frame, line), frame, inputs)
-        .unwrap();
+    let outcome = cpu::execute(&plan(frame, line), frame, inputs).unwrap();
     outcome.drawing.expect("a drawing was planned")
 }
 

@@ -2,9 +2,9 @@
 
 use super::exact::{CENTER, IOR, Scene, Thing};
 use super::traced;
+use crate::common::cpu;
 use glam::{DVec2, DVec3};
 use relievo::engine::Inputs;
-use relievo::engine::cpu::Runner;
 use relievo::frame::{ColorPlanes, Frame, Plane, SpecularScene};
 use relievo::light::brdf::fresnel;
 use relievo::light::lights::Illumination;
@@ -62,7 +62,7 @@ fn relit(
         specular: Some(scene),
         ..Inputs::lit_by(&light)
     };
-    let outcome = Runner::default().execute(&plan, frame, inputs).unwrap();
+    let outcome = cpu::execute(&plan, frame, inputs).unwrap();
     outcome.color.unwrap()
 }
 

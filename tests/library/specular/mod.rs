@@ -7,7 +7,7 @@ mod propagation;
 mod rendered;
 mod stiff;
 
-use relievo::engine::cpu::Runner;
+use relievo::engine::{self, Engine};
 use relievo::frame::{Frame, SpecularScene, Vector2Planes};
 use relievo::params::{
     Bend, LineParams, RelightParams, ScalingParams, SearchParams, ShapeParams, SpecularParams,
@@ -47,5 +47,10 @@ fn fields(
     bend: Bend,
 ) -> Vec<Vector2Planes> {
     let plan = drawing(frame, params, bend);
-    Runner::default().stroke_fields_through(&plan, frame, scene, &params)
+    let inputs = engine::Inputs {
+        specular: Some(scene),
+        ..engine::Inputs::default()
+    };
+    let fields = Engine::cpu().stroke_fields(&plan, frame, inputs, &params);
+    fields.unwrap()
 }

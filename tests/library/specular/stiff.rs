@@ -2,13 +2,16 @@
 
 use super::exact::{Scene, Thing};
 use super::{drawing, fields};
+use crate::common::cpu;
 use crate::common::is_a_drawing;
 use glam::DVec3;
-use relievo::engine::Inputs;
-use relievo::engine::cpu::{Drawing, Runner};
+use relievo::engine::{self, Drawing, Engine, Inputs};
 use relievo::frame::{Frame, Mask, Plane, SpecularScene, Vector3Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{Bend, Fallback, FieldParams, LineParams, StrokeDirections};
+use relievo::params::{
+    Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
+};
+use relievo::plan::{Available, Plan, ToneFrom};
 use std::sync::Arc;
 
 const GLASS: Scene = Scene {
@@ -38,11 +41,7 @@ fn drawn(frame: &Frame, scene: &SpecularScene, params: LineParams, bend: Bend) -
         ..Inputs::default()
     };
     let plan = drawing(frame, params, bend);
-    Runner::default()
-        .execute(&plan, frame, inputs)
-        .unwrap()
-        .drawing
-        .unwrap()
+    cpu::execute(&plan, frame, inputs).unwrap().drawing.unwrap()
 }
 
 fn glass() -> SpecularScene {
@@ -178,7 +177,11 @@ fn a_scene_that_shows_nothing_is_drawn_as_without_it() {
         mask: Some(Mask::new(Plane::filled(64, 64, false))),
         ..glass()
     };
-    let plan = drawing(&frame, params, Bend::Mirror);
-    let alone = Runner::default().stroke_fields(&plan, &frame, &params.field, params.directions);
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let available = Available::in_frame(&frame);
+    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, params).unwrap();
+    let inputs = engine::Inputs::default();
+    let alone = Engine::cpu().stroke_fields(&plan, &frame, inputs, &params);
+    let alone = alone.unwrap();
     assert_eq!(fields(&frame, &none, params, Bend::Mirror), alone);
 }
