@@ -179,7 +179,7 @@ impl Cost {
 }
 
 /// How a picture is cut, as memory allows.
-fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips> {
+fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips<'static>> {
     let (least, most) = (cost.least(reach), job.work.run.max_memory.bytes());
     let rows = cost.rows_in(allowed(job).max(least));
     let strips = Strips::new(reach, cost.height, rows).filter(|_| least <= most);
@@ -195,7 +195,7 @@ struct Source<'a, W> {
     inputs: Inputs,
     needs: Needs,
     whole: Window,
-    strips: Strips,
+    strips: Strips<'static>,
     work: &'a W,
     found: StripChoice,
     timings: RefCell<Timings>,

@@ -204,7 +204,8 @@ impl Engine {
                 return match gpu::Runner::lacks(plan) {
                     None => {
                         run.watch.begins(DEVICE, 0.0);
-                        gpu.execute(plan, frame, inputs).map(Some)
+                        gpu.execute_watched(plan, frame, inputs, run.watch)
+                            .map(Some)
                     }
                     Some(what) => Err(no_kernels(what)),
                 };
@@ -220,9 +221,9 @@ impl Engine {
             return Ok(None);
         }
         run.watch.begins(DEVICE, 0.0);
-        match gpu.execute(plan, frame, inputs) {
+        match gpu.execute_watched(plan, frame, inputs, run.watch) {
             // The CPU would refuse it too.
-            Err(error @ Error::Unfit { .. }) => Err(error),
+            Err(error @ (Error::Unfit { .. } | Error::Cancelled)) => Err(error),
             Err(error) => {
                 let how_long = match gpu.device().is_lost() {
                     true => "the CPU does it from here on",
@@ -335,7 +336,8 @@ fn no_kernels(what: &str) -> Error {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
-    use crate::params::{ScalingParams, ShapeParams};
+    use crate::engine::run::{CancelToken, Progress};
+    use crate::params::{Scale, ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal};
     use crate::report::scenes::Scene;
     use std::sync::Mutex;
@@ -383,6 +385,38 @@ mod tests {
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(said[0].starts_with(&name) && said[0].contains("was lost"));
         assert!(said[0].contains("the CPU does it") && said[0].lines().count() == 1);
+    }
+
+    #[test]
+    fn a_run_in_strips_ends_where_it_is_cancelled_and_the_next_is_whole() {
+        let Some(device) = gpu::to_test_on(Device::open(Choice::Any)) else {
+            return;
+        };
+        let frame = Scene::waves(60, 50).frame;
+        let shape = ShapeParams {
+            scale: Scale::Iterations(0),
+            ..ShapeParams::default()
+        };
+        let (available, scaling) = (Available::in_frame(&frame), ScalingParams::default());
+        let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
+        // 16 rows of 60 pixels of at most 4 samples of 4 bytes.
+        let engine = Engine::on(device.limited_to(16_000));
+        let whole = engine.execute(&plan, &frame, Inputs::default(), &Run::new());
+        let token = CancelToken::new();
+        // The device begins, and is stopped before its first strip.
+        let tell = |progress: Progress| {
+            if progress.stage == DEVICE {
+                token.cancel();
+            }
+        };
+        let run = Run::new().progress(&tell).cancel(&token);
+        let stopped = engine.execute(&plan, &frame, Inputs::default(), &run);
+        assert!(matches!(stopped, Err(Error::Cancelled)));
+        let again = engine.execute(&plan, &frame, Inputs::default(), &Run::new());
+        let (whole, again) = (whole.unwrap(), again.unwrap());
+        for ((product, a), (_, b)) in whole.products().zip(again.products()) {
+            assert_eq!(product.apart(&a, &b), 0.0);
+        }
     }
 
     #[test]

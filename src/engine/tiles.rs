@@ -1,23 +1,26 @@
 //! Pictures in strips, where memory or a device takes no more than so many rows at a time.
 
 use crate::engine::outcome::{Outcome, add_timings};
+use crate::engine::run::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Window};
 use std::ops::Range;
 
 /// How a picture is cut into strips.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Strips {
+#[derive(Clone, Copy)]
+pub(crate) struct Strips<'a> {
+    watch: Watch<'a>,
     height: usize,
     /// Rows that a strip gives, and those it takes above and below.
     rows: usize,
     reach: usize,
 }
 
-impl Strips {
+impl<'a> Strips<'a> {
     /// Strips of which each gives so many rows and takes `reach` more above and below.
     pub(crate) fn of_rows(rows: usize, height: usize, reach: usize) -> Self {
         Self {
+            watch: Watch::default(),
             height,
             rows: rows.max(1),
             reach,
@@ -34,6 +37,19 @@ impl Strips {
         Some(Self::of_rows(rows, height, reach))
     }
 
+    /// The same strips, before each of which `watch` may end the run.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn watched(&self, watch: Watch<'a>) -> Self {
+        Self { watch, ..*self }
+    }
+
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled) where the run is to end here.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn check(&self) -> Result<()> {
+        self.watch.check()
+    }
+
     /// The same strips, taking no more rows above and below than so many.
     #[cfg(feature = "gpu")]
     pub(crate) fn reaching(&self, reach: usize) -> Self {
@@ -41,6 +57,9 @@ impl Strips {
     }
 
     /// What `run` makes of every strip of a frame, given with its rows: put together. Planes of strips go to `recycle`.
+    ///
+    /// # Errors
+    /// Those of `run`; [`Error::Cancelled`](crate::Error::Cancelled).
     pub(crate) fn run(
         &self,
         frame: &Frame,
@@ -49,6 +68,7 @@ impl Strips {
     ) -> Result<Outcome> {
         let mut whole: Option<Outcome> = None;
         for (takes, gives) in self.each() {
+            self.watch.check()?;
             let mut part = run(&strip_of(frame, &takes), &takes)?;
             let start = takes.start + gives.start;
             match &mut whole {

@@ -7,6 +7,7 @@ use crate::engine::gpu::limits;
 use crate::engine::gpu::runner::Runner;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
+use crate::engine::run::Watch;
 use crate::error::Error;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::params::{LineParams, Scale, ScalingParams, ShapeParams};
@@ -178,7 +179,7 @@ fn where_memory_is_wanting_the_same_picture_comes_in_strips() {
     let made = in_memory(8 * 64 * 400, |bytes| {
         attempts += 1;
         match bytes {
-            0..=60_000 => runner.attempt(&plan, &frame, Inputs::default(), bytes),
+            0..=60_000 => runner.attempt(&plan, &frame, Inputs::default(), bytes, Watch::default()),
             _ => Err(Fault::Memory(runner.device().error("is full"))),
         }
     });
@@ -206,7 +207,7 @@ fn where_memory_is_wanting_the_same_drawing_comes_in_strips() {
     );
     let (plan, inputs) = (plan.unwrap(), Inputs::default());
     let made = in_memory(8 * 64 * 400, |bytes| match bytes {
-        0..=60_000 => runner.attempt(&plan, &frame, inputs, bytes),
+        0..=60_000 => runner.attempt(&plan, &frame, inputs, bytes, Watch::default()),
         _ => Err(Fault::Memory(runner.device().error("is full"))),
     });
     let expected = cpu::Runner::default()

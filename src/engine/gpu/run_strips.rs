@@ -74,6 +74,7 @@ impl Runner {
         let mut searching: Vec<Searching> = Vec::new();
         for pass in 0..SEARCH_PASSES {
             for (takes, gives) in strips.each() {
+                strips.check()?;
                 let strip = strip_of(frame, &takes);
                 let mut run = self.start(plan, &strip);
                 let fresh = searches.iter().skip(searching.len());

@@ -14,6 +14,7 @@ use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::outcome::add_timings;
+use crate::engine::run::Watch;
 use crate::engine::tiles::Strips;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
@@ -84,6 +85,20 @@ impl Runner {
     /// [`Error::Gpu`] where the device is lost, has too little memory, or takes no picture as large as the environment;
     /// [`Error::Unfit`] if the plan was made for other inputs, or [`Runner::can_run`] is false.
     pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
+        self.execute_watched(plan, frame, inputs, Watch::default())
+    }
+
+    /// [`Runner::execute`] that may be ended between two attempts, and before each strip.
+    ///
+    /// # Errors
+    /// As [`Runner::execute`]; [`Error::Cancelled`].
+    pub(crate) fn execute_watched(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<Outcome> {
         if let Some(what) = Self::lacks(plan) {
             return Err(Error::Unfit {
                 found: format!("the GPU has no kernels for {what}"),
@@ -93,7 +108,8 @@ impl Runner {
         inputs.check(plan, frame)?;
         let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
         in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
-            self.attempt(plan, frame, inputs, plane_bytes)
+            watch.check()?;
+            self.attempt(plan, frame, inputs, plane_bytes, watch)
         })
     }
 
@@ -104,15 +120,17 @@ impl Runner {
         frame: &Frame,
         inputs: Inputs,
         plane_bytes: u64,
+        watch: Watch,
     ) -> std::result::Result<Outcome, Fault> {
         self.guarded(|| {
             if plan.relighting.is_none() {
-                return self.run_parts(plan, frame, None, inputs, plane_bytes);
+                return self.run_parts(plan, frame, None, inputs, (plane_bytes, watch));
             }
             let illumination = inputs.illumination;
             let illumination = illumination.expect("new light is planned with its lights");
             let light = self.light.light(&self.device, plan, frame, illumination)?;
-            let mut outcome = self.run_parts(plan, frame, Some(&light), inputs, plane_bytes)?;
+            let mut outcome =
+                self.run_parts(plan, frame, Some(&light), inputs, (plane_bytes, watch))?;
             outcome.environment_gain = light.around.gain();
             outcome.timings.splice(0..0, light.timings);
             Ok(outcome)
@@ -128,7 +146,8 @@ impl Runner {
             return Err(self.device.error("is gone").into());
         }
         let done = watched(&self.device, work);
-        if done.is_err() {
+        let is_fault = !matches!(done, Ok(_) | Err(Fault::Other(Error::Cancelled)));
+        if is_fault {
             self.buffers.forget();
             self.programs.forget();
             self.light.forget_maps();
@@ -159,7 +178,7 @@ impl Runner {
         frame: &Frame,
         light: Option<&Light>,
         inputs: Inputs,
-        plane_bytes: u64,
+        (plane_bytes, watch): (u64, Watch),
     ) -> std::result::Result<Outcome, Fault> {
         let height = frame.mask.height();
         let most_rows = self.most_rows(plan, frame, plane_bytes)?;
@@ -190,6 +209,7 @@ impl Runner {
                 "takes {most_rows} rows of this picture at a time, and its scale asks for {reach} to each side"
             ))));
         };
+        let strips = strips.watched(watch);
         Ok(match drawing {
             Some(params) => self.draw_strips(plan, frame, params, light, inputs, &strips)?,
             None => self.run_strips(plan, frame, light, &strips)?,
