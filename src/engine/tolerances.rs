@@ -2,7 +2,7 @@
 
 use crate::frame::Plane;
 use crate::light::lights::Illumination;
-use crate::params::{Material, MaterialParams};
+use crate::light::sum::lobe_error;
 use crate::plan::{EnvironmentUse, Relighting};
 use crate::product::{Compared, Product};
 use glam::DVec2;
@@ -60,7 +60,7 @@ const ANGLE_ERROR: f64 = 4e-7 + COSINE_ERROR;
 /// over its softness times as steep as what it quantises; hard ones may put a pixel to the next tone.
 pub fn relit_tolerance(relighting: &Relighting, light: &Illumination) -> f64 {
     let params = &relighting.params;
-    let lobe = lobe_error(&params.material);
+    let lobe = lobe_error(&params.material, COSINE_ERROR);
     let seen = match &light.environment {
         Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
             let [width, height] = [map.width(), map.height()].map(|n| n as f64);
@@ -77,17 +77,6 @@ pub fn relit_tolerance(relighting: &Relighting, light: &Illumination) -> f64 {
         Some(tones) if tones.softness > 0.0 => smooth * (1.5 / f64::from(tones.softness)).max(1.0),
         Some(_) => 1.0,
         None => smooth,
-    }
-}
-
-/// How far a lobe of this material, 1 at its brightest, may be off.
-fn lobe_error(material: &MaterialParams) -> f64 {
-    let largest = |exponent: f32| f64::from(exponent) * COSINE_ERROR;
-    match material.material {
-        Material::Phong | Material::BlinnPhong => largest(material.shininess),
-        Material::AshikhminShirley => largest(material.coat[0].max(material.coat[1])),
-        Material::Sublambert => COSINE_ERROR.powf(material.flatness.into()),
-        Material::Lambert | Material::Toon | Material::Mirror | Material::Glass => 0.0,
     }
 }
 

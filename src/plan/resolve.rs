@@ -45,21 +45,8 @@ pub enum ToneFrom {
 
 impl Goal {
     /// The products that it is made of; a picture comes by its own rules.
-    fn products(self) -> &'static [Product] {
-        match self {
-            Self::Layers => &[
-                Product::Silhouette,
-                Product::Crease,
-                Product::Conductance,
-                Product::Gradient,
-                Product::Hessian,
-                Product::Curvature,
-                Product::MappedCurvature,
-                Product::Direction,
-                Product::ViewDirection,
-            ],
-            Self::Display | Self::Enhance | Self::Relight | Self::Picture => &[],
-        }
+    fn products(self) -> impl Iterator<Item = Product> {
+        Product::all().filter(move |product| self == Self::Layers && product.row().layer.is_some())
     }
 }
 
@@ -215,7 +202,7 @@ impl Plan {
             direction_steps_px,
             available,
             no_shape,
-            wanted: goal.products().iter().copied().collect(),
+            wanted: goal.products().collect(),
             decisions: Vec::new(),
             stages: Vec::new(),
             keys: BTreeMap::new(),

@@ -14,9 +14,9 @@
 mod shading;
 pub(crate) mod terms;
 
-pub(crate) use shading::Lobes;
 #[cfg(feature = "gpu")]
 pub(crate) use shading::Power;
+pub(crate) use shading::{Lobes, lobe_error};
 pub(crate) use shading::{Scaled, Shading, TowardLight};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};

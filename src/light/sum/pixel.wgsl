@@ -39,10 +39,6 @@ var<private> pixel: Pixel;
 override WARPS: bool;
 override HAS_JACOBIAN: bool;
 override SCALES: bool;
-// The material: Lambert's cosine or a power of it where none of these.
-override PHONG: bool;
-override BLINN_PHONG: bool;
-override ASHIKHMIN_SHIRLEY: bool;
 
 fn scalar_product(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

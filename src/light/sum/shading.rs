@@ -90,6 +90,17 @@ impl Lobes {
     }
 }
 
+/// How far a lobe of this material, 1 at its brightest, may be off where a cosine is off by so much.
+pub(crate) fn lobe_error(params: &MaterialParams, cosine_error: f64) -> f64 {
+    let largest = |exponent: f32| f64::from(exponent) * cosine_error;
+    match params.material {
+        Material::Phong | Material::BlinnPhong => largest(params.shininess),
+        Material::AshikhminShirley => largest(params.coat[0].max(params.coat[1])),
+        Material::Sublambert => cosine_error.powf(params.flatness.into()),
+        Material::Lambert | Material::Toon | Material::Mirror | Material::Glass => 0.0,
+    }
+}
+
 /// An exponent: whole ones that are not large take multiplications alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Power {

@@ -1,5 +1,9 @@
 // What one light does at a pixel, before its colour: arrive, be reflected by the lobes, be scaled.
 
+// The material: Lambert's cosine or a power of it where none of these.
+override PHONG: bool;
+override BLINN_PHONG: bool;
+override ASHIKHMIN_SHIRLEY: bool;
 // Whether the eye is far away, along z at every pixel.
 override FAR_EYE: bool;
 // Whether the mapping of curvature depends on the direction of light.
