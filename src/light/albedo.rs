@@ -9,14 +9,14 @@ use nalgebra::{Matrix4, Vector4};
 
 /// Sums over pixels of which the best shading is computed.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct ShadingFit {
+pub(crate) struct ShadingFit {
     normal_matrix: Matrix4<f64>,
     right_side: Vector4<f64>,
 }
 
 /// Luminance as a function of the normal, `a + b . n`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FittedShading {
+pub(crate) struct FittedShading {
     coefficients: [f32; 4],
     /// Shading is never taken for darker than this: shadows would burn out.
     floor: f32,
@@ -24,7 +24,7 @@ pub struct FittedShading {
 
 /// What an albedo is estimated by: the same for all strips of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AlbedoEstimate {
+pub(crate) struct AlbedoEstimate {
     /// The shading that the picture is taken over; `None` where it is black, and its albedo white.
     pub shading: Option<FittedShading>,
     /// What the picture over its shading is multiplied by.
@@ -40,14 +40,14 @@ const RIDGE: f64 = 1e-3;
 impl ShadingFit {
     /// Counts one pixel in.
     #[inline]
-    pub fn add(&mut self, normal: [f32; 3], luminance: f32) {
+    pub(crate) fn add(&mut self, normal: [f32; 3], luminance: f32) {
         let row = Vector4::new(1.0, normal[0].into(), normal[1].into(), normal[2].into());
         self.normal_matrix += row * row.transpose();
         self.right_side += f64::from(luminance) * row;
     }
 
     /// The sums of both.
-    pub fn merged(self, other: Self) -> Self {
+    pub(crate) fn merged(self, other: Self) -> Self {
         Self {
             normal_matrix: self.normal_matrix + other.normal_matrix,
             right_side: self.right_side + other.right_side,
@@ -55,7 +55,7 @@ impl ShadingFit {
     }
 
     /// The shading that fits best, in the sense of least squares; `None` without pixels or light.
-    pub fn solved(&self) -> Option<FittedShading> {
+    pub(crate) fn solved(&self) -> Option<FittedShading> {
         let count = self.normal_matrix[(0, 0)];
         let mean = self.right_side[0] / count;
         if !(count > 0.0 && mean > 0.0 && mean.is_finite()) {
@@ -78,7 +78,7 @@ impl ShadingFit {
 impl FittedShading {
     /// The shading at a unit normal, above 0.
     #[inline(always)]
-    pub fn at(&self, n: [f32; 3]) -> f32 {
+    pub(crate) fn at(&self, n: [f32; 3]) -> f32 {
         let [a, x, y, z] = self.coefficients;
         let shading = a + x * n[0] + y * n[1] + z * n[2];
         if shading > self.floor {

@@ -98,7 +98,7 @@ pub fn table() -> &'static [&'static Param] {
 }
 
 /// The row of the parameter that recipes call `name`.
-pub(crate) fn param(name: &str) -> Option<&'static Param> {
+pub fn param(name: &str) -> Option<&'static Param> {
     table()
         .iter()
         .find(|row| row.has_flag() && row.name() == name)

@@ -87,7 +87,7 @@ pub struct Relighting {
     /// Where the albedo comes from.
     pub albedo: Albedo,
     /// What the albedo is estimated by, where that was found in the whole picture of which the frame is a strip.
-    pub estimate: Option<AlbedoEstimate>,
+    pub(crate) estimate: Option<AlbedoEstimate>,
 }
 
 impl Relighting {

@@ -11,7 +11,7 @@ use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
     Bend, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
 };
-use relievo::plan::{Available, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan};
 use std::sync::Arc;
 
 const GLASS: Scene = Scene {
@@ -179,7 +179,7 @@ fn a_scene_that_shows_nothing_is_drawn_as_without_it() {
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(&frame);
-    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, params).unwrap();
+    let plan = Plan::new(Goal::Layers, available, shape, scaling).unwrap();
     let inputs = engine::Inputs::default();
     let alone = Engine::cpu().stroke_fields(&plan, &frame, inputs, &params);
     let alone = alone.unwrap();
