@@ -135,6 +135,8 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
+        let window = run.region.unwrap_or(frame.data_window);
+        run.check_targets([window.height(), window.width()])?;
         let Some(region) = run.region else {
             let outcome = run.install(|| self.execute_here(plan, frame, inputs, run))?;
             run.finish(frame, &outcome)?;
@@ -178,6 +180,7 @@ impl Engine {
         if run.region.is_some() {
             return self.execute(plan, frame, inputs, run);
         }
+        run.check_targets([frame.mask.height(), frame.mask.width()])?;
         let outcome = run.install(|| match self.on_device(plan, frame, inputs, run)? {
             Some(outcome) => Ok(outcome),
             None => self.cpu.execute_sparingly(plan, frame, inputs, run.watch),

@@ -121,13 +121,23 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Writes a product to memory of the caller as well. A picture in which there is nothing to change is that of the frame.
+    /// Writes a product to memory of the caller as well, whose size is looked at before anything is done. A picture in which there is nothing to change is that of the frame.
     #[must_use]
     pub fn output(mut self, product: Product, target: impl Into<Target<'a>>) -> Self {
         let targets = self.targets.get_mut();
         let targets = targets.unwrap_or_else(PoisonError::into_inner);
         targets.push((product, target.into()));
         self
+    }
+
+    /// Looks before a run of a picture of this size whether the caller's memory takes it.
+    ///
+    /// # Errors
+    /// As [`Target::check`].
+    pub(crate) fn check_targets(&self, size: [usize; 2]) -> Result<()> {
+        let targets = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut targets = targets.iter();
+        targets.try_for_each(|(product, target)| target.check(*product, size))
     }
 
     /// Does `work` where the run is to be done.

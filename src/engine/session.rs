@@ -81,6 +81,8 @@ impl<F: AsRef<Frame>> Session<F> {
                 remedy: "run the engine on the region",
             });
         }
+        let mask = &self.held.as_ref().mask;
+        run.check_targets([mask.height(), mask.width()])?;
         self.on_device = None;
         self.on_device = self
             .engine

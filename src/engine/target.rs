@@ -41,6 +41,29 @@ impl<'a> From<ArrayViewMut2<'a, f32>> for Target<'a> {
 }
 
 impl Target<'_> {
+    /// Whether a product of a picture of this size, rows first, has a place here.
+    ///
+    /// # Errors
+    /// [`Error::Unfit`] where it has not.
+    pub(crate) fn check(&self, product: Product, [height, width]: [usize; 2]) -> Result<()> {
+        let row = product.row();
+        let components = row.components.len();
+        let fits = match &self.0 {
+            Layout::Packed(slice) => slice.len() == height * width * components,
+            Layout::View(view) => *view.shape() == [height, width, components],
+        };
+        match fits {
+            true => Ok(()),
+            false => Err(Error::Unfit {
+                found: format!(
+                    "{} has {components} components of {width}x{height} pixels, and its target has not",
+                    row.name
+                ),
+                remedy: "give a target of this size",
+            }),
+        }
+    }
+
     /// Writes the planes of a product, one a component.
     ///
     /// # Errors
@@ -53,19 +76,13 @@ impl Target<'_> {
                 remedy: "leave it out, or ask for what has it",
             });
         };
+        self.check(product, [first.height(), first.width()])?;
         let shape = [first.height(), first.width(), planes.len()];
-        let view = match &mut self.0 {
-            Layout::Packed(slice) => ArrayViewMut3::from_shape(shape, slice).ok(),
-            Layout::View(view) => Some(view.view_mut()).filter(|view| *view.shape() == shape),
-        };
-        let Some(mut view) = view else {
-            let [height, width, components] = shape;
-            return Err(Error::Unfit {
-                found: format!(
-                    "{name} has {components} components of {width}x{height} pixels, and its target has not"
-                ),
-                remedy: "give a target of this size",
-            });
+        let mut view = match &mut self.0 {
+            Layout::Packed(slice) => {
+                ArrayViewMut3::from_shape(shape, slice).expect("the size was checked")
+            }
+            Layout::View(view) => view.view_mut(),
         };
         for (mut component, plane) in view.axis_iter_mut(Axis(2)).zip(planes) {
             component.assign(&plane.view());

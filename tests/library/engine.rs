@@ -169,3 +169,22 @@ fn results_go_to_memory_of_the_caller_and_threads_change_no_bit() {
     let pixel = [0, 1, 2].map(|k| expected[k].at(11, 7));
     assert_eq!(hessian[3 * (7 * 80 + 11)..][..3], pixel);
 }
+
+#[test]
+fn memory_of_another_size_is_refused_before_anything_is_done() {
+    let (frame, engine) = (waves(), Engine::cpu());
+    let request = Request::layers(shape(), given());
+    let tell = |at: Progress| panic!("{} began", at.stage);
+    let mut session = Session::new(Engine::cpu(), frame.clone());
+    let mut short = vec![0.0; 80 * 90 - 1];
+    let run = Run::new().progress(&tell);
+    let run = run.output(Product::MappedCurvature, &mut short);
+    let refused = |done: relievo::Result<()>| {
+        let line = done.unwrap_err().to_string();
+        assert!(line.contains("mapped curvature has 1 components"), "{line}");
+    };
+    refused(engine.run(&request, &frame, &run).map(drop));
+    refused(session.run(&request, &run).map(drop));
+    let region = run.region(Window::at(0, 0, 8, 8));
+    refused(engine.run(&request, &frame, &region).map(drop));
+}
