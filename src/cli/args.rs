@@ -153,16 +153,24 @@ pub(super) enum ProgressArg {
     None,
 }
 
-/// How the work is run and reported.
+/// What computes.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
-pub(super) struct RunArgs {
+pub(super) struct ComputeArgs {
     /// What computes: auto takes a GPU where there is one, in a build that can, and the CPU for what it has no kernels for.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
     pub(super) backend: BackendArg,
     /// Threads; all cores where not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()))]
     pub(super) threads: Option<u16>,
+}
+
+/// How the work is run and reported.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Run")]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    pub(super) compute: ComputeArgs,
     /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free; photos then go in strips from 1.5G on.
     #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
     pub(super) max_memory: MaxMemory,

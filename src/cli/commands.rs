@@ -1,6 +1,6 @@
 //! The commands and what they take. Flags of parameters come from their table.
 
-use super::args::{BackendArg, WorkArgs};
+use super::args::{ComputeArgs, WorkArgs};
 use super::flags::{Flags, Section};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
@@ -8,7 +8,6 @@ use super::motion::MotionArg;
 use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::FramesArg;
-use super::threads::MOST_THREADS;
 use crate::params::Group;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, Parser, Subcommand};
@@ -166,12 +165,8 @@ pub(super) struct ViewArgs {
     pub(super) roles: RoleArgs,
     #[command(flatten)]
     pub(super) frames: FramesArg,
-    /// What computes: auto takes a GPU where there is one, in a build that can, and the CPU for what it has no kernels for.
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
-    pub(super) backend: BackendArg,
-    /// Threads; all cores where not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
-    pub(super) threads: Option<u16>,
+    #[command(flatten)]
+    pub(super) compute: ComputeArgs,
 }
 
 #[derive(Debug, Args)]
@@ -189,6 +184,9 @@ pub(super) struct EnhanceArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("backend", |backend| backend.help(
+    "What is measured: auto measures a GPU too where there is one, in a build that can; gpu one in software too"
+)))]
 pub(super) struct ReportArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
@@ -209,12 +207,8 @@ pub(super) struct ReportArgs {
     /// Fewer scales, smaller scenes, fewer runs.
     #[arg(long, help_heading = "Run")]
     pub(super) quick: bool,
-    /// What is measured: auto measures a GPU too where there is one, in a build that can; gpu one in software too.
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto, help_heading = "Run")]
-    pub(super) backend: BackendArg,
-    /// Threads; all cores where not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
-    pub(super) threads: Option<u16>,
+    #[command(flatten)]
+    pub(super) compute: ComputeArgs,
     /// Say nothing but errors; the summary still goes to stdout.
     #[arg(short, long, help_heading = "Run")]
     pub(super) quiet: bool,

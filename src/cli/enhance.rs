@@ -37,7 +37,7 @@ impl FrameCommand for EnhanceArgs {
     }
 
     fn prepare(&self) -> Result<Engine> {
-        self.work.run.backend.engine()
+        self.work.run.compute.backend.engine()
     }
 
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {

@@ -59,7 +59,10 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
 /// Any [`crate::Error`] of a single picture, and those that keep a sequence from being begun.
 pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
     let (command, recipe) = command_of::<C>(invocation);
-    let (threads, input) = (command.work().run.threads, command.work().input.clone());
+    let (threads, input) = (
+        command.work().run.compute.threads,
+        command.work().input.clone(),
+    );
     on_threads(threads, || {
         caught(&input, || match command.work().frames()? {
             None => single(&command, recipe, invocation),

@@ -97,7 +97,7 @@ impl FrameCommand for HatchArgs {
                 &self.relight,
                 self.relight.work.run.max_memory.for_light(),
             )?,
-            engine: self.relight.work.run.backend.engine()?,
+            engine: self.relight.work.run.compute.backend.engine()?,
             looks,
             surroundings: Mutex::default(),
             course: Mutex::default(),

@@ -91,7 +91,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
 /// Opens the window.
 #[cfg(feature = "view")]
 fn view(args: &commands::ViewArgs, typed: &Invocation) -> Result<i32> {
-    threads::use_threads(args.threads);
+    threads::use_threads(args.compute.threads);
     let opening = look::Opening::of(args, typed)?;
     crate::view::open(opening).map(|()| 0)
 }

@@ -56,7 +56,7 @@ impl FrameCommand for RelightArgs {
     fn prepare(&self) -> Result<RelightInputs> {
         Ok(RelightInputs {
             illumination: illumination(self, self.work.run.max_memory.for_light())?,
-            engine: self.work.run.backend.engine()?,
+            engine: self.work.run.compute.backend.engine()?,
         })
     }
 

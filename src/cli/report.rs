@@ -20,7 +20,9 @@ use std::path::Path;
 use std::time::Instant;
 
 pub(super) fn run(args: &ReportArgs) -> Result<()> {
-    on_threads(args.threads, || caught(&args.input, || report(args)))
+    on_threads(args.compute.threads, || {
+        caught(&args.input, || report(args))
+    })
 }
 
 fn report(args: &ReportArgs) -> Result<()> {
@@ -28,7 +30,7 @@ fn report(args: &ReportArgs) -> Result<()> {
     args.flags.refuse_more_scales()?;
     args.flags.validate()?;
     let shape = args.flags.params.shape;
-    let device = ReportDevice::of(args.backend)?;
+    let device = ReportDevice::of(args.compute.backend)?;
     refuse_collisions(args)?;
     let frames = args.frames.of(&args.input, None)?;
     let first = match frames {

@@ -40,7 +40,7 @@ impl FrameCommand for WorkArgs {
     }
 
     fn prepare(&self) -> Result<Engine> {
-        self.run.backend.engine()
+        self.run.compute.backend.engine()
     }
 
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {

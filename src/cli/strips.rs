@@ -114,7 +114,9 @@ fn allowed(job: &Job) -> u64 {
     let bytes = run.max_memory.bytes();
     let is_photo = !matches!(Kind::of(&job.work.input), Ok(Kind::Exr));
     match run.max_memory {
-        MaxMemory::Auto if is_photo && run.backend != BackendArg::Gpu => bytes.min(PHOTO_BYTES),
+        MaxMemory::Auto if is_photo && run.compute.backend != BackendArg::Gpu => {
+            bytes.min(PHOTO_BYTES)
+        }
         _ => bytes,
     }
 }

@@ -256,7 +256,7 @@ impl Opening {
             input: args.input.clone(),
             frames: args.frames.numbers(),
             look,
-            engine: args.backend.engine()?.or_cpu().into(),
+            engine: args.compute.backend.engine()?.or_cpu().into(),
         })
     }
 }

@@ -7,12 +7,13 @@ pub(super) fn each(words: &mut [u32], f: impl Fn(f32) -> f32) {
     }
 }
 
-/// Anything but NaN: infinities are in.
+/// Anything but NaN, infinities included: reading leaves no NaN in a plane, and parameters that are NaN are refused.
 pub(super) fn no_nan(words: &mut [u32]) {
     each(words, |v| if v.is_nan() { 0.5 } else { v });
 }
 
-/// Finite numbers up to 1e9 in size, whose products and sums stay finite.
+/// Finite numbers up to 1e9 in size, whose products and sums stay finite: what is left of an overflow depends on the order of
+/// operations, which the shading language leaves open.
 pub(super) fn bounded(words: &mut [u32]) {
     within_range(words, -1e9, 1e9);
 }
@@ -46,7 +47,7 @@ pub(super) fn set(words: &mut [u32], values: &[f32]) {
     }
 }
 
-/// A unit vector, one of a few thousand, the axes among them.
+/// A unit vector, as every normal is past reading: one of a few thousand, the axes among them.
 pub(super) fn unit_vector(words: &mut [u32]) {
     let size = vector(words).map(f32::abs).into_iter().fold(0.0, f32::max);
     if size <= 1.0 || size.is_nan() {
@@ -61,7 +62,7 @@ pub(super) fn unit_vector(words: &mut [u32]) {
     );
 }
 
-/// The direction of a sight line, scaled to z = -1.
+/// The direction of a sight line, scaled to z = -1: no more than 65 degrees from the axis.
 pub(super) fn sight_line(words: &mut [u32]) {
     coarse(&mut words[..2], 1.5);
     words[2] = (-1.0_f32).to_bits();

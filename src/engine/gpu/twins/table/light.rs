@@ -80,6 +80,7 @@ fn terms_of_light() -> Vec<Twin> {
             |rgb: [f32; 3], weights: [f32; 3]| { luminance(rgb, weights) }
         )
         .with(&["weight_r", "weight_g", "weight_b"]),
+        // The device is given the bits of a NaN, which its language cannot write.
         twin!(
             premultiplied,
             premultiplied,
@@ -88,6 +89,7 @@ fn terms_of_light() -> Vec<Twin> {
         )
         .with(&["nan_bits"])
         .on(|words| words[2] = f32::NAN.to_bits()),
+        // As parameters allow: whole levels from 1 on, and a softness that is a share.
         twin!(
             tone_factor,
             tone_factor,
@@ -124,6 +126,7 @@ fn reflectance() -> Vec<Twin> {
             }
         )
         .with(&["reflectance"]),
+        // Cosines, past 1 by more than roundings; exponents and the rest as far as those of a coat go.
         twin!(
             ashikhmin_shirley_specular,
             AshikhminShirley::specular,
@@ -274,6 +277,7 @@ fn lights() -> Vec<Twin> {
             RELIGHT,
             |le: f32, ln: f32, ne: f32| { terms::half_way(le, ln, ne) }
         ),
+        // A cosine that is held to 0..1; whole powers as far as they are multiplied, any others as far as exponents go.
         twin!(
             power_raise,
             Power::raise,
@@ -299,6 +303,7 @@ fn lights() -> Vec<Twin> {
 
 fn look_ups() -> Vec<Twin> {
     vec![
+        // A map has a pixel at least, and no more than 16384 a side.
         twin!(
             equirectangular_position,
             equirectangular_position,

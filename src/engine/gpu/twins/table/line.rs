@@ -55,6 +55,7 @@ fn contours() -> Vec<Twin> {
             CRACKS,
             |value: f32, least: f32, greatest: f32| crack::nearer_extreme(value, least, greatest)
         ),
+        // Pictures and strokes up to a million pixels; half a pixel of the output is between these sizes.
         twin!(
             round_stroke_coverage,
             RoundStroke::coverage,
@@ -152,6 +153,7 @@ fn directions() -> Vec<Twin> {
         )
         .on(|words| coarse(words, 4.0))
         .within(SINGLE),
+        // A doubt is a share; where it is next to none the precision of forms decides.
         twin!(
             form_confidence,
             Form::confidence,
@@ -164,6 +166,7 @@ fn directions() -> Vec<Twin> {
             within_range(&mut words[4..], 1e-3, 1.0);
         })
         .within(SINGLE),
+        // The same; none at all is a case of its own.
         twin!(
             form_flatness,
             Form::flatness,
@@ -182,6 +185,7 @@ fn directions() -> Vec<Twin> {
 
 fn fallbacks() -> Vec<Twin> {
     vec![
+        // Pixels are at most twice as wide as high, or as high as wide.
         twin!(
             fallback,
             FieldSetting::fallback,
@@ -213,6 +217,7 @@ fn fallbacks() -> Vec<Twin> {
             words[7] &= 1;
         })
         .within(Tolerance::Absolute(5e-5)),
+        // Pixels as before.
         twin!(
             fixed_direction,
             fixed_direction,
@@ -240,6 +245,7 @@ fn rays() -> Vec<Twin> {
     // The CPU takes f64 for what follows, the device f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
+        // Places of a picture, and cameras of 100 to 10,000 pixels of focal length.
         twin!(
             line,
             SightLines::line,
@@ -283,6 +289,7 @@ fn steps() -> Vec<Twin> {
     // The CPU takes f64 for what follows, the device f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
+        // Pixels are at most twice as wide as high, or as high as wide.
         twin!(
             picture_direction,
             SightLines::picture_direction,
@@ -299,6 +306,7 @@ fn steps() -> Vec<Twin> {
             within_range(&mut words[6..], 0.5, 2.0);
         })
         .within(Tolerance::Absolute(5e-5)),
+        // A surface seen from its edge goes on endlessly: how far is lost to single precision.
         twin!(
             sight_lines_step,
             SightLines::step,
@@ -329,6 +337,7 @@ fn normal_rays() -> Vec<Twin> {
     // The CPU takes f64 for what follows, the device f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
+        // A normal with its tangents, and the neighbour it is compared with.
         twin!(
             local_ray,
             Local::ray,
@@ -363,6 +372,7 @@ fn normal_rays() -> Vec<Twin> {
             set(&mut words[16..19], &b.to_array());
         })
         .within(SINGLE),
+        // A ray that is not there is all 0.
         twin!(
             slopes_of,
             Slopes::of,
@@ -415,6 +425,7 @@ fn tangents() -> Vec<Twin> {
             }
         )
         .on(bounded),
+        // Right behind the viewer the tangents turn with a rounding.
         twin!(
             upright_tangents,
             upright_tangents,
@@ -449,6 +460,7 @@ fn strokes() -> Vec<Twin> {
             }
         )
         .with(&["family", "families"]),
+        // A texture has a texel at least, and its places repeat.
         twin!(within, within, PICTURE_STROKES, |at: f32, size: u32| {
             let (first, next, share) = within(at, size as usize);
             (first as u32, next as u32, share)
