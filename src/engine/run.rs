@@ -121,7 +121,8 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Writes a product to memory of the caller as well, whose size is looked at before anything is done. A picture in which there is nothing to change is that of the frame.
+    /// Writes a product to memory of the caller as well, whose size is looked at before anything is done. A picture in which
+    /// there is nothing to change is that of the frame.
     #[must_use]
     pub fn output(mut self, product: Product, target: impl Into<Target<'a>>) -> Self {
         let targets = self.targets.get_mut();

@@ -36,8 +36,7 @@ pub use line::{
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;
-pub(crate) use relight::AUTO_SAMPLES;
-pub(crate) use relight::MAX_LIGHTS;
+pub(crate) use relight::{AUTO_SAMPLES, MAX_LIGHTS};
 pub use relight::{
     AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples, Tangent,
     WarpBy, WarpingParams,

@@ -11,7 +11,6 @@ pub(crate) use crate::light::enhancement::LightAvailable;
 pub use crate::light::relight::setting::{Albedo, LightKinds};
 pub(crate) use crate::light::relight::setting::{EnvironmentUse, Relighting};
 pub use crate::plan::available::Available;
-pub use crate::plan::planned::Decision;
-pub use crate::plan::planned::{Plan, Points};
+pub use crate::plan::planned::{Decision, Plan, Points};
 pub use crate::plan::resolve::{Goal, ToneFrom};
 pub(crate) use crate::shape::diffusion::sweeps::{DiffusionSchedule, Recurrence};

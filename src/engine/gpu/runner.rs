@@ -88,7 +88,7 @@ impl Runner {
         self.execute_watched(plan, frame, inputs, Watch::default())
     }
 
-    /// [`Runner::execute`] that may be ended between two attempts, and before each strip.
+    /// [`Runner::execute`] that may be ended before each strip.
     ///
     /// # Errors
     /// As [`Runner::execute`]; [`Error::Cancelled`].
@@ -108,7 +108,6 @@ impl Runner {
         inputs.check(plan, frame)?;
         let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
         in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
-            watch.check()?;
             self.attempt(plan, frame, inputs, plane_bytes, watch)
         })
     }

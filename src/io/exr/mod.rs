@@ -29,8 +29,7 @@ mod zip;
 
 pub use compression::OutputCompression;
 pub use merge::Merged;
-pub use part::Channel;
-pub use part::{ChannelId, Part, SampleType};
+pub use part::{Channel, ChannelId, Part, SampleType};
 pub use rows::RowReader;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
 pub use writer::{PartWriter, add_channels, append_part, write_results};
