@@ -15,7 +15,8 @@ mod shading;
 pub(crate) mod terms;
 
 #[cfg(feature = "gpu")]
-pub(crate) use shading::{Lobes, Power, Scaled, Shading, TowardLight, lobe_error};
+pub(crate) use shading::Power;
+pub(crate) use shading::{Lobes, Scaled, Shading, TowardLight, lobe_error};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;
