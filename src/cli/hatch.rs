@@ -24,8 +24,8 @@ use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    LineParams, Material, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
-    Style, ToneSource,
+    LineParams, Material, RelightParams, ScalingParams, ShapeParams, SoftThreshold, StrokeParams,
+    StrokeScale, Style, ToneSource,
 };
 use crate::plan::LightKinds;
 use crate::plan::{Available, Plan, ToneFrom};
@@ -106,6 +106,7 @@ impl FrameCommand for HatchArgs {
 
     fn make(&self, kit: &HatchInputs, job: &Job) -> Result<Chosen> {
         let (mut loaded, read) = self.load(kit, job)?;
+        let times = self.enlarge(job, &mut loaded)?;
         let scene = self.specular_scene(kit, job, &mut loaded)?;
         let moves = job.is_in_sequence() && self.motion.moves();
         let illumination = kit.illumination.clone();
@@ -115,6 +116,7 @@ impl FrameCommand for HatchArgs {
             &loaded.frame,
             moves,
             scene.is_some(),
+            times,
         )?;
         job.tell_plan(&plan)?;
         let inputs = engine::Inputs {
@@ -201,6 +203,51 @@ impl HatchArgs {
         (self.relight.inputs(job), needs)
     }
 
+    /// Makes the frame as large as its drawing is to be; how many times as large.
+    fn enlarge(&self, job: &Job, loaded: &mut Loaded) -> Result<usize> {
+        let times = self.times(&loaded.frame);
+        if times == 1 {
+            return Ok(times);
+        }
+        let refused = |found: &str, remedy: &str| {
+            Err(Error::BadParameter {
+                name: "--enlarge",
+                found: found.into(),
+                remedy: remedy.into(),
+            })
+        };
+        if !self
+            .relight
+            .specular
+            .of_frame(job.frame)
+            .inputs()
+            .is_empty()
+        {
+            return refused("does not go with mirrors and lenses", "leave it out");
+        }
+        if job.is_in_sequence() && self.motion.moves() {
+            return refused("does not go with strokes that move", "give --motion none");
+        }
+        if job.work.output.color_layer(loaded).is_some()
+            && !is_svg(&job.work)
+            && job.work.output.kind()? == Kind::Exr
+        {
+            return refused(
+                "makes layers larger than those of the input",
+                "give --layers results, or write a picture",
+            );
+        }
+        loaded.frame = loaded.frame.enlarged(times);
+        Ok(times)
+    }
+
+    /// How many times larger than the frame its drawing is.
+    fn times(&self, frame: &Frame) -> usize {
+        let window = frame.display_window;
+        let size_px = ((window.width() * window.height()) as f32).sqrt();
+        self.relight.work.flags.params.enlarge.times(size_px)
+    }
+
     fn load(&self, kit: &HatchInputs, job: &Job) -> Result<(Loaded, Duration)> {
         refuse_too_large(job)?;
         let (mut inputs, mut needs) = self.reading(&kit.looks, &kit.illumination, job);
@@ -237,7 +284,8 @@ impl HatchArgs {
         Ok(Some(scene))
     }
 
-    /// The plan, and the light, with a lamp where there is none and some is wanted.
+    /// The plan for a frame that was made so many `times` as large, and the light, with a lamp where there is none and some
+    /// is wanted.
     pub(super) fn plan(
         &self,
         looks: &Looks,
@@ -245,6 +293,7 @@ impl HatchArgs {
         frame: &Frame,
         moving: bool,
         is_specular: bool,
+        times: usize,
     ) -> Result<(Plan, Illumination)> {
         let specular = self
             .relight
@@ -256,8 +305,11 @@ impl HatchArgs {
             ..Available::in_frame(frame)
         };
         let is_lit = LightKinds::in_light(&illumination) != LightKinds::default();
+        // What is seen in mirrors has no tone but its light's.
+        let shows_shape = self.tone() == ToneSource::Auto && !is_specular;
         let relit = match self.tone() {
             ToneSource::Relight => true,
+            ToneSource::Auto if shows_shape => is_lit,
             ToneSource::Auto => is_lit || !available.color,
             ToneSource::Enhance | ToneSource::Picture => false,
         };
@@ -270,12 +322,36 @@ impl HatchArgs {
         }
         let kinds = LightKinds::in_light(&illumination);
         let tone = match self.tone() {
+            _ if shows_shape => ToneFrom::Shape(relit.then_some((looks.light, kinds))),
             _ if relit => ToneFrom::Relit(looks.light, kinds),
             ToneSource::Picture => ToneFrom::Picture,
             _ => ToneFrom::Enhanced,
         };
-        let plan = Plan::hatch(available, looks.shape, looks.scaling, tone, looks.line)?;
+        let shape = enlarged(looks.shape, times, frame);
+        let line = LineParams {
+            contours: looks.line.contours.map(|contours| contours.enlarged(times)),
+            ..looks.line
+        };
+        let plan = Plan::hatch(available, shape, looks.scaling, tone, line)?;
         Ok((plan, illumination))
+    }
+}
+
+/// How the shape of a frame is found that was made so many `times` as large: in pixels of the one it was made of.
+fn enlarged(shape: ShapeParams, times: usize, frame: &Frame) -> ShapeParams {
+    if times == 1 {
+        return shape;
+    }
+    let height = (frame.display_window.height() / times).max(1) as u32;
+    let SoftThreshold { lo, hi } = shape.crease;
+    ShapeParams {
+        reference_height: shape.reference_height.or(Some(height)),
+        // Normals that were interpolated turn by so much less from pixel to pixel.
+        crease: SoftThreshold {
+            lo: lo / times as f32,
+            hi: hi / times as f32,
+        },
+        ..shape
     }
 }
 
@@ -296,13 +372,17 @@ fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
 
 /// The texture of strokes in a folder of pictures.
 fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<TonalArtMap> {
-    let StrokeScale::Factor(factor) = strokes.scale else {
-        return Err(Error::BadParameter {
-            name: "--stroke-scale",
-            found: "is in millimetres, but how wide the strokes of pictures are is not known"
-                .into(),
-            remedy: "give a factor".into(),
-        });
+    let factor = match strokes.scale {
+        StrokeScale::Auto => 1.0,
+        StrokeScale::Factor(factor) => factor,
+        StrokeScale::Millimetres(_) => {
+            return Err(Error::BadParameter {
+                name: "--stroke-scale",
+                found: "is in millimetres, but how wide the strokes of pictures are is not known"
+                    .into(),
+                remedy: "give a factor".into(),
+            });
+        }
     };
     Ok(TonalArtMap::of_pictures(
         &io::read_art_map(path, most_bytes)?,

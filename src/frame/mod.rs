@@ -4,6 +4,7 @@ mod builder;
 mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
+mod enlarged;
 mod light_layers;
 mod mask;
 mod motion;

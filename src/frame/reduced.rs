@@ -23,7 +23,7 @@ impl Frame {
             data_window: place(self.data_window, size),
             display_window: place(shown, shown_size),
             camera: self.camera.map(|camera| Camera {
-                projection: reduced(camera.projection, step as f64),
+                projection: camera.projection.of_pixels(step as f64),
                 ..camera
             }),
             ..self.with_planes(mask, |plane| of_every(plane, step))
@@ -36,21 +36,23 @@ fn of_every<T: Copy>(plane: &Plane<T>, step: usize) -> Plane<T> {
     Plane::from_fn(width, height, |x, y| plane.at(x * step, y * step))
 }
 
-/// The projection onto pixels `step` times as large.
-fn reduced(projection: Projection, step: f64) -> Projection {
-    match projection {
-        Projection::Perspective { fx, fy, cx, cy } => Projection::Perspective {
-            fx: fx / step,
-            fy: fy / step,
-            cx: cx / step,
-            cy: cy / step,
-        },
-        Projection::Orthographic { sx, sy, cx, cy } => Projection::Orthographic {
-            sx: sx / step,
-            sy: sy / step,
-            cx: cx / step,
-            cy: cy / step,
-        },
+impl Projection {
+    /// The projection onto pixels `step` times as large.
+    pub(super) fn of_pixels(self, step: f64) -> Self {
+        match self {
+            Self::Perspective { fx, fy, cx, cy } => Self::Perspective {
+                fx: fx / step,
+                fy: fy / step,
+                cx: cx / step,
+                cy: cy / step,
+            },
+            Self::Orthographic { sx, sy, cx, cy } => Self::Orthographic {
+                sx: sx / step,
+                sy: sy / step,
+                cx: cx / step,
+                cy: cy / step,
+            },
+        }
     }
 }
 

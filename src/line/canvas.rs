@@ -15,6 +15,8 @@ pub(crate) struct Canvas {
     pub(crate) seen: Option<(SeenThrough, Weights)>,
     /// The luminance of the tone, where no picture of it is kept.
     pub(crate) luminance: Option<Plane>,
+    /// The optical densities to be drawn, where they are not told from luminance alone.
+    pub(crate) density: Option<Plane>,
     /// Lines along edges, and what they cover.
     pub(crate) contours: Option<(Plane, Vec<Contour>)>,
     /// The directions of strokes.

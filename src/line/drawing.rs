@@ -4,7 +4,7 @@ use crate::engine::cpu::run::Run;
 use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::streamlines::Streamline;
-use crate::line::tone::{Densities, ToneOf};
+use crate::line::tone::{Densities, PictureDensities, ToneOf};
 use crate::params::{Adaptive, LineParams, Style, ToneParams};
 use crate::plan::Plan;
 use crate::plan::stage::Verdict;
@@ -25,8 +25,10 @@ pub(crate) fn has_texture(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdi
     })
 }
 
-/// What is drawn: the picture made so far, or that of the frame; or the luminance of one that is not kept.
+/// What is drawn: the picture made so far, or that of the frame; or the luminance of one that is not kept; or densities
+/// that were found of all these.
 pub(crate) struct Tone {
+    density: Option<Plane>,
     made: Option<ColorPlanes>,
     luminance: Option<Plane>,
     /// Luminance of paper white.
@@ -39,11 +41,13 @@ impl Tone {
         let (plan, frame) = (run.plan, run.frame);
         let params = plan.drawing.as_ref().expect("a tone is of a drawing");
         let mut tone = Self {
+            density: run.canvas.density.take(),
             made: run.outcome.color.take(),
             luminance: run.canvas.luminance.take(),
             white: 1.0,
         };
         tone.white = match params.tone.white_point {
+            _ if tone.density.is_some() => 1.0,
             Adaptive::Fixed(white) => white,
             Adaptive::Auto => run.timed("auto-white", || tone.of(frame).white_level(&frame.mask)),
         };
@@ -51,18 +55,33 @@ impl Tone {
     }
 
     fn of<'a>(&'a self, frame: &'a Frame) -> ToneOf<'a> {
-        if let Some(luminance) = &self.luminance {
-            return ToneOf::Luminance(luminance);
-        }
-        let color = self.made.as_ref().or(frame.color.as_ref());
-        let color = color.expect("a drawing is planned with its tone");
-        ToneOf::Picture(color, frame.luminance_weights())
+        let shown = shown(self.made.as_ref(), self.luminance.as_ref(), frame);
+        shown.expect("a drawing is planned with its tone")
     }
 
     /// The optical densities that are drawn.
     pub(crate) fn densities<'a>(&'a self, frame: &'a Frame, params: &ToneParams) -> Densities<'a> {
-        Densities::new(self.of(frame), frame, self.white, params)
+        match &self.density {
+            Some(density) => Densities::Found(density),
+            None => {
+                let tone = self.of(frame);
+                Densities::OfPicture(PictureDensities::new(tone, frame, self.white, params))
+            }
+        }
     }
+}
+
+/// What a drawing's tone comes from, of what there is: the picture that was `made`, its `luminance`, or the frame's own.
+pub(crate) fn shown<'a>(
+    made: Option<&'a ColorPlanes>,
+    luminance: Option<&'a Plane>,
+    frame: &'a Frame,
+) -> Option<ToneOf<'a>> {
+    if let Some(luminance) = luminance {
+        return Some(ToneOf::Luminance(luminance));
+    }
+    let color = made.or(frame.color.as_ref())?;
+    Some(ToneOf::Picture(color, frame.luminance_weights()))
 }
 
 /// Puts the drawing together of its strokes and of what the canvas holds.

@@ -16,6 +16,7 @@ use crate::light::relight::gpu_lights::Light;
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::Piece;
 use crate::line::contours::gpu_coverage::Medium;
+use crate::line::contours::stage::scaled;
 use crate::line::gpu_drawing::{medium, plane_of};
 use crate::line::hatching::gpu::Strokes;
 use crate::line::streamlines::Streamline;
@@ -173,8 +174,7 @@ impl Runner {
         outcome: &mut Outcome,
     ) -> Option<Vec<Contour>> {
         let start = Instant::now();
-        let scale = params.strokes.factor(plan.resolution_factor as f32);
-        let params = params.contours?.scaled(scale);
+        let params = scaled(plan, params)?;
         let shape = &outcome.shape;
         let weights = [&shape.silhouette, &shape.crease].map(|weights| {
             let weights = weights.as_ref();

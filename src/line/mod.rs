@@ -19,6 +19,7 @@ pub(crate) mod patches;
 pub mod propagation;
 mod random;
 mod response;
+pub(crate) mod shape_tone;
 pub(crate) mod slice_texture;
 pub(crate) mod specular;
 pub mod streamlines;

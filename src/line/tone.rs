@@ -40,8 +40,26 @@ impl<'a> ToneOf<'a> {
 /// Samples of a plane that there is not.
 static ZEROS: [f32; BATCH] = [0.0; BATCH];
 
+/// The optical densities that are drawn.
+pub(crate) enum Densities<'a> {
+    /// Those of a picture.
+    OfPicture(PictureDensities<'a>),
+    /// These.
+    Found(&'a Plane),
+}
+
+impl Densities<'_> {
+    /// The densities of `columns` of row `y`, at most a batch.
+    pub(crate) fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
+        match self {
+            Self::OfPicture(densities) => densities.row(out, y, columns, simd),
+            Self::Found(plane) => out.copy_from_slice(&plane.row(y)[columns]),
+        }
+    }
+}
+
 /// The optical density of a picture, -ln(tone), looked up by luminance.
-pub(crate) struct Densities<'a> {
+pub(crate) struct PictureDensities<'a> {
     planes: [Option<&'a Plane>; 3],
     frame: &'a Frame,
     weights: [f32; 3],
@@ -51,7 +69,7 @@ pub(crate) struct Densities<'a> {
     table: Vec<f32>,
 }
 
-impl<'a> Densities<'a> {
+impl<'a> PictureDensities<'a> {
     pub(crate) fn new(tone: ToneOf<'a>, frame: &'a Frame, white: f32, params: &ToneParams) -> Self {
         let (planes, weights) = tone.planes();
         Self {
@@ -63,8 +81,7 @@ impl<'a> Densities<'a> {
         }
     }
 
-    /// The densities of `columns` of row `y`, at most a batch.
-    pub(crate) fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
+    fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
         let color = self.planes.map(|plane| match plane {
             Some(plane) => &plane.row(y)[columns.clone()],
             None => &ZEROS[..columns.len()],
@@ -81,7 +98,7 @@ pub(crate) fn density_row(
     out: &mut [f32],
     [r, g, b]: [&[f32]; 3],
     alpha: Option<&[f32]>,
-    densities: &Densities,
+    densities: &PictureDensities,
 ) {
     let count = out.len().min(BATCH);
     let (r, g, b) = (&r[..count], &g[..count], &b[..count]);
@@ -120,6 +137,6 @@ widened! {
         out: &mut [f32],
         color: [&[f32]; 3],
         alpha: Option<&[f32]>,
-        densities: &Densities,
+        densities: &PictureDensities,
     );
 }

@@ -31,8 +31,8 @@ mod specular;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
-    ContourParams, Fallback, FieldParams, LineParams, Stroke, StrokeDirections, StrokeParams,
-    StrokeScale, Style, ToneParams, ToneSource,
+    Background, ContourParams, Enlargement, Fallback, FieldParams, LineParams, Stroke,
+    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;
@@ -78,9 +78,11 @@ params! {
         relight: RelightParams;
         /// How what mirrors and lenses show is searched for.
         search: SearchParams;
-        /// Where tone comes from: the picture by radiance scaling, the picture as it is, or new light; auto
-        /// takes new light where any is given or there is no picture.
+        /// Where tone comes from: the picture by radiance scaling, the picture as it is, or new light; auto shows the
+        /// shape, by a key light and the picture, or new light where any is given.
         tone: ToneSource = ToneSource::Auto, flag: "--tone", form: "SOURCE", group: Group::Tone;
+        /// How many times larger than the picture it is drawn; auto makes small ones large enough for strokes.
+        enlarge: Enlargement = Enlargement::Times(1), flag: "--enlarge", form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
         /// How it is drawn.
         line: LineParams;
     }

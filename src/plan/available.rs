@@ -19,6 +19,8 @@ pub struct Available {
     pub importance: bool,
     /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
     pub image_height: usize,
+    /// Its width, likewise.
+    pub image_width: usize,
     /// Depth and a camera that together tell where the surface is.
     pub positions: bool,
     /// Largest rounding error of a component of the normals.
@@ -42,6 +44,7 @@ impl Available {
             occlusion: frame.occlusion.is_some(),
             importance: frame.importance.is_some(),
             image_height: frame.display_window.height(),
+            image_width: frame.display_window.width(),
             positions: frame.depth.is_some()
                 && frame.camera.is_some()
                 && frame.source.depth_kind != DepthKind::Relative,
@@ -50,5 +53,10 @@ impl Available {
             moving: false,
             specular: None,
         }
+    }
+
+    /// The size of the picture in pixels: the root of its area.
+    pub(crate) fn image_size_px(&self) -> f32 {
+        (self.image_width as f32 * self.image_height as f32).sqrt()
     }
 }

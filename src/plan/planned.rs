@@ -34,6 +34,10 @@ pub struct Plan {
     pub(crate) display: bool,
     /// How the picture that was made is drawn, if it is.
     pub drawing: Option<LineParams>,
+    /// How many times as wide as at scale 1 its lines along edges are.
+    pub(crate) line_scale: f32,
+    /// Whether its tone is spread so that it shows the shape.
+    pub(crate) shows_shape: bool,
     /// How specular pixels are traced, if they are.
     pub specular: Option<SpecularParams>,
     /// How the gradient is diffused.

@@ -41,6 +41,9 @@ pub enum ToneFrom {
     Enhanced,
     /// New light.
     Relit(RelightParams, LightKinds),
+    /// What shows the shape: a key light, and new light, or else the picture by radiance scaling, or neither where there
+    /// is no picture; spread over all tones from ink to paper.
+    Shape(Option<(RelightParams, LightKinds)>),
 }
 
 impl Goal {
@@ -93,10 +96,12 @@ impl Plan {
         shape: ShapeParams,
         scaling: ScalingParams,
         tone: ToneFrom,
-        drawing: LineParams,
+        mut drawing: LineParams,
     ) -> Result<Self> {
         scaling.validate()?;
         drawing.validate()?;
+        let factor = shape.resolution_factor(available.image_height) as f32;
+        let line_scale = drawing.strokes.fit(available.image_size_px(), factor);
         if available.moving && drawing.strokes.style == Style::Lines {
             return Err(Error::BadParameter {
                 name: "--style",
@@ -107,12 +112,15 @@ impl Plan {
         let (goal, relighting) = match tone {
             ToneFrom::Picture => (Goal::Picture, None),
             ToneFrom::Enhanced => (Goal::Enhance, None),
-            ToneFrom::Relit(relight, kinds) => {
+            ToneFrom::Shape(None) if available.color => (Goal::Enhance, None),
+            ToneFrom::Shape(None) => (Goal::Picture, None),
+            ToneFrom::Relit(relight, kinds) | ToneFrom::Shape(Some((relight, kinds))) => {
                 let relighting = Relighting::new(relight, &scaling, kinds, available)?;
                 (Goal::Relight, Some(relighting))
             }
         };
-        if goal != Goal::Relight && !available.color {
+        let shows_shape = matches!(tone, ToneFrom::Shape(_));
+        if goal != Goal::Relight && !available.color && !shows_shape {
             return Err(Error::BadParameter {
                 name: "--tone",
                 found: "comes from the picture, and there is none".into(),
@@ -122,6 +130,8 @@ impl Plan {
         Self::made(Asked {
             relighting,
             drawing: Some(drawing),
+            shows_shape,
+            line_scale,
             ..Asked::of(goal, available, shape, scaling)
         })
     }
@@ -153,6 +163,8 @@ impl Plan {
             more_px,
             relighting,
             drawing,
+            shows_shape,
+            line_scale,
         } = asked;
         shape.validate()?;
         check_scales(1 + more_px.len())?;
@@ -194,6 +206,8 @@ impl Plan {
             relighting,
             display: goal == Goal::Display,
             drawing,
+            line_scale,
+            shows_shape,
             specular: available.specular,
             sweeps,
             more_px: more_px.to_vec(),
@@ -294,6 +308,8 @@ struct Asked<'a> {
     more_px: &'a [f32],
     relighting: Option<Relighting>,
     drawing: Option<LineParams>,
+    shows_shape: bool,
+    line_scale: f32,
 }
 
 impl Asked<'_> {
@@ -306,6 +322,8 @@ impl Asked<'_> {
             more_px: &[],
             relighting: None,
             drawing: None,
+            shows_shape: false,
+            line_scale: 1.0,
         }
     }
 }
@@ -354,6 +372,7 @@ mod tests {
         occlusion: true,
         importance: false,
         image_height: 1080,
+        image_width: 1920,
         positions: true,
         normal_rounding: 0.0,
         moving: false,
@@ -367,6 +386,7 @@ mod tests {
         occlusion: false,
         importance: false,
         image_height: 1080,
+        image_width: 1920,
         positions: false,
         normal_rounding: 0.0,
         moving: false,

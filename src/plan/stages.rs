@@ -8,6 +8,7 @@ use crate::line::contours::stage::CONTOURS;
 use crate::line::direction_field::stage::DIRECTION_FIELD;
 use crate::line::hatching::stage::HATCHING;
 use crate::line::normal_rays::stage::NORMAL_RAYS;
+use crate::line::shape_tone::stage::SHAPE_TONE;
 use crate::line::specular::stage::SPECULAR_TRACE;
 use crate::line::streamlines::stage::STREAMLINES;
 use crate::line::texture_coordinates::stage::TEXTURE_COORDINATES;
@@ -44,8 +45,9 @@ pub(crate) static PICTURE: [&Stage; 7] = [
 ];
 
 /// Those that draw it.
-pub(crate) static DRAWING: [&Stage; 7] = [
+pub(crate) static DRAWING: [&Stage; 8] = [
     &SPECULAR_TRACE,
+    &SHAPE_TONE,
     &CONTOURS,
     &DIRECTION_FIELD,
     &TEXTURE_COORDINATES,

@@ -41,6 +41,7 @@ pub(super) fn painted() -> ToneParams {
         white_point: Adaptive::Fixed(1.0),
         black_point: 0.0,
         gamma: 1.0,
+        ..ToneParams::default()
     }
 }
 

@@ -46,7 +46,7 @@ pub(crate) struct Line {
 /// Evens out lines whose spots may lie so far beside the edge.
 pub(crate) fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
     let smoothing = Smoothing {
-        tolerance_px,
+        tolerance_px: tolerance_px * params.step_px,
         reach: params.smoothing_px as usize,
     };
     lines.par_iter_mut().for_each(|line| line.smooth(smoothing));

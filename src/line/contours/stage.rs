@@ -40,10 +40,10 @@ fn decide(plan: &Plan) -> Verdict {
     })
 }
 
-/// Contours are scaled with strokes.
+/// Contours at the size that lines have in the picture.
 pub(crate) fn scaled(plan: &Plan, params: &LineParams) -> Option<ContourParams> {
-    let scale = params.strokes.factor(plan.resolution_factor as f32);
-    params.contours.map(|contours| contours.scaled(scale))
+    let contours = params.contours;
+    contours.map(|contours| contours.scaled(plan.line_scale))
 }
 
 fn draw(run: &mut Run) {

@@ -12,6 +12,9 @@ const SHARES: RangeInclusive<f32> = 0.0..=1.0;
 /// Lengths in pixels.
 const LENGTHS: RangeInclusive<f32> = 0.0..=1e6;
 
+/// How far along a line steps are evened out, in pixels.
+const SMOOTHINGS: RangeInclusive<f32> = 0.0..=100.0;
+
 params! {
     /// How silhouettes and creases are drawn ([LA] section 6: they come last, over the hatching).
     pub struct ContourParams in Contours {
@@ -45,7 +48,10 @@ params! {
         ///
         /// It goes no farther than the line stays within the pixels it was found between, so corners stay. 0 leaves the
         /// steps; high values cost time.
-        smoothing_px: f32 = 24.0, flag: "--contour-smoothing", form: "PX", unit: Unit::Pixels, valid: 0.0..=100.0;
+        smoothing_px: f32 = 24.0, flag: "--contour-smoothing", form: "PX", unit: Unit::Pixels, valid: SMOOTHINGS;
+        /// How many pixels wide the steps are that are evened out: more than 1 where the frame was
+        /// [enlarged](crate::frame::Frame::enlarged).
+        step_px: f32 = 1.0, unit: Unit::Pixels, valid: 1.0..=16.0;
     }
 }
 
@@ -103,6 +109,16 @@ impl ContourParams {
             width_px: factor * self.width_px,
             shortest_px: factor * self.shortest_px,
             taper_px: factor * self.taper_px,
+            ..self
+        }
+    }
+
+    /// The same in a frame that was made so many `times` as large.
+    pub fn enlarged(self, times: usize) -> Self {
+        let times = times as f32;
+        Self {
+            step_px: times * self.step_px,
+            smoothing_px: (times * self.smoothing_px).min(*SMOOTHINGS.end()),
             ..self
         }
     }

@@ -9,8 +9,8 @@ pub use contours::ContourParams;
 pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
 pub(crate) use strokes::MAX_LEVELS;
-pub use strokes::{Stroke, StrokeParams, StrokeScale, Style};
-pub use tone::{ToneParams, ToneSource};
+pub use strokes::{Enlargement, Stroke, StrokeParams, StrokeScale, Style};
+pub use tone::{Background, ToneParams, ToneSource};
 
 params! {
     /// How a frame is drawn ([LA] section 6).
@@ -19,7 +19,7 @@ params! {
         tone: ToneParams;
         /// Directions of curvature that strokes follow: of the larger, around a cylinder; of the lesser, along
         /// it; both, the dark crossed by a second hatching.
-        directions: StrokeDirections = StrokeDirections::Max, flag: "--directions", form: "WHICH";
+        directions: StrokeDirections = StrokeDirections::Both, flag: "--directions", form: "WHICH";
         /// How those directions are made calm.
         field: FieldParams;
         /// The strokes of the hatching.

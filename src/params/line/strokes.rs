@@ -70,6 +70,8 @@ impl Value for Style {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StrokeScale {
+    /// As large as carries the forms of a picture of its size: spacing is a 185th of the root of its area.
+    Auto,
     /// The style's own sizes times this factor, in output pixels.
     Factor(f32),
     /// As large as makes strokes this wide, in millimetres, on paper.
@@ -80,16 +82,20 @@ impl Value for StrokeScale {
     const KIND: Kind = Kind::Text;
 
     fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
+        if text == AUTO {
+            return Ok(Self::Auto);
+        }
         let (number, scale): (&str, fn(f32) -> Self) = match text.strip_suffix("mm") {
             Some(number) => (number, Self::Millimetres),
             None => (text, Self::Factor),
         };
-        let expected = "expected a factor as in 1.5, or the width of a stroke as in 0.3mm";
+        let expected = "expected auto, a factor as in 1.5, or the width of a stroke as in 0.3mm";
         finite(number).map(scale).ok_or(expected.into())
     }
 
     fn text(&self, _: &Param) -> Option<String> {
         Some(match self {
+            Self::Auto => AUTO.into(),
             Self::Factor(factor) => factor.to_string(),
             Self::Millimetres(width) => format!("{width}mm"),
         })
@@ -99,7 +105,45 @@ impl Value for StrokeScale {
     fn outside(&self, row: &Param) -> Option<String> {
         match self {
             Self::Factor(factor) => factor.outside(row),
-            Self::Millimetres(_) => None,
+            Self::Auto | Self::Millimetres(_) => None,
+        }
+    }
+}
+
+/// The word for a scale that fits the picture.
+const AUTO: &str = "auto";
+
+/// The picture's size, the root of its area, in which strokes of scale 1 carry its forms, and the scales that are fit to any.
+const SIZE_AT_SCALE_1_PX: f32 = 1100.0;
+const FIT_SCALES: [f32; 2] = [0.35, 4.0];
+
+/// The picture's size in which lines along edges have their own width.
+const SIZE_OF_LINES_PX: f32 = 554.0;
+
+number_or_word! {
+    /// How many times larger than its picture a drawing is.
+    #[derive(Eq)]
+    pub enum Enlargement {
+        /// So large that strokes carry its forms: a small picture has too few pixels for them.
+        Auto = "auto",
+        /// So many times.
+        Times(u32),
+    }
+    whole: true,
+    numbers: |times| (1..=MAX_TIMES).contains(times),
+    expected: format!("expected auto or a whole number, 1 to {MAX_TIMES}"),
+}
+
+/// The most that a drawing is enlarged.
+const MAX_TIMES: u32 = 16;
+
+impl Enlargement {
+    /// How many times larger a drawing of a picture of this size, the root of its area in pixels, is.
+    pub fn times(self, size_px: f32) -> usize {
+        match self {
+            Self::Auto => ((SIZE_AT_SCALE_1_PX / size_px.max(1.0)).ceil() as usize)
+                .clamp(1, MAX_TIMES as usize),
+            Self::Times(times) => times as usize,
         }
     }
 }
@@ -110,10 +154,11 @@ params! {
         /// What strokes are drawn with; lines are strokes as long as they can be, one by one, as an SVG has them; a
         /// folder holds pictures of strokes along the horizontal, one per tone.
         style: Style = Style::Pen, flag: "--style", form: "pen|pencil|lines|DIR";
-        /// Size of strokes: a factor of the style's own pixels, or the width of a stroke on paper as in 0.3mm.
+        /// Size of strokes: auto fits the picture; a factor of the style's own pixels; or the width of a stroke on paper as
+        /// in 0.3mm.
         ///
         /// Small strokes melt into grey; large ones no longer follow the form.
-        scale: StrokeScale = StrokeScale::Factor(1.0), flag: "--stroke-scale", form: "S|MMmm", valid: 0.05..=1000.0;
+        scale: StrokeScale = StrokeScale::Auto, flag: "--stroke-scale", form: "S|MMmm|auto", valid: 0.05..=1000.0;
         /// Pixels per inch of the printed drawing, for sizes in millimetres.
         dpi: f32 = 300.0, flag: "--dpi", form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0;
         /// Width of a stroke pressed hard, in pixels at scale 1; the style's own where not given.
@@ -199,11 +244,28 @@ impl Style {
 }
 
 impl StrokeParams {
+    /// Puts the factor that fits a picture of this size, the root of its area, in the place of [`StrokeScale::Auto`], with
+    /// `resolution_factor` as in [`StrokeParams::factor`]. Returns the factor of lines along edges: that of strokes, but
+    /// for one that fits. Strokes shrink for the sake of small forms, lines have to be seen.
+    pub(crate) fn fit(&mut self, size_px: f32, resolution_factor: f32) -> f32 {
+        if self.scale != StrokeScale::Auto {
+            return self.factor(resolution_factor);
+        }
+        let [least, most] = FIT_SCALES;
+        let factor = match self.style {
+            Style::Pictures => 1.0,
+            _ => (size_px / SIZE_AT_SCALE_1_PX).clamp(least, most),
+        };
+        self.scale = StrokeScale::Factor(factor / resolution_factor);
+        size_px / SIZE_OF_LINES_PX
+    }
+
     /// Output pixels for one at scale 1, in a picture of which `resolution_factor` pixels stand for one of
     /// the reference.
     pub fn factor(&self, resolution_factor: f32) -> f32 {
         let width = self.width_px.unwrap_or(self.style.stroke().width_px);
         match self.scale {
+            StrokeScale::Auto => 1.0,
             StrokeScale::Factor(factor) => factor * resolution_factor,
             StrokeScale::Millimetres(mm) => mm / MM_PER_INCH * self.dpi / width,
         }
@@ -224,7 +286,7 @@ impl StrokeParams {
 
     fn relations(&self) -> Result<()> {
         match self.scale {
-            StrokeScale::Factor(_) => Ok(()),
+            StrokeScale::Auto | StrokeScale::Factor(_) => Ok(()),
             StrokeScale::Millimetres(mm) => in_range("--stroke-scale", mm, 0.01..=100.0),
         }
     }

@@ -59,6 +59,7 @@ fn crossed() -> LineParams {
             white_point: Adaptive::Fixed(1.0),
             black_point: 0.0,
             gamma: 1.0,
+            ..ToneParams::default()
         },
         ..LineParams::default()
     }

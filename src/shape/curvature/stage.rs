@@ -129,7 +129,8 @@ fn unit(plan: &Plan) -> String {
 
 /// The trace of the Hessian. New light makes it row by row; there it is only made for the gain.
 fn find_trace(run: &mut Run) {
-    if run.plan.relighting.is_none() || run.plan.chooses_gain() {
+    let plan = run.plan;
+    if plan.relighting.is_none() || plan.chooses_gain() || plan.shows_shape {
         trace_of_gradient(run);
     }
 }

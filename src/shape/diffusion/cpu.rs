@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::RunOptions;
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout, Recurrence};
@@ -18,18 +18,17 @@ use rayon::prelude::*;
 pub(crate) fn diffusion(
     gradient: Vector2Planes,
     conductance: &Plane,
-    frame: &Frame,
+    mask: &Mask,
+    importance: Option<&Levels>,
     sweeps: &DiffusionSchedule,
     options: &RunOptions,
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
-    let mask = &frame.mask;
     let threads = rayon::current_num_threads();
     let size = even_tiles(options.tile, mask.width(), mask.height(), threads);
     let tiling = Tiling::new(mask, size);
     let updates = updates(sweeps);
-    let importance = Levels::of(frame, sweeps);
-    let weights = match (&sweeps.readout, &importance) {
+    let weights = match (&sweeps.readout, importance) {
         (Readout::Sums(sums), _) => Weights::Sums(sums),
         (_, Some(levels)) => Weights::ByLevel {
             levels: &levels.plane,

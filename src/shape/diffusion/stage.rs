@@ -5,6 +5,7 @@ use crate::params::ShapeParams;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
+use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::{REACH, cpu};
 
 /// The gradient at the scales asked for.
@@ -70,10 +71,12 @@ fn diffuse(run: &mut Run) {
             let conductance = conductance.expect("slopes spread by conductance");
             let diffused = run.timed("diffusion", || {
                 let (sweeps, options) = (&plan.sweeps, &runner.options);
+                let importance = Levels::of(frame, sweeps);
                 cpu::diffusion(
                     undiffused,
                     &conductance,
-                    frame,
+                    &frame.mask,
+                    importance.as_ref(),
                     sweeps,
                     options,
                     &runner.memory,

@@ -104,6 +104,17 @@ impl DiffusionSchedule {
         }
     }
 
+    /// The sweeps that spread a field to this sigma, in pixels, to within `tolerance` of its largest value.
+    pub(crate) fn to_sigma(sigma_px: f32, tolerance: f64) -> Self {
+        let spread = Spread::Time(ShapeParams::time_of(sigma_px));
+        let expansion = coefficients(spread, tolerance);
+        Self {
+            recurrence: Recurrence::Chebyshev,
+            count: expansion.len() - 1,
+            readout: Readout::Sums(vec![expansion.into_iter().map(|a| a as f32).collect()]),
+        }
+    }
+
     /// How often the operator is applied.
     pub fn count(&self) -> usize {
         self.count

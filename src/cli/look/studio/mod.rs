@@ -361,7 +361,7 @@ impl ViewSession {
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let is_specular = sitter.scene.is_some();
         let frame = sitter.session(&self.engine, step).held().as_ref();
-        let (plan, light) = args.plan(&looks, light, frame, false, is_specular)?;
+        let (plan, light) = args.plan(&looks, light, frame, false, is_specular, 1)?;
         let map = args.pictures().and(self.art_map.as_ref());
         let inputs = Inputs {
             art_map: map.map(|(_, _, map)| map),

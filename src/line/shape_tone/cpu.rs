@@ -1,0 +1,433 @@
+//! Tone over the frame: cells, what spreads among them, percentiles, and back to pixels.
+
+use super::grid::Grid;
+use super::{Spread, activity, key_stops, left_out, lightened, raised, seen_tone, stops};
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::percentile::percentile;
+use crate::engine::cpu::rows::map_covered;
+use crate::frame::{Frame, Mask, Plane, Vector2Planes, luminance};
+use crate::line::direction_field::setting::OPEN;
+use crate::line::tone::ToneOf;
+use crate::params::{RunOptions, ToneParams};
+use crate::shape::curvature::mapped_curvature;
+use crate::shape::diffusion::cpu::diffusion;
+use crate::shape::diffusion::sweeps::DiffusionSchedule;
+use glam::{Vec2, Vec3};
+
+/// Cells along the picture's size, the root of its area, where it has so many pixels: strokes carry no finer forms.
+const CELLS: f32 = 700.0;
+
+/// Widths as shares of the picture's size: of the smoothing of normals whose turn is told, of that of brightness, of the
+/// surroundings that local contrast is against, and of those that tell whether there is shape.
+const TURN_SHARE: f32 = 1.0 / 300.0;
+const SMOOTH_SHARE: f32 = 1.0 / 280.0;
+const AROUND_SHARE: f32 = 1.0 / 14.0;
+const ACTIVITY_SHARE: f32 = 1.0 / 60.0;
+
+/// The least smoothing of brightness, in cells.
+const LEAST_SMOOTHING: f32 = 1.2;
+
+/// Turn of the normal, in radians over the picture's size, that halves the smoothing of brightness.
+const SHARP_TURN: f32 = 25.0;
+
+/// Turns beyond this, likewise, are as telling as this.
+const CLEAR_TURN: f32 = 30.0;
+
+/// How many cells are one where surroundings are found.
+const COARSE: usize = 4;
+
+/// Error of what spreads, relative to its largest value.
+const TOLERANCE: f64 = 1e-3;
+
+/// What tells less of shape is plain.
+const PLAIN: f32 = 0.5;
+
+/// What an edge counts for in the mean of a coarse cell.
+const CLOSED: f32 = 1e-3;
+
+/// How much a place counts for ranks that tells nothing of shape.
+const PLAIN_WEIGHT: f32 = 0.15;
+
+/// What tone is made of.
+pub(crate) struct Shown<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) conductance: &'a Plane,
+    pub(crate) silhouette: Option<&'a Plane>,
+    /// The trace of the Hessian, and the gain of its mapping.
+    pub(crate) curvature: (&'a Plane, f32),
+    /// The picture, if there is one.
+    pub(crate) picture: Option<ToneOf<'a>>,
+    /// Toward the key light.
+    pub(crate) to_key: Vec3,
+    pub(crate) params: &'a ToneParams,
+}
+
+/// The tone as it is seen, 0 black and 1 bare paper, of every covered pixel.
+pub(crate) fn tone(shown: &Shown, options: &RunOptions, memory: &Memory) -> Plane {
+    let (mask, window) = (&shown.frame.mask, shown.frame.display_window);
+    let size = ((window.width() * window.height()) as f32).sqrt();
+    let step = ((size / CELLS) as usize).max(1);
+    let cells = Cells {
+        grid: Grid::new(mask, step),
+        size: size / step as f32,
+        options,
+        memory,
+    };
+    let tone = cells.tone(shown);
+    let [pixels] = map_covered(mask, memory, |y| {
+        let (grid, tone) = (&cells.grid, &tone);
+        move |x| [grid.at(tone, x, y)]
+    });
+    pixels
+}
+
+struct Cells<'a> {
+    grid: Grid,
+    /// The picture's size, the root of its area, in cells.
+    size: f32,
+    options: &'a RunOptions,
+    memory: &'a Memory,
+}
+
+impl Cells<'_> {
+    fn tone(&self, shown: &Shown) -> Plane {
+        let turn = self.turn(shown);
+        let brightness = self.brightness(shown, &turn);
+        let [conductance] = self.of_pixels(shown, |x, y| [shown.conductance.at(x, y)]);
+        let (around, contrast) = self.around(&brightness, &conductance);
+        let active = self.activity(&turn, &conductance);
+        let mask = &self.grid.mask;
+        let [balanced] = map_covered(mask, self.memory, |y| {
+            let (brightness, around) = (brightness.row(y), around.row(y));
+            let (active, contrast) = (active.row(y), contrast.row(y));
+            move |x| {
+                let detail = brightness[x] - around[x];
+                [around[x] + detail * raised(contrast[x], active[x])]
+            }
+        });
+        let ranks = Ranks::new(&balanced, &active, mask);
+        let background = self.background(&active, &conductance);
+        let left_out = left_out(shown.params.background);
+        let [tone] = map_covered(mask, self.memory, |y| {
+            let (row, ranks) = (balanced.row(y), &ranks);
+            let (background, active) = (background.row(y), active.row(y));
+            move |x| {
+                let tone = seen_tone(ranks.rank(row[x]), ranks.place(row[x]));
+                let share = if background[x] { 1.0 - active[x] } else { 0.0 };
+                [lightened(tone, left_out * share)]
+            }
+        });
+        tone
+    }
+
+    /// Whether cells belong to what is plain and reaches the border of the picture.
+    fn background(&self, active: &Plane, conductance: &Plane) -> Plane<bool> {
+        let mask = &self.grid.mask;
+        let (width, height) = (mask.width(), mask.height());
+        let mut found = Plane::filled(width, height, false);
+        let mut reached = Vec::new();
+        // Edges are reached, and lead no farther.
+        let mut reach = |x: usize, y: usize, reached: &mut Vec<[usize; 2]>| {
+            if mask.at(x, y) && active.at(x, y) < PLAIN && !found.at(x, y) {
+                found.row_mut(y)[x] = true;
+                if conductance.at(x, y) > OPEN {
+                    reached.push([x, y]);
+                }
+            }
+        };
+        for y in 0..height {
+            let inner = if y == 0 || y + 1 == height {
+                1
+            } else {
+                width.max(2) - 1
+            };
+            (0..width)
+                .step_by(inner)
+                .for_each(|x| reach(x, y, &mut reached));
+        }
+        while let Some([x, y]) = reached.pop() {
+            let beside = [
+                (x.wrapping_sub(1), y),
+                (x + 1, y),
+                (x, y.wrapping_sub(1)),
+                (x, y + 1),
+            ];
+            for (x, y) in beside.into_iter().filter(|&(x, y)| x < width && y < height) {
+                reach(x, y, &mut reached);
+            }
+        }
+        found
+    }
+
+    fn of_pixels<const N: usize>(
+        &self,
+        shown: &Shown,
+        sample: impl Fn(usize, usize) -> [f32; N] + Sync,
+    ) -> [Plane; N] {
+        self.grid.means(&shown.frame.mask, self.memory, sample)
+    }
+
+    /// By how much normals turn from cell to cell at the most, in radians over the picture's size: the largest singular
+    /// value of their derivative (Judd, Durand, Adelson 2007).
+    fn turn(&self, shown: &Shown) -> Plane {
+        let normal = &shown.frame.normal;
+        let [x, y, z, open] = self.of_pixels(shown, |x, y| {
+            let silhouette = shown.silhouette.map_or(0.0, |plane| plane.at(x, y));
+            let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.at(x, y));
+            [nx, ny, nz, 1.0 - silhouette]
+        });
+        let sigma = (self.size * TURN_SHARE).max(1.0);
+        let zero = self.memory.plane(&self.grid.mask);
+        let xy = self.spread(Vector2Planes { x, y }, &open, sigma);
+        let z = self.spread(Vector2Planes { x: z, y: zero }, &open, sigma).x;
+        let mask = &self.grid.mask;
+        let open = &open;
+        let at = |x: usize, y: usize| {
+            Vec3::new(xy.x.at(x, y), xy.y.at(x, y), z.at(x, y)).normalize_or_zero()
+        };
+        let [turn] = map_covered(mask, self.memory, |y| {
+            move |x| {
+                let across = slope(mask, [x, y], [1, 0], at);
+                let down = slope(mask, [x, y], [0, 1], at);
+                let (a, b, c) = (
+                    across.length_squared(),
+                    across.dot(down),
+                    down.length_squared(),
+                );
+                let largest = 0.5 * (a + c) + (0.5 * (a - c)).hypot(b);
+                // Across an edge nothing turns.
+                [open.at(x, y) * largest.sqrt() * self.size]
+            }
+        });
+        turn
+    }
+
+    /// The brightness of cells about that of the whole, of the picture and in the key light.
+    fn brightness(&self, shown: &Shown, turn: &Plane) -> Plane {
+        let (trace, gain) = shown.curvature;
+        let normal = &shown.frame.normal;
+        let [key, conductance] = self.of_pixels(shown, |x, y| {
+            let n = Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
+            let kappa = mapped_curvature(trace.at(x, y), gain);
+            [
+                key_stops(n.dot(shown.to_key), kappa),
+                shown.conductance.at(x, y),
+            ]
+        });
+        let mask = &self.grid.mask;
+        let Some(picture) = shown.picture else {
+            let spread = spread_of(&key, mask);
+            return key.map(|key| spread.standard(key));
+        };
+        let luminance = self.luminance(shown, picture);
+        let median = middle(&luminance, mask, 50).filter(|&median| median > 0.0);
+        let median = median.unwrap_or(1.0);
+        let [picture] = map_covered(mask, self.memory, |y| {
+            let row = luminance.row(y);
+            move |x| [stops(row[x], median)]
+        });
+        let [smooth] = map_covered(mask, self.memory, |y| {
+            let (conductance, turn) = (conductance.row(y), turn.row(y));
+            move |x| [conductance[x] / (1.0 + (turn[x] / SHARP_TURN).powi(2))]
+        });
+        let sigma = (self.size * SMOOTH_SHARE).max(LEAST_SMOOTHING);
+        let both = self.spread(Vector2Planes { x: picture, y: key }, &smooth, sigma);
+        let [of_picture, of_key] = [&both.x, &both.y].map(|plane| spread_of(plane, mask));
+        let share = shown.params.key_share;
+        let [mixed] = map_covered(mask, self.memory, |y| {
+            let (picture, key) = (both.x.row(y), both.y.row(y));
+            move |x| {
+                let picture = of_picture.standard(picture[x]);
+                [picture + share * (of_key.standard(key[x]) - picture)]
+            }
+        });
+        mixed
+    }
+
+    fn luminance(&self, shown: &Shown, picture: ToneOf) -> Plane {
+        let alpha = shown.frame.alpha.as_ref();
+        let [luminance] = self.of_pixels(shown, |x, y| {
+            let shown = match picture {
+                ToneOf::Luminance(plane) => plane.at(x, y),
+                ToneOf::Picture(color, weights) => luminance(
+                    [&color.r, &color.g, &color.b].map(|plane| plane.at(x, y)),
+                    weights,
+                ),
+            };
+            let alpha = alpha.map_or(1.0, |alpha| alpha.at(x, y).clamp(0.5, 1.0));
+            [if shown > 0.0 { shown / alpha } else { 0.0 }]
+        });
+        luminance
+    }
+
+    /// The brightness around cells, within surfaces, and how far cells are from it in the root mean square.
+    fn around(&self, brightness: &Plane, conductance: &Plane) -> (Plane, Plane) {
+        let coarse = Self {
+            grid: Grid::new(&self.grid.mask, COARSE),
+            size: self.size / COARSE as f32,
+            ..*self
+        };
+        let mask = &self.grid.mask;
+        let [mean, square, open] = coarse.grid.means(mask, self.memory, |x, y| {
+            let (value, open) = (brightness.at(x, y), conductance.at(x, y).max(CLOSED));
+            [open * value, open * value * value, open]
+        });
+        let of_open = |sum: Plane| {
+            let [mean] = map_covered(&coarse.grid.mask, self.memory, |y| {
+                let (sum, open) = (sum.row(y), open.row(y));
+                move |x| [sum[x] / open[x]]
+            });
+            mean
+        };
+        let (mean, square) = (of_open(mean), of_open(square));
+        let open = coarse.grid.least(conductance);
+        let sigma = coarse.size * AROUND_SHARE;
+        let found = coarse.spread(Vector2Planes { x: mean, y: square }, &open, sigma);
+        let [around, contrast] = map_covered(mask, self.memory, |y| {
+            let (coarse, found) = (&coarse.grid, &found);
+            move |x| {
+                let mean = coarse.at(&found.x, x, y);
+                let square = coarse.at(&found.y, x, y);
+                [mean, (square - mean * mean).max(0.0).sqrt()]
+            }
+        });
+        (around, contrast)
+    }
+
+    /// How much the surroundings of cells tell of shape.
+    fn activity(&self, turn: &Plane, conductance: &Plane) -> Plane {
+        let coarse = Self {
+            grid: Grid::new(&self.grid.mask, COARSE),
+            size: self.size / COARSE as f32,
+            ..*self
+        };
+        let mask = &self.grid.mask;
+        let [turn] = coarse.grid.means(mask, self.memory, |x, y| {
+            [turn.at(x, y).min(CLEAR_TURN) / CLEAR_TURN]
+        });
+        let open = coarse.grid.least(conductance);
+        let zero = self.memory.plane(&coarse.grid.mask);
+        let sigma = coarse.size * ACTIVITY_SHARE;
+        let found = coarse
+            .spread(Vector2Planes { x: turn, y: zero }, &open, sigma)
+            .x;
+        let [active] = map_covered(mask, self.memory, |y| {
+            let (coarse, found) = (&coarse.grid, &found);
+            move |x| [activity(coarse.at(found, x, y))]
+        });
+        active
+    }
+
+    /// A field spread by this many cells wherever conductance lets it.
+    fn spread(&self, field: Vector2Planes, conductance: &Plane, sigma: f32) -> Vector2Planes {
+        let sweeps = DiffusionSchedule::to_sigma(sigma, TOLERANCE);
+        let (mask, options) = (&self.grid.mask, self.options);
+        let mut spread = diffusion(
+            field,
+            conductance,
+            mask,
+            None,
+            &sweeps,
+            options,
+            self.memory,
+        );
+        spread.pop().expect("one scale is read out")
+    }
+}
+
+/// Half the difference between the cells on both sides, by what is covered of them.
+#[inline(always)]
+fn slope(
+    mask: &Mask,
+    [x, y]: [usize; 2],
+    [dx, dy]: [usize; 2],
+    at: impl Fn(usize, usize) -> Vec3,
+) -> Vec3 {
+    let here = at(x, y);
+    let before = (x >= dx && y >= dy && mask.at(x - dx, y - dy)).then(|| at(x - dx, y - dy));
+    let is_inside = x + dx < mask.width() && y + dy < mask.height();
+    let after = (is_inside && mask.at(x + dx, y + dy)).then(|| at(x + dx, y + dy));
+    match (before, after) {
+        (Some(before), Some(after)) => 0.5 * (after - before),
+        (Some(before), None) => here - before,
+        (None, Some(after)) => after - here,
+        (None, None) => Vec3::ZERO,
+    }
+}
+
+fn middle(plane: &Plane, mask: &Mask, percent: u32) -> Option<f32> {
+    percentile(mask.height(), percent, |y| {
+        let (row, covered) = (plane.row(y), mask.row(y));
+        mask.span(y).filter(|&x| covered[x]).map(|x| row[x])
+    })
+}
+
+fn spread_of(plane: &Plane, mask: &Mask) -> Spread {
+    let at = |percent| middle(plane, mask, percent).unwrap_or(0.0);
+    Spread {
+        middle: at(50),
+        width: at(90) - at(10),
+    }
+}
+
+/// Steps between the least and the greatest value in which ranks are counted.
+const BINS: usize = 4096;
+
+/// The rank of every brightness among those of a picture, counted by how much they tell of shape.
+struct Ranks {
+    least: f32,
+    per_bin: f32,
+    /// The share of what lies below each bin.
+    below: Vec<f32>,
+    /// The 2nd and the 95th percentile.
+    ends: Vec2,
+}
+
+impl Ranks {
+    fn new(brightness: &Plane, active: &Plane, mask: &Mask) -> Self {
+        let least = middle(brightness, mask, 0).unwrap_or(0.0);
+        let most = middle(brightness, mask, 100).unwrap_or(0.0);
+        let per_bin = ((most - least) / BINS as f32).max(f32::MIN_POSITIVE);
+        let mut counts = vec![0.0_f64; BINS];
+        for y in 0..mask.height() {
+            let (row, active) = (brightness.row(y), active.row(y));
+            for x in mask.runs(y).flatten() {
+                let bin = ((row[x] - least) / per_bin) as usize;
+                counts[bin.min(BINS - 1)] += f64::from(PLAIN_WEIGHT + active[x]);
+            }
+        }
+        let all: f64 = counts.iter().sum();
+        let mut sum = 0.0;
+        let mut below: Vec<f32> = counts
+            .iter()
+            .map(|count| {
+                let share = sum / all.max(f64::MIN_POSITIVE);
+                sum += count;
+                share as f32
+            })
+            .collect();
+        below.push(1.0);
+        let at = |share: f32| {
+            let bin = below.partition_point(|&below| below < share);
+            least + per_bin * bin.min(BINS) as f32
+        };
+        let ends = Vec2::new(at(0.02), at(0.95));
+        Self {
+            least,
+            per_bin,
+            below,
+            ends,
+        }
+    }
+
+    fn rank(&self, value: f32) -> f32 {
+        let at = ((value - self.least) / self.per_bin).clamp(0.0, BINS as f32);
+        let bin = (at as usize).min(BINS - 1);
+        let (a, b) = (self.below[bin], self.below[bin + 1]);
+        a + (at - bin as f32) * (b - a)
+    }
+
+    fn place(&self, value: f32) -> f32 {
+        (value - self.ends.x) / (self.ends.y - self.ends.x).max(f32::MIN_POSITIVE)
+    }
+}

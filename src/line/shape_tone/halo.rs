@@ -1,0 +1,63 @@
+//! Halos: paper left bare behind the rim of what stands before something else, so that it comes forward.
+
+use crate::frame::{DepthKind, Frame, Plane};
+use rayon::prelude::*;
+
+/// The width of a halo of factor 1, as a share of the picture's size, the root of its area.
+const WIDTH: f32 = 1.0 / 350.0;
+
+/// What stands before a pixel is nearer than this share of its depth.
+const BEFORE: f32 = 0.965;
+
+/// Sets densities to 0 that lie no farther than a halo of this `factor` from something that stands before them.
+pub(super) fn leave_bare(densities: &mut Plane, frame: &Frame, factor: f32) {
+    let window = frame.display_window;
+    let size = ((window.width() * window.height()) as f32).sqrt();
+    let reach = (factor * WIDTH * size).round() as usize;
+    let measured = frame.depth.as_ref();
+    let measured = measured.filter(|_| frame.source.depth_kind != DepthKind::Relative);
+    let Some(depth) = measured.filter(|_| reach > 0) else {
+        return;
+    };
+    let nearest = nearest_across(frame, depth, reach);
+    let width = depth.width();
+    let rows = densities.samples_mut().par_chunks_mut(width).enumerate();
+    rows.for_each_init(
+        || vec![0.0; width],
+        |column, (y, row)| {
+            column.copy_from_slice(nearest.row(y));
+            for other in y.saturating_sub(reach)..(y + reach + 1).min(depth.height()) {
+                let nearest = nearest.row(other);
+                column
+                    .iter_mut()
+                    .zip(nearest)
+                    .for_each(|(least, d)| *least = least.min(*d));
+            }
+            for ((density, least), depth) in row.iter_mut().zip(&*column).zip(depth.row(y)) {
+                // A NaN stands behind nothing.
+                if *least < BEFORE * depth {
+                    *density = 0.0;
+                }
+            }
+        },
+    );
+}
+
+/// The least depth within this reach along rows; infinite where nothing is covered.
+fn nearest_across(frame: &Frame, depth: &Plane, reach: usize) -> Plane {
+    let (width, height) = (depth.width(), depth.height());
+    let mut nearest = Plane::filled(width, height, f32::INFINITY);
+    let rows = nearest.samples_mut().par_chunks_mut(width).enumerate();
+    rows.for_each(|(y, row)| {
+        let depth = depth.row(y);
+        for run in frame.mask.runs(y) {
+            for x in run {
+                let reached = x.saturating_sub(reach)..(x + reach + 1).min(width);
+                row[reached]
+                    .iter_mut()
+                    .for_each(|least| *least = least.min(depth[x]));
+            }
+        }
+    });
+    nearest
+}

@@ -1,0 +1,71 @@
+//! The tone of a drawing that shows the shape.
+
+use super::cpu::{Shown, tone};
+use super::halo::leave_bare;
+use super::key_light;
+use crate::engine::cpu::run::Run;
+use crate::line::drawing::{is_drawn, shown};
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// Tone by a key light and by the picture, spread from ink to paper.
+pub(crate) static SHAPE_TONE: Stage = Stage {
+    takes: |_| vec![Product::Silhouette, Product::Conductance, Product::Trace],
+    name: "shape-tone",
+    steps: &[Step {
+        name: "shape-tone",
+        gives: &[Product::Strokes],
+        decide: |plan| {
+            is_drawn(plan, |params| match plan.shows_shape {
+                true => Verdict::runs(format!("a key light for {} of it", params.tone.key_share)),
+                false => Verdict::left_out("the tone is that of light alone"),
+            })
+        },
+    }],
+    cpu: find,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |_| Some("tones that show the shape"),
+    ..Stage::DEFAULT
+};
+
+/// What is seen is linear light to the power of one over this.
+const SEEN_GAMMA: f32 = 2.2;
+
+fn find(run: &mut Run) {
+    let (plan, frame, runner) = (run.plan, run.frame, run.runner);
+    let params = plan.drawing.as_ref().expect("tones are of a drawing");
+    let (gain, shape) = (run.gain(), std::mem::take(&mut run.outcome.shape));
+    let canvas = std::mem::take(&mut run.canvas);
+    let made = run.outcome.color.take();
+    let given = run
+        .inputs
+        .illumination
+        .and_then(|light| light.directional.first());
+    let there = "tones are planned with their shape";
+    let of = Shown {
+        frame,
+        conductance: shape.conductance.as_ref().expect(there),
+        silhouette: shape.silhouette.as_ref(),
+        curvature: (shape.trace.as_ref().expect(there), gain),
+        picture: shown(made.as_ref(), canvas.luminance.as_ref(), frame),
+        to_key: given.map_or_else(key_light, |light| light.to_light),
+        params: &params.tone,
+    };
+    let density = run.timed(SHAPE_TONE.name, || {
+        let mut tone = tone(&of, &runner.options, &runner.memory);
+        for tone in tone.samples_mut() {
+            // Where nothing is covered there is no tone.
+            *tone = if *tone > 0.0 {
+                -SEEN_GAMMA * tone.ln()
+            } else {
+                0.0
+            };
+        }
+        leave_bare(&mut tone, frame, params.tone.halo);
+        tone
+    });
+    run.outcome.shape = shape;
+    run.outcome.color = made;
+    run.canvas = canvas;
+    run.canvas.density = Some(density);
+}
