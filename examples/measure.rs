@@ -97,6 +97,7 @@ fn print_drawings(
             white_point: Adaptive::Fixed(1.0),
             black_point: 0.0,
             gamma: 1.0,
+            ..ToneParams::default()
         },
         ..LineParams::default()
     };

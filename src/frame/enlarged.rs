@@ -172,6 +172,6 @@ mod tests {
             let expected = 10.0 + (x as f32 + 0.5) / 2.0 - 0.5;
             assert!((depth.at(x, 3) - expected).abs() < 1e-5, "{x}");
         }
-        assert_eq!(slope.enlarged(1), slope);
+        assert_eq!(slope.enlarged(1).normal, slope.normal);
     }
 }
