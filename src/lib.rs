@@ -83,6 +83,8 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "cli")]
+mod command;
 pub mod engine;
 pub mod error;
 pub mod fast_math;

@@ -1,6 +1,6 @@
 //! The files that a run writes, checked before any work is done.
 
-use super::args::WorkArgs;
+use crate::command::args::WorkArgs;
 use crate::error::{Error, Result};
 use crate::io::output::{check_writable, directory_of, remove_leftovers};
 use std::collections::BTreeSet;

@@ -1,19 +1,20 @@
 //! A command on one frame, or on all of a sequence: several at a time, each whole or not at all.
 
-use super::args::WorkArgs;
-use super::chosen::Chosen;
 use super::files;
-use super::flags::Flag;
-use super::invocation::Invocation;
 use super::job::Job;
 use super::message;
 use super::panics::caught;
 use super::progress::{Progress, Status};
-use super::recipe::{RecipeText, SAMPLE_FRAMES};
 use super::run_log::RunLog;
-use super::sequence::MissingArg;
 use super::stop::{self, First};
 use super::threads::{Lanes, on_threads};
+use crate::command::args::WorkArgs;
+use crate::command::chosen::Chosen;
+use crate::command::error_line::line_of;
+use crate::command::flags::Flag;
+use crate::command::invocation::Invocation;
+use crate::command::recipe::{RecipeText, SAMPLE_FRAMES};
+use crate::command::sequence::MissingArg;
 use crate::error::Result;
 use crate::io::output::{Files, is_whole, write_text};
 use clap::FromArgMatches;
@@ -315,7 +316,7 @@ impl<C: FrameCommand> Sequence<'_, C> {
             Ok(status) => (status, output.display().to_string()),
             Err(error) => {
                 self.failed.store(true, Ordering::Relaxed);
-                let line = message::line_of(&error);
+                let line = line_of(&error);
                 self.log.say(&format!("error: {line}"));
                 (Status::Failed, line)
             }

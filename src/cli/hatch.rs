@@ -1,34 +1,27 @@
 //! `relievo hatch`.
 
-use super::args::{OutputArgs, WorkArgs};
-use super::chosen::Chosen;
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
-use super::line_args::HatchArgs;
 use super::motion::Steps;
-use super::output::{Kind, color_channels};
-use super::relight::{illumination, needs};
-use super::strips::{refuse_large_surroundings, refuse_too_large};
+use super::output::color_channels;
+use super::strips::refuse_large_surroundings;
+use crate::command::args::WorkArgs;
+use crate::command::chosen::Chosen;
+use crate::command::hatch::{Looks, inked, is_svg, on_a_page};
+use crate::command::line_args::HatchArgs;
+use crate::command::output::Kind;
+use crate::command::relight::illumination;
 use crate::engine::outcome::Drawing;
 use crate::engine::{self, Engine, Run};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, SpecularScene, Surroundings};
+use crate::frame::{Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
-use crate::io::inputs::Inputs;
-use crate::io::picture::Picture;
 use crate::io::svg;
-use crate::io::{self, Loaded, Needs, load_specular};
-use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
-use crate::line::paper::on_paper;
+use crate::io::{Loaded, load_specular};
+use crate::light::lights::Illumination;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::params::{
-    LineParams, Material, RelightParams, ScalingParams, ShapeParams, SoftThreshold, StrokeParams,
-    StrokeScale, Style, ToneSource,
-};
-use crate::plan::LightKinds;
-use crate::plan::{Available, Plan, ToneFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -44,20 +37,15 @@ pub(super) struct HatchInputs {
     course: Mutex<SequenceState>,
 }
 
+/// What a pixel of an enlarged drawing takes at most.
+const BYTES_PER_PIXEL: u64 = 160;
+
 /// What a frame takes from the one before.
 #[derive(Default)]
 struct SequenceState {
     steps: Steps,
     /// Where the texture of strokes lay.
     coordinates: Option<TextureCoordinates>,
-}
-
-/// What its flags say a drawing is to look like.
-pub(super) struct Looks {
-    shape: ShapeParams,
-    scaling: ScalingParams,
-    light: RelightParams,
-    pub(super) line: LineParams,
 }
 
 impl FrameCommand for HatchArgs {
@@ -163,46 +151,6 @@ impl FrameCommand for HatchArgs {
 }
 
 impl HatchArgs {
-    /// What its flags say, if it can be drawn.
-    pub(super) fn looks(&self) -> Result<Looks> {
-        let relight = &self.relight;
-        let work = &relight.work;
-        work.flags.refuse_more_scales()?;
-        let mut line = self.params();
-        if is_svg(work) {
-            in_lines(&mut line.strokes)?;
-        } else {
-            work.output.kind()?;
-        }
-        Ok(Looks {
-            shape: work.flags.params.shape,
-            scaling: work.flags.params.scaling,
-            light: relight.params(),
-            line,
-        })
-    }
-
-    /// The texture of strokes, where it comes from pictures.
-    pub(super) fn art_map(&self, looks: &Looks) -> Result<Option<TonalArtMap>> {
-        let map = self.pictures();
-        let most = self.relight.work.run.max_memory.for_light();
-        map.map(|path| own_map(path, &looks.line.strokes, most))
-            .transpose()
-    }
-
-    /// What is read of a frame.
-    pub(super) fn reading(
-        &self,
-        looks: &Looks,
-        illumination: &Illumination,
-        job: &Job,
-    ) -> (Inputs, Needs) {
-        let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
-        needs.projection = true;
-        needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
-        (self.relight.inputs(job), needs)
-    }
-
     /// Makes the frame as large as its drawing is to be; how many times as large.
     fn enlarge(&self, job: &Job, loaded: &mut Loaded) -> Result<usize> {
         let times = self.times(&loaded.frame);
@@ -237,20 +185,22 @@ impl HatchArgs {
                 "give --layers results, or write a picture",
             );
         }
+        let window = loaded.frame.data_window;
+        let pixels = (window.width() * window.height() * times * times) as u64;
+        if pixels * BYTES_PER_PIXEL > job.work.run.max_memory.most() {
+            let [width, height] = [window.width(), window.height()].map(|side| side * times);
+            let found = format!(
+                "makes a drawing of {width}x{height} pixels, and memory for it is not allowed"
+            );
+            return refused(&found, "give a lower one, or raise --max-memory");
+        }
         loaded.frame = loaded.frame.enlarged(times);
         Ok(times)
     }
 
-    /// How many times larger than the frame its drawing is.
-    fn times(&self, frame: &Frame) -> usize {
-        let window = frame.display_window;
-        let size_px = ((window.width() * window.height()) as f32).sqrt();
-        self.relight.work.flags.params.enlarge.times(size_px)
-    }
-
     fn load(&self, kit: &HatchInputs, job: &Job) -> Result<(Loaded, Duration)> {
-        refuse_too_large(job)?;
-        let (mut inputs, mut needs) = self.reading(&kit.looks, &kit.illumination, job);
+        job.work.refuse_too_large(&job.work.input)?;
+        let (mut inputs, mut needs) = self.reading(&kit.looks, &kit.illumination, job.frame);
         if let Some(frame) = job.frame.filter(|_| job.follows()) {
             needs.motion = true;
             inputs.motion = self.motion.of_frame(frame);
@@ -283,117 +233,6 @@ impl HatchArgs {
         scene.fill_from_behind(&mut loaded.frame);
         Ok(Some(scene))
     }
-
-    /// The plan for a frame that was made so many `times` as large, and the light, with a lamp where there is none and some
-    /// is wanted.
-    pub(super) fn plan(
-        &self,
-        looks: &Looks,
-        mut illumination: Illumination,
-        frame: &Frame,
-        moving: bool,
-        is_specular: bool,
-        times: usize,
-    ) -> Result<(Plan, Illumination)> {
-        let specular = self
-            .relight
-            .specular
-            .params(&self.relight.work.flags.params);
-        let available = Available {
-            moving,
-            specular: is_specular.then_some(specular),
-            ..Available::in_frame(frame)
-        };
-        let is_lit = LightKinds::in_light(&illumination) != LightKinds::default();
-        // What is seen in mirrors has no tone but its light's.
-        let shows_shape = self.tone() == ToneSource::Auto && !is_specular;
-        let relit = match self.tone() {
-            ToneSource::Relight => true,
-            ToneSource::Auto if shows_shape => is_lit,
-            ToneSource::Auto => is_lit || !available.color,
-            ToneSource::Enhance | ToneSource::Picture => false,
-        };
-        let material = looks.light.material.material;
-        let is_mirror = matches!(material, Material::Mirror | Material::Glass);
-        if relit && !is_lit && !(is_mirror && is_specular) {
-            illumination
-                .directional
-                .push(DirectionalLight::white(LAMP_DEG));
-        }
-        let kinds = LightKinds::in_light(&illumination);
-        let tone = match self.tone() {
-            _ if shows_shape => ToneFrom::Shape(relit.then_some((looks.light, kinds))),
-            _ if relit => ToneFrom::Relit(looks.light, kinds),
-            ToneSource::Picture => ToneFrom::Picture,
-            _ => ToneFrom::Enhanced,
-        };
-        let shape = enlarged(looks.shape, times, frame);
-        let line = LineParams {
-            contours: looks.line.contours.map(|contours| contours.enlarged(times)),
-            ..looks.line
-        };
-        let plan = Plan::hatch(available, shape, looks.scaling, tone, line)?;
-        Ok((plan, illumination))
-    }
-}
-
-/// How the shape of a frame is found that was made so many `times` as large: in pixels of the one it was made of.
-fn enlarged(shape: ShapeParams, times: usize, frame: &Frame) -> ShapeParams {
-    if times == 1 {
-        return shape;
-    }
-    let height = (frame.display_window.height() / times).max(1) as u32;
-    let SoftThreshold { lo, hi } = shape.crease;
-    ShapeParams {
-        reference_height: shape.reference_height.or(Some(height)),
-        // Normals that were interpolated turn by so much less from pixel to pixel.
-        crease: SoftThreshold {
-            lo: lo / times as f32,
-            hi: hi / times as f32,
-        },
-        ..shape
-    }
-}
-
-/// An SVG holds lines, whatever the pen.
-fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
-    match strokes.style {
-        Style::Pen | Style::Lines => strokes.style = Style::Lines,
-        Style::Pencil | Style::Pictures => {
-            return Err(Error::BadParameter {
-                name: "--style",
-                found: "is a texture, and an SVG holds lines".into(),
-                remedy: "leave it out, or write a .png".into(),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// The texture of strokes in a folder of pictures.
-fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<TonalArtMap> {
-    let factor = match strokes.scale {
-        StrokeScale::Auto => 1.0,
-        StrokeScale::Factor(factor) => factor,
-        StrokeScale::Millimetres(_) => {
-            return Err(Error::BadParameter {
-                name: "--stroke-scale",
-                found: "is in millimetres, but how wide the strokes of pictures are is not known"
-                    .into(),
-                remedy: "give a factor".into(),
-            });
-        }
-    };
-    Ok(TonalArtMap::of_pictures(
-        &io::read_art_map(path, most_bytes)?,
-        factor.recip(),
-    ))
-}
-
-/// Whether a drawing is written as lines.
-fn is_svg(work: &WorkArgs) -> bool {
-    let extension = work.output.output.as_deref().and_then(Path::extension);
-    extension.is_some_and(|e| e.eq_ignore_ascii_case("svg"))
 }
 
 /// The lines of a drawing on a page.
@@ -419,23 +258,6 @@ fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
                     .collect(),
             ),
         ],
-    }
-}
-
-/// The ink of a drawing on its paper.
-pub(super) fn inked(drawing: &Drawing) -> ColorPlanes {
-    let layers = std::iter::once(&drawing.hatching).chain(&drawing.contours);
-    on_paper(&layers.collect::<Vec<_>>())
-}
-
-/// An inked drawing as a picture.
-pub(super) fn on_a_page<'a>(color: &'a ColorPlanes, output: &OutputArgs) -> Picture<'a> {
-    Picture {
-        color,
-        alpha: None,
-        grey: true,
-        bits: 8,
-        transform: output.view_transform,
     }
 }
 

@@ -1,10 +1,10 @@
 //! `relievo inspect`.
 
-use super::commands::InspectArgs;
-use super::enhance::dark_rims;
 use super::message;
 use super::panics::caught;
 use super::threads::on_threads;
+use crate::command::commands::InspectArgs;
+use crate::command::enhance::dark_rims;
 use crate::error::{Error, Result};
 use crate::io::inputs::{Inputs, LightInputs};
 use crate::io::{self, Finding, InputFiles, Loaded, Needs, PartSurvey, Survey, frame_bytes};

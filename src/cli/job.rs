@@ -1,11 +1,12 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
-use super::args::WorkArgs;
-use super::chosen::Chosen;
 use super::message;
-use super::output::{Kind, ReadyOutput, color_channels};
-use super::recipe::RecipeText;
+use super::output::{ReadyOutput, color_channels};
 use super::run_log::RunLog;
+use crate::command::args::WorkArgs;
+use crate::command::chosen::Chosen;
+use crate::command::output::Kind;
+use crate::command::recipe::RecipeText;
 use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::engine::outcome::Outcome;
 use crate::engine::{self, Engine, Run};

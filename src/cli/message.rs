@@ -1,5 +1,6 @@
 //! What is said on stderr, and the exit codes.
 
+use crate::command::error_line::{line_of, misuse_line};
 use crate::error::{Error, Result};
 use crate::io::Finding;
 use clap::error::ErrorKind;
@@ -11,11 +12,6 @@ use std::path::Path;
 /// Prints an error as one line.
 pub(super) fn error(error: &Error) {
     say(&format!("error: {}", line_of(error)));
-}
-
-/// An error as one line.
-pub(super) fn line_of(error: &Error) -> String {
-    error.to_string().replace('\n', " ")
 }
 
 /// 2 for what the user can mend on the command line, 1 for everything else.
@@ -37,19 +33,6 @@ pub(super) fn misuse(error: &clap::Error) -> i32 {
         say(&format!("{}; see --help", misuse_line(error)));
     }
     error.exit_code()
-}
-
-/// What is wrong with a command line, as one line: `error: ...`.
-pub(super) fn misuse_line(error: &clap::Error) -> String {
-    // Usage and the pointer to the help follow the message as paragraphs of their own.
-    let text = error.to_string();
-    let message: Vec<_> = text
-        .lines()
-        .map(str::trim)
-        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
-        .filter(|line| !line.is_empty())
-        .collect();
-    message.join(" ").replace(" tip:", "; tip:")
 }
 
 /// Prints a warning, unless it is to be quiet.

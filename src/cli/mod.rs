@@ -1,49 +1,39 @@
 //! The command line: arguments in, files and messages out.
 
-mod args;
-mod chosen;
-mod commands;
 mod enhance;
 mod files;
-mod flags;
 mod frames;
 mod hatch;
 mod inspect;
-mod invocation;
 mod job;
-mod light_layers;
-mod line_args;
-#[cfg(feature = "view")]
-pub(crate) mod look;
-mod memory;
 mod message;
 mod motion;
 mod output;
 mod panics;
 mod progress;
-pub mod recipe;
 mod relight;
-mod relight_args;
 mod report;
 mod report_device;
-mod role_args;
 mod run_log;
-mod sequence;
 mod shape;
-mod specular_args;
-mod still_camera;
 mod stop;
 mod strips;
 mod threads;
+#[cfg(feature = "view")]
+mod window;
 
+pub use crate::command::recipe;
+
+use crate::command::args::WorkArgs;
+use crate::command::commands::{Cli, Command, EnhanceArgs};
+use crate::command::invocation::Invocation;
+use crate::command::line_args::HatchArgs;
+use crate::command::recipe::Recipe;
+use crate::command::relight_args::RelightArgs;
 use crate::error::Result;
-use args::WorkArgs;
-use commands::{Command, EnhanceArgs};
-use invocation::Invocation;
-use line_args::HatchArgs;
-use recipe::Recipe;
-use relight_args::RelightArgs;
 use std::ffi::OsString;
+#[cfg(feature = "view")]
+use window::view;
 
 /// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused, 3 some frames of a
 /// sequence failed, 130 and 143 stopped by a signal.
@@ -64,7 +54,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
 
 /// The commands and their flags, as clap knows them: for completions, manual pages, and whoever tries them all.
 pub fn command() -> clap::Command {
-    <commands::Cli as clap::CommandFactory>::command()
+    <Cli as clap::CommandFactory>::command()
 }
 
 fn run_typed(typed: &Invocation) -> Result<i32> {
@@ -88,17 +78,9 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
     }
 }
 
-/// Opens the window.
-#[cfg(feature = "view")]
-fn view(args: &commands::ViewArgs, typed: &Invocation) -> Result<i32> {
-    threads::use_threads(args.compute.threads);
-    let opening = look::Opening::of(args, typed)?;
-    crate::view::open(opening).map(|()| 0)
-}
-
 /// Says how to come by a window.
 #[cfg(not(feature = "view"))]
-fn view(_: &commands::ViewArgs, _: &Invocation) -> Result<i32> {
+fn view(_: &crate::command::commands::ViewArgs, _: &Invocation) -> Result<i32> {
     Err(crate::Error::Window {
         found: "this build has no window".into(),
         remedy: "build one with cargo build --release --features view".into(),

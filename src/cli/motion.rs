@@ -1,33 +1,7 @@
 //! What moved between the frames of a sequence.
 
-use super::sequence::numbered;
 use crate::frame::{AWAY, Camera, Vector2Planes, static_world_motion};
 use crate::io::Loaded;
-use clap::Args;
-
-/// What moves between frames.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Sequence")]
-pub(super) struct MotionArg {
-    /// Motion, by which strokes move with the surface: a layer of IN or a file, in pixels, y up, previous
-    /// minus current. Where not given it is looked for, and taken from depth and camera where there is none;
-    /// none lets strokes lie still in the picture.
-    #[arg(long, value_name = "NAME|FILE|none", requires = "frames")]
-    motion: Option<String>,
-}
-
-impl MotionArg {
-    /// Whether strokes are to move with the surface.
-    pub(super) fn moves(&self) -> bool {
-        self.motion.as_deref() != Some("none")
-    }
-
-    /// The layer or file of motion that was named, for one frame.
-    pub(super) fn of_frame(&self, frame: i32) -> Option<String> {
-        let named = self.motion.as_deref().filter(|_| self.moves())?;
-        Some(numbered(named, frame))
-    }
-}
 
 /// What has to be kept of a frame to know how the next one moved.
 #[derive(Debug, Default)]

@@ -1,13 +1,11 @@
 //! From planes to the output file.
 
-use super::args::{LayersArg, OutputArgs};
+use crate::command::args::{LayersArg, OutputArgs};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
-use crate::io::colorspace::{converted, rec709_from};
 use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
 use crate::io::output::{Replace, write_atomically};
-use crate::io::picture::{Picture, PictureFormat, ViewTransform};
 use std::io::{Seek, Write};
 use std::path::Path;
 
@@ -17,34 +15,10 @@ const PART: &str = "relievo";
 /// The attribute that holds the recipe.
 const RECIPE_ATTRIBUTE: &str = "relievo.recipe";
 
-/// What kind of file an output path stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Exr,
-    Picture(PictureFormat),
-}
-
 /// Where a result goes.
 pub(super) struct ReadyOutput<'a> {
     pub(super) path: &'a Path,
     pub(super) replace: Replace,
-}
-
-impl Kind {
-    pub(super) fn of(path: &Path) -> Result<Self> {
-        let is_exr = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-        match PictureFormat::of_path(path) {
-            _ if is_exr => Ok(Self::Exr),
-            Some(format) => Ok(Self::Picture(format)),
-            None => Err(Error::BadParameter {
-                name: "-o",
-                found: format!("{} has no known extension", path.display()),
-                remedy: "end it in .exr, .png, .jpg, .tif or .hdr".into(),
-            }),
-        }
-    }
 }
 
 impl OutputArgs {
@@ -64,41 +38,10 @@ impl OutputArgs {
         }
     }
 
-    /// The kind of the output; a picture where there is none.
-    pub(super) fn kind(&self) -> Result<Kind> {
-        match &self.output {
-            Some(path) => Kind::of(path),
-            None => Ok(Kind::Picture(PictureFormat::Png)),
-        }
-    }
-
     /// The prefix of our colour channels: none in a file of our own, where they are the picture.
     pub(super) fn color_layer(&self, loaded: &Loaded) -> Option<&'static str> {
         let beside = loaded.exr().is_some() && self.layers != LayersArg::Results;
         beside.then_some(PART)
-    }
-
-    /// `color` as a display has it, in Rec. 709 primaries, where it has others.
-    pub(super) fn turned(&self, loaded: &Loaded, color: &ColorPlanes) -> Option<ColorPlanes> {
-        let turn = loaded.chromaticities.and_then(rec709_from);
-        let turn = turn.filter(|_| self.view_transform == ViewTransform::Srgb);
-        turn.map(|matrix| converted(color, matrix))
-    }
-
-    /// The picture of a display's colours.
-    pub(super) fn picture<'p>(
-        &self,
-        color: &'p ColorPlanes,
-        alpha: Option<&'p Plane>,
-        bits: u8,
-    ) -> Picture<'p> {
-        Picture {
-            color,
-            alpha,
-            grey: false,
-            bits,
-            transform: self.view_transform,
-        }
     }
 
     /// How samples of a picture are stored.

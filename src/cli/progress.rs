@@ -1,7 +1,7 @@
 //! How far a sequence has come: a bar on a terminal, else lines of text or of JSON.
 
-use super::args::{ProgressArg, RunArgs};
 use super::message::say;
+use crate::command::args::{ProgressArg, RunArgs};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::fmt::Display;

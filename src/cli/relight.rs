@@ -1,34 +1,25 @@
 //! `relievo relight`.
 
-use super::args::WorkArgs;
-use super::chosen::Chosen;
-use super::enhance::dark_rims;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
-use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use super::strips::{self, StripWork};
+use crate::command::args::WorkArgs;
+use crate::command::chosen::Chosen;
+use crate::command::enhance::dark_rims;
+use crate::command::relight::{illumination, lit, needs, specular_scene};
+use crate::command::relight_args::RelightArgs;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::engine::{self, Engine};
-use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, SpecularScene};
-use crate::io::environment::{read_environment_within, read_lit_sphere_within};
+use crate::error::Result;
+use crate::frame::SpecularScene;
+use crate::io::Loaded;
 use crate::io::exr::OutputChannel;
-use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
-use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
-use crate::light::environment::Environment;
-use crate::light::light_samples::light_disc;
-use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
-use crate::light::lit_sphere::LitSphere;
-use crate::params::{
-    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, Params, RelightParams, Samples, in_range,
-};
-use crate::plan::LightKinds;
-use crate::plan::{Available, Plan};
-use glam::Vec3;
+use crate::light::lights::Illumination;
+use crate::params::Params;
+use crate::plan::{LightKinds, Plan};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// What all frames that are lit anew have in common.
 pub(super) struct RelightInputs {
@@ -74,12 +65,12 @@ impl FrameCommand for RelightArgs {
             warnings.iter().for_each(|warning| job.warn(warning));
         }
         if !specular.is_empty() {
-            strips::refuse_too_large(job)?;
+            job.work.refuse_too_large(&job.work.input)?;
             strips::refuse_large_surroundings(job, specular.surroundings.as_deref())?;
         } else if strips::is_too_large(job) {
-            return strips::make(&work, job, self.inputs(job), needs);
+            return strips::make(&work, job, self.inputs(job.frame), needs);
         }
-        let (mut loaded, read) = job.load(&self.inputs(job), needs)?;
+        let (mut loaded, read) = job.load(&self.inputs(job.frame), needs)?;
         if !specular.is_empty() {
             work.scene = Some(specular_scene(&specular, &self.params(), &mut loaded)?);
         }
@@ -138,187 +129,4 @@ impl StripWork for Relight<'_> {
     fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
         job.made_picture(strip, lit(outcome))
     }
-}
-
-pub(super) fn lit(outcome: &Outcome) -> &ColorPlanes {
-    outcome.color.as_ref().expect("light makes a picture")
-}
-
-impl RelightArgs {
-    /// The plan for lighting a frame, with what was found in the whole of which it is a strip.
-    pub(super) fn plan(
-        &self,
-        frame: &Frame,
-        kinds: LightKinds,
-        is_traced: bool,
-        found: &StripChoice,
-    ) -> Result<Plan> {
-        let params = &self.work.flags.params;
-        let scaling = found.given(params.scaling);
-        let available = Available {
-            specular: is_traced.then(|| self.specular.params(params)),
-            ..Available::in_frame(frame)
-        };
-        let mut plan = Plan::relight(available, params.shape, scaling, self.params(), kinds)?;
-        if let Some(relighting) = &mut plan.relighting {
-            relighting.estimate = found.albedo;
-        }
-        Ok(plan)
-    }
-
-    /// What is read of a frame to be lit anew.
-    pub(super) fn inputs(&self, job: &Job) -> Inputs {
-        let mut inputs = job.work.roles.inputs(&job.work.input);
-        inputs.albedo = self.albedo_of_frame(job.frame);
-        inputs.light = Some(LightInputs {
-            lobes: LobeChoice::Off,
-            occlusion: self.dims_by_occlusion(),
-            ..LightInputs::default()
-        });
-        inputs
-    }
-}
-
-/// What mirrors and lenses show, for materials that are either.
-pub(super) fn specular_scene(
-    inputs: &SpecularInputs,
-    params: &RelightParams,
-    loaded: &mut Loaded,
-) -> Result<SpecularScene> {
-    let material = params.material.material;
-    if !matches!(material, Material::Mirror | Material::Glass) {
-        return Err(Error::BadParameter {
-            name: "--material",
-            found: "is neither mirror nor glass, and shows nothing of what is around it".into(),
-            remedy: "give --material mirror or --material glass, or leave out what it could show"
-                .into(),
-        });
-    }
-    if inputs.back.is_some() && material == Material::Mirror {
-        return Err(Error::BadParameter {
-            name: "--back",
-            found: "are the back faces of a lens, and --material is mirror".into(),
-            remedy: "give --material glass".into(),
-        });
-    }
-    if inputs.hit_position.is_some() {
-        return Err(Error::BadParameter {
-            name: "--hit-position",
-            found: "tells where strokes lie, and not what light has been bent to".into(),
-            remedy: "leave it out: new light follows the sight lines itself".into(),
-        });
-    }
-    let mut scene = load_specular(inputs, loaded, None)?;
-    scene.fill_from_behind(&mut loaded.frame);
-    Ok(scene)
-}
-
-/// The frame's picture is read for an albedo to be estimated, and for what lies around the surface.
-pub(super) fn needs(
-    params: &RelightParams,
-    foreshortening: f32,
-    illumination: &Illumination,
-) -> Needs {
-    let own_color = params.albedo == AlbedoSource::White;
-    let diffuse = matches!(
-        params.material.material,
-        Material::Lambert | Material::Toon | Material::Sublambert
-    );
-    let near = !illumination.points.is_empty();
-    Needs {
-        color: matches!(
-            params.albedo,
-            AlbedoSource::Estimate | AlbedoSource::Picture
-        ),
-        color_if_any: true,
-        albedo: !own_color && illumination.lit_spheres.is_empty(),
-        projection: foreshortening != 0.0 || near || !diffuse,
-        motion: false,
-    }
-}
-
-/// The light, whose pictures may take `most_bytes` each.
-pub(super) fn illumination(args: &RelightArgs, most_bytes: u64) -> Result<Illumination> {
-    Ok(Illumination {
-        environment: environment(args, most_bytes)?,
-        lit_spheres: lit_spheres(&args.light, most_bytes)?,
-        ..lights(args)?
-    })
-}
-
-/// The environment, if any.
-pub(super) fn environment(args: &RelightArgs, most_bytes: u64) -> Result<Option<Arc<Environment>>> {
-    let read = |path| read_environment_within(path, most_bytes);
-    let environment = args.light.environment.as_deref().map(read);
-    let turned = |e: Environment| {
-        e.rotated_deg(args.work.flags.params.environment_rotate_deg)
-            .into()
-    };
-    Ok(environment.transpose()?.map(turned))
-}
-
-/// The lit spheres, if any.
-pub(super) fn lit_spheres(flags: &LightFlags, most_bytes: u64) -> Result<Vec<LitSphere>> {
-    let spheres = flags.lit_sphere.iter();
-    spheres
-        .map(|path| read_lit_sphere_within(path, most_bytes))
-        .collect()
-}
-
-/// The lights that are given as flags, not as files.
-pub(super) fn lights(args: &RelightArgs) -> Result<Illumination> {
-    let flags = &args.light;
-    let mut directional: Vec<DirectionalLight> = flags
-        .light
-        .iter()
-        .map(|light| {
-            let Numbers([azimuth, elevation], _) = *light;
-            DirectionalLight {
-                to_light: direction_of(azimuth, elevation),
-                intensity: light.color(),
-            }
-        })
-        .collect();
-    let samples = match args.params().samples {
-        Samples::Fixed(count) if count > 0 => count,
-        _ => AUTO_SAMPLES,
-    };
-    let count = directional.len() + flags.point_light.len();
-    let count = count as u64 + flags.area_light.len() as u64 * u64::from(samples);
-    if count > u64::from(MAX_LIGHTS) {
-        return Err(Error::BadParameter {
-            name: "--light",
-            found: format!("makes {count} lights"),
-            remedy: format!("give at most {MAX_LIGHTS} in all"),
-        });
-    }
-    for light in &flags.area_light {
-        in_range("--area-light", light.0[2], 0.0..=180.0)?;
-        directional.extend(area_light(light, samples));
-    }
-    let points = flags.point_light.iter().map(|light| PointLight {
-        position: Vec3::from_array(light.0),
-        intensity: light.color(),
-    });
-    let lights = Illumination {
-        points: points.collect(),
-        directional,
-        ..Illumination::default()
-    };
-    lights.validate()?;
-    Ok(lights)
-}
-
-/// A round light as `count` lights that are as bright together as one.
-fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = DirectionalLight> + use<> {
-    let [azimuth, elevation, radius] = light.0;
-    let center = direction_of(azimuth, elevation);
-    let intensity = light.color().map(|channel| channel / count as f32);
-    let directions = light_disc(center, radius.to_radians(), count as usize);
-    directions
-        .into_iter()
-        .map(move |to_light| DirectionalLight {
-            to_light,
-            intensity,
-        })
 }

@@ -1,12 +1,12 @@
 //! `relievo report`.
 
-use super::commands::ReportArgs;
 use super::message;
 use super::motion::Steps;
 use super::panics::caught;
 use super::report_device::ReportDevice;
-use super::sequence::inputs_of_frame;
 use super::threads::on_threads;
+use crate::command::commands::ReportArgs;
+use crate::command::sequence::inputs_of_frame;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
 use crate::io::output::{Files, Replace, remove_leftovers, write_text};

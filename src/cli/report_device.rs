@@ -1,6 +1,6 @@
 //! The device that a report measures beside the CPU.
 
-use super::args::BackendArg;
+use crate::command::args::BackendArg;
 #[cfg(feature = "gpu")]
 use crate::engine::{Engine, Inputs, Run};
 use crate::error::Result;

@@ -1,23 +1,20 @@
 //! `relievo shape`.
 
-use super::args::WorkArgs;
-use super::chosen::Chosen;
 use super::frames::FrameCommand;
 use super::job::{Done, Job, MadePicture};
-use super::output::Kind;
 use super::strips::{self, StripWork};
+use crate::command::args::WorkArgs;
+use crate::command::chosen::Chosen;
+use crate::command::shape::display;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::{Outcome, ScaleShape};
 use crate::engine::{self, Engine};
 use crate::error::Result;
 use crate::frame::Frame;
+use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType};
-use crate::io::inputs::Inputs;
-use crate::io::picture::{Picture, ViewTransform};
-use crate::io::{Loaded, Needs};
-use crate::params::Params;
-use crate::plan::{Available, Goal, Plan};
+use crate::plan::{Goal, Plan};
 use crate::product::Product;
 use std::path::PathBuf;
 
@@ -49,7 +46,7 @@ impl FrameCommand for WorkArgs {
             goal: self.goal()?,
             runner: engine.cpu_runner(),
         };
-        let (inputs, needs) = self.reading(work.goal, job);
+        let (inputs, needs) = self.reading(work.goal, job.frame);
         if strips::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
@@ -106,44 +103,6 @@ impl Description<'_> {
             return job.write_exr(done, &self.channels(job, &done.loaded, &done.outcome));
         }
         job.write_picture(done, &display(&done.outcome))
-    }
-}
-
-/// The curvature display.
-pub(super) fn display(outcome: &Outcome) -> Picture<'_> {
-    let color = outcome.color.as_ref();
-    Picture {
-        color: color.expect("the plan made a display"),
-        alpha: None,
-        grey: false,
-        bits: 8,
-        // The display's colours are meant for the screen as they are.
-        transform: ViewTransform::None,
-    }
-}
-
-impl WorkArgs {
-    /// What is read of a frame whose shape is looked for.
-    pub(super) fn reading(&self, goal: Goal, job: &Job) -> (Inputs, Needs) {
-        let needs = Needs {
-            projection: self.flags.params.shape.foreshortening != 0.0 || goal == Goal::Layers,
-            ..Needs::default()
-        };
-        (job.work.roles.inputs(&job.work.input), needs)
-    }
-
-    /// The plan for the shape in a frame, with what was found in the whole of which it is a strip.
-    pub(super) fn plan(&self, goal: Goal, frame: &Frame, found: &StripChoice) -> Result<Plan> {
-        let Params { shape, scaling, .. } = self.flags.params;
-        let (available, scaling) = (Available::in_frame(frame), found.given(scaling));
-        Plan::at_scales(goal, available, shape, scaling, self.flags.more_scales())
-    }
-
-    fn goal(&self) -> Result<Goal> {
-        Ok(match self.output.kind()? {
-            Kind::Exr => Goal::Layers,
-            Kind::Picture(_) => Goal::Display,
-        })
     }
 }
 

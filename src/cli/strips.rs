@@ -1,11 +1,12 @@
 //! A picture that does not fit in memory: read, worked on and written strip by strip.
 
-use super::args::BackendArg;
-use super::chosen::Chosen;
 use super::job::{Job, MadePicture, Timings};
-use super::memory::{MaxMemory, PHOTO_BYTES};
-use super::output::{Kind, ReadyOutput};
+use super::output::ReadyOutput;
 use super::progress::strips_bar;
+use crate::command::args::BackendArg;
+use crate::command::chosen::Chosen;
+use crate::command::memory::MaxMemory;
+use crate::command::output::Kind;
 use crate::engine;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
@@ -24,6 +25,9 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// Most that a photo takes where no amount is given: beyond it goes in strips.
+const PHOTO_BYTES: u64 = 1536 << 20;
 
 /// Memory that is taken whatever the strips are: histograms, the program.
 const FIXED_BYTES: u64 = 96 << 20;
@@ -68,15 +72,6 @@ pub(super) fn is_too_large(job: &Job) -> bool {
     whole_bytes(job) > allowed(job)
 }
 
-/// Refuses a frame that is too large, for commands that need it whole.
-pub(super) fn refuse_too_large(job: &Job) -> Result<()> {
-    let bytes = whole_bytes(job);
-    match bytes > job.work.run.max_memory.most() {
-        true => Err(too_large(job, "needs the picture whole", bytes)),
-        false => Ok(()),
-    }
-}
-
 /// Refuses surroundings that are too large to go with the frame.
 pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Result<()> {
     let bytes = path.map_or(Ok(0), surroundings_bytes)?;
@@ -118,23 +113,6 @@ fn allowed(job: &Job) -> u64 {
             bytes.min(PHOTO_BYTES)
         }
         _ => bytes,
-    }
-}
-
-/// The refusal of a frame that takes `least` bytes or more.
-fn too_large(job: &Job, why: &str, least: u64) -> Error {
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    Error::Unsupported {
-        path: job.work.input.clone(),
-        found: format!(
-            "takes about {:.1} GiB, and {:.1} are allowed; this {why}",
-            gib(whole_bytes(job)),
-            gib(job.work.run.max_memory.most()),
-        ),
-        remedy: format!(
-            "give --max-memory {}M or more, or crop it",
-            least.div_ceil(1 << 20)
-        ),
     }
 }
 
@@ -187,7 +165,8 @@ fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips<'static>> {
     let strips = Strips::new(reach, cost.height, rows).filter(|_| least <= most);
     strips.ok_or_else(|| {
         let why = format!("takes {} MiB even in strips", least.div_ceil(1 << 20));
-        too_large(job, &why, least.min(whole_bytes(job)))
+        let work = &job.work;
+        work.too_large(&work.input, &why, least.min(whole_bytes(job)))
     })
 }
 

@@ -1,12 +1,10 @@
 //! Threads, and how many frames are made at a time.
 
 use super::message;
+use crate::command::args::MOST_THREADS;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::num::NonZeroUsize;
 use std::thread;
-
-/// Most threads that can be asked for; more than any machine has cores for.
-pub(super) const MOST_THREADS: u16 = 512;
 
 /// Bytes of a thread's stack: as many as a main thread usually has.
 const STACK_BYTES: usize = 8 << 20;

@@ -11,11 +11,10 @@ use super::sequence::frames_on_disk;
 use super::shortcuts::{self, Action};
 use super::texture::Texture;
 use super::worker::{Order, Reply, Save, Shown, Worker};
-use crate::cli::look::{Look, Opening, Reading};
+use crate::command::look::{Look, Opening, Reading};
 use eframe::egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Around the picture: grey, so that no tone of it looks other than it is.
 const SURROUND: Color32 = Color32::from_gray(38);
@@ -71,18 +70,8 @@ pub struct View {
 }
 
 impl View {
-    /// A viewer that begins with `input`, in new light.
-    pub fn new(context: &Context, input: Option<&Path>) -> Self {
-        let opening = Opening {
-            input: input.map(Path::to_path_buf),
-            frames: None,
-            look: Look::default(),
-            engine: Arc::default(),
-        };
-        Self::of(opening, context)
-    }
-
-    pub(super) fn of(opening: Opening, context: &Context) -> Self {
+    /// A viewer that begins with what `opening` names.
+    pub(crate) fn of(opening: Opening, context: &Context) -> Self {
         context.set_theme(Theme::Dark);
         context.all_styles_mut(|style| {
             style.spacing.item_spacing.y = 5.0;
@@ -105,7 +94,9 @@ impl View {
             controls: Controls::new(),
             canvas: Canvas::default(),
             textures: [None, None],
-            worker: Worker::start(opening.engine, move || waker.request_repaint()),
+            worker: Worker::start(opening.engine, opening.save, move || {
+                waker.request_repaint()
+            }),
             files: Files::new(),
             ordered: None,
             saving: 0,

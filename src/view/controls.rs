@@ -2,7 +2,7 @@
 
 use super::ball::ball;
 use super::lights::Light;
-use crate::cli::look::{Kind, Look, Setting};
+use crate::command::look::{Kind, Look, Setting};
 use crate::params::{MAX_LIGHTS, Useful};
 use eframe::egui::{
     self, Align, CollapsingHeader, ComboBox, Layout, Response, RichText, Slider, SliderClamping,
@@ -215,7 +215,7 @@ impl Controls {
 /// The settings of a command by their families, those that are wanted first at the beginning.
 fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     let mut families: Vec<(String, Vec<Setting>)> = Vec::new();
-    for setting in crate::cli::look::settings_of(command) {
+    for setting in crate::command::look::settings_of(command) {
         match families
             .iter_mut()
             .find(|(name, _)| *name == setting.family)

@@ -1,6 +1,6 @@
 //! Undo and redo: every look that somebody has rested at.
 
-use crate::cli::look::Look;
+use crate::command::look::Look;
 
 /// Looks that are remembered; a thousand changes are a long session.
 const MOST: usize = 1000;

@@ -1,7 +1,7 @@
 //! What is shown of a frame.
 
 use super::flow;
-use crate::cli::look::{Pixels, Said, What};
+use crate::command::look::{Pixels, Said, What};
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Picture, ViewTransform};

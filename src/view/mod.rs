@@ -24,7 +24,7 @@ mod worker;
 
 pub use app::View;
 
-use crate::cli::look::Opening;
+use crate::command::look::Opening;
 use crate::error::{Error, Result};
 
 /// Opens a window, and returns when it is closed.

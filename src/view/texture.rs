@@ -1,6 +1,6 @@
 //! A picture on the graphics device, in tiles no larger than it takes.
 
-use crate::cli::look::Pixels;
+use crate::command::look::Pixels;
 use eframe::egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle,
     TextureOptions, pos2, vec2,

@@ -3,7 +3,7 @@
 use super::app::View;
 use super::layer::Layer;
 use super::shortcuts::{Action, keys_of};
-use crate::cli::look::Look;
+use crate::command::look::Look;
 use eframe::egui::{self, Align, Button, ComboBox, Layout, Response, RichText, Slider, Ui};
 
 impl View {

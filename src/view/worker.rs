@@ -3,7 +3,7 @@
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
 use super::probe::{self, Value};
-use crate::cli::look::{Look, Pixels, Reading, Said, ViewSession, What};
+use crate::command::look::{Look, Pixels, Reading, Said, SavePicture, ViewSession, What};
 use crate::engine::Engine;
 use crate::io::output::{Replace, write_text};
 use std::collections::{BTreeMap, VecDeque};
@@ -101,8 +101,12 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread, which works by `engine`; it calls `wake` after each reply.
-    pub(super) fn start(engine: Arc<Engine>, wake: impl Fn() + Send + 'static) -> Self {
+    /// Starts the thread, which works by `engine` and saves pictures by `save`; it calls `wake` after each reply.
+    pub(super) fn start(
+        engine: Arc<Engine>,
+        save: SavePicture,
+        wake: impl Fn() + Send + 'static,
+    ) -> Self {
         let shared = Arc::new(Shared::default());
         let (sender, replies) = channel();
         let theirs = shared.clone();
@@ -110,6 +114,7 @@ impl Worker {
             let bench = Bench {
                 studio: ViewSession::new(engine.clone()),
                 engine,
+                save,
                 times: BTreeMap::new(),
                 replies: sender,
             };
@@ -150,6 +155,7 @@ impl Drop for Worker {
 struct Bench {
     studio: ViewSession,
     engine: Arc<Engine>,
+    save: SavePicture,
     /// How long whole pictures took, in seconds, by the setting that was changed.
     times: BTreeMap<Option<String>, f64>,
     replies: Sender<Reply>,
@@ -200,7 +206,7 @@ impl Bench {
             Task::Save(save, look, reading, path) => {
                 let saved = match save {
                     Save::Recipe => self.save_recipe(look, reading, path),
-                    Save::Picture => save_picture(look, reading, path),
+                    Save::Picture => self.save_picture(look, reading, path),
                 };
                 Some(Reply::Saved(saved.map(|()| path.clone())))
             }
@@ -278,14 +284,14 @@ impl Bench {
         let written = write_text(path, Replace::IfWritable, &text);
         written.map_err(|error| error.to_string())
     }
-}
 
-/// Writes the picture as the command line does, and by it.
-fn save_picture(look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
-    let numbered = reading
-        .frame
-        .and_then(|frame| crate::io::sequence::path_of_frame(&reading.input, frame));
-    look.run(numbered.as_ref().unwrap_or(&reading.input), path)
+    /// Writes the picture as the command line does, and by it.
+    fn save_picture(&self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
+        let numbered = reading
+            .frame
+            .and_then(|frame| crate::io::sequence::path_of_frame(&reading.input, frame));
+        (self.save)(look, numbered.as_ref().unwrap_or(&reading.input), path)
+    }
 }
 
 /// Waits for something to do: files first, then the last picture asked for, then the last pixel.

@@ -5,8 +5,8 @@ mod schema;
 mod write;
 
 pub use read::Recipe;
-pub(super) use schema::schema;
-pub(super) use write::RecipeText;
+pub(crate) use schema::schema;
+pub(crate) use write::RecipeText;
 
 use clap::{Arg, ArgAction};
 
@@ -14,7 +14,7 @@ use clap::{Arg, ArgAction};
 const VERSION: i64 = 1;
 
 /// The flag that says which frames choose for all: none do where a recipe holds what they chose.
-pub(super) const SAMPLE_FRAMES: &str = "sample-frames";
+pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe may stand for.
 pub(super) const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];

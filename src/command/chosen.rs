@@ -13,7 +13,7 @@ const ROWS_FOR_DISTANCE: usize = 32;
 
 /// What was chosen for one frame. What was given, or was not needed, is not among it.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Chosen {
+pub(crate) struct Chosen {
     /// Numbers, by the flag that gives them; those of a kind of light also by its name.
     numbers: Vec<(&'static str, &'static str, f32)>,
     /// How the layers were read, where they show any surface.
@@ -25,7 +25,7 @@ pub(super) struct Chosen {
 
 impl Chosen {
     /// What was chosen for what was made of `loaded`.
-    pub(super) fn made(loaded: &Loaded, outcome: &Outcome) -> Self {
+    pub(crate) fn made(loaded: &Loaded, outcome: &Outcome) -> Self {
         let single = [
             ("curvature-gain", outcome.gain),
             ("white-level", outcome.white_level),
@@ -44,7 +44,7 @@ impl Chosen {
     }
 
     /// How layers were read, and nothing else yet.
-    pub(super) fn of_reading(loaded: &Loaded) -> Self {
+    pub(crate) fn of_reading(loaded: &Loaded) -> Self {
         Self {
             conventions: conventions_of(loaded),
             ..Self::default()
@@ -52,7 +52,7 @@ impl Chosen {
     }
 
     /// The same with what was chosen of a picture that came in strips.
-    pub(super) fn with(mut self, choice: &StripChoice, environment_gain: Option<f32>) -> Self {
+    pub(crate) fn with(mut self, choice: &StripChoice, environment_gain: Option<f32>) -> Self {
         let single = [
             ("curvature-gain", choice.gain),
             ("white-level", choice.white_level),
@@ -64,7 +64,7 @@ impl Chosen {
     }
 
     /// What suits frames of which `each` was chosen: of every number the median, of conventions those of most.
-    pub(super) fn for_all(each: &[Self]) -> Self {
+    pub(crate) fn for_all(each: &[Self]) -> Self {
         let mut kinds: Vec<_> = each.iter().flat_map(|chosen| &chosen.numbers).collect();
         kinds.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
         let cameras: Option<Vec<_>> = each.iter().map(|chosen| chosen.recovered).collect();
@@ -77,7 +77,7 @@ impl Chosen {
         }
     }
 
-    pub(super) fn flags(&self) -> Vec<Flag> {
+    pub(crate) fn flags(&self) -> Vec<Flag> {
         let flag = |&(name, term, number): &(&str, &str, f32)| match term {
             "" => Flag::new(name, number),
             term => Flag::new(name, format_args!("{term}={number}")),
@@ -100,7 +100,7 @@ impl Chosen {
     }
 
     /// The choices in words: `curvature gain 2.140, white level 0.8812`.
-    pub(super) fn in_words(&self) -> String {
+    pub(crate) fn in_words(&self) -> String {
         let words = self.numbers.iter().map(|(name, term, number)| {
             let name = name.trim_start_matches("term-").replace('-', " ");
             let space = if term.is_empty() { "" } else { " " };

@@ -1,16 +1,16 @@
 //! The names of `hatch`.
 
 use super::flags::Section;
-use super::motion::MotionArg;
+use super::motion_arg::MotionArg;
 use super::relight_args::RelightArgs;
 use crate::params::{Group, LineParams, ToneSource};
 use clap::Args;
 use std::path::Path;
 
 #[derive(Debug, Args)]
-pub(super) struct HatchArgs {
+pub(crate) struct HatchArgs {
     #[command(flatten)]
-    pub(super) relight: RelightArgs,
+    pub(crate) relight: RelightArgs,
     #[command(flatten)]
     _tone: Section<{ Group::Tone as u8 }>,
     #[command(flatten)]
@@ -20,12 +20,12 @@ pub(super) struct HatchArgs {
     #[command(flatten)]
     _contours: Section<{ Group::Contours as u8 }>,
     #[command(flatten)]
-    pub(super) motion: MotionArg,
+    pub(crate) motion: MotionArg,
 }
 
 impl HatchArgs {
     /// The folder of pictures that strokes are taken from, if any.
-    pub(super) fn pictures(&self) -> Option<&Path> {
+    pub(crate) fn pictures(&self) -> Option<&Path> {
         self.relight.work.flags.folder_of_strokes.as_deref()
     }
 

@@ -10,20 +10,20 @@ use std::path::{Path, PathBuf};
 
 /// The words of a command line: the program, the command, and its arguments.
 #[derive(Debug, Clone)]
-pub(super) struct Invocation {
+pub(crate) struct Invocation {
     words: Vec<OsString>,
     /// The recipe that some of them come from.
     recipe: Option<PathBuf>,
 }
 
 /// What was typed, as clap understands it.
-pub(super) struct Parsed {
-    pub(super) cli: Cli,
-    pub(super) matches: ArgMatches,
+pub(crate) struct Parsed {
+    pub(crate) cli: Cli,
+    pub(crate) matches: ArgMatches,
 }
 
 impl Invocation {
-    pub(super) fn of(words: impl IntoIterator<Item = OsString>) -> Self {
+    pub(crate) fn of(words: impl IntoIterator<Item = OsString>) -> Self {
         Self {
             words: words.into_iter().collect(),
             recipe: None,
@@ -31,11 +31,11 @@ impl Invocation {
     }
 
     /// The recipe that was read for it.
-    pub(super) fn recipe(&self) -> Option<&Path> {
+    pub(crate) fn recipe(&self) -> Option<&Path> {
         self.recipe.as_deref()
     }
 
-    pub(super) fn parse(&self) -> std::result::Result<Parsed, clap::Error> {
+    pub(crate) fn parse(&self) -> std::result::Result<Parsed, clap::Error> {
         let matches = Cli::command().try_get_matches_from(&self.words)?;
         let cli = Cli::from_arg_matches(&matches)?;
         Ok(Parsed { cli, matches })
@@ -45,7 +45,7 @@ impl Invocation {
     ///
     /// # Errors
     /// [`crate::Error::Recipe`] for settings that the command does not take.
-    pub(super) fn of_recipe(&self, recipe: &Recipe, rest: &[OsString]) -> Result<Self> {
+    pub(crate) fn of_recipe(&self, recipe: &Recipe, rest: &[OsString]) -> Result<Self> {
         let mut command = command_named(&recipe.command);
         command.build();
         let typed = given_in(&command, rest);
@@ -74,7 +74,7 @@ impl Invocation {
     }
 
     /// The same with `flags`, as far as the command knows them; they overrule what stands there.
-    pub(super) fn with(&self, flags: &[Flag]) -> Self {
+    pub(crate) fn with(&self, flags: &[Flag]) -> Self {
         let command = command_named(&self.words[1].to_string_lossy());
         let known = flags.iter().filter(|f| long(&command, f.name()).is_some());
         let end = self.words.iter().position(|word| word == OsStr::new("--"));

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// What mirrors and lenses show.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Mirrors and lenses")]
-pub(super) struct SpecularFlags {
+pub(crate) struct SpecularFlags {
     /// Which pixels are mirrors or lenses, above one half: a layer of IN or a file; all that are covered where it
     /// is not given.
     #[arg(long, value_name = "NAME|FILE")]
@@ -35,7 +35,7 @@ pub(super) struct SpecularFlags {
 
 impl SpecularFlags {
     /// Which files and layers are named.
-    pub(super) fn inputs(&self) -> SpecularInputs {
+    pub(crate) fn inputs(&self) -> SpecularInputs {
         SpecularInputs {
             mask: self.specular_mask.clone(),
             back: self.back.clone(),
@@ -79,7 +79,7 @@ impl SpecularFlags {
     }
 
     /// The same with the names of one frame of a sequence.
-    pub(super) fn of_frame(&self, frame: Option<i32>) -> Self {
+    pub(crate) fn of_frame(&self, frame: Option<i32>) -> Self {
         let mut one = self.clone();
         if let Some(frame) = frame {
             one.rename(|name| numbered(name, frame));

@@ -10,20 +10,20 @@ use std::path::{Path, PathBuf};
 
 /// A flag with its value: `--name=value`; without one, a switch.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Flag {
+pub(crate) struct Flag {
     name: String,
     value: Option<String>,
 }
 
 impl Flag {
-    pub(super) fn new(name: impl Into<String>, value: impl ToString) -> Self {
+    pub(crate) fn new(name: impl Into<String>, value: impl ToString) -> Self {
         Self {
             name: name.into(),
             value: Some(value.to_string()),
         }
     }
 
-    pub(super) fn switch(name: impl Into<String>) -> Self {
+    pub(crate) fn switch(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
             value: None,
@@ -49,8 +49,8 @@ impl Flag {
 
 /// What the parameters of a command line are, and what flags say beyond.
 #[derive(Debug, Clone)]
-pub(super) struct Flags {
-    pub(super) params: Params,
+pub(crate) struct Flags {
+    pub(crate) params: Params,
     /// All sigmas of `--scale`.
     scales: Vec<f32>,
     /// The folder of `--style`.
@@ -67,7 +67,7 @@ impl Flags {
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming the first one.
-    pub(super) fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         check_scales(self.scales.len())?;
         self.params.validate()
     }
@@ -76,7 +76,7 @@ impl Flags {
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming what takes several.
-    pub(super) fn refuse_more_scales(&self) -> Result<()> {
+    pub(crate) fn refuse_more_scales(&self) -> Result<()> {
         if self.more_scales().is_empty() {
             return Ok(());
         }

@@ -1,13 +1,13 @@
 //! The JSON schema of recipes, from the table of parameters and the other flags.
 
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
-use crate::cli::commands::command_named;
+use crate::command::commands::command_named;
 use crate::params::{Kind, Many, Param, param};
 use clap::{Arg, Command};
 use serde_json::{Map, Value, json};
 
 /// The schema of all recipes: one object for each command.
-pub(in crate::cli) fn schema() -> Value {
+pub(crate) fn schema() -> Value {
     let commands: Vec<Value> = COMMANDS
         .iter()
         .map(|name| of_command(&command_named(name)))

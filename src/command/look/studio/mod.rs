@@ -3,16 +3,15 @@
 mod reading;
 
 use super::{Look, Said};
-use crate::cli::args::{OutputArgs, WorkArgs};
-use crate::cli::chosen::Chosen;
-use crate::cli::commands::Command;
-use crate::cli::enhance;
-use crate::cli::hatch;
-use crate::cli::line_args::HatchArgs;
-use crate::cli::message;
-use crate::cli::recipe::RecipeText;
-use crate::cli::relight_args::RelightArgs;
-use crate::cli::{relight, shape};
+use crate::command::args::{OutputArgs, WorkArgs};
+use crate::command::chosen::Chosen;
+use crate::command::commands::Command;
+use crate::command::enhance;
+use crate::command::error_line::line_of;
+use crate::command::hatch;
+use crate::command::line_args::HatchArgs;
+use crate::command::relight_args::RelightArgs;
+use crate::command::{relight, shape};
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::engine::{Engine, Inputs, Run, Session};
@@ -181,9 +180,8 @@ impl ViewSession {
         self.made = None;
         let parsed = look.parse(&reading.input)?;
         let mut command = parsed.cli.command;
-        let recipe = RecipeText::of(&parsed.matches);
-        let said = |error| message::line_of(&error);
-        self.read(&command, &recipe, reading).map_err(said)?;
+        let said = |error| line_of(&error);
+        self.read(&command, reading).map_err(said)?;
         let sitter = self.sitter.as_ref().expect(IN_HAND);
         // What mirrors show is not reduced with the frame.
         let step = if sitter.scene.is_some() {
@@ -385,7 +383,7 @@ fn work_of(command: &Command) -> &WorkArgs {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
-    use crate::cli::args::BackendArg;
+    use crate::command::args::BackendArg;
     use crate::engine::gpu::device::to_test_on;
     use std::path::Path;
 

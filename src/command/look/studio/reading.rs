@@ -1,16 +1,12 @@
 //! What a look is made of: files, read again only when others are named.
 
 use super::{A_COMMAND, Held, OpenFrame, Reading, ViewSession, work_of};
-use crate::cli::commands::Command;
-use crate::cli::hatch;
-use crate::cli::job::Job;
-use crate::cli::line_args::HatchArgs;
-use crate::cli::memory::MaxMemory;
-use crate::cli::recipe::RecipeText;
-use crate::cli::relight;
-use crate::cli::relight_args::RelightArgs;
-use crate::cli::run_log::RunLog;
-use crate::cli::strips::refuse_too_large;
+use crate::command::commands::Command;
+use crate::command::hatch;
+use crate::command::line_args::HatchArgs;
+use crate::command::memory::MaxMemory;
+use crate::command::relight;
+use crate::command::relight_args::RelightArgs;
 use crate::engine::Session;
 use crate::error::Result;
 use crate::io::inputs::Inputs;
@@ -41,25 +37,15 @@ pub(super) struct SurroundingFiles {
 
 impl ViewSession {
     /// Reads what the command takes, unless it is in hand.
-    pub(super) fn read(
-        &mut self,
-        command: &Command,
-        recipe: &RecipeText,
-        reading: &Reading,
-    ) -> Result<()> {
-        let told = RunLog::default();
+    pub(super) fn read(&mut self, command: &Command, reading: &Reading) -> Result<()> {
         let work = work_of(command);
         work.flags.validate()?;
         work.flags.refuse_more_scales()?;
-        let job = match reading.frame {
-            Some(frame) => Job::to_choose(work.of_frame(frame), frame, &told, recipe),
-            None => Job::new(work.clone(), &told, recipe),
-        };
-        let source = self.source(command, &job)?;
+        let source = self.source(command, reading.frame)?;
         if self.sitter.as_ref().is_some_and(|s| s.source == source) {
             return Ok(());
         }
-        refuse_too_large(&job)?;
+        work.refuse_too_large(&source.inputs.picture)?;
         // The last frame goes before the next one comes.
         self.sitter = None;
         let mut loaded = io::load(&source.inputs, source.needs)?;
@@ -84,24 +70,24 @@ impl ViewSession {
         Ok(())
     }
 
-    fn source(&mut self, command: &Command, job: &Job) -> Result<Source> {
+    fn source(&mut self, command: &Command, frame: Option<i32>) -> Result<Source> {
         let specular = |args: &RelightArgs| {
-            let inputs = args.specular.of_frame(job.frame).inputs();
+            let inputs = args.specular.of_frame(frame).inputs();
             let material = args.params().material.material;
             (!inputs.is_empty()).then_some((inputs, material))
         };
         let ((inputs, needs), specular) = match command {
-            Command::Shape(work) => (work.reading(Goal::Display, job), None),
-            Command::Enhance(args) => (args.reading(job), None),
+            Command::Shape(work) => (work.reading(Goal::Display, frame), None),
+            Command::Enhance(args) => (args.reading(frame), None),
             Command::Relight(args) => {
                 let illumination = self.illumination(args)?;
                 let foreshortening = args.work.flags.params.shape.foreshortening;
                 let needs = relight::needs(&args.params(), foreshortening, &illumination);
-                ((args.inputs(job), needs), specular(args))
+                ((args.inputs(frame), needs), specular(args))
             }
             Command::Hatch(args) => {
                 let illumination = self.illumination(&args.relight)?;
-                let reading = args.reading(&args.looks()?, &illumination, job);
+                let reading = args.reading(&args.looks()?, &illumination, frame);
                 (reading, specular(&args.relight))
             }
             _ => unreachable!("{A_COMMAND}"),

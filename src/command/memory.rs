@@ -10,12 +10,9 @@ const SHARE: f64 = 0.6;
 /// What is taken to be free where the system does not report it.
 const UNKNOWN: u64 = 4 << 30;
 
-/// Most that a photo takes where no amount is given: beyond it goes in strips.
-pub(super) const PHOTO_BYTES: u64 = 1536 << 20;
-
 /// An amount of memory: `2G`, `500M`, or bytes; or what this machine has to spare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum MaxMemory {
+pub(crate) enum MaxMemory {
     /// Six tenths of what is free when the run begins, within the limits of its control group.
     Auto,
     /// Given, in bytes.
@@ -24,7 +21,7 @@ pub(super) enum MaxMemory {
 
 impl MaxMemory {
     /// The amount in bytes.
-    pub(super) fn bytes(self) -> u64 {
+    pub(crate) fn bytes(self) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes,
             Self::Auto => (self.most() as f64 * SHARE) as u64,
@@ -32,7 +29,7 @@ impl MaxMemory {
     }
 
     /// The amount beyond which nothing is begun: where none is given, all that is free.
-    pub(super) fn most(self) -> u64 {
+    pub(crate) fn most(self) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes,
             Self::Auto => free().unwrap_or(UNKNOWN),
@@ -42,7 +39,7 @@ impl MaxMemory {
 
 impl MaxMemory {
     /// What pictures that light is read from, or strokes, may take beside the frame: half.
-    pub(super) fn for_light(self) -> u64 {
+    pub(crate) fn for_light(self) -> u64 {
         self.bytes() / 2
     }
 }

@@ -14,7 +14,7 @@ const SAMPLES: usize = 5;
 /// Which frames.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
-pub(super) struct FramesArg {
+pub(crate) struct FramesArg {
     /// Frames of a sequence, whose numbers go where IN and -o have #### or %04d: 1-12, every second one
     /// 1-12x2 or 1-12:2, the others 1-12y2, or 1,5,9.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
@@ -24,7 +24,7 @@ pub(super) struct FramesArg {
 /// How a sequence is gone through.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
-pub(super) struct SequenceArgs {
+pub(crate) struct SequenceArgs {
     #[command(flatten)]
     pub(super) frames: FramesArg,
     /// Frames that all which is automatic is chosen from, once for all: five across --frames where not given;
@@ -33,7 +33,7 @@ pub(super) struct SequenceArgs {
     sample_frames: Option<Samples>,
     /// Leave frames alone whose output is there and whole.
     #[arg(long, requires = "frames")]
-    pub(super) skip_existing: bool,
+    pub(crate) skip_existing: bool,
     /// What to do about frames that have no input.
     #[arg(
         long,
@@ -42,14 +42,14 @@ pub(super) struct SequenceArgs {
         default_value = "error",
         requires = "frames"
     )]
-    pub(super) missing_frame: MissingArg,
+    pub(crate) missing_frame: MissingArg,
     /// Go on after a frame that failed; the exit code is then 3.
     #[arg(long, requires = "frames")]
-    pub(super) keep_going: bool,
+    pub(crate) keep_going: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum MissingArg {
+pub(crate) enum MissingArg {
     Error,
     Skip,
 }
@@ -80,14 +80,14 @@ impl FramesArg {
     ///
     /// # Errors
     /// [`Error::BadParameter`] for frames without such names, and names without frames.
-    pub(super) fn of(&self, input: &Path, output: Option<&Path>) -> Result<Option<&[i32]>> {
+    pub(crate) fn of(&self, input: &Path, output: Option<&Path>) -> Result<Option<&[i32]>> {
         frames_of(self.frames.as_ref(), input, output)
     }
 }
 
 impl SequenceArgs {
     /// The frames among `frames` to be looked at, or others that were asked for.
-    pub(super) fn samples(&self, frames: &[i32]) -> Vec<i32> {
+    pub(crate) fn samples(&self, frames: &[i32]) -> Vec<i32> {
         match &self.sample_frames {
             Some(Samples(None)) => Vec::new(),
             Some(Samples(Some(list))) => list.numbers().to_vec(),
@@ -114,7 +114,7 @@ pub(super) fn numbered_path(path: &Path, frame: i32) -> PathBuf {
 }
 
 /// The inputs of one frame of a sequence.
-pub(super) fn inputs_of_frame(roles: &RoleArgs, input: &Path, frame: i32) -> Inputs {
+pub(crate) fn inputs_of_frame(roles: &RoleArgs, input: &Path, frame: i32) -> Inputs {
     let mut roles = roles.clone();
     roles.rename(|name| numbered(name, frame));
     roles.inputs(&numbered_path(input, frame))

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Which layers and files play which role.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Inputs")]
-pub(super) struct RoleArgs {
+pub(crate) struct RoleArgs {
     /// View that all layers are taken from, of a file with several: left. Not given: the default one.
     #[arg(long, value_name = "NAME")]
     view: Option<String>,
@@ -126,7 +126,7 @@ fn name<T: PartialEq>(all: &[(T, &'static str)], value: &T) -> &'static str {
 }
 
 impl RoleArgs {
-    pub(super) fn inputs(&self, picture: &std::path::Path) -> Inputs {
+    pub(crate) fn inputs(&self, picture: &std::path::Path) -> Inputs {
         Inputs {
             picture: picture.to_path_buf(),
             view: self.view.clone(),
@@ -173,7 +173,7 @@ impl RoleArgs {
     }
 
     /// Every input that is a file of its own.
-    pub(super) fn files(&self, picture: &std::path::Path) -> Vec<PathBuf> {
+    pub(crate) fn files(&self, picture: &std::path::Path) -> Vec<PathBuf> {
         let named = [
             &self.normal,
             &self.depth,

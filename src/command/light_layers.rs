@@ -12,7 +12,7 @@ use std::str::FromStr;
 /// Which layers of light are scaled one by one.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light layers")]
-pub(super) struct LightLayerFlags {
+pub(crate) struct LightLayerFlags {
     /// Diffuse light, the surface's colour included: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     diffuse: Option<String>,
@@ -91,7 +91,7 @@ impl LightLayerFlags {
     }
 
     /// Every input that is a file of its own, of one frame in a sequence.
-    pub(super) fn files(&self, frame: Option<i32>) -> impl Iterator<Item = PathBuf> {
+    pub(crate) fn files(&self, frame: Option<i32>) -> impl Iterator<Item = PathBuf> {
         let named = [&self.diffuse, &self.specular, &self.albedo];
         let of_frame = move |name: &String| match frame {
             Some(frame) => numbered(name, frame).into(),

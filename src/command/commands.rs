@@ -4,7 +4,7 @@ use super::args::{ComputeArgs, WorkArgs};
 use super::flags::{Flags, Section};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
-use super::motion::MotionArg;
+use super::motion_arg::MotionArg;
 use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::FramesArg;
@@ -22,13 +22,13 @@ use std::path::PathBuf;
     arg_required_else_help = true,
     args_override_self = true
 )]
-pub(super) struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
-    pub(super) command: Command,
+    pub(crate) command: Command,
 }
 
 #[derive(Debug, Subcommand)]
-pub(super) enum Command {
+pub(crate) enum Command {
     /// Say what is in files: which layer plays which role, in which space, and why.
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(InspectArgs),
@@ -122,39 +122,39 @@ Examples:
   relievo view shot.####.exr                     all frames that are there";
 
 #[derive(Debug, Args)]
-pub(super) struct InspectArgs {
+pub(crate) struct InspectArgs {
     /// Files to look into.
     #[arg(required = true, value_name = "FILE")]
-    pub(super) files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) roles: RoleArgs,
+    pub(crate) roles: RoleArgs,
     /// Scaling magnitude that is planned: warn where it is too much.
     #[arg(long, value_name = "G", allow_negative_numbers = true)]
-    pub(super) scaling: Option<f32>,
+    pub(crate) scaling: Option<f32>,
     /// Invariant point that is planned with it.
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
-    pub(super) invariant_point: Option<f32>,
+    pub(crate) invariant_point: Option<f32>,
     /// Print one JSON array instead of text.
     #[arg(long)]
-    pub(super) json: bool,
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct RecipeArgs {
+pub(crate) struct RecipeArgs {
     /// The recipe, a TOML file.
     #[arg(value_name = "RECIPE")]
-    pub(super) recipe: PathBuf,
+    pub(crate) recipe: PathBuf,
     /// IN, -o OUT and other arguments of the recipe's command; they go before its settings.
     #[arg(
         value_name = "ARGUMENT",
         trailing_var_arg = true,
         allow_hyphen_values = true
     )]
-    pub(super) rest: Vec<OsString>,
+    pub(crate) rest: Vec<OsString>,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct ViewArgs {
+pub(crate) struct ViewArgs {
     /// The render or photo; it can be opened in the window too.
     #[arg(value_name = "IN")]
     pub(super) input: Option<PathBuf>,
@@ -166,17 +166,17 @@ pub(super) struct ViewArgs {
     #[command(flatten)]
     pub(super) frames: FramesArg,
     #[command(flatten)]
-    pub(super) compute: ComputeArgs,
+    pub(crate) compute: ComputeArgs,
 }
 
 #[derive(Debug, Args)]
-pub(super) struct EnhanceArgs {
+pub(crate) struct EnhanceArgs {
     #[command(flatten)]
-    pub(super) work: WorkArgs,
+    pub(crate) work: WorkArgs,
     #[command(flatten)]
     _lobes: Section<{ Group::LightLayers as u8 }>,
     #[command(flatten)]
-    pub(super) light: LightLayerFlags,
+    pub(crate) light: LightLayerFlags,
     #[command(flatten)]
     _scaling: Section<{ Group::Scaling as u8 }>,
     #[command(flatten)]
@@ -187,31 +187,31 @@ pub(super) struct EnhanceArgs {
 #[command(mut_arg("backend", |backend| backend.help(
     "What is measured: auto measures a GPU too where there is one, in a build that can; gpu one in software too"
 )))]
-pub(super) struct ReportArgs {
+pub(crate) struct ReportArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
+    pub(crate) input: PathBuf,
     #[command(flatten)]
-    pub(super) roles: RoleArgs,
+    pub(crate) roles: RoleArgs,
     #[command(flatten)]
-    pub(super) flags: Flags,
+    pub(crate) flags: Flags,
     #[command(flatten)]
     _shape: Section<{ Group::Shape as u8 }>,
     #[command(flatten)]
-    pub(super) frames: FramesArg,
+    pub(crate) frames: FramesArg,
     #[command(flatten)]
-    pub(super) motion: MotionArg,
+    pub(crate) motion: MotionArg,
     /// Directory for report.md, report.json and plots; made where there is none, older ones replaced.
     #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
     /// Fewer scales, smaller scenes, fewer runs.
     #[arg(long, help_heading = "Run")]
-    pub(super) quick: bool,
+    pub(crate) quick: bool,
     #[command(flatten)]
-    pub(super) compute: ComputeArgs,
+    pub(crate) compute: ComputeArgs,
     /// Say nothing but errors; the summary still goes to stdout.
     #[arg(short, long, help_heading = "Run")]
-    pub(super) quiet: bool,
+    pub(crate) quiet: bool,
 }
 
 /// The clap command of that name; the whole program where there is none.

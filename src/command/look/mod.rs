@@ -9,9 +9,9 @@ pub(crate) use studio::{Pixels, Reading, ViewSession, What};
 
 use super::chosen::Chosen;
 use super::commands::{ViewArgs, command_named, long, typed_ids};
+use super::error_line::misuse_line;
 use super::flags::Flag;
 use super::invocation::{Invocation, Parsed};
-use super::message;
 use super::recipe::{COMMANDS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
 use crate::engine::Engine;
 use crate::error::Result;
@@ -142,7 +142,8 @@ impl Look {
         known.flatten().collect()
     }
 
-    fn invocation(&self, input: &Path, output: &Path) -> Invocation {
+    /// The command line that writes what the look makes of `input` to `output`.
+    pub(crate) fn invocation(&self, input: &Path, output: &Path) -> Invocation {
         let start = ["relievo".into(), self.command.clone().into()];
         let flags = self.flags();
         let flags = flags.iter().map(Flag::word);
@@ -154,7 +155,7 @@ impl Look {
         let invocation = self.invocation(input, Path::new(NOWHERE));
         invocation
             .parse()
-            .map_err(|error| message::misuse_line(&error).replacen("error: ", "", 1))
+            .map_err(|error| misuse_line(&error).replacen("error: ", "", 1))
     }
 
     /// The recipe of the look, with what was chosen where it leaves that open.
@@ -189,18 +190,6 @@ impl Look {
         let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
         words.join(" ")
     }
-
-    /// The words of the command line that writes `output`, to be run.
-    pub(crate) fn run(&self, input: &Path, output: &Path) -> std::result::Result<(), Said> {
-        let invocation = self
-            .invocation(input, output)
-            .with(&[Flag::switch("quiet")]);
-        match super::run_typed(&invocation) {
-            Ok(0) => Ok(()),
-            Ok(code) => Err(format!("{} was not written ({code})", output.display())),
-            Err(error) => Err(message::line_of(&error)),
-        }
-    }
 }
 
 /// A word as a shell takes it for one.
@@ -212,6 +201,9 @@ fn quoted(word: &str) -> String {
     }
 }
 
+/// Writes the picture that a look makes of one file to another.
+pub(crate) type SavePicture = fn(&Look, &Path, &Path) -> std::result::Result<(), Said>;
+
 /// What a window is opened on.
 pub(crate) struct Opening {
     pub(crate) input: Option<PathBuf>,
@@ -219,14 +211,16 @@ pub(crate) struct Opening {
     pub(crate) look: Look,
     /// What computes.
     pub(crate) engine: Arc<Engine>,
+    /// What pictures are saved by.
+    pub(crate) save: SavePicture,
 }
 
 impl Opening {
-    /// What `args` name: a recipe, and flags that have the last word.
+    /// What `args` name: a recipe, and flags that have the last word; pictures go through `save`.
     ///
     /// # Errors
     /// As [`Recipe::read`]; [`crate::Error::NoGpu`] where there has to be a device and is none.
-    pub(super) fn of(args: &ViewArgs, typed: &Invocation) -> Result<Self> {
+    pub(crate) fn of(args: &ViewArgs, typed: &Invocation, save: SavePicture) -> Result<Self> {
         let mut look = match &args.recipe {
             Some(path) => Look::of_recipe(path)?,
             None => Look::default(),
@@ -257,6 +251,7 @@ impl Opening {
             frames: args.frames.numbers(),
             look,
             engine: args.compute.backend.engine()?.or_cpu().into(),
+            save,
         })
     }
 }

@@ -10,9 +10,9 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 #[derive(Debug, Args)]
-pub(super) struct RelightArgs {
+pub(crate) struct RelightArgs {
     #[command(flatten)]
-    pub(super) work: WorkArgs,
+    pub(crate) work: WorkArgs,
     #[command(flatten)]
     pub(super) light: LightFlags,
     #[command(flatten)]
@@ -26,7 +26,7 @@ pub(super) struct RelightArgs {
     #[command(flatten)]
     _material: Section<{ Group::Material as u8 }>,
     #[command(flatten)]
-    pub(super) specular: SpecularFlags,
+    pub(crate) specular: SpecularFlags,
     #[command(flatten)]
     _search: Section<{ Group::Specular as u8 }>,
 }
@@ -96,7 +96,7 @@ impl<const N: usize> Numbers<N> {
 
 impl RelightArgs {
     /// Everything but the lights.
-    pub(super) fn params(&self) -> RelightParams {
+    pub(crate) fn params(&self) -> RelightParams {
         let params = self.work.flags.params.relight;
         RelightParams {
             albedo: match self.surface.albedo {
@@ -119,7 +119,7 @@ impl RelightArgs {
     }
 
     /// Files that only this command reads, of one frame in a sequence.
-    pub(super) fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
+    pub(crate) fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
         let albedo = self.albedo_of_frame(frame).map(PathBuf::from);
         let lights = self.light.environment.iter().chain(&self.light.lit_sphere);
         albedo

@@ -1,8 +1,8 @@
 //! From TOML to flags.
 
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
-use crate::cli::commands::{command_named, long};
-use crate::cli::flags::Flag;
+use crate::command::commands::{command_named, long};
+use crate::command::flags::Flag;
 use crate::error::{Error, Result};
 use crate::io::open::open_input;
 use clap::{Arg, Command};
@@ -16,8 +16,8 @@ const MOST_BYTES: u64 = 1 << 20;
 /// The settings of a command.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
-    pub(in crate::cli) path: PathBuf,
-    pub(in crate::cli) command: String,
+    pub(in crate::command) path: PathBuf,
+    pub(in crate::command) command: String,
     settings: Table,
 }
 
@@ -83,7 +83,7 @@ impl Recipe {
     }
 
     /// The settings as flags of `command`.
-    pub(in crate::cli) fn flags(&self, command: &Command) -> Result<Vec<Flag>> {
+    pub(in crate::command) fn flags(&self, command: &Command) -> Result<Vec<Flag>> {
         let mut flags = Vec::new();
         for (name, value) in &self.settings {
             let arg = long(command, name).filter(|arg| is_setting(arg));

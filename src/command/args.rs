@@ -3,36 +3,39 @@
 use super::flags::{Flags, Section, one_of};
 use super::memory::MaxMemory;
 use super::role_args::RoleArgs;
-use super::sequence::{SequenceArgs, numbered, numbered_path};
-use super::threads::MOST_THREADS;
+use super::sequence::{SequenceArgs, inputs_of_frame, numbered, numbered_path};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::io::exr::{OutputCompression, OutputType};
 use crate::io::frame_bytes;
+use crate::io::inputs::Inputs;
 use crate::io::picture::ViewTransform;
 use crate::io::sequence::path_of_frame;
 use crate::params::Group;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
+/// Most threads that can be asked for; more than any machine has cores for.
+pub(crate) const MOST_THREADS: u16 = 512;
+
 /// What the commands that make a picture share.
 #[derive(Debug, Clone, Args)]
-pub(super) struct WorkArgs {
+pub(crate) struct WorkArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
+    pub(crate) input: PathBuf,
     #[command(flatten)]
-    pub(super) roles: RoleArgs,
+    pub(crate) roles: RoleArgs,
     #[command(flatten)]
-    pub(super) flags: Flags,
+    pub(crate) flags: Flags,
     #[command(flatten)]
     _shape: Section<{ Group::Shape as u8 }>,
     #[command(flatten)]
-    pub(super) output: OutputArgs,
+    pub(crate) output: OutputArgs,
     #[command(flatten)]
-    pub(super) sequence: SequenceArgs,
+    pub(crate) sequence: SequenceArgs,
     #[command(flatten)]
-    pub(super) run: RunArgs,
+    pub(crate) run: RunArgs,
 }
 
 impl WorkArgs {
@@ -40,7 +43,7 @@ impl WorkArgs {
     ///
     /// # Errors
     /// [`Error::BadParameter`] for frames and names that do not go together, and for one file of timings.
-    pub(super) fn frames(&self) -> Result<Option<&[i32]>> {
+    pub(crate) fn frames(&self) -> Result<Option<&[i32]>> {
         let frames = self
             .sequence
             .frames
@@ -58,7 +61,7 @@ impl WorkArgs {
     }
 
     /// The same for one frame of a sequence.
-    pub(super) fn of_frame(&self, frame: i32) -> Self {
+    pub(crate) fn of_frame(&self, frame: i32) -> Self {
         let mut one = self.clone();
         one.input = numbered_path(&self.input, frame);
         one.roles.rename(|name| numbered(name, frame));
@@ -68,16 +71,50 @@ impl WorkArgs {
         one
     }
 
+    /// Which files and layers are read, of a single picture or of one frame of a sequence.
+    pub(super) fn inputs(&self, frame: Option<i32>) -> Inputs {
+        match frame {
+            Some(frame) => inputs_of_frame(&self.roles, &self.input, frame),
+            None => self.roles.inputs(&self.input),
+        }
+    }
+
     /// About how much memory it takes to work on `picture`.
-    pub(super) fn frame_bytes(&self, picture: &Path) -> u64 {
+    pub(crate) fn frame_bytes(&self, picture: &Path) -> u64 {
         frame_bytes(picture, self.flags.more_scales().len())
+    }
+
+    /// Refuses `picture` where it is too large, for commands that need it whole.
+    pub(crate) fn refuse_too_large(&self, picture: &Path) -> Result<()> {
+        let bytes = self.frame_bytes(picture);
+        match bytes > self.run.max_memory.most() {
+            true => Err(self.too_large(picture, "needs the picture whole", bytes)),
+            false => Ok(()),
+        }
+    }
+
+    /// The refusal of a picture that takes `least` bytes or more.
+    pub(crate) fn too_large(&self, picture: &Path, why: &str, least: u64) -> Error {
+        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        Error::Unsupported {
+            path: picture.to_path_buf(),
+            found: format!(
+                "takes about {:.1} GiB, and {:.1} are allowed; this {why}",
+                gib(self.frame_bytes(picture)),
+                gib(self.run.max_memory.most()),
+            ),
+            remedy: format!(
+                "give --max-memory {}M or more, or crop it",
+                least.div_ceil(1 << 20)
+            ),
+        }
     }
 }
 
 /// Where results go.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
-pub(super) struct OutputArgs {
+pub(crate) struct OutputArgs {
     /// File to write: .exr .png .jpg .tif .hdr. Without it --save-recipe writes what would be done.
     #[arg(
         short = 'o',
@@ -85,26 +122,26 @@ pub(super) struct OutputArgs {
         value_name = "FILE",
         required_unless_present = "save_recipe"
     )]
-    pub(super) output: Option<PathBuf>,
+    pub(crate) output: Option<PathBuf>,
     /// EXR: append a part to the input's own bytes; encode its first part anew with our channels, for readers that
     /// see no other; or write the results alone.
     #[arg(long, value_name = "WHAT", default_value = "keep")]
-    pub(super) layers: LayersArg,
+    pub(crate) layers: LayersArg,
     /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
     #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
-    pub(super) compression: OutputCompression,
+    pub(crate) compression: OutputCompression,
     /// EXR: sample type; as the input where not given (float for descriptor layers and photos).
     #[arg(long, value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
-    pub(super) depth_of_output: Option<OutputType>,
+    pub(crate) depth_of_output: Option<OutputType>,
     /// Pictures: from scene-linear to display.
     #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
     pub(super) view_transform: ViewTransform,
     /// Refuse to replace a file.
     #[arg(long, conflicts_with = "force")]
-    pub(super) no_clobber: bool,
+    pub(crate) no_clobber: bool,
     /// Replace files that are write-protected too.
     #[arg(long)]
-    pub(super) force: bool,
+    pub(crate) force: bool,
 }
 
 /// The words for sample types.
@@ -116,14 +153,14 @@ const VIEW_TRANSFORMS: [(ViewTransform, &str); 2] =
     [(ViewTransform::Srgb, "srgb"), (ViewTransform::None, "none")];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum LayersArg {
+pub(crate) enum LayersArg {
     Keep,
     Channels,
     Results,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum BackendArg {
+pub(crate) enum BackendArg {
     Auto,
     Cpu,
     Gpu,
@@ -134,7 +171,7 @@ impl BackendArg {
     ///
     /// # Errors
     /// [`crate::Error::NoGpu`] where there has to be a device and is none.
-    pub(super) fn engine(self) -> Result<Engine> {
+    pub(crate) fn engine(self) -> Result<Engine> {
         match self {
             Self::Auto => Ok(Engine::auto()),
             Self::Cpu => Ok(Engine::cpu()),
@@ -145,7 +182,7 @@ impl BackendArg {
 
 /// How a sequence shows how far it has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ProgressArg {
+pub(crate) enum ProgressArg {
     Auto,
     Bar,
     Plain,
@@ -156,41 +193,41 @@ pub(super) enum ProgressArg {
 /// What computes.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
-pub(super) struct ComputeArgs {
+pub(crate) struct ComputeArgs {
     /// What computes: auto takes a GPU where there is one, in a build that can, and the CPU for what it has no kernels for.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
-    pub(super) backend: BackendArg,
+    pub(crate) backend: BackendArg,
     /// Threads; all cores where not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()))]
-    pub(super) threads: Option<u16>,
+    pub(crate) threads: Option<u16>,
 }
 
 /// How the work is run and reported.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
-pub(super) struct RunArgs {
+pub(crate) struct RunArgs {
     #[command(flatten)]
-    pub(super) compute: ComputeArgs,
+    pub(crate) compute: ComputeArgs,
     /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free; photos then go in strips from 1.5G on.
     #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
-    pub(super) max_memory: MaxMemory,
+    pub(crate) max_memory: MaxMemory,
     /// Write the settings of this command line, and what was chosen automatically, as a recipe.
     #[arg(long, value_name = "FILE.toml")]
-    pub(super) save_recipe: Option<PathBuf>,
+    pub(crate) save_recipe: Option<PathBuf>,
     /// How to show how far a sequence has come: a bar, a line or a JSON object per frame; auto is a bar on a
     /// terminal, else plain.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
-    pub(super) progress: ProgressArg,
+    pub(crate) progress: ProgressArg,
     /// Print each stage kept or left out, and why.
     #[arg(long)]
-    pub(super) explain: bool,
+    pub(crate) explain: bool,
     /// Write how long each stage took, as JSON.
     #[arg(long, value_name = "FILE.json")]
-    pub(super) timings: Option<PathBuf>,
+    pub(crate) timings: Option<PathBuf>,
     /// Say what was concluded about the inputs.
     #[arg(short, long, conflicts_with = "quiet")]
-    pub(super) verbose: bool,
+    pub(crate) verbose: bool,
     /// Say nothing but errors.
     #[arg(short, long)]
-    pub(super) quiet: bool,
+    pub(crate) quiet: bool,
 }

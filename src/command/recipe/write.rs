@@ -1,23 +1,23 @@
 //! From flags to TOML.
 
 use super::{VERSION, is_repeatable, is_setting, is_switch};
-use crate::cli::chosen::Chosen;
-use crate::cli::commands::{command_named, long, typed_ids};
-use crate::cli::flags::Flag;
+use crate::command::chosen::Chosen;
+use crate::command::commands::{command_named, long, typed_ids};
+use crate::command::flags::Flag;
 use clap::{Arg, ArgMatches};
 use std::collections::BTreeMap;
 use toml::Value;
 
 /// The settings of a command line, to be written with what was chosen.
 #[derive(Debug, Clone)]
-pub(in crate::cli) struct RecipeText {
+pub(crate) struct RecipeText {
     command: String,
     settings: BTreeMap<String, Value>,
 }
 
 impl RecipeText {
     /// The settings that were typed for the command of `matches`.
-    pub(in crate::cli) fn of(matches: &ArgMatches) -> Self {
+    pub(crate) fn of(matches: &ArgMatches) -> Self {
         let (name, matches) = matches.subcommand().expect("a command was parsed");
         let command = command_named(name);
         let typed: Vec<&str> = typed_ids(matches).collect();
@@ -34,7 +34,7 @@ impl RecipeText {
     }
 
     /// The recipe with what was `chosen` in place of what was left open.
-    pub(in crate::cli) fn with(&self, chosen: &Chosen) -> String {
+    pub(crate) fn with(&self, chosen: &Chosen) -> String {
         let command = command_named(&self.command);
         let mut settings = self.settings.clone();
         let flags = chosen.flags();

@@ -1,0 +1,44 @@
+//! `relievo view`: the window, and what it has the command line do.
+
+use super::{run_typed, threads};
+use crate::command::commands::ViewArgs;
+use crate::command::error_line::line_of;
+use crate::command::flags::Flag;
+use crate::command::invocation::Invocation;
+use crate::command::look::{Look, Opening, Said};
+use crate::error::Result;
+use crate::view::View;
+use eframe::egui::Context;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Opens the window.
+pub(super) fn view(args: &ViewArgs, typed: &Invocation) -> Result<i32> {
+    threads::use_threads(args.compute.threads);
+    let opening = Opening::of(args, typed, save)?;
+    crate::view::open(opening).map(|()| 0)
+}
+
+/// Writes what a look makes of `input` to `output`, as its command line does, and by it.
+fn save(look: &Look, input: &Path, output: &Path) -> std::result::Result<(), Said> {
+    let typed = look.invocation(input, output);
+    match run_typed(&typed.with(&[Flag::switch("quiet")])) {
+        Ok(0) => Ok(()),
+        Ok(code) => Err(format!("{} was not written ({code})", output.display())),
+        Err(error) => Err(line_of(&error)),
+    }
+}
+
+impl View {
+    /// A viewer that begins with `input`, in new light; pictures are saved by the command line.
+    pub fn new(context: &Context, input: Option<&Path>) -> Self {
+        let opening = Opening {
+            input: input.map(Path::to_path_buf),
+            frames: None,
+            look: Look::default(),
+            engine: Arc::default(),
+            save,
+        };
+        Self::of(opening, context)
+    }
+}

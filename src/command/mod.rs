@@ -1,0 +1,25 @@
+//! What a command is asked for: arguments, recipes, and the plan they make for a frame.
+
+pub(crate) mod args;
+pub(crate) mod chosen;
+pub(crate) mod commands;
+pub(crate) mod enhance;
+pub(crate) mod error_line;
+pub(crate) mod flags;
+pub(crate) mod hatch;
+pub(crate) mod invocation;
+mod light_layers;
+pub(crate) mod line_args;
+#[cfg(feature = "view")]
+pub(crate) mod look;
+pub(crate) mod memory;
+mod motion_arg;
+pub(crate) mod output;
+pub mod recipe;
+pub(crate) mod relight;
+pub(crate) mod relight_args;
+mod role_args;
+pub(crate) mod sequence;
+pub(crate) mod shape;
+mod specular_args;
+mod still_camera;
