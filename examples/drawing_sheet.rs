@@ -10,8 +10,7 @@ use relievo::frame::{Frame, Plane};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
 use relievo::params::{
-    AlbedoSource, LineParams, Method, RelightParams, ScalingParams, ShapeParams, StrokeDirections,
-    StrokeScale, Style,
+    AlbedoSource, LineParams, Method, RelightParams, ScalingParams, ShapeParams, Style,
 };
 use std::error::Error;
 use std::process::ExitCode;
@@ -33,17 +32,14 @@ fn run() -> Result<(), Box<dyn Error>> {
         Some("fixtures/tablet.normal.png"),
     )?;
     let pen = LineParams::default();
-    let mut crossed = pen;
-    crossed.strokes.style = Style::Pencil;
-    crossed.directions = StrokeDirections::Both;
-    let mut fine = pen;
-    fine.strokes.scale = StrokeScale::Factor(0.75);
+    let mut pencil = pen;
+    pencil.strokes.style = Style::Pencil;
     let lamp = light_from(135.0, 35.0);
     let drawings = [
         drawn(&bust, pen, None)?,
-        drawn(&bust, crossed, None)?,
+        drawn(&bust, pencil, None)?,
         drawn(&gears, pen, Some(&lamp))?,
-        drawn(&tablet, fine, Some(&lamp))?,
+        drawn(&tablet, pen, Some(&lamp))?,
     ];
     let [width, height] = CELL;
     let sheet = Plane::from_fn(2 * width, 2 * height, |x, y| {
@@ -54,7 +50,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The ink of a drawing: in the tone of the picture with its shape brought out, or in new light that warps.
+/// The ink of a drawing in a tone that shows the shape, with the picture's light or with new light that warps.
 fn drawn(
     frame: &Frame,
     line: LineParams,
@@ -65,10 +61,7 @@ fn drawn(
         albedo: AlbedoSource::White,
         ..RelightParams::default()
     };
-    let tone = match light {
-        Some(light) => Tone::Relit(relight, light),
-        None => Tone::Enhanced,
-    };
+    let tone = Tone::Shape(light.map(|light| (relight, light)));
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let request = Request::hatch(shape, scaling, tone, line);
     let drawing = Engine::cpu().run(&request, frame, &Run::new())?.drawing;

@@ -7,7 +7,7 @@ use super::output::color_channels;
 use super::strips::refuse_large_surroundings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::hatch::{Looks, inked, is_svg, on_a_page};
+use crate::command::hatch::{Drawn, Looks, inked, is_svg, on_a_page};
 use crate::command::line_args::HatchArgs;
 use crate::command::output::Kind;
 use crate::command::relight::illumination;
@@ -102,9 +102,12 @@ impl FrameCommand for HatchArgs {
             &kit.looks,
             illumination,
             &loaded.frame,
-            moves,
-            scene.is_some(),
-            times,
+            Drawn {
+                times,
+                is_in_sequence: job.is_in_sequence(),
+                moves,
+                is_specular: scene.is_some(),
+            },
         )?;
         job.tell_plan(&plan)?;
         let inputs = engine::Inputs {

@@ -27,6 +27,19 @@ pub(crate) struct Looks {
     pub(crate) line: LineParams,
 }
 
+/// How a frame comes to be drawn.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drawn {
+    /// How many times larger than it was it was made.
+    pub(crate) times: usize,
+    /// Whether it is one of several, whose tones have to go together.
+    pub(crate) is_in_sequence: bool,
+    /// Whether strokes move with its surface.
+    pub(crate) moves: bool,
+    /// Whether mirrors and lenses are traced in it.
+    pub(crate) is_specular: bool,
+}
+
 impl HatchArgs {
     /// What its flags say, if it can be drawn.
     pub(crate) fn looks(&self) -> Result<Looks> {
@@ -75,29 +88,28 @@ impl HatchArgs {
         self.relight.work.flags.params.enlarge.times(size_px)
     }
 
-    /// The plan for a frame that was made so many `times` as large, and the light, with a lamp where there is none and some
-    /// is wanted.
+    /// The plan for a frame, and the light, with a lamp where there is none and some is wanted.
     pub(crate) fn plan(
         &self,
         looks: &Looks,
         mut illumination: Illumination,
         frame: &Frame,
-        moving: bool,
-        is_specular: bool,
-        times: usize,
+        drawn: Drawn,
     ) -> Result<(Plan, Illumination)> {
+        let is_specular = drawn.is_specular;
         let specular = self
             .relight
             .specular
             .params(&self.relight.work.flags.params);
         let available = Available {
-            moving,
+            moving: drawn.moves,
             specular: is_specular.then_some(specular),
             ..Available::in_frame(frame)
         };
         let is_lit = LightKinds::in_light(&illumination) != LightKinds::default();
-        // What is seen in mirrors has no tone but its light's.
-        let shows_shape = self.tone() == ToneSource::Auto && !is_specular;
+        // What is seen in mirrors has no tone but its light's, and one that is fit to a frame would flicker.
+        let is_alone = !is_specular && !drawn.is_in_sequence;
+        let shows_shape = self.tone() == ToneSource::Auto && is_alone;
         let relit = match self.tone() {
             ToneSource::Relight => true,
             ToneSource::Auto if shows_shape => is_lit,
@@ -118,9 +130,12 @@ impl HatchArgs {
             ToneSource::Picture => ToneFrom::Picture,
             _ => ToneFrom::Enhanced,
         };
-        let shape = enlarged(looks.shape, times, frame);
+        let shape = enlarged(looks.shape, drawn.times, frame);
         let line = LineParams {
-            contours: looks.line.contours.map(|contours| contours.enlarged(times)),
+            contours: looks
+                .line
+                .contours
+                .map(|contours| contours.enlarged(drawn.times)),
             ..looks.line
         };
         let plan = Plan::hatch(available, shape, looks.scaling, tone, line)?;

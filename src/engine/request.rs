@@ -37,6 +37,9 @@ pub enum Tone<'a> {
     Enhanced,
     /// New light.
     Relit(RelightParams, &'a Illumination),
+    /// What shows the shape: a key light, and the picture by radiance scaling, or this new light, if there is any; spread
+    /// over all tones from ink to paper.
+    Shape(Option<(RelightParams, &'a Illumination)>),
 }
 
 impl<'a> Request<'a> {
@@ -88,14 +91,17 @@ impl<'a> Request<'a> {
         tone: Tone<'a>,
         params: LineParams,
     ) -> Self {
-        let (tone, inputs) = match tone {
-            Tone::Picture => (ToneFrom::Picture, Inputs::default()),
-            Tone::Enhanced => (ToneFrom::Enhanced, Inputs::default()),
-            Tone::Relit(relight, light) => {
-                let kinds = LightKinds::in_light(light);
-                (ToneFrom::Relit(relight, kinds), Inputs::lit_by(light))
+        let kinds = LightKinds::in_light;
+        let (tone, light) = match tone {
+            Tone::Picture => (ToneFrom::Picture, None),
+            Tone::Enhanced => (ToneFrom::Enhanced, None),
+            Tone::Relit(relight, light) => (ToneFrom::Relit(relight, kinds(light)), Some(light)),
+            Tone::Shape(None) => (ToneFrom::Shape(None), None),
+            Tone::Shape(Some((relight, light))) => {
+                (ToneFrom::Shape(Some((relight, kinds(light)))), Some(light))
             }
         };
+        let inputs = light.map_or_else(Inputs::default, Inputs::lit_by);
         Self {
             inputs,
             ..Self::new(Kind::Hatch(tone, params), shape, scaling)

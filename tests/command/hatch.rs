@@ -93,10 +93,18 @@ fn an_svg_holds_lines_in_millimetres() {
 #[test]
 fn tone_comes_from_new_light_where_there_is_any() {
     let desk = tempfile::tempdir().unwrap();
-    let flags = |light| format!("--light {light} --albedo-from white --contours off");
+    let flags =
+        |light| format!("--tone relight --light {light} --albedo-from white --contours off");
     let lit = drawn(desk.path(), "bust.exr", &flags("90,80"));
     let raking = drawn(desk.path(), "bust.exr", &flags("0,2"));
     assert!(light(&lit) > light(&raking) + 0.03);
+    // Shape is shown in any light.
+    let explained = hatch(desk.path(), "bust.exr", "--light 90,80 --explain -o a.png");
+    let plan = explained.stdout;
+    for stage in ["light-sum", "shape-tone"] {
+        let runs = format!("run   {stage} ");
+        assert!(plan.lines().any(|line| line.starts_with(&runs)), "{plan}");
+    }
     // Without a picture there is a lamp.
     let explained = hatch(desk.path(), "bust.exr", "--tone relight --explain -o a.png");
     let plan = explained.stdout;

@@ -7,7 +7,9 @@ use glam::{DVec3, Vec2};
 use relievo::engine::{Drawing, Inputs};
 use relievo::frame::{Frame, Plane};
 use relievo::line::contours::{Contour, ContourKind};
-use relievo::params::{ContourParams, LineParams, ScalingParams, ShapeParams};
+use relievo::params::{
+    ContourParams, LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
+};
 use relievo::plan::{Available, Plan, ToneFrom};
 use relievo::report::scenes::frames::masked;
 use relievo::report::scenes::{ExactScene, Surface, surfaces::DISTANCE};
@@ -16,6 +18,10 @@ use std::f32::consts::{PI, TAU};
 fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
     let drawing = LineParams {
         contours: Some(contours),
+        strokes: StrokeParams {
+            scale: StrokeScale::Factor(1.0),
+            ..StrokeParams::default()
+        },
         ..LineParams::default()
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());

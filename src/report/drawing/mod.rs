@@ -14,7 +14,9 @@ use super::sweeps::precision::{Stored, rounded};
 use super::timing::{Effort, Timed};
 use crate::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
-use crate::params::{FieldParams, LineParams, ShapeParams};
+use crate::params::{
+    FieldParams, LineParams, ShapeParams, StrokeDirections, StrokeParams, StrokeScale,
+};
 use crate::plan::{Available, Plan};
 use serde::Serialize;
 
@@ -126,10 +128,16 @@ impl Card {
         Ok(self.session.stroke_field(&plan, &self.card, inputs, &line))
     }
 
+    /// One family of strokes at their own size.
     fn plan(&self, line: LineParams) -> Result<Plan> {
         let line = LineParams {
             tone: painted(),
             contours: None,
+            directions: StrokeDirections::Max,
+            strokes: StrokeParams {
+                scale: StrokeScale::Factor(1.0),
+                ..line.strokes
+            },
             ..line
         };
         hatch_plan(Available::in_frame(&self.card), self.shape, line)

@@ -9,7 +9,7 @@ use relievo::engine::{Drawing, Engine, Inputs, Run};
 use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{BATCH, Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
-use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams, Style};
+use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale, Style};
 use relievo::plan::{Available, Plan, ToneFrom};
 use relievo::report::scenes::ExactScene;
 use relievo::report::scenes::frames::grey;
@@ -113,9 +113,12 @@ fn drawn_by(engine: &Engine, frame: &Frame, line: LineParams) -> Drawing {
     drawing.expect("a drawing was planned")
 }
 
-/// Tone is luminance itself: white 1, no curve.
+/// Tone is luminance itself: white 1, no curve; strokes have their own size.
 fn straight(mut line: LineParams) -> LineParams {
     line.tone.white_point = relievo::params::Adaptive::Fixed(1.0);
     line.tone.gamma = 1.0;
+    if line.strokes.scale == StrokeScale::Auto {
+        line.strokes.scale = StrokeScale::Factor(1.0);
+    }
     line
 }

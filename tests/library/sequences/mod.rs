@@ -12,6 +12,7 @@ use relievo::frame::{
 };
 use relievo::params::{
     Adaptive, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
+    StrokeScale,
 };
 use relievo::plan::{Available, Plan, ToneFrom};
 
@@ -70,6 +71,7 @@ fn ruled(degrees: f32) -> LineParams {
     };
     line.tone.white_point = Adaptive::Fixed(1.0);
     line.tone.gamma = 1.0;
+    line.strokes.scale = StrokeScale::Factor(1.0);
     line
 }
 

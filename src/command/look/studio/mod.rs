@@ -8,7 +8,7 @@ use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
 use crate::command::enhance;
 use crate::command::error_line::line_of;
-use crate::command::hatch;
+use crate::command::hatch::{self, Drawn};
 use crate::command::line_args::HatchArgs;
 use crate::command::relight_args::RelightArgs;
 use crate::command::{relight, shape};
@@ -346,7 +346,12 @@ impl ViewSession {
         let light = self.illumination(args)?;
         let kinds = LightKinds::in_light(&light);
         let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let is_specular = sitter.scene.is_some();
+        let drawn = Drawn {
+            times: 1,
+            is_in_sequence: sitter.source.is_in_sequence,
+            moves: false,
+            is_specular: sitter.scene.is_some(),
+        };
         let frame = sitter.session(&self.engine, step).held().as_ref();
         let plan = args.plan(frame, kinds, is_specular, &StripChoice::default())?;
         sitter.execute(step, &plan, Inputs::lit_by(&light), &self.said)
@@ -359,7 +364,7 @@ impl ViewSession {
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let is_specular = sitter.scene.is_some();
         let frame = sitter.session(&self.engine, step).held().as_ref();
-        let (plan, light) = args.plan(&looks, light, frame, false, is_specular, 1)?;
+        let (plan, light) = args.plan(&looks, light, frame, drawn)?;
         let map = args.pictures().and(self.art_map.as_ref());
         let inputs = Inputs {
             art_map: map.map(|(_, _, map)| map),

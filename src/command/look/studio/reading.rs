@@ -24,6 +24,8 @@ use std::sync::Arc;
 pub(super) struct Source {
     inputs: Inputs,
     needs: Needs,
+    /// Whether it is one frame of several.
+    pub(super) is_in_sequence: bool,
     specular: Option<(SpecularInputs, Material)>,
 }
 
@@ -95,6 +97,7 @@ impl ViewSession {
         Ok(Source {
             inputs,
             needs,
+            is_in_sequence: frame.is_some(),
             specular,
         })
     }
