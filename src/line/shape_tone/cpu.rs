@@ -431,3 +431,104 @@ impl Ranks {
         (value - self.ends.x) / (self.ends.y - self.ends.x).max(f32::MIN_POSITIVE)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Mask, Vector3Planes};
+    use crate::line::shape_tone::key_light;
+    use glam::DVec3;
+
+    /// The tone of normals in the key light alone, `closed` columns being edges.
+    fn key_tone(normal: Vector3Planes, mask: Mask, closed: std::ops::Range<usize>) -> Plane {
+        let (width, height) = (mask.width(), mask.height());
+        let params = ToneParams {
+            background: crate::params::Background::Strokes,
+            ..ToneParams::default()
+        };
+        let is_closed = |x: usize| closed.contains(&x);
+        let shown = Shown {
+            frame: &Frame::of_normals(normal, mask),
+            conductance: &Plane::from_fn(width, height, |x, _| f32::from(!is_closed(x) as u8)),
+            silhouette: Some(&Plane::from_fn(width, height, |x, _| {
+                f32::from(is_closed(x) as u8)
+            })),
+            curvature: (&Plane::filled(width, height, 0.0), 1.0),
+            picture: None,
+            to_key: key_light(),
+            params: &params,
+        };
+        tone(&shown, &RunOptions::default(), &Memory::default())
+    }
+
+    /// A hemisphere that fills a square of this side, and nothing around it.
+    fn ball(side: usize) -> (Vector3Planes, Mask) {
+        let at = move |x: usize| (x as f64 + 0.5) / side as f64 * 2.2 - 1.1;
+        let normal = Vector3Planes::from_fn(side, side, |x, y| {
+            let (x, y) = (at(x), -at(y));
+            DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt()).normalize()
+        });
+        let covered = Plane::from_fn(side, side, |x, y| at(x).hypot(at(y)) < 1.0);
+        (normal, Mask::new(covered))
+    }
+
+    #[test]
+    fn a_ball_is_paper_toward_the_key_light_and_dark_away_from_it_at_any_size() {
+        // Paper begins at a rank of 0.78: toward the light there is nothing above. The darkest has rank and place 0, and so
+        // 0.6 times 0.1, and the shadow side a little more.
+        let tones = [120, 240].map(|side| {
+            let (normal, mask) = ball(side);
+            let tone = key_tone(normal, mask, 0..0);
+            let to_key = key_light();
+            let at = |x: f32, y: f32| {
+                let pixel = |v: f32| ((v + 1.1) / 2.2 * side as f32) as usize;
+                tone.at(pixel(x), pixel(-y))
+            };
+            assert!(at(to_key.x, to_key.y) > 0.99);
+            assert!(at(-0.6, 0.6) > 0.99);
+            assert!(at(0.65, -0.65) < 0.2);
+            [-0.5, 0.0, 0.3, 0.5].map(|v| at(v, -v))
+        });
+        for (small, large) in tones[0].iter().zip(tones[1]) {
+            assert!((small - large).abs() < 0.03, "{tones:?}");
+        }
+    }
+
+    #[test]
+    fn brightness_does_not_cross_an_edge() {
+        let normal = Vector3Planes::from_fn(96, 64, |x, _| match x {
+            0..48 => DVec3::new(-0.6, 0.0, 0.8),
+            _ => DVec3::new(0.6, 0.0, 0.8),
+        });
+        let tone = key_tone(normal, Mask::full(96, 64), 47..49);
+        for side in [0..47, 49..96] {
+            let row = &tone.row(20)[side];
+            let first = row[0];
+            assert!(row.iter().all(|t| (t - first).abs() < 0.02), "{row:?}");
+        }
+        assert!(tone.at(10, 20) > tone.at(80, 20) + 0.3);
+    }
+
+    #[test]
+    fn tones_are_finite_whatever_comes() {
+        let poison = |x: usize| match x {
+            3 => DVec3::NAN,
+            5 => DVec3::ZERO,
+            7 => DVec3::splat(f64::INFINITY),
+            _ => DVec3::Z,
+        };
+        for (width, height) in [(1, 1), (1, 9), (9, 1), (40, 30)] {
+            let normal = || Vector3Planes::from_fn(width, height, |x, _| poison(x));
+            for mask in [
+                Mask::full(width, height),
+                Mask::new(Plane::filled(width, height, false)),
+            ] {
+                let tone = key_tone(normal(), mask.clone(), 0..0);
+                for y in 0..height {
+                    let covered = mask.runs(y).flatten().map(|x| tone.at(x, y));
+                    covered.for_each(|t| assert!((0.0..=1.0).contains(&t), "{t}"));
+                }
+            }
+        }
+    }
+}
