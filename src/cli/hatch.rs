@@ -19,6 +19,7 @@ use crate::io::picture::Picture;
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs, load_specular};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
+use crate::line::contours::Contour;
 use crate::line::paper::on_paper;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
@@ -319,33 +320,36 @@ fn is_svg(work: &WorkArgs) -> bool {
 /// The lines of a drawing on a page.
 fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
     let strokes = drawing.lines.iter();
-    let contours = drawing.contour_lines.iter();
+    let along = |lines: &'a [Contour]| {
+        let lines = lines.iter();
+        lines
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect()
+    };
+    let mut layers = vec![
+        (
+            "strokes",
+            strokes
+                .map(|line| (&line.points[..], &line.widths[..]))
+                .collect(),
+        ),
+        ("contours", along(&drawing.contour_lines)),
+    ];
+    if drawing.interior.is_some() {
+        layers.push(("interior", along(&drawing.interior_lines)));
+    }
     svg::Drawing {
         display_window: frame.display_window,
         data_window: frame.data_window,
         pixel_aspect: frame.pixel_aspect,
         dpi,
-        layers: vec![
-            (
-                "strokes",
-                strokes
-                    .map(|line| (&line.points[..], &line.widths[..]))
-                    .collect(),
-            ),
-            (
-                "contours",
-                contours
-                    .map(|line| (&line.points[..], &line.widths[..]))
-                    .collect(),
-            ),
-        ],
+        layers,
     }
 }
 
 /// The ink of a drawing on its paper.
 pub(super) fn inked(drawing: &Drawing) -> ColorPlanes {
-    let layers = std::iter::once(&drawing.hatching).chain(&drawing.contours);
-    on_paper(&layers.collect::<Vec<_>>())
+    on_paper(&drawing.layers())
 }
 
 /// An inked drawing as a picture.
@@ -381,10 +385,16 @@ fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
         plane: &drawing.hatching,
         sample_type,
     });
-    channels.extend(drawing.contours.iter().map(|plane| OutputChannel {
-        name: "strokes.contours".into(),
-        plane,
-        sample_type,
-    }));
+    let lines = [
+        ("strokes.contours", &drawing.contours),
+        ("strokes.interior", &drawing.interior),
+    ];
+    for (name, plane) in lines {
+        channels.extend(plane.iter().map(|plane| OutputChannel {
+            name: name.into(),
+            plane,
+            sample_type,
+        }));
+    }
     job.write_exr(done, &channels)
 }

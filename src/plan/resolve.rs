@@ -105,6 +105,7 @@ impl Plan {
             });
         }
         let (goal, relighting) = match tone {
+            _ if drawing.lines_only => (Goal::Picture, None),
             ToneFrom::Picture => (Goal::Picture, None),
             ToneFrom::Enhanced => (Goal::Enhance, None),
             ToneFrom::Relit(relight, kinds) => {
@@ -112,7 +113,7 @@ impl Plan {
                 (Goal::Relight, Some(relighting))
             }
         };
-        if goal != Goal::Relight && !available.color {
+        if goal != Goal::Relight && !available.color && !drawing.lines_only {
             return Err(Error::BadParameter {
                 name: "--tone",
                 found: "comes from the picture, and there is none".into(),

@@ -6,7 +6,9 @@ use crate::light::relight::stage::RELIGHT;
 use crate::light::white_level::AUTO_WHITE;
 use crate::line::contours::stage::CONTOURS;
 use crate::line::direction_field::stage::DIRECTION_FIELD;
+use crate::line::drawing::LINES_ONLY;
 use crate::line::hatching::stage::HATCHING;
+use crate::line::interior::stage::INTERIOR;
 use crate::line::normal_rays::stage::NORMAL_RAYS;
 use crate::line::specular::stage::SPECULAR_TRACE;
 use crate::line::streamlines::stage::STREAMLINES;
@@ -44,14 +46,16 @@ pub(crate) static PICTURE: [&Stage; 7] = [
 ];
 
 /// Those that draw it.
-pub(crate) static DRAWING: [&Stage; 7] = [
+pub(crate) static DRAWING: [&Stage; 9] = [
     &SPECULAR_TRACE,
     &CONTOURS,
+    &INTERIOR,
     &DIRECTION_FIELD,
     &TEXTURE_COORDINATES,
     &TONAL_ART_MAP,
     &HATCHING,
     &STREAMLINES,
+    &LINES_ONLY,
 ];
 
 /// All there are.

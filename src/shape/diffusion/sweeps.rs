@@ -104,6 +104,22 @@ impl DiffusionSchedule {
         }
     }
 
+    /// The sweeps of an expansion to each of these sigmas, in pixels, within `tolerance` relative to the largest value.
+    pub(crate) fn to_sigmas(sigmas: &[f32], tolerance: f64) -> Self {
+        let expansions = sigmas.iter().map(|&sigma| {
+            let spread = Spread::Time(ShapeParams::time_of(sigma));
+            let coefficients = coefficients(spread, tolerance);
+            coefficients.into_iter().map(|a| a as f32).collect()
+        });
+        let expansions: Vec<Vec<f32>> = expansions.collect();
+        let degree = expansions.iter().map(|expansion| expansion.len() - 1);
+        Self {
+            recurrence: Recurrence::Chebyshev,
+            count: degree.max().unwrap_or(0),
+            readout: Readout::Sums(expansions),
+        }
+    }
+
     /// How often the operator is applied.
     pub fn count(&self) -> usize {
         self.count
