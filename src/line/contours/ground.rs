@@ -86,8 +86,19 @@ impl Ground {
 
     /// Leads the open ends of lines on to a silhouette close ahead; of themselves too if they `are_own`.
     pub(crate) fn join_ends(&self, lines: &mut [Line], are_own: bool) {
-        let width = self.width;
         let reach = if are_own { 3 } else { 2 * self.room + 1 };
+        self.join_ends_within(lines, are_own, reach, AHEAD);
+    }
+
+    /// The same up to `reach` pixels away, and straight ahead up to an angle of this cosine.
+    pub(crate) fn join_ends_within(
+        &self,
+        lines: &mut [Line],
+        are_own: bool,
+        reach: usize,
+        straight: f32,
+    ) {
+        let width = self.width;
         for (i, line) in lines
             .iter_mut()
             .enumerate()
@@ -111,7 +122,7 @@ impl Ground {
                     .filter(|place| !is_itself(place))
                     .filter(|place| {
                         let way = place.at - tip;
-                        way.dot(ahead) >= AHEAD * way.length() && way.length() <= reach as f32
+                        way.dot(ahead) >= straight * way.length() && way.length() <= reach as f32
                     })
                     .min_by(|a, b| {
                         a.at.distance_squared(tip)

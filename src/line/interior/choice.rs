@@ -11,28 +11,27 @@ use glam::{Vec2, Vec3};
 /// A line inside a surface, with its kind.
 pub(super) type Interior = (ContourKind, Line);
 
-/// Least part of a line's curvature that is left at a coarser scale: it falls by a half at twice the scale where a fold is
-/// as sharp as the scale shows it, and by nearly all where the surface is rough.
+/// Least part of a line's curvature that is left at a coarser scale: it falls to 1 over the ratio of scales where a fold is
+/// as sharp as the scale shows it, and to nearly nothing where the surface is rough.
 const PERSISTENT: f32 = 0.3;
 
-/// Pixels of the fine level to either side in which the curvature of a coarse one is looked for.
+/// Pixels to either side in which the curvature of a coarser scale is looked for.
 const LOOKED_FOR: f32 = 2.0;
 
 /// What ridges count against other lines.
 const RIDGE_WORTH: f32 = 0.45;
 
-/// Whether the curvature along a line is there too in normals at a coarser scale, on a level of `ratio` times the pixels.
+/// Whether the curvature along a line is there too in normals at a coarser scale, on a grid of `ratio` times the pixels.
 pub(super) fn persists(line: &Line, fine: &Plane<Vec3>, coarse: &Plane<Vec3>, ratio: f32) -> bool {
     let shares = line.spots.iter().map(|spot| {
-        let here = turning_at(fine, spot.at);
         let around = (0..9).map(|i| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) * LOOKED_FOR);
-        let there = around.map(|offset| turning_at(coarse, (spot.at + offset) / ratio) / ratio);
-        there.fold(0.0, f32::max) / here.max(f32::MIN_POSITIVE)
+        let there = around.map(|offset| curvature_at(coarse, (spot.at + offset) / ratio) / ratio);
+        there.fold(0.0, f32::max) / curvature_at(fine, spot.at).max(f32::MIN_POSITIVE)
     });
     median(shares.collect()) >= PERSISTENT
 }
 
-fn turning_at(normals: &Plane<Vec3>, at: Vec2) -> f32 {
+fn curvature_at(normals: &Plane<Vec3>, at: Vec2) -> f32 {
     let x = (at.x.max(0.0) as usize).min(normals.width() - 1);
     let y = (at.y.max(0.0) as usize).min(normals.height() - 1);
     Turning::at(normals, x, y).largest()
@@ -76,7 +75,7 @@ impl Taken {
     }
 }
 
-/// The lines that are drawn where lines through these points are drawn already, on a level of `size`.
+/// The lines that are drawn where lines through `drawn` points are drawn already, on a level of this size: `longest` in all.
 pub(super) fn chosen(
     lines: Vec<Interior>,
     drawn: impl Iterator<Item = Vec2>,
@@ -84,26 +83,43 @@ pub(super) fn chosen(
     longest: f32,
     sizes: &Sizes,
 ) -> Vec<Interior> {
-    let mut taken = Taken::new(size);
-    drawn.for_each(|at| taken.add(at, sizes.apart));
+    // What is near to a line that is drawn, for each kind.
+    let mut taken = sizes.apart.map(|_| Taken::new(size));
+    let take = |taken: &mut [Taken; 3], at: Vec2, apart: [f32; 3]| {
+        let kinds = taken.iter_mut().zip(apart);
+        kinds.for_each(|(taken, apart)| taken.add(at, apart));
+    };
+    drawn.for_each(|at| take(&mut taken, at, [sizes.apart[0]; 3]));
     let mut lines: Vec<(f32, Interior)> =
         lines.into_iter().map(|line| (worth(&line), line)).collect();
-    lines.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // Ridges come last: beside a valley they double it.
+    let is_ridge = |line: &(f32, Interior)| line.1.0 == ContourKind::Ridge;
+    lines.sort_by(|a, b| is_ridge(a).cmp(&is_ridge(b)).then(b.0.total_cmp(&a.0)));
     let (mut kept, mut length) = (Vec::new(), 0.0);
     for (kind, line) in lines.into_iter().map(|(_, line)| line) {
-        for part in free_parts(line, &taken) {
+        for part in free_parts(line, &taken[number(kind)]) {
             let own = part.length();
-            if own < shortest(kind, sizes) || length + own > longest {
+            let is_plain = own >= shortest(kind, sizes) && strength(&part) * own >= sizes.worth;
+            if !is_plain || length + own > longest {
                 continue;
             }
             length += own;
-            part.spots
-                .iter()
-                .for_each(|spot| taken.add(spot.at, sizes.apart));
+            for spot in &part.spots {
+                take(&mut taken, spot.at, sizes.apart);
+            }
             kept.push((kind, part));
         }
     }
     kept
+}
+
+/// The place of a kind among sizes.
+fn number(kind: ContourKind) -> usize {
+    match kind {
+        ContourKind::Ridge => 1,
+        ContourKind::Suggestive => 2,
+        _ => 0,
+    }
 }
 
 /// The length that a line of a kind has at the least.
@@ -111,16 +127,19 @@ pub(super) fn shortest(kind: ContourKind, sizes: &Sizes) -> f32 {
     sizes.shortest[usize::from(kind != ContourKind::Valley)]
 }
 
-/// The integral of strength along a line.
+/// The integral of strength along a line, ridges' in part.
 fn worth((kind, line): &Interior) -> f32 {
-    let strength =
-        line.spots.iter().map(|spot| spot.strength).sum::<f32>() / line.spots.len() as f32;
     let share = if *kind == ContourKind::Ridge {
         RIDGE_WORTH
     } else {
         1.0
     };
-    share * strength * line.length()
+    share * strength(line) * line.length()
+}
+
+/// The mean strength along a line.
+fn strength(line: &Line) -> f32 {
+    line.spots.iter().map(|spot| spot.strength).sum::<f32>() / line.spots.len() as f32
 }
 
 /// The parts of a line that are not near to one that is drawn; all of it where next to nothing is.

@@ -23,6 +23,14 @@ const SUGGESTIVE_SCALE: f32 = 1.5;
 /// The scale at which lines have to be there still, as a multiple of their own.
 const PERSISTENCE_SCALE: f32 = 2.5;
 
+/// Ridges keep so many times farther from rims: normals that do not spread beyond a rim turn fastest at some distance from
+/// it, all around any ball.
+const RIDGE_MARGIN: f32 = 1.4;
+
+/// Lines are led on to a contour up to so many margins away, as straight ahead as this cosine says.
+const JOIN_REACH: f32 = 1.5;
+const JOIN_AHEAD: f32 = 0.7;
+
 /// The lines inside the surfaces of a frame with this silhouette weight, beside its contours.
 pub(crate) fn interior(
     frame: &Frame,
@@ -52,9 +60,10 @@ fn found(
     sizes: &Sizes,
     options: &RunOptions,
 ) -> Vec<Interior> {
-    let rims = Rims::new(level, sizes.margin);
+    let [rims, ridge_rims] =
+        [1.0, RIDGE_MARGIN].map(|share| Rims::new(level, share * sizes.margin));
     let viewer = Viewer::of(frame, sizes.factor);
-    let [valleys, mut ridges] = valleys_and_ridges(&normals[0], &rims, sizes);
+    let [valleys, mut ridges] = valleys_and_ridges(&normals[0], [&rims, &ridge_rims], sizes);
     if !params.has_ridges() {
         ridges.clear();
     }
@@ -66,9 +75,8 @@ fn found(
         sizes,
     );
     // Half the size, and what is left of the scale there.
-    let more = sizes.sigma * (PERSISTENCE_SCALE * PERSISTENCE_SCALE - 1.0).sqrt();
-    let halved = level.halved(&normals[0]);
-    let coarse = &halved.diffused(&[0.5 * more], options)[0];
+    let left = sizes.sigma * (PERSISTENCE_SCALE * PERSISTENCE_SCALE - 1.0).sqrt();
+    let coarse = &level.halved(&normals[0]).diffused(&[0.5 * left], options)[0];
     let mask = &level.frame.mask;
     let size = [mask.width(), mask.height()];
     let of = |kind: ContourKind, crests: &[Crest]| -> Vec<Interior> {
@@ -118,10 +126,10 @@ fn joined_and_drawn(
         }
     }
     close_gaps(&mut lines, factor * sizes.gap);
-    let room = (factor * (sizes.margin + sizes.apart)) as usize;
     let size = [frame.mask.width(), frame.mask.height()];
-    let contour_points = contours.iter().map(|contour| contour.points.as_slice());
-    Ground::of_points(contour_points, size, room).join_ends(&mut lines, false);
+    let contours = contours.iter().map(|contour| contour.points.as_slice());
+    let reach = (factor * JOIN_REACH * sizes.margin) as usize + 1;
+    Ground::of_points(contours, size, 1).join_ends_within(&mut lines, false, reach, JOIN_AHEAD);
     let strongest = strongest(&lines);
     let pen = Pen::new(
         factor * sizes.picture,

@@ -81,19 +81,22 @@ pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
 /// The crests of curvature: those of valleys, and those of ridges.
 pub(super) fn valleys_and_ridges(
     normals: &Plane<Vec3>,
-    rims: &Rims,
+    rims: [&Rims; 2],
     sizes: &Sizes,
 ) -> [Vec<Crest>; 2] {
-    let curvature = curvature(normals, rims.mask);
-    let found = each_pixel(rims.mask, |x, y| {
+    let curvature = curvature(normals, rims[0].mask);
+    let found = each_pixel(rims[0].mask, |x, y| {
         let strength = curvature.at(x, y) * sizes.picture;
-        if strength < sizes.thresholds[0] || rims.is_near(x, y) {
+        if strength < sizes.thresholds[0] {
             return None;
         }
         let turning = Turning::at(normals, x, y);
         let across = turning.direction();
         let at = crest(&curvature, x, y, across)?;
         let is_ridge = turning.bend(across) > 0.0;
+        if rims[usize::from(is_ridge)].is_near(x, y) {
+            return None;
+        }
         let strength = if is_ridge {
             strength / RIDGE_STRENGTH
         } else {

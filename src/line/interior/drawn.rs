@@ -23,6 +23,9 @@ const WIDTH_REACH: usize = 4;
 /// How an open end runs thin: below 1 it stays heavy for long, and comes to a point.
 const TAPER: f32 = 0.6;
 
+/// Part of the taper whose width the very end has.
+const TIP: f32 = 0.05;
+
 /// The way to the lamp that lines are lighter under: from the upper left, 135 degrees around and 38 up.
 const LAMP: Vec3 = Vec3::new(-0.5572, 0.5572, 0.6157);
 
@@ -88,7 +91,7 @@ impl Pen {
         for (width, along) in widths.iter_mut().zip(along) {
             for (end, from_end) in ends.into_iter().zip([along, whole - along]) {
                 if end == End::Free && from_end < self.taper_px {
-                    *width *= (from_end / self.taper_px).powf(TAPER);
+                    *width *= (from_end / self.taper_px).max(TIP).powf(TAPER);
                 }
             }
         }

@@ -18,8 +18,10 @@ pub(super) struct Sizes {
     pub(super) thresholds: [f32; 2],
     /// Lengths of the shortest valley and of the shortest other line.
     pub(super) shortest: [f32; 2],
-    /// Lines nearer than this to another double it.
-    pub(super) apart: f32,
+    /// Least integral of strength along a line: what is faint has to be long, or a rough surface fills with short lines.
+    pub(super) worth: f32,
+    /// Valleys, ridges and suggestive contours nearer than this to another line double it.
+    pub(super) apart: [f32; 3],
     /// Widest gap that is closed.
     pub(super) gap: f32,
     /// Length of all lines together over the root of the covered area.
@@ -28,6 +30,9 @@ pub(super) struct Sizes {
 
 /// Largest sigma, in pixels of the level, for which a coarser level would be too coarse to place lines well.
 const FINE_ENOUGH: f32 = 2.0;
+
+/// Variance of the smoothing that Sobel's differences bring with them, in square pixels.
+const SOBEL: f32 = 0.25;
 
 impl Sizes {
     pub(super) fn of(frame: &Frame, params: &InteriorParams) -> Self {
@@ -45,11 +50,12 @@ impl Sizes {
         Self {
             factor,
             picture,
-            sigma: (picture / 300.0).max(1.0),
+            sigma: ((picture / 290.0).powi(2) - SOBEL).max(0.4).sqrt(),
             margin: (picture / 170.0).max(2.0),
             thresholds: [9.0 / detail, 22.0 / detail],
             shortest: [picture / 42.0, picture / 30.0].map(|length| length / detail.sqrt()),
-            apart: picture / 220.0,
+            worth: picture / 20.0 * 22.0 / detail,
+            apart: [220.0, 90.0, 140.0].map(|share| picture / share),
             gap: (picture / 90.0).max(4.0),
             budget: 14.0 * detail,
         }

@@ -20,15 +20,15 @@ params! {
         width_px: f32 = 1.9,
             flag: "--line-width", form: "PX", unit: Unit::Pixels, valid: 1e-3..=1e3, useful: even(0.2, 10.0);
         /// Width of lines along ridges as a share of that of lines along valleys; 0 draws none.
-        ridge_share: f32 = 0.6, flag: "--ridge-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        ridge_share: f32 = 0.7, flag: "--ridge-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
         /// Share of its width that the faintest line inside a surface loses.
-        strength_emphasis: f32 = 0.7, flag: "--line-strength", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        strength_emphasis: f32 = 0.5, flag: "--line-strength", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
         /// Share of its width that the farthest line inside a surface loses.
         depth_emphasis: f32 = 0.2, flag: "--line-depth", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
         /// Share of its width that a line inside a surface loses where a lamp from the upper left lights it fully.
         ///
         /// Lines in shadow keep theirs. At 1 lines in full light vanish.
-        light_emphasis: f32 = 0.3, flag: "--line-light", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        light_emphasis: f32 = 0.2, flag: "--line-light", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
     }
 }
 
