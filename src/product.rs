@@ -33,6 +33,8 @@ pub enum Product {
     Strokes,
     /// Coverage of the contours.
     Contours,
+    /// Coverage of the lines inside surfaces.
+    Interior,
 }
 
 /// How a product is compared between backends.
@@ -125,7 +127,7 @@ const DIRECTION: &str = "unit, x right, y up; 0 for none";
 
 /// All products, in the order of their layers in a file.
 #[rustfmt::skip]
-static TABLE: [Row; 13] = [
+static TABLE: [Row; 14] = [
     row(Product::Silhouette, "silhouette", Some("weights"), &["silhouette"], "0..1", 1e-5)
         .shown("Silhouette", "weights where depth jumps: 1 is white"),
     row(Product::Crease, "crease", Some("weights"), &["crease"], "0..1", 1e-5)
@@ -144,6 +146,7 @@ static TABLE: [Row; 13] = [
     row(Product::Picture, "picture", None, &["R", "G", "B"], "scene-linear", 1e-5),
     row(Product::Strokes, "strokes", None, &["strokes"], "coverage, 0..1", 1e-4).compared(Compared::Ink),
     row(Product::Contours, "contours", None, &["contours"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
+    row(Product::Interior, "interior", None, &["interior"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
 ];
 
 impl Row {

@@ -19,6 +19,7 @@ use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::svg;
 use crate::io::{Loaded, load_specular};
 use crate::light::lights::Illumination;
+use crate::line::contours::Contour;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
@@ -241,26 +242,30 @@ impl HatchArgs {
 /// The lines of a drawing on a page.
 fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
     let strokes = drawing.lines.iter();
-    let contours = drawing.contour_lines.iter();
+    let along = |lines: &'a [Contour]| {
+        let lines = lines.iter();
+        lines
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect()
+    };
+    let mut layers = vec![
+        (
+            "strokes",
+            strokes
+                .map(|line| (&line.points[..], &line.widths[..]))
+                .collect(),
+        ),
+        ("contours", along(&drawing.contour_lines)),
+    ];
+    if drawing.interior.is_some() {
+        layers.push(("interior", along(&drawing.interior_lines)));
+    }
     svg::Drawing {
         display_window: frame.display_window,
         data_window: frame.data_window,
         pixel_aspect: frame.pixel_aspect,
         dpi,
-        layers: vec![
-            (
-                "strokes",
-                strokes
-                    .map(|line| (&line.points[..], &line.widths[..]))
-                    .collect(),
-            ),
-            (
-                "contours",
-                contours
-                    .map(|line| (&line.points[..], &line.widths[..]))
-                    .collect(),
-            ),
-        ],
+        layers,
     }
 }
 
@@ -286,10 +291,16 @@ fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
         plane: &drawing.hatching,
         sample_type,
     });
-    channels.extend(drawing.contours.iter().map(|plane| OutputChannel {
-        name: "strokes.contours".into(),
-        plane,
-        sample_type,
-    }));
+    let lines = [
+        ("strokes.contours", &drawing.contours),
+        ("strokes.interior", &drawing.interior),
+    ];
+    for (name, plane) in lines {
+        channels.extend(plane.iter().map(|plane| OutputChannel {
+            name: name.into(),
+            plane,
+            sample_type,
+        }));
+    }
     job.write_exr(done, &channels)
 }

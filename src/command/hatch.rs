@@ -204,8 +204,7 @@ pub(crate) fn is_svg(work: &WorkArgs) -> bool {
 
 /// The ink of a drawing on its paper.
 pub(crate) fn inked(drawing: &Drawing) -> ColorPlanes {
-    let layers = std::iter::once(&drawing.hatching).chain(&drawing.contours);
-    on_paper(&layers.collect::<Vec<_>>())
+    on_paper(&drawing.layers())
 }
 
 /// An inked drawing as a picture.

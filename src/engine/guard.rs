@@ -53,7 +53,7 @@ pub(crate) fn not_finite(
 pub(crate) fn lines_not_finite(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<NotFinite> {
     let drawing = outcome.drawing.as_ref()?;
     let strokes = drawing.lines.iter().map(|l| (&l.points[..], &l.widths[..]));
-    let contours = drawing.contour_lines.iter();
+    let contours = drawing.contour_lines.iter().chain(&drawing.interior_lines);
     let contours = contours.map(|l| (&l.points[..], &l.widths[..]));
     let is_finite = |(points, widths): &(&[Vec2], &[f32])| {
         points.iter().all(|point| point.is_finite()) && widths.iter().all(|width| width.is_finite())
@@ -132,7 +132,9 @@ fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
     }
     let spoiled: &[Product] = match outcome.planes(Product::Picture).into_iter().all(is_finite) {
         false => &[Product::Picture],
-        true if outcome.drawing.is_some() => &[Product::Strokes, Product::Contours],
+        true if outcome.drawing.is_some() => {
+            &[Product::Strokes, Product::Contours, Product::Interior]
+        }
         true => &[],
     };
     let gives = |step: &&Step| spoiled.iter().any(|product| step.gives.contains(product));

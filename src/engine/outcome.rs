@@ -63,10 +63,30 @@ pub struct Drawing {
     pub contours: Option<Plane>,
     /// The same as lines, silhouettes first.
     pub contour_lines: Vec<Contour>,
+    /// Lines inside surfaces, where they were asked for.
+    pub interior: Option<Plane>,
+    /// The same as lines.
+    pub interior_lines: Vec<Contour>,
     /// Luminance of paper white that was used.
     pub white_point: f32,
     /// Where the texture of strokes lies, for the next frame of a sequence.
     pub coordinates: Option<TextureCoordinates>,
+}
+
+impl Drawing {
+    /// All of its layers, one over the other.
+    pub fn layers(&self) -> Vec<&Plane> {
+        let lines = self.contours.iter().chain(&self.interior);
+        std::iter::once(&self.hatching).chain(lines).collect()
+    }
+
+    /// Takes lines inside surfaces, and what they cover.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn put_interior(&mut self, interior: Option<(Plane, Vec<Contour>)>) {
+        let (covered, lines) = interior.unzip();
+        self.interior = covered;
+        self.interior_lines = lines.unwrap_or_default();
+    }
 }
 
 /// What a run gave.
@@ -192,6 +212,10 @@ macro_rules! held {
                 let drawing = $outcome.drawing.$as_ref();
                 drawing.map_or_else(Vec::new, |drawing| drawing.contours.$planes())
             }
+            Product::Interior => {
+                let drawing = $outcome.drawing.$as_ref();
+                drawing.map_or_else(Vec::new, |drawing| drawing.interior.$planes())
+            }
         }
     };
 }
@@ -230,7 +254,7 @@ impl Outcome {
             Product::ViewDirection => shape.direction_view = Planes::of_planes(planes),
             Product::Picture => self.color = Planes::of_planes(planes),
             // Drawings are put together with their lines.
-            Product::Strokes | Product::Contours => {}
+            Product::Strokes | Product::Contours | Product::Interior => {}
         }
     }
 
@@ -289,6 +313,7 @@ impl Outcome {
         let corner = Vec2::new((to.x0 - from.x0) as f32, (to.y0 - from.y0) as f32);
         let strokes = drawing.lines.iter_mut().map(|line| &mut line.points);
         let contours = drawing.contour_lines.iter_mut();
+        let contours = contours.chain(&mut drawing.interior_lines);
         let contours = contours.map(|line| &mut line.points);
         strokes
             .chain(contours)

@@ -19,6 +19,8 @@ pub(crate) struct Canvas {
     pub(crate) density: Option<Plane>,
     /// Lines along edges, and what they cover.
     pub(crate) contours: Option<(Plane, Vec<Contour>)>,
+    /// Lines inside surfaces, and what they cover.
+    pub(crate) interior: Option<(Plane, Vec<Contour>)>,
     /// The directions of strokes.
     pub(crate) directions: Vec<Vector2Planes>,
     /// Where the texture of strokes lies.

@@ -7,7 +7,8 @@ use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities, ToneOf};
 use crate::params::{Adaptive, LineParams, Style, ToneParams};
 use crate::plan::Plan;
-use crate::plan::stage::Verdict;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
 
 /// The verdict on a step of drawings.
 pub(crate) fn is_drawn(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict) -> Verdict {
@@ -19,10 +20,49 @@ pub(crate) fn is_drawn(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict)
 
 /// The verdict on a step of strokes that come from a texture.
 pub(crate) fn has_texture(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict) -> Verdict {
-    is_drawn(plan, |params| match params.strokes.style {
+    has_strokes(plan, |params| match params.strokes.style {
         Style::Lines => Verdict::left_out("strokes are lines"),
         _ => decide(params),
     })
+}
+
+/// The verdict on a step of strokes.
+pub(crate) fn has_strokes(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict) -> Verdict {
+    is_drawn(plan, |params| match params.lines_only {
+        true => Verdict::left_out("lines alone are drawn"),
+        false => decide(params),
+    })
+}
+
+/// A drawing of contours and interior lines alone: strokes that cover nothing.
+pub(crate) static LINES_ONLY: Stage = Stage {
+    name: "lines-only",
+    steps: &[Step {
+        name: "lines-only",
+        gives: &[Product::Strokes],
+        decide: |plan| {
+            is_drawn(plan, |params| match params.lines_only {
+                true => Verdict::runs("the paper between lines stays white"),
+                false => Verdict::left_out("strokes are drawn too"),
+            })
+        },
+    }],
+    cpu: leave_white,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |_| Some("drawings of lines alone"),
+    ..Stage::DEFAULT
+};
+
+fn leave_white(run: &mut Run) {
+    let mask = &run.frame.mask;
+    let tone = Tone {
+        density: None,
+        made: None,
+        luminance: None,
+        white: 1.0,
+    };
+    let blank = Plane::filled(mask.width(), mask.height(), 0.0);
+    finish(run, tone, blank, Vec::new());
 }
 
 /// What is drawn: the picture made so far, or that of the frame; or the luminance of one that is not kept; or densities
@@ -92,19 +132,22 @@ pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Stre
         .as_deref_mut()
         .filter(|_| run.plan.specular.is_none())
     {
-        Some(kept) => kept.field.put(canvas.directions),
-        None => {
+        Some(kept) if !canvas.directions.is_empty() => kept.field.put(canvas.directions),
+        _ => {
             let planes = canvas.directions.into_iter().flat_map(|d| [d.x, d.y]);
             run.runner.memory.recycle(planes);
         }
     }
     let (contours, contour_lines) = canvas.contours.unzip();
+    let (interior, interior_lines) = canvas.interior.unzip();
     run.outcome.color = tone.made;
     run.outcome.drawing = Some(Drawing {
         hatching,
         lines,
         contours,
         contour_lines: contour_lines.unwrap_or_default(),
+        interior,
+        interior_lines: interior_lines.unwrap_or_default(),
         white_point: tone.white,
         coordinates: canvas.coordinates,
     });

@@ -22,6 +22,7 @@ use crate::line::contours::gpu::PendingReadback;
 use crate::line::contours::gpu_coverage::Medium;
 use crate::line::contours::stage::scaled;
 use crate::line::hatching::gpu::{Strokes, Texture};
+use crate::line::interior::stage::INTERIOR;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::{ContourParams, LineParams, Style};
 use crate::plan::Plan;
@@ -81,6 +82,10 @@ impl Runner {
             .zip(contours)
             .map(|(edges, contours)| lines_along(edges, plan, frame, &contours, &mut outcome));
         let lines = lines.transpose()?;
+        let start = Instant::now();
+        let followed = lines.as_deref().unwrap_or_default();
+        let interior = self.host.interior(plan, frame, params, None, followed);
+        add_timings(&mut outcome.timings, &[(INTERIOR.name, start.elapsed())]);
         let contours = lines
             .as_ref()
             .map(|lines| run.covered_by_lines(frame, 0, &contour_pieces(lines), medium(params)));
@@ -104,6 +109,9 @@ impl Runner {
             return Ok(None);
         }
         put_drawing(&mut outcome, plan, frame, &mut read, lines, coordinates);
+        if let Some(drawing) = &mut outcome.drawing {
+            drawing.put_interior(interior);
+        }
         if is_made {
             let mut planes = read.by_ref().map(|samples| plane_of(frame, Some(samples)));
             outcome.put(Product::Picture, &mut planes);
@@ -245,6 +253,8 @@ fn put_drawing(
         lines: Vec::new(),
         contours: lines.is_some().then(|| plane_of(frame, read.next())),
         contour_lines: lines.unwrap_or_default(),
+        interior: None,
+        interior_lines: Vec::new(),
         white_point: of_paper[WHITE as usize],
         coordinates,
     });

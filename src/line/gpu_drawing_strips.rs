@@ -19,6 +19,7 @@ use crate::line::contours::gpu_coverage::Medium;
 use crate::line::contours::stage::scaled;
 use crate::line::gpu_drawing::{medium, plane_of};
 use crate::line::hatching::gpu::Strokes;
+use crate::line::interior::stage::INTERIOR;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::{Adaptive, LineParams, Style};
@@ -91,6 +92,13 @@ impl Runner {
         let white_point = self.paper_white(plan, frame, params, tone, &strips)?;
         let directions = self.directions(plan, frame, params, &mut outcome);
         let contours = self.contour_lines(plan, frame, params, &mut outcome);
+        let start = Instant::now();
+        let followed = contours.as_deref().unwrap_or_default();
+        let silhouette = outcome.shape.silhouette.as_ref();
+        let interior = self
+            .host
+            .interior(plan, frame, params, silhouette, followed);
+        add_timings(&mut outcome.timings, &[(INTERIOR.name, start.elapsed())]);
         let mut params = *params;
         params.tone.white_point = Adaptive::Fixed(white_point);
         let ink = match params.strokes.style == Style::Lines {
@@ -126,6 +134,9 @@ impl Runner {
             coordinates: drawn.coordinates,
             ..drawing
         });
+        if let Some(drawing) = &mut outcome.drawing {
+            drawing.put_interior(interior);
+        }
         let directions = directions.into_iter();
         self.host
             .take_back_planes(directions.flat_map(|Vector2Planes { x, y }| [x, y]));
@@ -253,6 +264,8 @@ impl Runner {
             lines: Vec::new(),
             contours: contours.is_some().then(|| plane_of(strip, read.next())),
             contour_lines: Vec::new(),
+            interior: None,
+            interior_lines: Vec::new(),
             white_point: drawn.white_point,
             coordinates: None,
         };

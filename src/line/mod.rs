@@ -12,6 +12,7 @@ pub(crate) mod gpu_drawing;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_drawing_strips;
 pub mod hatching;
+pub(crate) mod interior;
 pub mod linear_camera;
 pub(crate) mod normal_rays;
 pub mod paper;

@@ -31,8 +31,8 @@ mod specular;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
-    Background, ContourParams, Enlargement, Fallback, FieldParams, LineParams, Stroke,
-    StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
+    Background, ContourParams, Enlargement, Fallback, FieldParams, InteriorParams, LineParams,
+    Stroke, StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;

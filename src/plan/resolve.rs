@@ -110,6 +110,7 @@ impl Plan {
             });
         }
         let (goal, relighting) = match tone {
+            _ if drawing.lines_only => (Goal::Picture, None),
             ToneFrom::Picture => (Goal::Picture, None),
             ToneFrom::Enhanced => (Goal::Enhance, None),
             ToneFrom::Shape(None) if available.color => (Goal::Enhance, None),
@@ -119,8 +120,9 @@ impl Plan {
                 (Goal::Relight, Some(relighting))
             }
         };
-        let shows_shape = matches!(tone, ToneFrom::Shape(_));
-        if goal != Goal::Relight && !available.color && !shows_shape {
+        let shows_shape = matches!(tone, ToneFrom::Shape(_)) && !drawing.lines_only;
+        let needs_picture = !shows_shape && !drawing.lines_only;
+        if goal != Goal::Relight && !available.color && needs_picture {
             return Err(Error::BadParameter {
                 name: "--tone",
                 found: "comes from the picture, and there is none".into(),

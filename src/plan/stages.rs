@@ -6,7 +6,9 @@ use crate::light::relight::stage::RELIGHT;
 use crate::light::white_level::AUTO_WHITE;
 use crate::line::contours::stage::CONTOURS;
 use crate::line::direction_field::stage::DIRECTION_FIELD;
+use crate::line::drawing::LINES_ONLY;
 use crate::line::hatching::stage::HATCHING;
+use crate::line::interior::stage::INTERIOR;
 use crate::line::normal_rays::stage::NORMAL_RAYS;
 use crate::line::shape_tone::stage::SHAPE_TONE;
 use crate::line::specular::stage::SPECULAR_TRACE;
@@ -45,15 +47,17 @@ pub(crate) static PICTURE: [&Stage; 7] = [
 ];
 
 /// Those that draw it.
-pub(crate) static DRAWING: [&Stage; 8] = [
+pub(crate) static DRAWING: [&Stage; 10] = [
     &SPECULAR_TRACE,
     &SHAPE_TONE,
     &CONTOURS,
+    &INTERIOR,
     &DIRECTION_FIELD,
     &TEXTURE_COORDINATES,
     &TONAL_ART_MAP,
     &HATCHING,
     &STREAMLINES,
+    &LINES_ONLY,
 ];
 
 /// All there are.

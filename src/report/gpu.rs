@@ -268,7 +268,7 @@ fn differences(
 ) -> impl Iterator<Item = (Product, f64)> {
     let (is_drawn, of_layers) = (plan.drawing.is_some(), plan.wants(Product::MappedCurvature));
     let is_meant = move |product: &Product| match product {
-        Product::Strokes | Product::Contours => is_drawn,
+        Product::Strokes | Product::Contours | Product::Interior => is_drawn,
         Product::Picture => !is_drawn && !of_layers,
         _ => of_layers,
     };

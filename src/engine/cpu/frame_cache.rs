@@ -80,6 +80,7 @@ pub(crate) struct FrameCache {
     pub(crate) term_whites: Slot<Vec<(&'static str, f32)>>,
     pub(crate) field: Slot<Vec<Vector2Planes>>,
     pub(crate) contours: Slot<(Plane, Vec<Contour>)>,
+    pub(crate) interior: Slot<(Plane, Vec<Contour>)>,
     /// White level of the picture.
     pub(crate) white: Slot<f32>,
     /// Albedo, estimated from the picture.

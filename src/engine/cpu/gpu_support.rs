@@ -10,13 +10,16 @@ use crate::line::contours::Contour;
 use crate::line::contours::coverage::{DrawnLine, Piece};
 use crate::line::contours::cpu as contours;
 use crate::line::contours::found::FoundEdges;
+use crate::line::contours::stage::in_medium;
 use crate::line::direction_field::cpu as direction_field;
+use crate::line::interior;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::line::tone::{Densities, ToneOf};
 use crate::params::{ContourParams, LineParams, ScalingParams, StrokeParams};
 use crate::plan::Plan;
+use crate::shape::edges::cpu::edges_with_weights;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -86,6 +89,27 @@ impl Runner {
     ) -> Vec<Vector2Planes> {
         let (field, wanted, memory) = (&params.field, params.directions, &self.memory);
         direction_field::stroke_fields(plan, field, wanted, frame, conductance, None, memory)
+    }
+
+    /// The lines inside the surfaces of a frame beside these contours, and what they cover, where they are asked for. Its
+    /// silhouette weight is made where it is not given.
+    pub(crate) fn interior(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        params: &LineParams,
+        silhouette: Option<&Plane>,
+        contours: &[Contour],
+    ) -> Option<(Plane, Vec<Contour>)> {
+        let interior = params.interior?;
+        let made = silhouette.is_none().then(|| {
+            let edges = edges_with_weights(plan, frame, true, &self.memory).0;
+            edges.silhouette.expect("weights are asked for")
+        });
+        let silhouette = silhouette.or(made.as_ref()).expect("one of both is there");
+        let lines = interior::cpu::interior(frame, silhouette, contours, &interior, &self.options);
+        let covered = interior::stage::covered(&lines, &frame.mask, &self.memory);
+        Some((in_medium(covered, frame, &params.strokes), lines))
     }
 
     /// Where the texture of strokes lies on a frame of a sequence.

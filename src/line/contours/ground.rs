@@ -28,24 +28,33 @@ struct Place {
 
 impl Ground {
     pub(crate) fn new(lines: &[Line], frame: &Frame, params: &ContourParams) -> Self {
-        let (width, height) = (frame.mask.width(), frame.mask.height());
+        let size = [frame.mask.width(), frame.mask.height()];
+        let room = (0.5 * params.width_px + 1.5).clamp(2.0, 6.0) as usize;
+        let points = |line: &Line| line.spots.iter().map(|spot| spot.at).collect();
+        let lines: Vec<Vec<Vec2>> = lines.iter().map(points).collect();
+        Self::of_points(lines.iter().map(Vec::as_slice), size, room)
+    }
+
+    /// The ground of lines through these points in a picture of `width` by `height` pixels, from which others stay `room`
+    /// pixels away, at least one.
+    pub(crate) fn of_points<'a>(
+        lines: impl Iterator<Item = &'a [Vec2]>,
+        [width, height]: [usize; 2],
+        room: usize,
+    ) -> Self {
         let mut ground = Self {
             width,
             height,
-            room: (0.5 * params.width_px + 1.5).clamp(2.0, 6.0) as usize,
+            room,
             spots: Vec::new(),
             first: vec![0; width * height],
             taken: vec![false; width * height],
         };
-        for (i, line) in lines.iter().enumerate() {
-            for (index, spot) in line.spots.iter().enumerate() {
-                ground.spots.push(Place {
-                    at: spot.at,
-                    line: i,
-                    index,
-                });
-                let pixel = ground.pixel(spot.at);
-                let [columns, rows] = ground.around(spot.at, ground.room - 1);
+        for (line, points) in lines.enumerate() {
+            for (index, &at) in points.iter().enumerate() {
+                ground.spots.push(Place { at, line, index });
+                let pixel = ground.pixel(at);
+                let [columns, rows] = ground.around(at, room - 1);
                 ground.first[pixel] = ground.spots.len() as u32;
                 for y in rows {
                     ground.taken[y * width..][columns.clone()].fill(true);
@@ -77,8 +86,19 @@ impl Ground {
 
     /// Leads the open ends of lines on to a silhouette close ahead; of themselves too if they `are_own`.
     pub(crate) fn join_ends(&self, lines: &mut [Line], are_own: bool) {
-        let width = self.width;
         let reach = if are_own { 3 } else { 2 * self.room + 1 };
+        self.join_ends_within(lines, are_own, reach, AHEAD);
+    }
+
+    /// The same up to `reach` pixels away, and straight ahead up to an angle of this cosine.
+    pub(crate) fn join_ends_within(
+        &self,
+        lines: &mut [Line],
+        are_own: bool,
+        reach: usize,
+        straight: f32,
+    ) {
+        let width = self.width;
         for (i, line) in lines
             .iter_mut()
             .enumerate()
@@ -102,7 +122,7 @@ impl Ground {
                     .filter(|place| !is_itself(place))
                     .filter(|place| {
                         let way = place.at - tip;
-                        way.dot(ahead) >= AHEAD * way.length() && way.length() <= reach as f32
+                        way.dot(ahead) >= straight * way.length() && way.length() <= reach as f32
                     })
                     .min_by(|a, b| {
                         a.at.distance_squared(tip)

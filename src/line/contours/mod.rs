@@ -43,6 +43,12 @@ pub enum ContourKind {
     Silhouette,
     /// Where the surface turns sharply.
     Crease,
+    /// Where the surface is folded inward: a line inside it.
+    Valley,
+    /// Where the surface is folded outward: a line inside it.
+    Ridge,
+    /// Where the surface all but turns away from the viewer: a line inside it.
+    Suggestive,
 }
 
 /// A line along an edge.
@@ -94,7 +100,7 @@ impl DepthRange {
     }
 
     /// How far away something is, 0 for the nearest to 1 for the farthest.
-    fn farness(&self, log_depth: f32) -> f32 {
+    pub(crate) fn farness(&self, log_depth: f32) -> f32 {
         ((log_depth - self.near) / (self.far - self.near).max(DEEP)).clamp(0.0, 1.0)
     }
 }
@@ -114,8 +120,8 @@ pub(crate) fn contour(
 ) -> Contour {
     let mut points: Vec<Vec2> = line.spots.iter().map(|spot| spot.at).collect();
     let share = match kind {
-        ContourKind::Silhouette => 1.0,
         ContourKind::Crease => params.crease_share,
+        _ => 1.0,
     };
     let widths: Vec<f32> = line
         .spots

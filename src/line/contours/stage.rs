@@ -1,13 +1,13 @@
 //! Contours in a drawing.
 
 use crate::engine::cpu::run::Run;
-use crate::frame::Plane;
+use crate::frame::{Frame, Plane, Window};
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
 use crate::line::contours::cpu::{self, Weights};
 use crate::line::drawing::is_drawn;
 use crate::line::paper::{grain, graphite};
-use crate::params::{ContourParams, LineParams, Style};
+use crate::params::{ContourParams, LineParams, StrokeParams, Style};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -53,15 +53,15 @@ fn draw(run: &mut Run) {
     let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
     let kept = kept.and_then(|kept| kept.contours.copied(plan.key(CONTOURS.name)));
     let (covered, lines) = kept.unwrap_or_else(|| follow_edges(run, &contours));
-    let covered = match params.strokes.style {
-        Style::Pencil => in_graphite(run, covered, params.strokes.seed),
-        Style::Pen | Style::Pictures | Style::Lines => covered,
-    };
-    run.canvas.contours = Some((covered, lines));
+    run.canvas.contours = Some((in_medium(covered, run.frame, &params.strokes), lines));
     if run.canvas.luminance.is_some() {
         // Of a large drawing nothing is held for long.
         let shape = &mut run.outcome.shape;
-        let weights = [shape.silhouette.take(), shape.crease.take()];
+        let silhouette = match params.interior.is_some() {
+            true => None,
+            false => shape.silhouette.take(),
+        };
+        let weights = [silhouette, shape.crease.take()];
         run.runner.memory.recycle(weights.into_iter().flatten());
     }
 }
@@ -93,9 +93,16 @@ fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) 
     made
 }
 
+/// What lines cover, drawn with what strokes are drawn with.
+pub(crate) fn in_medium(covered: Plane, frame: &Frame, strokes: &StrokeParams) -> Plane {
+    match strokes.style {
+        Style::Pencil => in_graphite(covered, frame.data_window, strokes.seed),
+        Style::Pen | Style::Pictures | Style::Lines => covered,
+    }
+}
+
 /// Lines as a pencil draws them on grained paper.
-fn in_graphite(run: &Run, mut covered: Plane, seed: u64) -> Plane {
-    let window = run.frame.data_window;
+fn in_graphite(mut covered: Plane, window: Window, seed: u64) -> Plane {
     let width = covered.width();
     let rows = covered.samples_mut().par_chunks_mut(width);
     rows.enumerate().for_each(|(y, row)| {

@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::run::Run;
 use crate::line::direction_field::cpu::stroke_fields;
-use crate::line::drawing::is_drawn;
+use crate::line::drawing::has_strokes;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
@@ -20,7 +20,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
     steps: &[Step {
         name: "direction-field",
         gives: &[Product::Strokes],
-        decide: |plan| is_drawn(plan, |_| Verdict::runs("strokes follow the curvature")),
+        decide: |plan| has_strokes(plan, |_| Verdict::runs("strokes follow the curvature")),
     }],
     cpu: find,
     ..Stage::DEFAULT

@@ -320,7 +320,7 @@ impl Cells<'_> {
 
     /// A field spread by this many cells wherever conductance lets it.
     fn spread(&self, field: Vector2Planes, conductance: &Plane, sigma: f32) -> Vector2Planes {
-        let sweeps = DiffusionSchedule::to_sigma(sigma, TOLERANCE);
+        let sweeps = DiffusionSchedule::to_sigmas(&[sigma], TOLERANCE);
         let (mask, options) = (&self.grid.mask, self.options);
         let mut spread = diffusion(
             field,

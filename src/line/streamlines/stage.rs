@@ -1,7 +1,7 @@
 //! Strokes as lines.
 
 use crate::engine::cpu::run::Run;
-use crate::line::drawing::{Tone, finish, is_drawn};
+use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::line::streamlines::cpu::{inked, lines};
 use crate::params::Style;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -14,7 +14,7 @@ pub(crate) static STREAMLINES: Stage = Stage {
         name: "streamlines",
         gives: &[Product::Strokes],
         decide: |plan| {
-            is_drawn(plan, |params| match params.strokes.style {
+            has_strokes(plan, |params| match params.strokes.style {
                 Style::Lines => Verdict::runs("every stroke is a line of its own"),
                 _ => Verdict::left_out("strokes come from a texture"),
             })

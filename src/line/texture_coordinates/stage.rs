@@ -1,20 +1,20 @@
 //! Strokes that move with the surface, in a frame of a sequence.
 
 use crate::engine::cpu::run::Run;
-use crate::line::drawing::is_drawn;
+use crate::line::drawing::has_strokes;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::plan::stage::{Stage, Step, Verdict};
 
 /// Where the texture of strokes lies as the surface moves.
 pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
     // A frame of a sequence may come with a plan that was made for a still.
-    also_runs: |plan| plan.drawing.is_some(),
+    also_runs: |plan| plan.drawing.is_some_and(|params| !params.lines_only),
     name: "texture-coordinates",
     steps: &[Step {
         name: "texture-coordinates",
         gives: &[],
         decide: |plan| {
-            is_drawn(plan, |_| match plan.available.moving {
+            has_strokes(plan, |_| match plan.available.moving {
                 true => Verdict::runs("strokes move with the surface"),
                 false => Verdict::left_out("strokes lie still in the picture"),
             })

@@ -1,9 +1,6 @@
 //! The parameters of contours.
 
-use crate::error::Result;
 use crate::params::table::{Unit, even};
-use crate::params::value::Value;
-use crate::params::{Param, Parameters};
 use std::ops::RangeInclusive;
 
 /// Parts of a width.
@@ -55,52 +52,11 @@ params! {
     }
 }
 
-choices! {
-    /// Whether something is done.
-    enum OnOff {
-        /// It is.
-        On = "on",
-        /// It is not.
-        Off = "off",
-    }
+on_or_off! {
+    /// Contours are drawn or not. Where they are not, their settings are checked and dropped.
+    ContourParams as contours in Contours, flag: "--contours",
+    doc: ["Lines along silhouettes and creases, over the strokes."]
 }
-
-/// Contours are drawn or not. Where they are not, their settings are checked and dropped.
-const _: () = {
-    params!(
-        @row Contours contours ["Lines along silhouettes and creases, over the strokes."]
-        OnOff = OnOff::On, flag: "--contours", form: "on|off"
-    );
-
-    impl Parameters for Option<ContourParams> {
-        fn usual() -> Self {
-            Some(ContourParams::default())
-        }
-
-        fn rows(table: &mut Vec<&'static Param>) {
-            table.push(&contours);
-            ContourParams::rows(table);
-        }
-
-        fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
-            if name != contours.name() {
-                let mut own = self.unwrap_or_default();
-                let is_own = own.set(name, text)?;
-                *self = self.map(|_| own);
-                return Ok(is_own);
-            }
-            *self = match OnOff::parse(text, &contours)? {
-                OnOff::On => self.or(Self::usual()),
-                OnOff::Off => None,
-            };
-            Ok(true)
-        }
-
-        fn check(&self) -> Result<()> {
-            self.as_ref().map_or(Ok(()), ContourParams::check)
-        }
-    }
-};
 
 impl ContourParams {
     /// The same for lines `factor` times as large.

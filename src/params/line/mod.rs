@@ -1,13 +1,19 @@
 //! The parameters of line art.
 
+use crate::params::Group;
+
+#[macro_use]
+mod on_off;
 mod contours;
 mod field;
+mod interior;
 mod strokes;
 mod tone;
 
 pub use contours::ContourParams;
 pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
+pub use interior::InteriorParams;
 pub(crate) use strokes::MAX_LEVELS;
 pub use strokes::{Enlargement, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneParams, ToneSource};
@@ -26,5 +32,9 @@ params! {
         strokes: StrokeParams;
         /// Lines along silhouettes and creases; `None` draws none.
         contours: Option<ContourParams>;
+        /// Lines inside surfaces; `None` draws none.
+        interior: Option<InteriorParams>;
+        /// A drawing of contours and interior lines alone, without strokes.
+        lines_only: bool = false, flag: "--lines-only", group: Group::Contours;
     }
 }

@@ -195,8 +195,8 @@ fn judged(frame: &Frame, line: LineParams, bounds: [f64; 2]) -> Result<Verdict> 
     )?;
     let outcome = engine::run(&plan, frame, Inputs::default())?;
     let drawing = outcome.drawing.expect("a drawing was planned");
-    let layers = std::iter::once(&drawing.hatching).chain(&drawing.contours);
-    let mut samples = layers.flat_map(|plane| plane.samples());
+    let layers = drawing.layers();
+    let mut samples = layers.into_iter().flat_map(|plane| plane.samples());
     if let Some(wrong) = samples.find(|v| !(0.0..=1.0).contains(*v)) {
         return Ok(Verdict::Failed {
             what: format!("ink is {wrong}, which should be 0 to 1"),

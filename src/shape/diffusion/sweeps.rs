@@ -104,14 +104,19 @@ impl DiffusionSchedule {
         }
     }
 
-    /// The sweeps that spread a field to this sigma, in pixels, to within `tolerance` of its largest value.
-    pub(crate) fn to_sigma(sigma_px: f32, tolerance: f64) -> Self {
-        let spread = Spread::Time(ShapeParams::time_of(sigma_px));
-        let expansion = coefficients(spread, tolerance);
+    /// The sweeps of an expansion to each of these sigmas, in pixels, within `tolerance` relative to the largest value.
+    pub(crate) fn to_sigmas(sigmas: &[f32], tolerance: f64) -> Self {
+        let expansions = sigmas.iter().map(|&sigma| {
+            let spread = Spread::Time(ShapeParams::time_of(sigma));
+            let coefficients = coefficients(spread, tolerance);
+            coefficients.into_iter().map(|a| a as f32).collect()
+        });
+        let expansions: Vec<Vec<f32>> = expansions.collect();
+        let degree = expansions.iter().map(|expansion| expansion.len() - 1);
         Self {
             recurrence: Recurrence::Chebyshev,
-            count: expansion.len() - 1,
-            readout: Readout::Sums(vec![expansion.into_iter().map(|a| a as f32).collect()]),
+            count: degree.max().unwrap_or(0),
+            readout: Readout::Sums(expansions),
         }
     }
 

@@ -1,0 +1,98 @@
+//! Chains: lines through crests that hang together and are plain somewhere.
+
+use crate::line::contours::lattice::{Path, STEPS};
+use crate::line::contours::network::{self, Line, Spot};
+use crate::line::contours::polyline::Smoothing;
+use crate::line::contours::ridge::Bands;
+use crate::line::interior::crests::Crest;
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// A line that ends so many pixels from the border of the picture goes on beyond it.
+const RIM: usize = 2;
+
+/// How far beside a line its crests may lie, and over how many to either side they are evened out.
+const SMOOTHING: Smoothing = Smoothing {
+    tolerance_px: 0.7,
+    reach: 5,
+};
+
+/// The lines through crests of one kind, which lie on a grid of `width` by `height` pixels in the order of its rows. Each
+/// network of crests, of which those count that are stronger than the first threshold, is stronger than the second
+/// somewhere.
+pub(super) fn chains(
+    crests: &[Crest],
+    [width, height]: [usize; 2],
+    thresholds: [f32; 2],
+) -> Vec<Line> {
+    let crests = plain(crests, [width, height], thresholds[1]);
+    if crests.is_empty() {
+        return Vec::new();
+    }
+    let mut weight = vec![0.0; width * height];
+    for crest in &crests {
+        weight[crest.pixel as usize] = (0.5 * crest.strength / thresholds[1]).clamp(0.01, 1.0);
+    }
+    let pixels: Vec<u32> = crests.iter().map(|crest| crest.pixel).collect();
+    let bands = Bands {
+        width,
+        height,
+        pixels: &pixels,
+        weight: &weight,
+    };
+    let lattice = bands.ridges();
+    let place = |pixel: u32| {
+        let [x, y] = lattice.place(pixel);
+        Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
+    };
+    let spot = |&pixel: &u32| {
+        let found = pixels.binary_search(&pixel).ok().map(|i| crests[i]);
+        Spot {
+            at: found.map_or(place(pixel), |crest| crest.at),
+            strength: found.map_or(0.0, |crest| crest.strength),
+            log_depth: 0.0,
+            is_beside: false,
+        }
+    };
+    let spots = |path: &Path| {
+        let last = path.nodes.len() - 1;
+        let is_junction = |i: usize| (i == 0 || i == last) && lattice.degree(path.nodes[i]) > 2;
+        let inner = path.nodes.iter().enumerate();
+        let inner = inner.filter(|&(i, _)| path.closed || !is_junction(i));
+        inner.map(|(_, pixel)| spot(pixel)).collect()
+    };
+    network::lines(&lattice, place, spots, RIM, |lines: &mut [Line]| {
+        lines.par_iter_mut().for_each(|line| line.smooth(SMOOTHING));
+    })
+}
+
+/// The crests that hang together with one at least as strong as `strength`.
+fn plain(crests: &[Crest], [width, height]: [usize; 2], strength: f32) -> Vec<Crest> {
+    let number = |x: i32, y: i32| {
+        let is_inside = x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
+        let pixel = is_inside.then_some(y as usize * width + x as usize)?;
+        crests
+            .binary_search_by_key(&(pixel as u32), |crest| crest.pixel)
+            .ok()
+    };
+    let mut is_plain: Vec<bool> = crests
+        .iter()
+        .map(|crest| crest.strength >= strength)
+        .collect();
+    let mut waiting: Vec<usize> = (0..crests.len()).filter(|&i| is_plain[i]).collect();
+    while let Some(i) = waiting.pop() {
+        let pixel = crests[i].pixel as usize;
+        let (x, y) = ((pixel % width) as i32, (pixel / width) as i32);
+        for [dx, dy] in STEPS {
+            if let Some(beside) = number(x + dx, y + dy).filter(|&beside| !is_plain[beside]) {
+                is_plain[beside] = true;
+                waiting.push(beside);
+            }
+        }
+    }
+    let kept = crests
+        .iter()
+        .zip(is_plain)
+        .filter(|(_, is_plain)| *is_plain);
+    kept.map(|(crest, _)| *crest).collect()
+}

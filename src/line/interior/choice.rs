@@ -1,0 +1,173 @@
+//! Which lines are drawn: those that persist when the surface is looked at more coarsely, the plainest first, none twice,
+//! and no more than a drawing bears.
+
+use crate::frame::Plane;
+use crate::line::contours::ContourKind;
+use crate::line::contours::network::{End, Line};
+use crate::line::interior::sizes::Sizes;
+use crate::line::interior::turning::Turning;
+use glam::{Vec2, Vec3};
+
+/// A line inside a surface, with its kind.
+pub(super) type Interior = (ContourKind, Line);
+
+/// Least part of a line's curvature that is left at a coarser scale: it falls to 1 over the ratio of scales where a fold is
+/// as sharp as the scale shows it, and to nearly nothing where the surface is rough.
+const PERSISTENT: f32 = 0.3;
+
+/// Pixels to either side in which the curvature of a coarser scale is looked for.
+const LOOKED_FOR: f32 = 2.0;
+
+/// What ridges count against other lines.
+const RIDGE_WORTH: f32 = 0.45;
+
+/// Whether the curvature along a line is there too in normals at a coarser scale, on a grid of `ratio` times the pixels.
+pub(super) fn persists(line: &Line, fine: &Plane<Vec3>, coarse: &Plane<Vec3>, ratio: f32) -> bool {
+    let shares = line.spots.iter().map(|spot| {
+        let around = (0..9).map(|i| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) * LOOKED_FOR);
+        let there = around.map(|offset| curvature_at(coarse, (spot.at + offset) / ratio) / ratio);
+        there.fold(0.0, f32::max) / curvature_at(fine, spot.at).max(f32::MIN_POSITIVE)
+    });
+    median(shares.collect()) >= PERSISTENT
+}
+
+fn curvature_at(normals: &Plane<Vec3>, at: Vec2) -> f32 {
+    let x = (at.x.max(0.0) as usize).min(normals.width() - 1);
+    let y = (at.y.max(0.0) as usize).min(normals.height() - 1);
+    Turning::at(normals, x, y).largest()
+}
+
+fn median(mut values: Vec<f32>) -> f32 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+/// Pixels near lines that are drawn.
+struct Taken {
+    width: usize,
+    height: usize,
+    taken: Vec<bool>,
+}
+
+impl Taken {
+    fn new([width, height]: [usize; 2]) -> Self {
+        Self {
+            width,
+            height,
+            taken: vec![false; width * height],
+        }
+    }
+
+    fn add(&mut self, at: Vec2, reach: f32) {
+        let [left, right] = [at.x - reach, at.x + reach].map(|x| x.max(0.0) as usize);
+        let [top, bottom] = [at.y - reach, at.y + reach].map(|y| y.max(0.0) as usize);
+        for y in top..(bottom + 1).min(self.height) {
+            for x in left..(right + 1).min(self.width) {
+                let middle = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+                self.taken[y * self.width + x] |= middle.distance_squared(at) <= reach * reach;
+            }
+        }
+    }
+
+    fn holds(&self, at: Vec2) -> bool {
+        let (x, y) = (at.x.max(0.0) as usize, at.y.max(0.0) as usize);
+        self.taken[y.min(self.height - 1) * self.width + x.min(self.width - 1)]
+    }
+}
+
+/// The lines that are drawn where lines through `drawn` points are drawn already, on a level of this size: `longest` in all.
+pub(super) fn chosen(
+    lines: Vec<Interior>,
+    drawn: impl Iterator<Item = Vec2>,
+    size: [usize; 2],
+    longest: f32,
+    sizes: &Sizes,
+) -> Vec<Interior> {
+    // What is near to a line that is drawn, for each kind.
+    let mut taken = sizes.apart.map(|_| Taken::new(size));
+    let take = |taken: &mut [Taken; 3], at: Vec2, apart: [f32; 3]| {
+        let kinds = taken.iter_mut().zip(apart);
+        kinds.for_each(|(taken, apart)| taken.add(at, apart));
+    };
+    drawn.for_each(|at| take(&mut taken, at, [sizes.apart[0]; 3]));
+    let mut lines: Vec<(f32, Interior)> =
+        lines.into_iter().map(|line| (worth(&line), line)).collect();
+    // Ridges come last: beside a valley they double it.
+    let is_ridge = |line: &(f32, Interior)| line.1.0 == ContourKind::Ridge;
+    lines.sort_by(|a, b| is_ridge(a).cmp(&is_ridge(b)).then(b.0.total_cmp(&a.0)));
+    let (mut kept, mut length) = (Vec::new(), 0.0);
+    for (kind, line) in lines.into_iter().map(|(_, line)| line) {
+        for part in free_parts(line, &taken[number(kind)]) {
+            let own = part.length();
+            let is_plain = own >= shortest(kind, sizes) && strength(&part) * own >= sizes.worth;
+            if !is_plain || length + own > longest {
+                continue;
+            }
+            length += own;
+            for spot in &part.spots {
+                take(&mut taken, spot.at, sizes.apart);
+            }
+            kept.push((kind, part));
+        }
+    }
+    kept
+}
+
+/// The place of a kind among sizes.
+fn number(kind: ContourKind) -> usize {
+    match kind {
+        ContourKind::Ridge => 1,
+        ContourKind::Suggestive => 2,
+        _ => 0,
+    }
+}
+
+/// The length that a line of a kind has at the least.
+pub(super) fn shortest(kind: ContourKind, sizes: &Sizes) -> f32 {
+    sizes.shortest[usize::from(kind != ContourKind::Valley)]
+}
+
+/// The integral of strength along a line, ridges' in part.
+fn worth((kind, line): &Interior) -> f32 {
+    let share = if *kind == ContourKind::Ridge {
+        RIDGE_WORTH
+    } else {
+        1.0
+    };
+    share * strength(line) * line.length()
+}
+
+/// The mean strength along a line.
+fn strength(line: &Line) -> f32 {
+    line.spots.iter().map(|spot| spot.strength).sum::<f32>() / line.spots.len() as f32
+}
+
+/// The parts of a line that are not near to one that is drawn; all of it where next to nothing is.
+fn free_parts(line: Line, taken: &Taken) -> Vec<Line> {
+    let is_taken: Vec<bool> = line.spots.iter().map(|spot| taken.holds(spot.at)).collect();
+    if !is_taken.contains(&true) {
+        return vec![line];
+    }
+    let mut parts = Vec::new();
+    let mut from = 0;
+    for run in is_taken.chunk_by(|a, b| a == b) {
+        let to = from + run.len();
+        if !run[0] {
+            let end = |at_end: bool, i: usize| {
+                if at_end && !line.closed {
+                    line.ends[i]
+                } else {
+                    End::Free
+                }
+            };
+            parts.push(Line {
+                spots: line.spots[from..to].to_vec(),
+                closed: false,
+                ends: [end(from == 0, 0), end(to == line.spots.len(), 1)],
+                part: line.part,
+            });
+        }
+        from = to;
+    }
+    parts
+}

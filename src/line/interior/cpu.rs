@@ -1,0 +1,176 @@
+//! Interior lines of a frame: measured, followed, chosen, joined.
+
+use crate::fast_math::ln;
+use crate::frame::{Frame, Mask, Plane};
+use crate::line::contours::gaps::close_gaps;
+use crate::line::contours::ground::Ground;
+use crate::line::contours::network::Line;
+use crate::line::contours::{Contour, ContourKind, DepthRange};
+use crate::line::interior::chains::chains;
+use crate::line::interior::choice::{Interior, chosen, persists, shortest};
+use crate::line::interior::crests::{Crest, Rims, suggestive, valleys_and_ridges};
+use crate::line::interior::drawn::Pen;
+use crate::line::interior::facing::Viewer;
+use crate::line::interior::level::Level;
+use crate::line::interior::sizes::Sizes;
+use crate::params::{InteriorParams, RunOptions};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+/// Suggestive contours are looked for at a scale so many times that of valleys and ridges.
+const SUGGESTIVE_SCALE: f32 = 1.5;
+
+/// The scale at which lines have to be there still, as a multiple of their own.
+const PERSISTENCE_SCALE: f32 = 2.5;
+
+/// Ridges keep so many times farther from rims: normals that do not spread beyond a rim turn fastest at some distance from
+/// it, all around any ball.
+const RIDGE_MARGIN: f32 = 1.4;
+
+/// Lines are led on to a contour up to so many margins away, as straight ahead as this cosine says.
+const JOIN_REACH: f32 = 1.5;
+const JOIN_AHEAD: f32 = 0.7;
+
+/// The lines inside the surfaces of a frame with this silhouette weight, beside its contours.
+pub(crate) fn interior(
+    frame: &Frame,
+    silhouette: &Plane,
+    contours: &[Contour],
+    params: &InteriorParams,
+    options: &RunOptions,
+) -> Vec<Contour> {
+    let sizes = Sizes::of(frame, params);
+    let level = Level::of(frame, silhouette, sizes.factor);
+    if level.frame.mask.count() == 0 {
+        return Vec::new();
+    }
+    let scales = [sizes.sigma, SUGGESTIVE_SCALE * sizes.sigma];
+    let normals = level.diffused(&scales, options);
+    let lines = found(frame, &level, &normals, params, &sizes, options);
+    let lines = selected(lines, contours, &level.frame.mask, &sizes);
+    joined_and_drawn(lines, contours, frame, &normals[0], params, &sizes)
+}
+
+/// All lines of all kinds that persist, in pixels of the level.
+fn found(
+    frame: &Frame,
+    level: &Level,
+    normals: &[Plane<Vec3>],
+    params: &InteriorParams,
+    sizes: &Sizes,
+    options: &RunOptions,
+) -> Vec<Interior> {
+    let [rims, ridge_rims] =
+        [1.0, RIDGE_MARGIN].map(|share| Rims::new(level, share * sizes.margin));
+    let viewer = Viewer::of(frame, sizes.factor);
+    let [valleys, mut ridges] = valleys_and_ridges(&normals[0], [&rims, &ridge_rims], sizes);
+    if !params.has_ridges() {
+        ridges.clear();
+    }
+    let turned = suggestive(
+        &normals[1],
+        SUGGESTIVE_SCALE * sizes.sigma,
+        &viewer,
+        &rims,
+        sizes,
+    );
+    // Half the size, and what is left of the scale there.
+    let left = sizes.sigma * (PERSISTENCE_SCALE * PERSISTENCE_SCALE - 1.0).sqrt();
+    let coarse = &level.halved(&normals[0]).diffused(&[0.5 * left], options)[0];
+    let mask = &level.frame.mask;
+    let size = [mask.width(), mask.height()];
+    let of = |kind: ContourKind, crests: &[Crest]| -> Vec<Interior> {
+        let lines = chains(crests, size, sizes.thresholds).into_iter();
+        let long = lines.filter(|line| line.length() >= shortest(kind, sizes));
+        let kept = long.filter(|line| persists(line, &normals[0], coarse, 2.0));
+        kept.map(|line| (kind, line)).collect()
+    };
+    let all = [
+        (ContourKind::Valley, &valleys),
+        (ContourKind::Ridge, &ridges),
+        (ContourKind::Suggestive, &turned),
+    ];
+    all.par_iter()
+        .flat_map_iter(|(kind, crests)| of(*kind, crests))
+        .collect()
+}
+
+fn selected(
+    lines: Vec<Interior>,
+    contours: &[Contour],
+    mask: &Mask,
+    sizes: &Sizes,
+) -> Vec<Interior> {
+    let drawn = contours.iter().flat_map(|contour| &contour.points);
+    let drawn = drawn.map(|&point| point / sizes.factor as f32);
+    let longest = sizes.budget * (mask.count() as f32).sqrt();
+    chosen(lines, drawn, [mask.width(), mask.height()], longest, sizes)
+}
+
+/// The lines in pixels of the frame, led on to each other and to contours, with their widths.
+fn joined_and_drawn(
+    lines: Vec<Interior>,
+    contours: &[Contour],
+    frame: &Frame,
+    normals: &Plane<Vec3>,
+    params: &InteriorParams,
+    sizes: &Sizes,
+) -> Vec<Contour> {
+    let factor = sizes.factor as f32;
+    let (kinds, mut lines): (Vec<ContourKind>, Vec<Line>) = lines.into_iter().unzip();
+    for (i, line) in lines.iter_mut().enumerate() {
+        line.part = i;
+        for spot in &mut line.spots {
+            spot.at *= factor;
+            spot.log_depth = log_depth(frame, spot.at);
+        }
+    }
+    close_gaps(&mut lines, factor * sizes.gap);
+    let size = [frame.mask.width(), frame.mask.height()];
+    let contours = contours.iter().map(|contour| contour.points.as_slice());
+    let reach = (factor * JOIN_REACH * sizes.margin) as usize + 1;
+    Ground::of_points(contours, size, 1).join_ends_within(&mut lines, false, reach, JOIN_AHEAD);
+    let strongest = strongest(&lines);
+    let pen = Pen::new(
+        factor * sizes.picture,
+        params,
+        strongest,
+        DepthRange::of(&lines),
+    );
+    let drawn = lines.par_iter().zip(kinds).map(|(line, kind)| {
+        let normal = |i: usize| {
+            let at = line.spots[i].at / factor;
+            let x = (at.x.max(0.0) as usize).min(normals.width() - 1);
+            let y = (at.y.max(0.0) as usize).min(normals.height() - 1);
+            normals.at(x, y)
+        };
+        pen.contour(kind, line, params, normal)
+    });
+    drawn.collect()
+}
+
+/// Logarithm of the depth at a point of the picture; 0 where it is not known.
+fn log_depth(frame: &Frame, at: Vec2) -> f32 {
+    let Some(depth) = &frame.depth else {
+        return 0.0;
+    };
+    let x = (at.x.max(0.0) as usize).min(depth.width() - 1);
+    let y = (at.y.max(0.0) as usize).min(depth.height() - 1);
+    let log_depth = ln(depth.at(x, y));
+    if log_depth.is_finite() {
+        log_depth
+    } else {
+        0.0
+    }
+}
+
+/// The strength that one spot in seven exceeds.
+fn strongest(lines: &[Line]) -> f32 {
+    let spots = lines.iter().flat_map(|line| &line.spots);
+    let mut strengths: Vec<f32> = spots.map(|spot| spot.strength).collect();
+    if strengths.is_empty() {
+        return 1.0;
+    }
+    let rank = strengths.len() * 85 / 100;
+    *strengths.select_nth_unstable_by(rank, f32::total_cmp).1
+}

@@ -1,0 +1,206 @@
+//! Crests: pixels where a strength is largest across a direction, placed to a part of a pixel.
+
+use crate::frame::{Mask, Plane};
+use crate::line::interior::facing::Viewer;
+use crate::line::interior::level::Level;
+use crate::line::interior::sizes::Sizes;
+use crate::line::interior::turning::Turning;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+/// A pixel that a line passes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Crest {
+    /// Its number, row by row.
+    pub(super) pixel: u32,
+    /// Where in it or beside it the line passes: x right, y down, pixel edges at integers.
+    pub(super) at: Vec2,
+    /// How plain the line is there, in radians over the picture.
+    pub(super) strength: f32,
+}
+
+/// How far a crest lies from its pixel's centre at the most.
+const FARTHEST: f32 = 0.6;
+
+/// Ridges ask for so many times the strength of valleys.
+const RIDGE_STRENGTH: f32 = 2.0;
+
+/// Suggestive contours ask for this share of the strength of valleys.
+const SUGGESTIVE_STRENGTH: f32 = 0.6;
+
+/// Suggestive contours keep away from where a surface faces the viewer: sine of 20 degrees.
+const LEAST_SLANT: f32 = 0.342;
+
+/// Where the surface of a level ends, or hides another.
+pub(super) struct Rims<'a> {
+    mask: &'a Mask,
+    conductance: &'a Plane,
+    /// Offsets of the pixels that lines keep away from.
+    around: Vec<[isize; 2]>,
+}
+
+impl<'a> Rims<'a> {
+    pub(super) fn new(level: &'a Level, margin: f32) -> Self {
+        let reach = margin as isize;
+        let square = (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| [x, y]));
+        let mut around: Vec<_> = square
+            .filter(|[x, y]| ((x * x + y * y) as f32) <= margin * margin)
+            .collect();
+        // The nearest pixels first: most that are near a rim are told soon.
+        around.sort_by_key(|[x, y]| x * x + y * y);
+        Self {
+            mask: &level.frame.mask,
+            conductance: &level.conductance,
+            around,
+        }
+    }
+
+    /// Whether a pixel is within the margin of a rim. The border of the picture is none.
+    fn is_near(&self, x: usize, y: usize) -> bool {
+        self.around.iter().any(|&[dx, dy]| {
+            let (x, y) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
+            let is_inside = x < self.mask.width() && y < self.mask.height();
+            is_inside && (!self.mask.at(x, y) || self.conductance.at(x, y) < 0.5)
+        })
+    }
+}
+
+/// The view-dependent curvature of a level, in radians per pixel; 0 outside the mask.
+pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
+    let width = normals.width();
+    let mut curvature = Plane::filled(width, normals.height(), 0.0);
+    let rows = curvature.samples_mut().par_chunks_mut(width);
+    rows.enumerate().for_each(|(y, row)| {
+        for x in mask.runs(y).flatten() {
+            row[x] = Turning::at(normals, x, y).largest();
+        }
+    });
+    curvature
+}
+
+/// The crests of curvature: those of valleys, and those of ridges.
+pub(super) fn valleys_and_ridges(
+    normals: &Plane<Vec3>,
+    rims: [&Rims; 2],
+    sizes: &Sizes,
+) -> [Vec<Crest>; 2] {
+    let curvature = curvature(normals, rims[0].mask);
+    let found = each_pixel(rims[0].mask, |x, y| {
+        let strength = curvature.at(x, y) * sizes.picture;
+        if strength < sizes.thresholds[0] {
+            return None;
+        }
+        let turning = Turning::at(normals, x, y);
+        let across = turning.direction();
+        let at = crest(&curvature, x, y, across)?;
+        let is_ridge = turning.bend(across) > 0.0;
+        if rims[usize::from(is_ridge)].is_near(x, y) {
+            return None;
+        }
+        let strength = if is_ridge {
+            strength / RIDGE_STRENGTH
+        } else {
+            strength
+        };
+        Some((is_ridge, at, strength))
+    });
+    let of = |ridges: bool| {
+        let own = found
+            .iter()
+            .filter(|(_, (is_ridge, ..))| *is_ridge == ridges);
+        let crests = own.map(|&(pixel, (_, at, strength))| Crest {
+            pixel,
+            at,
+            strength,
+        });
+        crests
+            .filter(|crest| crest.strength >= sizes.thresholds[0])
+            .collect()
+    };
+    [of(false), of(true)]
+}
+
+/// The crests of suggestive contours, in normals of the scale `sigma`.
+pub(super) fn suggestive(
+    normals: &Plane<Vec3>,
+    sigma: f32,
+    viewer: &Viewer,
+    rims: &Rims,
+    sizes: &Sizes,
+) -> Vec<Crest> {
+    let facings = viewer.facings(normals);
+    let slants = facings.map(|facing| 1.0 - facing);
+    let most = (1.0 - LEAST_SLANT * LEAST_SLANT).sqrt();
+    let found = each_pixel(rims.mask, |x, y| {
+        let facing = facings.at(x, y);
+        if facing > most {
+            return None;
+        }
+        let uphill = viewer.uphill(x, y, normals.at(x, y))?;
+        let at = crest(&slants, x, y, uphill)?;
+        let side = |steps: f32| sampled(&facings, x, y, steps * uphill);
+        let second = (side(sigma) + side(-sigma) - 2.0 * facing) / (sigma * sigma);
+        let strength = sigma * second * sizes.picture / SUGGESTIVE_STRENGTH;
+        (strength >= sizes.thresholds[0] && !rims.is_near(x, y)).then_some((at, strength))
+    });
+    let crests = found.into_iter();
+    crests
+        .map(|(pixel, (at, strength))| Crest {
+            pixel,
+            at,
+            strength,
+        })
+        .collect()
+}
+
+/// What is found at the covered pixels, with their numbers, in order.
+fn each_pixel<T: Send>(
+    mask: &Mask,
+    find: impl Fn(usize, usize) -> Option<T> + Sync,
+) -> Vec<(u32, T)> {
+    let width = mask.width();
+    let rows: Vec<Vec<(u32, T)>> = (0..mask.height())
+        .into_par_iter()
+        .map(|y| {
+            let pixels = mask.runs(y).flatten();
+            let found =
+                pixels.filter_map(|x| find(x, y).map(|found| ((y * width + x) as u32, found)));
+            found.collect()
+        })
+        .collect();
+    rows.into_iter().flatten().collect()
+}
+
+/// Where a plane is largest along a direction (x right, y up) close to a pixel, if it is there.
+fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Vec2> {
+    let (here, ahead, behind) = (
+        plane.at(x, y),
+        sampled(plane, x, y, along),
+        sampled(plane, x, y, -along),
+    );
+    if !(here >= ahead && here > behind) {
+        return None;
+    }
+    // The top of the parabola through all three.
+    let offset = 0.5 * (ahead - behind) / (2.0 * here - ahead - behind);
+    let offset = offset.clamp(-FARTHEST, FARTHEST);
+    Some(Vec2::new(
+        x as f32 + 0.5 + offset * along.x,
+        y as f32 + 0.5 - offset * along.y,
+    ))
+}
+
+/// A plane at an offset (x right, y up) from a pixel's centre, bilinearly; beyond the border as at it.
+fn sampled(plane: &Plane, x: usize, y: usize, offset: Vec2) -> f32 {
+    let last = Vec2::new((plane.width() - 1) as f32, (plane.height() - 1) as f32);
+    let at =
+        (Vec2::new(x as f32, y as f32) + Vec2::new(offset.x, -offset.y)).clamp(Vec2::ZERO, last);
+    let (left, top) = (at.x as usize, at.y as usize);
+    let (right, bottom) = (
+        (left + 1).min(plane.width() - 1),
+        (top + 1).min(plane.height() - 1),
+    );
+    let part = at - at.floor();
+    let row = |y: usize| (1.0 - part.x) * plane.at(left, y) + part.x * plane.at(right, y);
+    (1.0 - part.y) * row(top) + part.y * row(bottom)
+}

@@ -1,0 +1,104 @@
+//! How wide interior lines are drawn.
+
+use crate::line::contours::network::{End, Line};
+use crate::line::contours::polyline::{evened, lengths};
+use crate::line::contours::{Contour, ContourKind, DepthRange};
+use crate::params::InteriorParams;
+use glam::{Vec2, Vec3};
+
+/// What widths depend on besides a line itself.
+pub(super) struct Pen {
+    /// Width of the heaviest line, in pixels.
+    pub(super) width_px: f32,
+    /// Pixels over which open ends run thin.
+    pub(super) taper_px: f32,
+    /// The strength from which on lines are as heavy as they become.
+    pub(super) strongest: f32,
+    pub(super) depths: DepthRange,
+}
+
+/// Spots to either side over which widths change.
+const WIDTH_REACH: usize = 4;
+
+/// How an open end runs thin: below 1 it stays heavy for long, and comes to a point.
+const TAPER: f32 = 0.6;
+
+/// Part of the taper whose width the very end has.
+const TIP: f32 = 0.05;
+
+/// The way to the lamp that lines are lighter under: from the upper left, 135 degrees around and 38 up.
+const LAMP: Vec3 = Vec3::new(-0.5572, 0.5572, 0.6157);
+
+/// The root of the area of a picture for which widths are given: 640 by 480.
+const PICTURE: f32 = 554.3;
+
+impl Pen {
+    /// The pen for lines of a picture whose area has the root `picture`.
+    pub(super) fn new(
+        picture: f32,
+        params: &InteriorParams,
+        strongest: f32,
+        depths: DepthRange,
+    ) -> Self {
+        Self {
+            width_px: params.width_px * picture / PICTURE,
+            taper_px: picture / 45.0,
+            strongest,
+            depths,
+        }
+    }
+
+    /// The contour along a line, whose strengths are in its spots; `normal` is that of the surface at a spot of that number.
+    pub(super) fn contour(
+        &self,
+        kind: ContourKind,
+        line: &Line,
+        params: &InteriorParams,
+        normal: impl Fn(usize) -> Vec3,
+    ) -> Contour {
+        let mut points: Vec<Vec2> = line.spots.iter().map(|spot| spot.at).collect();
+        let share = if kind == ContourKind::Ridge {
+            params.ridge_share
+        } else {
+            1.0
+        };
+        let widths = line.spots.iter().enumerate().map(|(i, spot)| {
+            let faint = 1.0 - smoothstep(spot.strength / self.strongest.max(f32::MIN_POSITIVE));
+            let lit = LAMP.dot(normal(i)).max(0.0);
+            let far = self.depths.farness(spot.log_depth);
+            let left = |emphasis: f32, share: f32| 1.0 - emphasis * share;
+            let light = left(params.light_emphasis, lit) * left(params.depth_emphasis, far);
+            self.width_px * share * light * left(params.strength_emphasis, faint)
+        });
+        let mut widths = evened(&widths.collect::<Vec<_>>(), line.closed, WIDTH_REACH);
+        if line.closed {
+            points.push(points[0]);
+            widths.push(widths[0]);
+        } else {
+            self.taper(&mut widths, &points, line.ends);
+        }
+        Contour {
+            kind,
+            points,
+            widths,
+        }
+    }
+
+    /// Lets the open ends of a line come to a point.
+    fn taper(&self, widths: &mut [f32], points: &[Vec2], ends: [End; 2]) {
+        let along = lengths(points);
+        let whole = along[along.len() - 1];
+        for (width, along) in widths.iter_mut().zip(along) {
+            for (end, from_end) in ends.into_iter().zip([along, whole - along]) {
+                if end == End::Free && from_end < self.taper_px {
+                    *width *= (from_end / self.taper_px).max(TIP).powf(TAPER);
+                }
+            }
+        }
+    }
+}
+
+fn smoothstep(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}

@@ -1,0 +1,83 @@
+//! Interior lines in a drawing.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::run::Run;
+use crate::frame::{Mask, Plane};
+use crate::line::contours::Contour;
+use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
+use crate::line::contours::stage::in_medium;
+use crate::line::drawing::is_drawn;
+use crate::line::interior::cpu;
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// Lines inside surfaces. They follow contours, which they join and do not double.
+pub(crate) static INTERIOR: Stage = Stage {
+    takes: |_| vec![Product::Silhouette, Product::Contours],
+    depends_on: |plan| format!("{:?}", plan.drawing.as_ref().map(|params| params.interior)),
+    name: "interior",
+    steps: &[Step {
+        name: "interior",
+        gives: &[Product::Interior],
+        decide,
+    }],
+    cpu: draw,
+    ..Stage::DEFAULT
+};
+
+fn decide(plan: &Plan) -> Verdict {
+    is_drawn(plan, |params| match params.interior {
+        Some(interior) => Verdict::runs(format!(
+            "valleys, ridges and suggestive contours at a detail of {}",
+            interior.detail
+        )),
+        None => Verdict::left_out("none are asked for"),
+    })
+}
+
+fn draw(run: &mut Run) {
+    let plan = run.plan;
+    let params = plan.drawing.as_ref().expect("lines are of a drawing");
+    let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
+    let kept = kept.and_then(|kept| kept.interior.copied(plan.key(INTERIOR.name)));
+    let (covered, lines) = kept.unwrap_or_else(|| follow(run));
+    run.canvas.interior = Some((in_medium(covered, run.frame, &params.strokes), lines));
+    if run.canvas.luminance.is_some() {
+        // Of a large drawing nothing is held for long.
+        let silhouette = run.outcome.shape.silhouette.take();
+        run.runner.memory.recycle(silhouette);
+    }
+}
+
+/// What interior lines cover.
+pub(crate) fn covered(lines: &[Contour], mask: &Mask, memory: &Memory) -> Plane {
+    let pieces: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
+    coverage(&pieces, Overlap::Joined, mask, memory)
+}
+
+fn follow(run: &mut Run) -> (Plane, Vec<Contour>) {
+    let (plan, frame, runner) = (run.plan, run.frame, run.runner);
+    let params = plan.drawing.as_ref().and_then(|params| params.interior);
+    let params = params.expect("interior lines are asked for");
+    let canvas = std::mem::take(&mut run.canvas);
+    let shape = std::mem::take(&mut run.outcome.shape);
+    let (drawn, silhouette) = match &canvas.seen {
+        Some((seen, edges)) => (&seen.frame, &edges.silhouette),
+        None => (frame, &shape.silhouette),
+    };
+    let silhouette = silhouette
+        .as_ref()
+        .expect("lines keep away from silhouettes");
+    let contours = canvas.contours.as_ref().map_or(&[][..], |(_, lines)| lines);
+    let made = run.timed(INTERIOR.name, || {
+        let lines = cpu::interior(drawn, silhouette, contours, &params, &runner.options);
+        (covered(&lines, &drawn.mask, &runner.memory), lines)
+    });
+    (run.canvas, run.outcome.shape) = (canvas, shape);
+    let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
+    if let Some(kept) = kept {
+        kept.interior.put(made.clone());
+    }
+    made
+}

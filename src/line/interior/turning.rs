@@ -1,0 +1,85 @@
+//! How fast the normal turns across the picture.
+
+use crate::frame::Plane;
+use glam::{Vec2, Vec3};
+
+/// Derivatives of the unit normal per pixel, x right and y up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Turning {
+    x: Vec3,
+    y: Vec3,
+}
+
+impl Turning {
+    /// That of normals at a pixel, by Sobel's differences; 0 stands for a normal that is not there, beyond which the surface
+    /// goes on as it is.
+    pub(super) fn at(normals: &Plane<Vec3>, x: usize, y: usize) -> Self {
+        let here = normals.at(x, y);
+        let columns = [x.saturating_sub(1), x, (x + 1).min(normals.width() - 1)];
+        let rows = [y.saturating_sub(1), y, (y + 1).min(normals.height() - 1)];
+        let around = rows.map(|y| {
+            let row = normals.row(y);
+            columns.map(|x| if row[x] == Vec3::ZERO { here } else { row[x] })
+        });
+        let [above, level, below] = around;
+        let smooth = |a: Vec3, b: Vec3, c: Vec3| 0.25 * (a + c) + 0.5 * b;
+        let column = |i: usize| smooth(above[i], level[i], below[i]);
+        let row = |row: [Vec3; 3]| smooth(row[0], row[1], row[2]);
+        Self {
+            x: 0.5 * (column(2) - column(0)),
+            y: 0.5 * (row(above) - row(below)),
+        }
+    }
+
+    /// The squares and the product of both: a metric of the picture by which lengths are angles of the normal.
+    fn metric(&self) -> [f32; 3] {
+        [self.x.dot(self.x), self.x.dot(self.y), self.y.dot(self.y)]
+    }
+
+    /// The view-dependent curvature `q`, in radians per pixel: the largest singular value.
+    pub(super) fn largest(&self) -> f32 {
+        let [xx, xy, yy] = self.metric();
+        (0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy)).sqrt()
+    }
+
+    /// The unit direction in which the normal turns fastest, x right and y up.
+    pub(super) fn direction(&self) -> Vec2 {
+        let [xx, xy, yy] = self.metric();
+        let square = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
+        // The larger of two that are square to the rows of the metric less its eigenvalue.
+        let (a, b) = (Vec2::new(square - yy, xy), Vec2::new(xy, square - xx));
+        let longer = if a.length_squared() >= b.length_squared() {
+            a
+        } else {
+            b
+        };
+        longer.try_normalize().unwrap_or(Vec2::X)
+    }
+
+    /// By how much the normal leans along a direction, per pixel in it: positive where the surface is convex.
+    pub(super) fn bend(&self, along: Vec2) -> f32 {
+        (along.x * self.x + along.y * self.y).truncate().dot(along)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cylinder_turns_across_its_axis() {
+        // Of radius 40 with its axis at 30 degrees to the horizontal: at the top the normal turns by 1/40 a pixel across it.
+        let across = Vec2::from_angle(30_f32.to_radians()).perp();
+        for sign in [1.0, -1.0] {
+            let normals = Plane::from_fn(21, 21, |x, y| {
+                let lean = across.dot(Vec2::new(x as f32 - 10.0, 10.0 - y as f32)) / 40.0;
+                let flat = sign * lean * across;
+                Vec3::new(flat.x, flat.y, (1.0 - lean * lean).sqrt())
+            });
+            let turning = Turning::at(&normals, 10, 10);
+            assert!((turning.largest() - 0.025).abs() < 1e-4);
+            assert!(turning.direction().perp_dot(across).abs() < 1e-3);
+            assert!((turning.bend(turning.direction()) - sign * 0.025).abs() < 1e-4);
+        }
+    }
+}

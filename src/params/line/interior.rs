@@ -1,0 +1,46 @@
+//! The parameters of interior lines.
+
+use crate::params::table::{Unit, by_factors, even};
+use std::ops::RangeInclusive;
+
+/// Parts of a width.
+const SHARES: RangeInclusive<f32> = 0.0..=1.0;
+
+params! {
+    /// How lines inside surfaces are drawn, where the normal turns fastest and where a surface all but turns away.
+    ///
+    /// Lengths are shares of the size of the picture, the root of its area.
+    pub struct InteriorParams in Contours {
+        /// How many lines are drawn inside surfaces: a factor of what they show at least, and of their length in all.
+        ///
+        /// Below 1 only the plainest are left; high values draw every ripple.
+        detail: f32 = 1.0, flag: "--line-detail", form: "D", valid: 0.05..=20.0, useful: by_factors(0.25, 4.0);
+        /// Width of the heaviest line inside a surface, in pixels of a picture of 640 by 480; it grows with the picture,
+        /// and not with --stroke-scale.
+        width_px: f32 = 1.9,
+            flag: "--line-width", form: "PX", unit: Unit::Pixels, valid: 1e-3..=1e3, useful: even(0.2, 10.0);
+        /// Width of lines along ridges as a share of that of lines along valleys; 0 draws none.
+        ridge_share: f32 = 0.7, flag: "--ridge-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// Share of its width that the faintest line inside a surface loses.
+        strength_emphasis: f32 = 0.5, flag: "--line-strength", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// Share of its width that the farthest line inside a surface loses.
+        depth_emphasis: f32 = 0.2, flag: "--line-depth", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// Share of its width that a line inside a surface loses where a lamp from the upper left lights it fully.
+        ///
+        /// Lines in shadow keep theirs. At 1 lines in full light vanish.
+        light_emphasis: f32 = 0.2, flag: "--line-light", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+    }
+}
+
+on_or_off! {
+    /// Interior lines are drawn or not. Where they are not, their settings are checked and dropped.
+    InteriorParams as interior in Contours, flag: "--interior",
+    doc: ["Lines inside surfaces: along valleys and ridges, and where a surface all but turns away."]
+}
+
+impl InteriorParams {
+    /// Whether lines run along ridges.
+    pub fn has_ridges(&self) -> bool {
+        self.ridge_share > 0.0
+    }
+}

@@ -1,0 +1,59 @@
+//! What is drawn with settings of its own, or not at all.
+
+choices! {
+    /// Whether something is done.
+    pub(super) enum OnOff {
+        /// It is.
+        On = "on",
+        /// It is not.
+        Off = "off",
+    }
+}
+
+/// The row that switches a struct of parameters, and the parameters of an `Option` of it: where it is off, its settings
+/// are checked and dropped.
+macro_rules! on_or_off {
+    (
+        $(#[doc = $why:literal])*
+        $of:ident as $name:ident in $group:ident, flag: $flag:literal, doc: [$($doc:literal)*]
+    ) => {
+        $(#[doc = $why])*
+        const _: () = {
+            use crate::error::Result;
+            use crate::params::line::on_off::OnOff;
+            use crate::params::value::Value;
+            use crate::params::{Param, Parameters};
+
+            params!(@row $group $name [$($doc)*] OnOff = OnOff::On, flag: $flag, form: "on|off");
+
+            impl Parameters for Option<$of> {
+                fn usual() -> Self {
+                    Some($of::default())
+                }
+
+                fn rows(table: &mut Vec<&'static Param>) {
+                    table.push(&$name);
+                    $of::rows(table);
+                }
+
+                fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
+                    if name != $name.name() {
+                        let mut own = self.unwrap_or_default();
+                        let is_own = own.set(name, text)?;
+                        *self = self.map(|_| own);
+                        return Ok(is_own);
+                    }
+                    *self = match OnOff::parse(text, &$name)? {
+                        OnOff::On => self.or(Self::usual()),
+                        OnOff::Off => None,
+                    };
+                    Ok(true)
+                }
+
+                fn check(&self) -> Result<()> {
+                    self.as_ref().map_or(Ok(()), $of::check)
+                }
+            }
+        };
+    };
+}
