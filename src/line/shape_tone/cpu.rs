@@ -6,6 +6,7 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::percentile;
 use crate::engine::cpu::rows::map_covered;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, luminance};
+use crate::line::density::LEAST_ALPHA;
 use crate::line::direction_field::setting::OPEN;
 use crate::line::tone::ToneOf;
 use crate::params::{RunOptions, ToneParams};
@@ -36,6 +37,9 @@ const CLEAR_TURN: f32 = 30.0;
 /// How many cells are one where surroundings are found.
 const COARSE: usize = 4;
 
+/// What is seen is linear light to the power of one over this.
+const SEEN_GAMMA: f32 = 2.2;
+
 /// Error of what spreads, relative to its largest value.
 const TOLERANCE: f64 = 1e-3;
 
@@ -62,8 +66,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) params: &'a ToneParams,
 }
 
-/// The tone as it is seen, 0 black and 1 bare paper, of every covered pixel.
-pub(crate) fn tone(shown: &Shown, options: &RunOptions, memory: &Memory) -> Plane {
+/// The optical density, -ln of the share of light that is left, of the tone of every covered pixel; 0 elsewhere.
+pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) -> Plane {
     let (mask, window) = (&shown.frame.mask, shown.frame.display_window);
     let size = ((window.width() * window.height()) as f32).sqrt();
     let step = ((size / CELLS) as usize).max(1);
@@ -71,12 +75,12 @@ pub(crate) fn tone(shown: &Shown, options: &RunOptions, memory: &Memory) -> Plan
         grid: Grid::new(mask, step),
         size: size / step as f32,
         options,
-        memory,
+        memory: &Memory::default(),
     };
-    let tone = cells.tone(shown);
+    let density = cells.density(&cells.seen(shown), shown);
     let [pixels] = map_covered(mask, memory, |y| {
-        let (grid, tone) = (&cells.grid, &tone);
-        move |x| [grid.at(tone, x, y)]
+        let row = cells.grid.row(&density, y);
+        move |x| [row(x)]
     });
     pixels
 }
@@ -89,13 +93,61 @@ struct Cells<'a> {
     memory: &'a Memory,
 }
 
+/// What is seen, in means over cells.
+struct Seen {
+    /// Normals, of any length.
+    normal: [Plane; 3],
+    /// What silhouettes leave open, and what all edges do.
+    before: Plane,
+    conductance: Plane,
+    /// Trace of the Hessian.
+    trace: Plane,
+    /// Luminance of the picture; 0 where there is none.
+    luminance: Plane,
+}
+
 impl Cells<'_> {
-    fn tone(&self, shown: &Shown) -> Plane {
-        let turn = self.turn(shown);
-        let brightness = self.brightness(shown, &turn);
-        let [conductance] = self.of_pixels(shown, |x, y| [shown.conductance.at(x, y)]);
-        let (around, contrast) = self.around(&brightness, &conductance);
-        let active = self.activity(&turn, &conductance);
+    fn seen(&self, shown: &Shown) -> Seen {
+        let Shown { frame, .. } = shown;
+        let normal = &frame.normal;
+        let luminance = |x: usize, y: usize| {
+            let found = match shown.picture? {
+                ToneOf::Luminance(plane) => plane.at(x, y),
+                ToneOf::Picture(color, weights) => luminance(
+                    [&color.r, &color.g, &color.b].map(|plane| plane.at(x, y)),
+                    weights,
+                ),
+            };
+            let alpha = frame.alpha.as_ref().map_or(1.0, |alpha| alpha.at(x, y));
+            Some(found / alpha.clamp(LEAST_ALPHA, 1.0)).filter(|&found| found > 0.0)
+        };
+        let [nx, ny, nz, before, conductance, trace, luminance] =
+            self.grid.means(&frame.mask, self.memory, |x, y| {
+                [
+                    normal.x.at(x, y),
+                    normal.y.at(x, y),
+                    normal.z.at(x, y),
+                    1.0 - shown.silhouette.map_or(0.0, |plane| plane.at(x, y)),
+                    shown.conductance.at(x, y),
+                    shown.curvature.0.at(x, y),
+                    luminance(x, y).unwrap_or(0.0),
+                ]
+            });
+        Seen {
+            normal: [nx, ny, nz],
+            before,
+            conductance,
+            trace,
+            luminance,
+        }
+    }
+
+    fn density(&self, seen: &Seen, shown: &Shown) -> Plane {
+        let turn = self.turn(seen);
+        let brightness = self.brightness(seen, shown, &turn);
+        let conductance = &seen.conductance;
+        let (around, contrast) = self.around(&brightness, conductance);
+        let active = self.activity(&turn, conductance);
         let mask = &self.grid.mask;
         let [balanced] = map_covered(mask, self.memory, |y| {
             let (brightness, around) = (brightness.row(y), around.row(y));
@@ -106,18 +158,18 @@ impl Cells<'_> {
             }
         });
         let ranks = Ranks::new(&balanced, &active, mask);
-        let background = self.background(&active, &conductance);
+        let background = self.background(&active, conductance);
         let left_out = left_out(shown.params.background);
-        let [tone] = map_covered(mask, self.memory, |y| {
+        let [density] = map_covered(mask, self.memory, |y| {
             let (row, ranks) = (balanced.row(y), &ranks);
             let (background, active) = (background.row(y), active.row(y));
             move |x| {
                 let tone = seen_tone(ranks.rank(row[x]), ranks.place(row[x]));
                 let share = if background[x] { 1.0 - active[x] } else { 0.0 };
-                [lightened(tone, left_out * share)]
+                [-SEEN_GAMMA * lightened(tone, left_out * share).ln()]
             }
         });
-        tone
+        density
     }
 
     /// Whether cells belong to what is plain and reaches the border of the picture.
@@ -159,32 +211,20 @@ impl Cells<'_> {
         found
     }
 
-    fn of_pixels<const N: usize>(
-        &self,
-        shown: &Shown,
-        sample: impl Fn(usize, usize) -> [f32; N] + Sync,
-    ) -> [Plane; N] {
-        self.grid.means(&shown.frame.mask, self.memory, sample)
-    }
-
     /// By how much normals turn from cell to cell at the most, in radians over the picture's size: the largest singular
     /// value of their derivative (Judd, Durand, Adelson 2007).
-    fn turn(&self, shown: &Shown) -> Plane {
-        let normal = &shown.frame.normal;
-        let [x, y, z, open] = self.of_pixels(shown, |x, y| {
-            let silhouette = shown.silhouette.map_or(0.0, |plane| plane.at(x, y));
-            let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.at(x, y));
-            [nx, ny, nz, 1.0 - silhouette]
-        });
+    fn turn(&self, seen: &Seen) -> Plane {
+        let (mask, open) = (&self.grid.mask, &seen.before);
+        let [x, y, z] = seen.normal.clone();
         let sigma = (self.size * TURN_SHARE).max(1.0);
-        let zero = self.memory.plane(&self.grid.mask);
-        let xy = self.spread(Vector2Planes { x, y }, &open, sigma);
-        let z = self.spread(Vector2Planes { x: z, y: zero }, &open, sigma).x;
-        let mask = &self.grid.mask;
-        let open = &open;
-        let at = |x: usize, y: usize| {
-            Vec3::new(xy.x.at(x, y), xy.y.at(x, y), z.at(x, y)).normalize_or_zero()
-        };
+        let zero = self.memory.plane(mask);
+        let xy = self.spread(Vector2Planes { x, y }, open, sigma);
+        let z = self.spread(Vector2Planes { x: z, y: zero }, open, sigma).x;
+        let units = map_covered(mask, self.memory, |row| {
+            let [x, y, z] = [&xy.x, &xy.y, &z].map(|plane| plane.row(row));
+            move |i| Vec3::new(x[i], y[i], z[i]).normalize_or_zero().to_array()
+        });
+        let at = |x: usize, y: usize| Vec3::from(units.each_ref().map(|plane| plane.at(x, y)));
         let [turn] = map_covered(mask, self.memory, |y| {
             move |x| {
                 let across = slope(mask, [x, y], [1, 0], at);
@@ -203,37 +243,31 @@ impl Cells<'_> {
     }
 
     /// The brightness of cells about that of the whole, of the picture and in the key light.
-    fn brightness(&self, shown: &Shown, turn: &Plane) -> Plane {
-        let (trace, gain) = shown.curvature;
-        let normal = &shown.frame.normal;
-        let [key, conductance] = self.of_pixels(shown, |x, y| {
-            let n = Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
-            let kappa = mapped_curvature(trace.at(x, y), gain);
-            [
-                key_stops(n.dot(shown.to_key), kappa),
-                shown.conductance.at(x, y),
-            ]
-        });
-        let mask = &self.grid.mask;
-        let Some(picture) = shown.picture else {
-            let spread = spread_of(&key, mask);
-            return key.map(|key| spread.standard(key));
-        };
-        let luminance = self.luminance(shown, picture);
-        let median = middle(&luminance, mask, 50).filter(|&median| median > 0.0);
+    fn brightness(&self, seen: &Seen, shown: &Shown, turn: &Plane) -> Plane {
+        let (mask, gain) = (&self.grid.mask, shown.curvature.1);
+        let median = middle(&seen.luminance, mask, 50).filter(|&median| median > 0.0);
         let median = median.unwrap_or(1.0);
-        let [picture] = map_covered(mask, self.memory, |y| {
-            let row = luminance.row(y);
-            move |x| [stops(row[x], median)]
-        });
-        let [smooth] = map_covered(mask, self.memory, |y| {
-            let (conductance, turn) = (conductance.row(y), turn.row(y));
-            move |x| [conductance[x] / (1.0 + (turn[x] / SHARP_TURN).powi(2))]
+        let [picture, key, smooth] = map_covered(mask, self.memory, |y| {
+            let [nx, ny, nz] = seen.normal.each_ref().map(|plane| plane.row(y));
+            let (trace, luminance) = (seen.trace.row(y), seen.luminance.row(y));
+            let (conductance, turn) = (seen.conductance.row(y), turn.row(y));
+            move |x| {
+                let normal = Vec3::new(nx[x], ny[x], nz[x]).normalize_or_zero();
+                let kappa = mapped_curvature(trace[x], gain);
+                [
+                    stops(luminance[x], median),
+                    key_stops(normal.dot(shown.to_key), kappa),
+                    conductance[x] / (1.0 + (turn[x] / SHARP_TURN).powi(2)),
+                ]
+            }
         });
         let sigma = (self.size * SMOOTH_SHARE).max(LEAST_SMOOTHING);
         let both = self.spread(Vector2Planes { x: picture, y: key }, &smooth, sigma);
         let [of_picture, of_key] = [&both.x, &both.y].map(|plane| spread_of(plane, mask));
-        let share = shown.params.key_share;
+        let share = match shown.picture {
+            Some(_) => shown.params.key_share,
+            None => 1.0,
+        };
         let [mixed] = map_covered(mask, self.memory, |y| {
             let (picture, key) = (both.x.row(y), both.y.row(y));
             move |x| {
@@ -242,22 +276,6 @@ impl Cells<'_> {
             }
         });
         mixed
-    }
-
-    fn luminance(&self, shown: &Shown, picture: ToneOf) -> Plane {
-        let alpha = shown.frame.alpha.as_ref();
-        let [luminance] = self.of_pixels(shown, |x, y| {
-            let shown = match picture {
-                ToneOf::Luminance(plane) => plane.at(x, y),
-                ToneOf::Picture(color, weights) => luminance(
-                    [&color.r, &color.g, &color.b].map(|plane| plane.at(x, y)),
-                    weights,
-                ),
-            };
-            let alpha = alpha.map_or(1.0, |alpha| alpha.at(x, y).clamp(0.5, 1.0));
-            [if shown > 0.0 { shown / alpha } else { 0.0 }]
-        });
-        luminance
     }
 
     /// The brightness around cells, within surfaces, and how far cells are from it in the root mean square.
@@ -284,10 +302,9 @@ impl Cells<'_> {
         let sigma = coarse.size * AROUND_SHARE;
         let found = coarse.spread(Vector2Planes { x: mean, y: square }, &open, sigma);
         let [around, contrast] = map_covered(mask, self.memory, |y| {
-            let (coarse, found) = (&coarse.grid, &found);
+            let [mean, square] = [&found.x, &found.y].map(|plane| coarse.grid.row(plane, y));
             move |x| {
-                let mean = coarse.at(&found.x, x, y);
-                let square = coarse.at(&found.y, x, y);
+                let (mean, square) = (mean(x), square(x));
                 [mean, (square - mean * mean).max(0.0).sqrt()]
             }
         });
@@ -312,8 +329,8 @@ impl Cells<'_> {
             .spread(Vector2Planes { x: turn, y: zero }, &open, sigma)
             .x;
         let [active] = map_covered(mask, self.memory, |y| {
-            let (coarse, found) = (&coarse.grid, &found);
-            move |x| [activity(coarse.at(found, x, y))]
+            let turn = coarse.grid.row(&found, y);
+            move |x| [activity(turn(x))]
         });
         active
     }
@@ -458,7 +475,8 @@ mod tests {
             to_key: key_light(),
             params: &params,
         };
-        tone(&shown, &RunOptions::default(), &Memory::default())
+        let densities = densities(&shown, &RunOptions::default(), &Memory::default());
+        densities.map(|density| (-density / SEEN_GAMMA).exp())
     }
 
     /// A hemisphere that fills a square of this side, and nothing around it.

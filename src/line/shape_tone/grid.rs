@@ -66,30 +66,39 @@ impl Grid {
         })
     }
 
-    /// What a plane of cells has at a pixel: the mean of the four cells around it, by distance; of those covered.
+    /// What a plane of cells has at the pixels of row `y`, by their column: the mean of the four cells around, by distance;
+    /// of those covered.
     #[inline(always)]
-    pub(crate) fn at(&self, cells: &Plane, x: usize, y: usize) -> f32 {
-        if self.step == 1 {
-            return cells.at(x, y);
-        }
-        let place = |pixel: usize, count: usize| {
-            let at = (pixel as f32 + 0.5) / self.step as f32 - 0.5;
-            let first = at.floor();
-            let clamped = |i: f32| (i.max(0.0) as usize).min(count - 1);
-            ([clamped(first), clamped(first + 1.0)], at - first)
-        };
-        let (columns, across) = place(x, cells.width());
-        let (rows, down) = place(y, cells.height());
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for (row, of_row) in rows.into_iter().zip([1.0 - down, down]) {
-            for (column, of_column) in columns.into_iter().zip([1.0 - across, across]) {
-                if self.mask.at(column, row) {
-                    sum += of_row * of_column * cells.at(column, row);
-                    weight += of_row * of_column;
+    pub(crate) fn row<'a>(&'a self, cells: &'a Plane, y: usize) -> impl Fn(usize) -> f32 + 'a {
+        let (rows, down) = self.place(y, cells.height());
+        let rows = rows.map(|row| (self.mask.row(row), cells.row(row)));
+        let of_rows = [1.0 - down, down];
+        move |x| {
+            if self.step == 1 {
+                return rows[0].1[x];
+            }
+            let (columns, across) = self.place(x, cells.width());
+            let of_columns = [1.0 - across, across];
+            let (mut sum, mut weight) = (0.0, 0.0);
+            for ((covered, samples), of_row) in rows.into_iter().zip(of_rows) {
+                for (column, of_column) in columns.into_iter().zip(of_columns) {
+                    if covered[column] {
+                        sum += of_row * of_column * samples[column];
+                        weight += of_row * of_column;
+                    }
                 }
             }
+            // A pixel's own cell is covered, and weighs a quarter at the least.
+            sum / weight
         }
-        // A pixel's own cell is covered, and weighs a quarter at the least.
-        sum / weight
+    }
+
+    /// The two cells, of so many, around a pixel along an axis, and how far it lies toward the second.
+    #[inline(always)]
+    fn place(&self, pixel: usize, count: usize) -> ([usize; 2], f32) {
+        let at = (pixel as f32 + 0.5) / self.step as f32 - 0.5;
+        let first = at.floor();
+        let inside = |i: f32| (i.max(0.0) as usize).min(count - 1);
+        ([inside(first), inside(first + 1.0)], at - first)
     }
 }

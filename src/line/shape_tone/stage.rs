@@ -1,6 +1,6 @@
 //! The tone of a drawing that shows the shape.
 
-use super::cpu::{Shown, tone};
+use super::cpu::{Shown, densities};
 use super::halo::leave_bare;
 use super::key_light;
 use crate::engine::cpu::run::Run;
@@ -28,9 +28,6 @@ pub(crate) static SHAPE_TONE: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// What is seen is linear light to the power of one over this.
-const SEEN_GAMMA: f32 = 2.2;
-
 fn find(run: &mut Run) {
     let (plan, frame, runner) = (run.plan, run.frame, run.runner);
     let params = plan.drawing.as_ref().expect("tones are of a drawing");
@@ -52,17 +49,9 @@ fn find(run: &mut Run) {
         params: &params.tone,
     };
     let density = run.timed(SHAPE_TONE.name, || {
-        let mut tone = tone(&of, &runner.options, &runner.memory);
-        for tone in tone.samples_mut() {
-            // Where nothing is covered there is no tone.
-            *tone = if *tone > 0.0 {
-                -SEEN_GAMMA * tone.ln()
-            } else {
-                0.0
-            };
-        }
-        leave_bare(&mut tone, frame, params.tone.halo);
-        tone
+        let mut density = densities(&of, &runner.options, &runner.memory);
+        leave_bare(&mut density, frame, params.tone.halo);
+        density
     });
     run.outcome.shape = shape;
     run.outcome.color = made;
