@@ -16,7 +16,7 @@ use crate::line::interior;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::line::tone::{Densities, ToneOf};
+use crate::line::tone::{Densities, PictureDensities, ToneOf};
 use crate::params::{ContourParams, LineParams, ScalingParams, StrokeParams};
 use crate::plan::Plan;
 use crate::shape::edges::cpu::edges_with_weights;
@@ -150,7 +150,9 @@ impl Runner {
         conductance: &Plane,
     ) -> Vec<Streamline> {
         let weights = frame.luminance_weights();
-        let densities = Densities::new(ToneOf::Picture(tone, weights), frame, white, &params.tone);
+        let tone = ToneOf::Picture(tone, weights);
+        let densities = PictureDensities::new(tone, frame, white, &params.tone);
+        let densities = Densities::OfPicture(densities);
         let factor = plan.resolution_factor as f32;
         let (strokes, memory) = (&params.strokes, &self.memory);
         crate::line::streamlines::cpu::lines(

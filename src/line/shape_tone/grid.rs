@@ -41,13 +41,12 @@ impl Grid {
             move |column| {
                 let (mut sums, mut count) = ([0.0; N], 0.0);
                 for y in row * step..((row + 1) * step).min(height) {
+                    let columns = column * step..((column + 1) * step).min(width);
                     let covered = pixels.row(y);
-                    for x in column * step..((column + 1) * step).min(width) {
-                        if covered[x] {
-                            let sample = sample(x, y);
-                            sums.iter_mut().zip(sample).for_each(|(sum, v)| *sum += v);
-                            count += 1.0;
-                        }
+                    for x in columns.filter(|&x| covered[x]) {
+                        let sample = sample(x, y);
+                        sums.iter_mut().zip(sample).for_each(|(sum, v)| *sum += v);
+                        count += 1.0;
                     }
                 }
                 sums.map(|sum| sum / count)

@@ -346,12 +346,7 @@ impl ViewSession {
         let light = self.illumination(args)?;
         let kinds = LightKinds::in_light(&light);
         let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let drawn = Drawn {
-            times: 1,
-            is_in_sequence: sitter.source.is_in_sequence,
-            moves: false,
-            is_specular: sitter.scene.is_some(),
-        };
+        let is_specular = sitter.scene.is_some();
         let frame = sitter.session(&self.engine, step).held().as_ref();
         let plan = args.plan(frame, kinds, is_specular, &StripChoice::default())?;
         sitter.execute(step, &plan, Inputs::lit_by(&light), &self.said)
@@ -362,7 +357,12 @@ impl ViewSession {
         self.read_art_map(args, &looks)?;
         let light = self.illumination(&args.relight)?;
         let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let is_specular = sitter.scene.is_some();
+        let drawn = Drawn {
+            times: 1,
+            is_in_sequence: sitter.source.is_in_sequence,
+            moves: false,
+            is_specular: sitter.scene.is_some(),
+        };
         let frame = sitter.session(&self.engine, step).held().as_ref();
         let (plan, light) = args.plan(&looks, light, frame, drawn)?;
         let map = args.pictures().and(self.art_map.as_ref());
