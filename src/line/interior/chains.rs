@@ -19,13 +19,16 @@ const SMOOTHING: Smoothing = Smoothing {
 
 /// The lines through crests of one kind, which lie on a grid of `width` by `height` pixels in the order of its rows. Each
 /// network of crests, of which those count that are stronger than the first threshold, is stronger than the second
-/// somewhere.
+/// somewhere, and about as long as `shortest` pixels.
 pub(super) fn chains(
     crests: &[Crest],
     [width, height]: [usize; 2],
     thresholds: [f32; 2],
+    shortest: f32,
 ) -> Vec<Line> {
-    let crests = plain(crests, [width, height], thresholds[1]);
+    // A line aslant has a crest for the root of two of its length.
+    let fewest = (shortest * std::f32::consts::FRAC_1_SQRT_2) as usize;
+    let crests = plain(crests, [width, height], thresholds[1], fewest);
     if crests.is_empty() {
         return Vec::new();
     }
@@ -66,33 +69,40 @@ pub(super) fn chains(
     })
 }
 
-/// The crests that hang together with one at least as strong as `strength`.
-fn plain(crests: &[Crest], [width, height]: [usize; 2], strength: f32) -> Vec<Crest> {
+/// The crests that hang together, at least so many, with one at least as strong as `strength`.
+fn plain(
+    crests: &[Crest],
+    [width, height]: [usize; 2],
+    strength: f32,
+    fewest: usize,
+) -> Vec<Crest> {
     let number = |x: i32, y: i32| {
         let is_inside = x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
-        let pixel = is_inside.then_some(y as usize * width + x as usize)?;
+        let pixel = is_inside.then(|| y as usize * width + x as usize)?;
         crests
             .binary_search_by_key(&(pixel as u32), |crest| crest.pixel)
             .ok()
     };
-    let mut is_plain: Vec<bool> = crests
-        .iter()
-        .map(|crest| crest.strength >= strength)
-        .collect();
-    let mut waiting: Vec<usize> = (0..crests.len()).filter(|&i| is_plain[i]).collect();
-    while let Some(i) = waiting.pop() {
-        let pixel = crests[i].pixel as usize;
-        let (x, y) = ((pixel % width) as i32, (pixel / width) as i32);
-        for [dx, dy] in STEPS {
-            if let Some(beside) = number(x + dx, y + dy).filter(|&beside| !is_plain[beside]) {
-                is_plain[beside] = true;
-                waiting.push(beside);
-            }
+    let mut seen = vec![false; crests.len()];
+    let mut kept = Vec::new();
+    for start in 0..crests.len() {
+        if seen[start] || crests[start].strength < strength {
+            continue;
+        }
+        seen[start] = true;
+        let (first, mut next) = (kept.len(), kept.len());
+        kept.push(start);
+        while next < kept.len() {
+            let pixel = crests[kept[next]].pixel as usize;
+            let (x, y) = ((pixel % width) as i32, (pixel / width) as i32);
+            let beside = STEPS.iter().filter_map(|[dx, dy]| number(x + dx, y + dy));
+            kept.extend(beside.filter(|&i| !std::mem::replace(&mut seen[i], true)));
+            next += 1;
+        }
+        if kept.len() - first < fewest {
+            kept.truncate(first);
         }
     }
-    let kept = crests
-        .iter()
-        .zip(is_plain)
-        .filter(|(_, is_plain)| *is_plain);
-    kept.map(|(crest, _)| *crest).collect()
+    kept.sort_unstable();
+    kept.into_iter().map(|i| crests[i]).collect()
 }

@@ -80,7 +80,7 @@ fn found(
     let mask = &level.frame.mask;
     let size = [mask.width(), mask.height()];
     let of = |kind: ContourKind, crests: &[Crest]| -> Vec<Interior> {
-        let lines = chains(crests, size, sizes.thresholds).into_iter();
+        let lines = chains(crests, size, sizes.thresholds, shortest(kind, sizes)).into_iter();
         let long = lines.filter(|line| line.length() >= shortest(kind, sizes));
         let kept = long.filter(|line| persists(line, &normals[0], coarse, 2.0));
         kept.map(|line| (kind, line)).collect()

@@ -65,17 +65,23 @@ impl<'a> Rims<'a> {
     }
 }
 
-/// The view-dependent curvature of a level, in radians per pixel; 0 outside the mask.
-pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
-    let width = normals.width();
-    let mut curvature = Plane::filled(width, normals.height(), 0.0);
+/// The view-dependent curvature of a level, in radians per pixel, 0 outside the mask; and the direction across folds with the
+/// bend along it.
+fn folds(normals: &Plane<Vec3>, mask: &Mask) -> (Plane, Plane<Vec3>) {
+    let (width, height) = (normals.width(), normals.height());
+    let mut curvature = Plane::filled(width, height, 0.0);
+    let mut folds = Plane::filled(width, height, Vec3::ZERO);
     let rows = curvature.samples_mut().par_chunks_mut(width);
-    rows.enumerate().for_each(|(y, row)| {
+    let rows = rows.zip(folds.samples_mut().par_chunks_mut(width));
+    rows.enumerate().for_each(|(y, (curvature, folds))| {
         for x in mask.runs(y).flatten() {
-            row[x] = Turning::at(normals, x, y).largest();
+            let turning = Turning::at(normals, x, y);
+            let across = turning.direction();
+            curvature[x] = turning.largest();
+            folds[x] = across.extend(turning.bend(across));
         }
     });
-    curvature
+    (curvature, folds)
 }
 
 /// The crests of curvature: those of valleys, and those of ridges.
@@ -84,25 +90,22 @@ pub(super) fn valleys_and_ridges(
     rims: [&Rims; 2],
     sizes: &Sizes,
 ) -> [Vec<Crest>; 2] {
-    let curvature = curvature(normals, rims[0].mask);
+    let (curvature, folds) = folds(normals, rims[0].mask);
     let found = each_pixel(rims[0].mask, |x, y| {
         let strength = curvature.at(x, y) * sizes.picture;
         if strength < sizes.thresholds[0] {
             return None;
         }
-        let turning = Turning::at(normals, x, y);
-        let across = turning.direction();
-        let at = crest(&curvature, x, y, across)?;
-        let is_ridge = turning.bend(across) > 0.0;
-        if rims[usize::from(is_ridge)].is_near(x, y) {
-            return None;
-        }
+        let fold = folds.at(x, y);
+        let at = crest(&curvature, x, y, fold.truncate())?;
+        let is_ridge = fold.z > 0.0;
         let strength = if is_ridge {
             strength / RIDGE_STRENGTH
         } else {
             strength
         };
-        Some((is_ridge, at, strength))
+        let is_free = !rims[usize::from(is_ridge)].is_near(x, y);
+        is_free.then_some((is_ridge, at, strength))
     });
     let of = |ridges: bool| {
         let own = found

@@ -102,3 +102,23 @@ fn smoothstep(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn open_ends_come_to_a_point_and_joined_ones_do_not() {
+        let depths = DepthRange {
+            near: 0.0,
+            far: 0.0,
+        };
+        let pen = Pen::new(PICTURE, &InteriorParams::default(), 20.0, depths);
+        let points: Vec<Vec2> = (0..100).map(|x| Vec2::new(x as f32, 0.0)).collect();
+        let mut widths = vec![1.0; 100];
+        pen.taper(&mut widths, &points, [End::Free, End::Joined]);
+        // A taper of 554.3/45 = 12.3 pixels: 0.05^0.6 at the end, (6/12.3)^0.6 six pixels on.
+        assert!((widths[0] - 0.166).abs() < 1e-3 && (widths[6] - 0.650).abs() < 1e-3);
+        assert_eq!((widths[50], widths[99]), (1.0, 1.0));
+    }
+}

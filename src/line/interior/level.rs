@@ -7,6 +7,7 @@ use crate::shape::diffusion::cpu::diffusion;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Normals where a surface was seen, and how freely they spread there.
 pub(super) struct Level {
@@ -25,70 +26,76 @@ const LEAST_WEIGHT: f32 = 1e-3;
 /// Error of the diffusion, relative to a normal's length: a tenth of what the faintest line turns by in a pixel.
 const TOLERANCE: f64 = 1e-3;
 
-/// Blocks' means: normal, conductance, and whether the block is covered.
-type Block = (Vec3, f32, bool);
-
 impl Level {
     /// The level of a frame whose silhouettes are known, in blocks of `factor` by `factor` pixels.
     pub(super) fn of(frame: &Frame, silhouette: &Plane, factor: usize) -> Self {
-        let normal = &frame.normal;
-        let width = frame.mask.width();
-        Self::blocks(&frame.mask, factor, |x, y| {
-            let i = y * width + x;
-            let [x, y, z] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.samples()[i]);
-            (Vec3::new(x, y, z), 1.0 - silhouette.samples()[i])
+        let Vector3Planes { x, y, z } = &frame.normal;
+        Self::blocks(&frame.mask, factor, |row, pixels, add| {
+            let rows = [x, y, z, silhouette].map(|plane| &plane.row(row)[pixels.clone()]);
+            for i in 0..pixels.len() {
+                let [x, y, z, silhouette] = rows.map(|row| row[i]);
+                add(pixels.start + i, Vec3::new(x, y, z), 1.0 - silhouette);
+            }
         })
     }
 
     /// The level of half the size, of normals at a scale that this one was diffused to.
     pub(super) fn halved(&self, normals: &Plane<Vec3>) -> Self {
-        Self::blocks(&self.frame.mask, 2, |x, y| {
-            (normals.at(x, y), self.conductance.at(x, y))
+        Self::blocks(&self.frame.mask, 2, |row, pixels, add| {
+            for x in pixels {
+                add(x, normals.at(x, row), self.conductance.at(x, row));
+            }
         })
     }
 
+    /// The level of blocks: `read` gives the normals and conductances of a run of covered pixels in a row.
     fn blocks(
         mask: &Mask,
         factor: usize,
-        pixel: impl Fn(usize, usize) -> (Vec3, f32) + Sync,
+        read: impl Fn(usize, Range<usize>, &mut dyn FnMut(usize, Vec3, f32)) + Sync,
     ) -> Self {
         let (width, height) = (
             mask.width().div_ceil(factor),
             mask.height().div_ceil(factor),
         );
-        let block = |x: usize, y: usize| -> Block {
-            let columns = x * factor..((x + 1) * factor).min(mask.width());
-            let rows = y * factor..((y + 1) * factor).min(mask.height());
-            let area = columns.len() * rows.len();
-            let pixels = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
-            let covered = pixels
-                .filter(|&(x, y)| mask.at(x, y))
-                .map(|(x, y)| pixel(x, y));
-            mean(covered, area)
-        };
-        let rows: Vec<Vec<Block>> = (0..height)
-            .into_par_iter()
-            .map(|y| (0..width).map(|x| block(x, y)).collect())
-            .collect();
-        Self::of_blocks(width, height, &rows.concat())
-    }
-
-    fn of_blocks(width: usize, height: usize, blocks: &[Block]) -> Self {
-        let plane = |sample: fn(&Block) -> f32| {
-            Plane::from_samples(width, height, blocks.iter().map(sample).collect())
-        };
-        let normal = Vector3Planes {
-            x: plane(|block| block.0.x),
-            y: plane(|block| block.0.y),
-            z: plane(|block| block.0.z),
-        };
-        let covered = blocks.iter().map(|block| block.2).collect();
+        let blank = || Plane::filled(width, height, 0.0);
+        let (mut normal, mut conductance) = ([blank(), blank(), blank()], blank());
+        let mut covered = Plane::filled(width, height, false);
+        let [nx, ny, nz] = normal
+            .each_mut()
+            .map(|plane| plane.samples_mut().par_chunks_mut(width));
+        let rows = nx
+            .zip(ny)
+            .zip(nz)
+            .zip(conductance.samples_mut().par_chunks_mut(width));
+        let rows = rows
+            .zip(covered.samples_mut().par_chunks_mut(width))
+            .enumerate();
+        rows.for_each_init(
+            || vec![Block::default(); width],
+            |blocks, (y, ((((nx, ny), nz), conductance), covered))| {
+                blocks.fill(Block::default());
+                let rows = y * factor..((y + 1) * factor).min(mask.height());
+                for row in rows.clone() {
+                    for run in mask.runs(row) {
+                        read(row, run, &mut |x, normal, open| {
+                            blocks[x / factor].add(normal, open)
+                        });
+                    }
+                }
+                for (x, block) in blocks.iter().enumerate() {
+                    let columns = factor.min(mask.width() - x * factor);
+                    if let Some(unit) = block.normal(rows.len() * columns) {
+                        [nx[x], ny[x], nz[x]] = unit.to_array();
+                        (conductance[x], covered[x]) = (block.least, true);
+                    }
+                }
+            },
+        );
+        let [x, y, z] = normal;
         Self {
-            conductance: plane(|block| block.1),
-            frame: Frame::of_normals(
-                normal,
-                Mask::new(Plane::from_samples(width, height, covered)),
-            ),
+            conductance,
+            frame: Frame::of_normals(Vector3Planes { x, y, z }, Mask::new(covered)),
         }
     }
 
@@ -132,21 +139,42 @@ impl Level {
     }
 }
 
-/// The mean of the covered pixels of a block of this area: normals by conductance, so that it shows one side of a silhouette
-/// that passes, and the least of the conductances, so that it stays closed.
-fn mean(pixels: impl Iterator<Item = (Vec3, f32)>, area: usize) -> Block {
-    let (mut sum, mut least, mut count) = (Vec3::ZERO, 1.0_f32, 0);
-    for (normal, open) in pixels.filter(|(normal, _)| normal.is_finite()) {
-        // A weight of no meaning is that of an edge.
-        let open = open.clamp(0.0, 1.0);
-        let open = if open.is_nan() { 0.0 } else { open };
-        sum += (open + LEAST_WEIGHT) * normal;
-        least = least.min(open);
-        count += 1;
+/// What the covered pixels of a block add up to: normals by conductance, so that it shows one side of a silhouette that
+/// passes, and the least of the conductances, so that it stays closed.
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    sum: Vec3,
+    least: f32,
+    count: usize,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Self {
+            sum: Vec3::ZERO,
+            least: 1.0,
+            count: 0,
+        }
     }
-    let normal = sum.normalize_or_zero();
-    match count as f32 >= COVERED * area as f32 && normal != Vec3::ZERO {
-        true => (normal, least, true),
-        false => (Vec3::ZERO, 0.0, false),
+}
+
+impl Block {
+    /// Adds a pixel, unless its normal has no meaning.
+    #[inline]
+    fn add(&mut self, normal: Vec3, open: f32) {
+        if !normal.is_finite() {
+            return;
+        }
+        // A weight of no meaning is that of an edge.
+        let open = if open > 0.0 { open.min(1.0) } else { 0.0 };
+        self.sum += (open + LEAST_WEIGHT) * normal;
+        self.least = self.least.min(open);
+        self.count += 1;
+    }
+
+    /// The unit normal of a block of this area, if enough of it is covered.
+    fn normal(&self, area: usize) -> Option<Vec3> {
+        let is_covered = self.count as f32 >= COVERED * area as f32;
+        is_covered.then(|| self.sum.try_normalize())?
     }
 }

@@ -18,4 +18,6 @@ mod facing;
 mod level;
 mod sizes;
 pub(crate) mod stage;
+#[cfg(test)]
+mod tests;
 mod turning;

@@ -68,10 +68,11 @@ mod tests {
 
     #[test]
     fn large_pictures_are_looked_at_on_coarse_levels() {
-        // 640 x 480 has a root of 554 and a sigma of 1.85; 1920 x 1080 one of 1440 and 4.8 pixels, 2.4 of half the size.
+        // 640 x 480 has a root of 554: sigma^2 = (554/290)^2 - 0.25 = 3.399. 1920 x 1080 has one of 1440, which is looked at
+        // in half the size: sigma^2 = (720/290)^2 - 0.25 = 5.914.
         let [small, large] = [554.0, 1440.0].map(|root| Sizes::of_picture(root, 1.0));
         assert_eq!((small.factor, large.factor), (1, 2));
-        assert!((small.sigma - 1.847).abs() < 1e-3 && (large.sigma - 2.4).abs() < 1e-6);
+        assert!((small.sigma - 1.844).abs() < 1e-3 && (large.sigma - 2.432).abs() < 1e-3);
         // Twice the detail halves what is asked of a line.
         assert_eq!(Sizes::of_picture(554.0, 2.0).thresholds, [4.5, 11.0]);
     }

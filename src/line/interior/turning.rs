@@ -38,14 +38,13 @@ impl Turning {
 
     /// The view-dependent curvature `q`, in radians per pixel: the largest singular value.
     pub(super) fn largest(&self) -> f32 {
-        let [xx, xy, yy] = self.metric();
-        (0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy)).sqrt()
+        largest_eigenvalue(self.metric()).sqrt()
     }
 
     /// The unit direction in which the normal turns fastest, x right and y up.
     pub(super) fn direction(&self) -> Vec2 {
         let [xx, xy, yy] = self.metric();
-        let square = 0.5 * (xx + yy) + (0.5 * (xx - yy)).hypot(xy);
+        let square = largest_eigenvalue([xx, xy, yy]);
         // The larger of two that are square to the rows of the metric less its eigenvalue.
         let (a, b) = (Vec2::new(square - yy, xy), Vec2::new(xy, square - xx));
         let longer = if a.length_squared() >= b.length_squared() {
@@ -60,6 +59,13 @@ impl Turning {
     pub(super) fn bend(&self, along: Vec2) -> f32 {
         (along.x * self.x + along.y * self.y).truncate().dot(along)
     }
+}
+
+/// The larger eigenvalue of a symmetric matrix.
+#[inline]
+fn largest_eigenvalue([xx, xy, yy]: [f32; 3]) -> f32 {
+    let half = 0.5 * (xx - yy);
+    0.5 * (xx + yy) + (half * half + xy * xy).sqrt()
 }
 
 #[cfg(test)]
