@@ -131,7 +131,10 @@ impl HatchArgs {
             _ => ToneFrom::Enhanced,
         };
         let shape = enlarged(looks.shape, drawn.times, frame);
+        // Lines that are faint in one frame and plain in the next would come and go between strokes.
+        let stands = !drawn.is_in_sequence || looks.line.lines_only;
         let line = LineParams {
+            interior: looks.line.interior.filter(|_| stands),
             contours: looks
                 .line
                 .contours

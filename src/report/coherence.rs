@@ -9,7 +9,9 @@ use super::engine::{Inputs, Outcome, SequenceInputs, Session, TextureCoordinates
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
-use crate::params::{Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams};
+use crate::params::{
+    Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
+};
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
 
@@ -99,8 +101,14 @@ impl SequenceDrawer {
             session: Session::default(),
             shape,
             scaling: ScalingParams::default(),
+            // Strokes at their own size.
             line: LineParams {
                 contours: None,
+                interior: None,
+                strokes: StrokeParams {
+                    scale: StrokeScale::Factor(1.0),
+                    ..StrokeParams::default()
+                },
                 ..LineParams::default()
             },
             lamp: Illumination {

@@ -78,7 +78,7 @@ fn an_svg_holds_lines_in_millimetres() {
     }
     assert!(count > 3000, "{count}");
     // One pen for all strokes without pressure.
-    let page = written("--pressure 0 --contours off");
+    let page = written("--pressure 0 --contours off --interior off");
     assert_eq!(page.matches("<g stroke-width").count(), 1);
     for flags in ["--style pencil", "--style ."] {
         let ran = hatch(desk.path(), "bust.exr", &format!("{flags} -o other.svg"));
