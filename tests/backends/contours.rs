@@ -5,7 +5,7 @@ use super::{on_gpu, with_color};
 use crate::common::poisoned;
 use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
-use relievo::params::LineParams;
+use relievo::params::{LineParams, StrokeScale};
 use relievo::plan::ToneFrom;
 use relievo::report::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 
@@ -95,7 +95,8 @@ fn edged() -> Vec<(&'static str, Frame)> {
 fn lines_along_listed_edges() {
     on_gpu(|runner| {
         for (name, frame) in edged() {
-            let line = LineParams::default();
+            let mut line = LineParams::default();
+            line.strokes.scale = StrokeScale::Factor(1.0);
             let [_, contours] = assert_drawn(name, runner, &frame, line, ToneFrom::Picture);
             assert!(contours > 100.0, "{name}: {contours}");
         }
