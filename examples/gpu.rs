@@ -13,7 +13,7 @@ use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{
     Adaptive, AlbedoSource, LineParams, Material, Method, RelightParams, Samples, Scale,
-    ScalingParams, ShapeParams, Solver, Style,
+    ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeScale, Style,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use relievo::product::Product;
@@ -103,8 +103,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         frame.depth = Some(plates(width, height));
     }
     for (name, style) in [("pen", Style::Pen), ("pencil", Style::Pencil)] {
-        let mut line = LineParams::default();
+        let mut line = LineParams {
+            directions: StrokeDirections::Max,
+            interior: None,
+            ..LineParams::default()
+        };
         line.strokes.style = style;
+        line.strokes.scale = StrokeScale::Factor(1.0);
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
         let name = format!("hatching with contours, {name}");

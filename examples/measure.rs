@@ -13,7 +13,8 @@ use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
     Adaptive, LineParams, Material, MaterialParams, Method, RelightParams, Samples, Scale,
-    ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeParams, Style, Tangent, ToneParams,
+    ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeParams, StrokeScale, Style,
+    Tangent, ToneParams,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use relievo::report::light::environment;
@@ -98,6 +99,12 @@ fn print_drawings(
             black_point: 0.0,
             gamma: 1.0,
             ..ToneParams::default()
+        },
+        directions: StrokeDirections::Max,
+        interior: None,
+        strokes: StrokeParams {
+            scale: StrokeScale::Factor(1.0),
+            ..StrokeParams::default()
         },
         ..LineParams::default()
     };

@@ -12,7 +12,7 @@ use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
 use relievo::params::{
     Bend, LineParams, Material, RelightParams, ScalingParams, SearchParams, ShapeParams,
-    SpecularParams, StrokeScale,
+    SpecularParams, StrokeDirections, StrokeScale,
 };
 use std::error::Error;
 use std::process::ExitCode;
@@ -72,7 +72,11 @@ fn relit(frame: &Frame, scene: &SpecularScene) -> relievo::Result<ColorPlanes> {
 }
 
 fn drawn(frame: &Frame, scene: Option<&SpecularScene>) -> relievo::Result<ColorPlanes> {
-    let mut line = LineParams::default();
+    let mut line = LineParams {
+        directions: StrokeDirections::Max,
+        interior: None,
+        ..LineParams::default()
+    };
     line.strokes.scale = StrokeScale::Factor(0.5);
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let mut request = Request::hatch(shape, scaling, Tone::Enhanced, line);
