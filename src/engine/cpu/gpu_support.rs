@@ -7,10 +7,11 @@ use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::light::layers::cpu as light_layers;
 use crate::light::layers::terms::light_terms;
 use crate::line::contours::Contour;
+use crate::line::contours::coverage::covered;
 use crate::line::contours::coverage::{DrawnLine, Piece};
 use crate::line::contours::cpu as contours;
 use crate::line::contours::found::FoundEdges;
-use crate::line::contours::stage::in_medium;
+use crate::line::contours::medium::in_medium;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::interior;
 use crate::line::streamlines::Streamline;
@@ -108,7 +109,7 @@ impl Runner {
         });
         let silhouette = silhouette.or(made.as_ref()).expect("one of both is there");
         let lines = interior::cpu::interior(frame, silhouette, contours, &interior, &self.options);
-        let covered = interior::stage::covered(&lines, &frame.mask, &self.memory);
+        let covered = covered(&lines, &frame.mask, &self.memory);
         Some((in_medium(covered, frame, &params.strokes), lines))
     }
 

@@ -58,9 +58,9 @@ impl Runner {
         choose_picture_white(&mut run);
         let trace = run.outcome.shape.trace.take();
         let trace = trace.expect("the tone takes the trace");
-        let (scaler, outcome) = (scaler(&run), run.outcome);
+        let (scaler, mut outcome) = (scaler(&run), run.outcome);
         let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
-        drop(trace);
+        outcome.shape.trace = Some(trace).filter(|_| plan.shows_shape);
         watch.check()?;
         let mut run = Run {
             watch,
@@ -191,8 +191,13 @@ mod tests {
 
     #[test]
     fn bands_draw_what_the_whole_draws_bit_for_bit() {
+        for tone in [ToneFrom::Enhanced, ToneFrom::Shape(None)] {
+            assert_bands_draw_the_whole(tone);
+        }
+    }
+
+    fn assert_bands_draw_the_whole(tone: ToneFrom) {
         let frame = bumps(90, 150);
-        let tone = ToneFrom::Enhanced;
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let available = Available::in_frame(&frame);
         let plan = Plan::hatch(available, shape, scaling, tone, LineParams::default()).unwrap();
@@ -211,6 +216,7 @@ mod tests {
             assert!(whole.hatching.samples().iter().any(|&ink| ink > 0.5));
             assert_eq!(made.hatching, whole.hatching, "{rows}");
             assert_eq!(made.contours, whole.contours, "{rows}");
+            assert_eq!(made.interior, whole.interior, "{rows}");
             assert_eq!(made.white_point, whole.white_point);
         }
     }

@@ -52,6 +52,12 @@ pub(crate) enum Overlap {
 /// A piece of a line, with the number of the line.
 pub(crate) type Piece = (u32, RoundStroke);
 
+/// What lines along edges or inside surfaces cover; those that meet are one.
+pub(crate) fn covered(lines: &[Contour], mask: &Mask, memory: &Memory) -> Plane {
+    let lines: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
+    coverage(&lines, Overlap::Joined, mask, memory)
+}
+
 /// The share of every pixel that is covered, 0..1, also outside the mask.
 pub(crate) fn coverage(
     lines: &[DrawnLine],

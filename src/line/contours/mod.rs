@@ -18,6 +18,7 @@ pub(crate) mod gpu;
 pub(crate) mod gpu_coverage;
 pub(crate) mod ground;
 pub(crate) mod map_tile;
+pub(crate) mod medium;
 pub(crate) mod silhouettes;
 pub(crate) mod stage;
 

@@ -1,17 +1,16 @@
 //! Contours in a drawing.
 
 use crate::engine::cpu::run::Run;
-use crate::frame::{Frame, Plane, Window};
+use crate::frame::Plane;
 use crate::line::contours::Contour;
-use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
+use crate::line::contours::coverage::covered;
 use crate::line::contours::cpu::{self, Weights};
+use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
-use crate::line::paper::{grain, graphite};
-use crate::params::{ContourParams, LineParams, StrokeParams, Style};
+use crate::params::{ContourParams, LineParams};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use rayon::prelude::*;
 
 /// Lines along silhouettes and creases. They come first: strokes do not take the weights of edges.
 pub(crate) static CONTOURS: Stage = Stage {
@@ -81,9 +80,7 @@ fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) 
     };
     let made = run.timed(CONTOURS.name, || {
         let lines = cpu::contours(&weights, drawn, &plan.shape, params);
-        let pieces: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
-        let covered = coverage(&pieces, Overlap::Joined, &drawn.mask, memory);
-        (covered, lines)
+        (covered(&lines, &drawn.mask, memory), lines)
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
     let kept = run.kept.as_deref_mut();
@@ -91,26 +88,4 @@ fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) 
         kept.contours.put(made.clone());
     }
     made
-}
-
-/// What lines cover, drawn with what strokes are drawn with.
-pub(crate) fn in_medium(covered: Plane, frame: &Frame, strokes: &StrokeParams) -> Plane {
-    match strokes.style {
-        Style::Pencil => in_graphite(covered, frame.data_window, strokes.seed),
-        Style::Pen | Style::Pictures | Style::Lines => covered,
-    }
-}
-
-/// Lines as a pencil draws them on grained paper.
-fn in_graphite(mut covered: Plane, window: Window, seed: u64) -> Plane {
-    let width = covered.width();
-    let rows = covered.samples_mut().par_chunks_mut(width);
-    rows.enumerate().for_each(|(y, row)| {
-        let y = window.y0.wrapping_add(y as i32);
-        for (x, coverage) in row.iter_mut().enumerate().filter(|(_, c)| **c > 0.0) {
-            let x = window.x0.wrapping_add(x as i32);
-            *coverage = graphite(*coverage, grain(x, y, seed));
-        }
-    });
-    covered
 }

@@ -1,11 +1,10 @@
 //! Interior lines in a drawing.
 
-use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run;
-use crate::frame::{Mask, Plane};
+use crate::frame::Plane;
 use crate::line::contours::Contour;
-use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
-use crate::line::contours::stage::in_medium;
+use crate::line::contours::coverage::covered;
+use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
 use crate::line::interior::cpu;
 use crate::plan::Plan;
@@ -48,12 +47,6 @@ fn draw(run: &mut Run) {
         let silhouette = run.outcome.shape.silhouette.take();
         run.runner.memory.recycle(silhouette);
     }
-}
-
-/// What interior lines cover.
-pub(crate) fn covered(lines: &[Contour], mask: &Mask, memory: &Memory) -> Plane {
-    let pieces: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
-    coverage(&pieces, Overlap::Joined, mask, memory)
 }
 
 fn follow(run: &mut Run) -> (Plane, Vec<Contour>) {

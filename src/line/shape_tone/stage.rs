@@ -57,4 +57,8 @@ fn find(run: &mut Run) {
     run.outcome.color = made;
     run.canvas = canvas;
     run.canvas.density = Some(density);
+    if run.canvas.luminance.is_some() {
+        // Of a large drawing nothing is held for long.
+        runner.memory.recycle(run.outcome.shape.trace.take());
+    }
 }
