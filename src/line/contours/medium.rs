@@ -1,0 +1,28 @@
+//! Lines in what a drawing is drawn with.
+
+use crate::frame::{Frame, Plane, Window};
+use crate::line::paper::{grain, graphite};
+use crate::params::{StrokeParams, Style};
+use rayon::prelude::*;
+
+/// What lines cover, drawn with what strokes are drawn with.
+pub(crate) fn in_medium(covered: Plane, frame: &Frame, strokes: &StrokeParams) -> Plane {
+    match strokes.style {
+        Style::Pencil => in_graphite(covered, frame.data_window, strokes.seed),
+        Style::Pen | Style::Pictures | Style::Lines => covered,
+    }
+}
+
+/// Lines as a pencil draws them on grained paper.
+fn in_graphite(mut covered: Plane, window: Window, seed: u64) -> Plane {
+    let width = covered.width();
+    let rows = covered.samples_mut().par_chunks_mut(width);
+    rows.enumerate().for_each(|(y, row)| {
+        let y = window.y0.wrapping_add(y as i32);
+        for (x, coverage) in row.iter_mut().enumerate().filter(|(_, c)| **c > 0.0) {
+            let x = window.x0.wrapping_add(x as i32);
+            *coverage = graphite(*coverage, grain(x, y, seed));
+        }
+    });
+    covered
+}
