@@ -5,6 +5,7 @@ use super::flags::{Flags, Section};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
 use super::motion_arg::MotionArg;
+use super::recipe;
 use super::relight_args::RelightArgs;
 use super::role_args::RoleArgs;
 use super::sequence::FramesArg;
@@ -45,7 +46,7 @@ pub(crate) enum Command {
     #[command(after_help = HATCH_EXAMPLES)]
     Hatch(Box<HatchArgs>),
     /// Run a recipe: a command with its settings, as --save-recipe writes one from any command line.
-    #[command(after_help = RUN_EXAMPLES)]
+    #[command(after_help = run_examples())]
     Run(RecipeArgs),
     /// Print the JSON schema of recipes.
     Schema,
@@ -105,7 +106,16 @@ Examples:
   relievo enhance shot.0101.exr --scaling 1.5 --save-recipe look.toml         write one
   relievo run look.toml shot.0101.exr -o shot.png
   relievo run look.toml shot.0101.exr -o shot.png --scaling 2                 but for one setting
-  relievo run look.toml shot.####.exr --frames 101-340 -o out/shot.####.exr";
+  relievo run look.toml shot.####.exr --frames 101-340 -o out/shot.####.exr
+  relievo run portrait render.exr -o face.png                                 a preset
+  relievo run inscription photo.jpg --normal normals.png -o letters.png --lines-only";
+
+fn run_examples() -> String {
+    format!(
+        "{RUN_EXAMPLES}\n\nPresets, for drawings: {}.",
+        recipe::presets()
+    )
+}
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
@@ -141,7 +151,7 @@ pub(crate) struct InspectArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct RecipeArgs {
-    /// The recipe, a TOML file.
+    /// The recipe: a TOML file, or the name of a preset.
     #[arg(value_name = "RECIPE")]
     pub(crate) recipe: PathBuf,
     /// IN, -o OUT and other arguments of the recipe's command; they go before its settings.

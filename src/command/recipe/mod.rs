@@ -1,5 +1,6 @@
 //! Recipes: settings of a command in TOML, under the names of its flags.
 
+mod presets;
 mod read;
 mod schema;
 mod write;
@@ -18,6 +19,11 @@ pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe may stand for.
 pub(super) const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
+
+/// The names of the recipes that come with the program.
+pub(super) fn presets() -> String {
+    presets::PRESETS.map(|(name, _)| name).join(", ")
+}
 
 /// Whether an argument is a setting, to be kept: not a file of this run, nor how it is run.
 pub(super) fn is_setting(arg: &Arg) -> bool {

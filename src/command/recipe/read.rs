@@ -1,5 +1,6 @@
 //! From TOML to flags.
 
+use super::presets::preset;
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
 use crate::command::commands::{command_named, long};
 use crate::command::flags::Flag;
@@ -22,12 +23,20 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Reads a recipe.
+    /// Reads a recipe; where there is no such file and the path is the name of a preset, that preset.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Recipe`] for what is no TOML, of another version or without a command, and for settings
     /// that the command does not have, with the nearest one that it has.
     pub fn read(path: &Path) -> Result<Self> {
+        let preset = path.to_str().and_then(preset);
+        if let Some(text) = preset.filter(|_| !path.exists()) {
+            return Self::parse(path, text);
+        }
+        if !path.exists() && path.extension().is_none() {
+            let remedy = format!("name a recipe, or one of {}", super::presets());
+            return Err(bad(path, "is no file, and no preset", &remedy));
+        }
         let mut text = Vec::new();
         open_input(path)
             .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut text))
@@ -169,6 +178,7 @@ fn quoted(names: &[&str]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::presets::PRESETS;
     use super::*;
 
     fn words(text: &str) -> Vec<std::ffi::OsString> {
@@ -200,6 +210,24 @@ mod tests {
         assert_eq!(found, expected);
         let off = "version = 1\ncommand = \"relight\"\nthin = false";
         assert!(words(off).is_empty());
+    }
+
+    #[test]
+    fn presets_are_recipes_unless_a_file_has_their_name() {
+        for (name, text) in PRESETS {
+            let preset = Recipe::read(Path::new(name)).unwrap();
+            assert_eq!(preset, Recipe::parse(Path::new(name), text).unwrap());
+            assert_eq!(preset.command, "hatch");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("coin");
+        std::fs::write(&own, "version = 1\ncommand = \"shape\"").unwrap();
+        assert_eq!(Recipe::read(&own).unwrap().command, "shape");
+        let refused = Recipe::read(Path::new("coins")).unwrap_err().to_string();
+        assert!(
+            refused.contains("no preset; name a recipe, or one of portrait, "),
+            "{refused}"
+        );
     }
 
     #[test]

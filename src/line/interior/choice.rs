@@ -5,8 +5,7 @@ use crate::frame::Plane;
 use crate::line::contours::ContourKind;
 use crate::line::contours::network::{End, Line};
 use crate::line::interior::sizes::Sizes;
-use crate::line::interior::turning::Turning;
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 /// A line inside a surface, with its kind.
 pub(super) type Interior = (ContourKind, Line);
@@ -21,20 +20,28 @@ const LOOKED_FOR: f32 = 2.0;
 /// What ridges count against other lines.
 const RIDGE_WORTH: f32 = 0.45;
 
-/// Whether the curvature along a line is there too in normals at a coarser scale, on a grid of `ratio` times the pixels.
-pub(super) fn persists(line: &Line, fine: &Plane<Vec3>, coarse: &Plane<Vec3>, ratio: f32) -> bool {
+/// Whether a line is one of the form, and not of a rough surface: its curvature, of two planes in radians per pixel the
+/// `fine`, is there too at a coarser scale, in a plane of `ratio` times the pixels; or it is sharper than roughness is.
+pub(super) fn is_of_form(
+    line: &Line,
+    fine: &Plane,
+    coarse: &Plane,
+    ratio: f32,
+    sharp: f32,
+) -> bool {
     let shares = line.spots.iter().map(|spot| {
         let around = (0..9).map(|i| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) * LOOKED_FOR);
-        let there = around.map(|offset| curvature_at(coarse, (spot.at + offset) / ratio) / ratio);
-        there.fold(0.0, f32::max) / curvature_at(fine, spot.at).max(f32::MIN_POSITIVE)
+        let there = around.map(|offset| near(coarse, (spot.at + offset) / ratio) / ratio);
+        there.fold(0.0, f32::max) / near(fine, spot.at).max(f32::MIN_POSITIVE)
     });
-    median(shares.collect()) >= PERSISTENT
+    strength(line) >= sharp || median(shares.collect()) >= PERSISTENT
 }
 
-fn curvature_at(normals: &Plane<Vec3>, at: Vec2) -> f32 {
-    let x = (at.x.max(0.0) as usize).min(normals.width() - 1);
-    let y = (at.y.max(0.0) as usize).min(normals.height() - 1);
-    Turning::at(normals, x, y).largest()
+/// The sample of the pixel at a place, or nearest to it.
+fn near(plane: &Plane, at: Vec2) -> f32 {
+    let x = (at.x.max(0.0) as usize).min(plane.width() - 1);
+    let y = (at.y.max(0.0) as usize).min(plane.height() - 1);
+    plane.at(x, y)
 }
 
 fn median(mut values: Vec<f32>) -> f32 {

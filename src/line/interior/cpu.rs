@@ -7,8 +7,8 @@ use crate::line::contours::ground::Ground;
 use crate::line::contours::network::Line;
 use crate::line::contours::{Contour, ContourKind, DepthRange};
 use crate::line::interior::chains::chains;
-use crate::line::interior::choice::{Interior, chosen, persists, shortest};
-use crate::line::interior::crests::{Crest, Rims, suggestive, valleys_and_ridges};
+use crate::line::interior::choice::{Interior, chosen, is_of_form, shortest};
+use crate::line::interior::crests::{Crest, Rims, curvature, suggestive, valleys_and_ridges};
 use crate::line::interior::drawn::Pen;
 use crate::line::interior::facing::Viewer;
 use crate::line::interior::level::Level;
@@ -51,7 +51,7 @@ pub(crate) fn interior(
     joined_and_drawn(lines, contours, frame, &normals[0], params, &sizes)
 }
 
-/// All lines of all kinds that persist, in pixels of the level.
+/// All lines of all kinds that are of the form, in pixels of the level.
 fn found(
     frame: &Frame,
     level: &Level,
@@ -63,7 +63,9 @@ fn found(
     let [rims, ridge_rims] =
         [1.0, RIDGE_MARGIN].map(|share| Rims::new(level, share * sizes.margin));
     let viewer = Viewer::of(frame, sizes.factor);
-    let [valleys, mut ridges] = valleys_and_ridges(&normals[0], [&rims, &ridge_rims], sizes);
+    let mask = &level.frame.mask;
+    let fine = curvature(&normals[0], mask);
+    let [valleys, mut ridges] = valleys_and_ridges(&normals[0], &fine, [&rims, &ridge_rims], sizes);
     if !params.has_ridges() {
         ridges.clear();
     }
@@ -76,13 +78,14 @@ fn found(
     );
     // Half the size, and what is left of the scale there.
     let left = sizes.sigma * (PERSISTENCE_SCALE * PERSISTENCE_SCALE - 1.0).sqrt();
-    let coarse = &level.halved(&normals[0]).diffused(&[0.5 * left], options)[0];
-    let mask = &level.frame.mask;
+    let halved = level.halved(&normals[0]);
+    let coarse = halved.diffused(&[0.5 * left], options);
+    let coarse = curvature(&coarse[0], &halved.frame.mask);
     let size = [mask.width(), mask.height()];
     let of = |kind: ContourKind, crests: &[Crest]| -> Vec<Interior> {
         let lines = chains(crests, size, sizes.thresholds, shortest(kind, sizes)).into_iter();
         let long = lines.filter(|line| line.length() >= shortest(kind, sizes));
-        let kept = long.filter(|line| persists(line, &normals[0], coarse, 2.0));
+        let kept = long.filter(|line| is_of_form(line, &fine, &coarse, 2.0, sizes.sharp));
         kept.map(|line| (kind, line)).collect()
     };
     let all = [

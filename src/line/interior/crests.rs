@@ -65,40 +65,35 @@ impl<'a> Rims<'a> {
     }
 }
 
-/// The view-dependent curvature of a level, in radians per pixel, 0 outside the mask; and the direction across folds with the
-/// bend along it.
-fn folds(normals: &Plane<Vec3>, mask: &Mask) -> (Plane, Plane<Vec3>) {
+/// The view-dependent curvature of normals, in radians per pixel; 0 outside the mask.
+pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
     let (width, height) = (normals.width(), normals.height());
     let mut curvature = Plane::filled(width, height, 0.0);
-    let mut folds = Plane::filled(width, height, Vec3::ZERO);
     let rows = curvature.samples_mut().par_chunks_mut(width);
-    let rows = rows.zip(folds.samples_mut().par_chunks_mut(width));
-    rows.enumerate().for_each(|(y, (curvature, folds))| {
+    rows.enumerate().for_each(|(y, row)| {
         for x in mask.runs(y).flatten() {
-            let turning = Turning::at(normals, x, y);
-            let across = turning.direction();
-            curvature[x] = turning.largest();
-            folds[x] = across.extend(turning.bend(across));
+            row[x] = Turning::at(normals, x, y).largest();
         }
     });
-    (curvature, folds)
+    curvature
 }
 
-/// The crests of curvature: those of valleys, and those of ridges.
+/// The crests of the curvature of normals: those of valleys, and those of ridges.
 pub(super) fn valleys_and_ridges(
     normals: &Plane<Vec3>,
+    curvature: &Plane,
     rims: [&Rims; 2],
     sizes: &Sizes,
 ) -> [Vec<Crest>; 2] {
-    let (curvature, folds) = folds(normals, rims[0].mask);
     let found = each_pixel(rims[0].mask, |x, y| {
         let strength = curvature.at(x, y) * sizes.picture;
         if strength < sizes.thresholds[0] {
             return None;
         }
-        let fold = folds.at(x, y);
-        let at = crest(&curvature, x, y, fold.truncate())?;
-        let is_ridge = fold.z > 0.0;
+        let turning = Turning::at(normals, x, y);
+        let across = turning.direction();
+        let at = crest(curvature, x, y, across)?;
+        let is_ridge = turning.bend(across) > 0.0;
         let strength = if is_ridge {
             strength / RIDGE_STRENGTH
         } else {

@@ -30,20 +30,20 @@ impl Level {
     /// The level of a frame whose silhouettes are known, in blocks of `factor` by `factor` pixels.
     pub(super) fn of(frame: &Frame, silhouette: &Plane, factor: usize) -> Self {
         let Vector3Planes { x, y, z } = &frame.normal;
-        Self::blocks(&frame.mask, factor, |row, pixels, add| {
+        Self::blocks(&frame.mask, factor, |row, pixels, blocks| {
             let rows = [x, y, z, silhouette].map(|plane| &plane.row(row)[pixels.clone()]);
             for i in 0..pixels.len() {
                 let [x, y, z, silhouette] = rows.map(|row| row[i]);
-                add(pixels.start + i, Vec3::new(x, y, z), 1.0 - silhouette);
+                blocks[(pixels.start + i) / factor].add(Vec3::new(x, y, z), 1.0 - silhouette);
             }
         })
     }
 
     /// The level of half the size, of normals at a scale that this one was diffused to.
     pub(super) fn halved(&self, normals: &Plane<Vec3>) -> Self {
-        Self::blocks(&self.frame.mask, 2, |row, pixels, add| {
+        Self::blocks(&self.frame.mask, 2, |row, pixels, blocks| {
             for x in pixels {
-                add(x, normals.at(x, row), self.conductance.at(x, row));
+                blocks[x / 2].add(normals.at(x, row), self.conductance.at(x, row));
             }
         })
     }
@@ -52,7 +52,7 @@ impl Level {
     fn blocks(
         mask: &Mask,
         factor: usize,
-        read: impl Fn(usize, Range<usize>, &mut dyn FnMut(usize, Vec3, f32)) + Sync,
+        read: impl Fn(usize, Range<usize>, &mut [Block]) + Sync,
     ) -> Self {
         let (width, height) = (
             mask.width().div_ceil(factor),
@@ -78,9 +78,7 @@ impl Level {
                 let rows = y * factor..((y + 1) * factor).min(mask.height());
                 for row in rows.clone() {
                     for run in mask.runs(row) {
-                        read(row, run, &mut |x, normal, open| {
-                            blocks[x / factor].add(normal, open)
-                        });
+                        read(row, run, blocks);
                     }
                 }
                 for (x, block) in blocks.iter().enumerate() {

@@ -18,6 +18,9 @@ pub(super) struct Sizes {
     pub(super) thresholds: [f32; 2],
     /// Lengths of the shortest valley and of the shortest other line.
     pub(super) shortest: [f32; 2],
+    /// Strength of a line that needs no proof: it may be as short as its fold is wide, and need not persist at a coarser
+    /// scale, as the cuts of a chisel do not.
+    pub(super) sharp: f32,
     /// Least integral of strength along a line: what is faint has to be long, or a rough surface fills with short lines.
     pub(super) worth: f32,
     /// Valleys, ridges and suggestive contours nearer than this to another line double it.
@@ -37,26 +40,27 @@ const SOBEL: f32 = 0.25;
 impl Sizes {
     pub(super) fn of(frame: &Frame, params: &InteriorParams) -> Self {
         let window = frame.display_window;
-        Self::of_picture(
-            (window.width() as f32 * window.height() as f32).sqrt(),
-            params.detail,
-        )
+        let root = (window.width() as f32 * window.height() as f32).sqrt();
+        Self::of_picture(root, params)
     }
 
     /// Sizes in a picture whose area has the root `root`, in pixels of the frame.
-    fn of_picture(root: f32, detail: f32) -> Self {
-        let factor = ((root / 300.0 / FINE_ENOUGH) as usize).max(1);
+    fn of_picture(root: f32, params: &InteriorParams) -> Self {
+        let InteriorParams { detail, scale, .. } = *params;
+        let factor = ((scale * root / 300.0 / FINE_ENOUGH) as usize).max(1);
         let picture = root / factor as f32;
+        let fold = scale * picture;
         Self {
             factor,
             picture,
-            sigma: ((picture / 290.0).powi(2) - SOBEL).max(0.4).sqrt(),
+            sigma: ((fold / 290.0).powi(2) - SOBEL).max(0.4).sqrt(),
             margin: (picture / 170.0).max(2.0),
             thresholds: [9.0 / detail, 22.0 / detail],
-            shortest: [picture / 42.0, picture / 30.0].map(|length| length / detail.sqrt()),
-            worth: picture / 20.0 * 22.0 / detail,
+            shortest: [fold / 42.0, fold / 30.0].map(|length| length / detail.sqrt()),
+            sharp: 60.0,
+            worth: fold / 20.0 * 22.0 / detail,
             apart: [220.0, 90.0, 140.0].map(|share| picture / share),
-            gap: (picture / 90.0).max(4.0),
+            gap: (fold / 90.0).max(4.0),
             budget: 14.0 * detail,
         }
     }
@@ -70,10 +74,17 @@ mod tests {
     fn large_pictures_are_looked_at_on_coarse_levels() {
         // 640 x 480 has a root of 554: sigma^2 = (554/290)^2 - 0.25 = 3.399. 1920 x 1080 has one of 1440, which is looked at
         // in half the size: sigma^2 = (720/290)^2 - 0.25 = 5.914.
-        let [small, large] = [554.0, 1440.0].map(|root| Sizes::of_picture(root, 1.0));
+        let of = |root, detail| {
+            let params = InteriorParams {
+                detail,
+                ..InteriorParams::default()
+            };
+            Sizes::of_picture(root, &params)
+        };
+        let [small, large] = [554.0, 1440.0].map(|root| of(root, 1.0));
         assert_eq!((small.factor, large.factor), (1, 2));
         assert!((small.sigma - 1.844).abs() < 1e-3 && (large.sigma - 2.432).abs() < 1e-3);
         // Twice the detail halves what is asked of a line.
-        assert_eq!(Sizes::of_picture(554.0, 2.0).thresholds, [4.5, 11.0]);
+        assert_eq!(of(554.0, 2.0).thresholds, [4.5, 11.0]);
     }
 }

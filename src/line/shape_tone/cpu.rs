@@ -77,12 +77,31 @@ pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) ->
         options,
         memory: &Memory::default(),
     };
-    let density = cells.density(&cells.seen(shown), shown);
+    let seen = cells.seen(shown);
+    let density = cells.density(&seen, shown);
     let [pixels] = map_covered(mask, memory, |y| {
-        let row = cells.grid.row(&density, y);
-        move |x| [row(x)]
+        let row = cells.grid.row(&density, y, mask.width());
+        move |x| [row[x]]
     });
     pixels
+}
+
+/// The luminance of the surface in a row of the picture; 0 where it has none.
+fn luminances<'a>(shown: &Shown<'a>, y: usize) -> impl Fn(usize) -> f32 + use<'a> {
+    let rows = shown.picture.map(|picture| match picture {
+        ToneOf::Luminance(plane) => ([plane.row(y); 3], [1.0, 0.0, 0.0]),
+        ToneOf::Picture(color, weights) => (
+            [&color.r, &color.g, &color.b].map(|plane| plane.row(y)),
+            weights,
+        ),
+    });
+    let alpha = shown.frame.alpha.as_ref().map(|alpha| alpha.row(y));
+    move |x| {
+        let found = rows.map(|(rows, weights)| luminance(rows.map(|row| row[x]), weights));
+        let alpha = alpha.map_or(1.0, |row| row[x]);
+        let found = found.map(|found| found / alpha.clamp(LEAST_ALPHA, 1.0));
+        found.filter(|&found| found > 0.0).unwrap_or(0.0)
+    }
 }
 
 struct Cells<'a> {
@@ -110,28 +129,25 @@ impl Cells<'_> {
     fn seen(&self, shown: &Shown) -> Seen {
         let Shown { frame, .. } = shown;
         let normal = &frame.normal;
-        let luminance = |x: usize, y: usize| {
-            let found = match shown.picture? {
-                ToneOf::Luminance(plane) => plane.at(x, y),
-                ToneOf::Picture(color, weights) => luminance(
-                    [&color.r, &color.g, &color.b].map(|plane| plane.at(x, y)),
-                    weights,
-                ),
-            };
-            let alpha = frame.alpha.as_ref().map_or(1.0, |alpha| alpha.at(x, y));
-            Some(found / alpha.clamp(LEAST_ALPHA, 1.0)).filter(|&found| found > 0.0)
-        };
         let [nx, ny, nz, before, conductance, trace, luminance] =
-            self.grid.means(&frame.mask, self.memory, |x, y| {
-                [
-                    normal.x.at(x, y),
-                    normal.y.at(x, y),
-                    normal.z.at(x, y),
-                    1.0 - shown.silhouette.map_or(0.0, |plane| plane.at(x, y)),
-                    shown.conductance.at(x, y),
-                    shown.curvature.0.at(x, y),
-                    luminance(x, y).unwrap_or(0.0),
-                ]
+            self.grid.means(&frame.mask, self.memory, |y| {
+                let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
+                let silhouette = shown.silhouette.map(|plane| plane.row(y));
+                let (conductance, trace) = (shown.conductance.row(y), shown.curvature.0.row(y));
+                let luminance = luminances(shown, y);
+                move |x| {
+                    let before = 1.0 - silhouette.map_or(0.0, |row| row[x]);
+                    let luminance = luminance(x);
+                    [
+                        nx[x],
+                        ny[x],
+                        nz[x],
+                        before,
+                        conductance[x],
+                        trace[x],
+                        luminance,
+                    ]
+                }
             });
         Seen {
             normal: [nx, ny, nz],
@@ -280,31 +296,29 @@ impl Cells<'_> {
 
     /// The brightness around cells, within surfaces, and how far cells are from it in the root mean square.
     fn around(&self, brightness: &Plane, conductance: &Plane) -> (Plane, Plane) {
-        let coarse = Self {
-            grid: Grid::new(&self.grid.mask, COARSE),
-            size: self.size / COARSE as f32,
-            ..*self
-        };
-        let mask = &self.grid.mask;
-        let [mean, square, open] = coarse.grid.means(mask, self.memory, |x, y| {
-            let (value, open) = (brightness.at(x, y), conductance.at(x, y).max(CLOSED));
-            [open * value, open * value * value, open]
+        let (mask, coarse) = (&self.grid.mask, self.coarse());
+        let [mean, square, open] = coarse.grid.means(mask, coarse.memory, |y| {
+            let (brightness, conductance) = (brightness.row(y), conductance.row(y));
+            move |x| {
+                let (value, open) = (brightness[x], conductance[x].max(CLOSED));
+                [open * value, open * value * value, open]
+            }
         });
-        let of_open = |sum: Plane| {
-            let [mean] = map_covered(&coarse.grid.mask, self.memory, |y| {
+        let of_open = |sum: &Plane| {
+            let [mean] = map_covered(&coarse.grid.mask, coarse.memory, |y| {
                 let (sum, open) = (sum.row(y), open.row(y));
                 move |x| [sum[x] / open[x]]
             });
             mean
         };
-        let (mean, square) = (of_open(mean), of_open(square));
+        let (mean, square) = (of_open(&mean), of_open(&square));
         let open = coarse.grid.least(conductance);
         let sigma = coarse.size * AROUND_SHARE;
         let found = coarse.spread(Vector2Planes { x: mean, y: square }, &open, sigma);
         let [around, contrast] = map_covered(mask, self.memory, |y| {
-            let [mean, square] = [&found.x, &found.y].map(|plane| coarse.grid.row(plane, y));
+            let rows = [&found.x, &found.y].map(|plane| coarse.grid.row(plane, y, mask.width()));
             move |x| {
-                let (mean, square) = (mean(x), square(x));
+                let [mean, square] = rows.each_ref().map(|row| row[x]);
                 [mean, (square - mean * mean).max(0.0).sqrt()]
             }
         });
@@ -313,26 +327,31 @@ impl Cells<'_> {
 
     /// How much the surroundings of cells tell of shape.
     fn activity(&self, turn: &Plane, conductance: &Plane) -> Plane {
-        let coarse = Self {
-            grid: Grid::new(&self.grid.mask, COARSE),
-            size: self.size / COARSE as f32,
-            ..*self
-        };
-        let mask = &self.grid.mask;
-        let [turn] = coarse.grid.means(mask, self.memory, |x, y| {
-            [turn.at(x, y).min(CLEAR_TURN) / CLEAR_TURN]
+        let (mask, coarse) = (&self.grid.mask, self.coarse());
+        let [turn] = coarse.grid.means(mask, coarse.memory, |y| {
+            let turn = turn.row(y);
+            move |x| [turn[x].min(CLEAR_TURN) / CLEAR_TURN]
         });
         let open = coarse.grid.least(conductance);
-        let zero = self.memory.plane(&coarse.grid.mask);
+        let zero = coarse.memory.plane(&coarse.grid.mask);
         let sigma = coarse.size * ACTIVITY_SHARE;
         let found = coarse
             .spread(Vector2Planes { x: turn, y: zero }, &open, sigma)
             .x;
         let [active] = map_covered(mask, self.memory, |y| {
-            let turn = coarse.grid.row(&found, y);
-            move |x| [activity(turn(x))]
+            let turn = coarse.grid.row(&found, y, mask.width());
+            move |x| [activity(turn[x])]
         });
         active
+    }
+
+    /// Cells of which each holds several of these.
+    fn coarse(&self) -> Self {
+        Self {
+            grid: Grid::new(&self.grid.mask, COARSE),
+            size: self.size / COARSE as f32,
+            ..*self
+        }
     }
 
     /// A field spread by this many cells wherever conductance lets it.

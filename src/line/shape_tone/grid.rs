@@ -1,8 +1,9 @@
 //! The grid of cells on which tone is found, and the way to it and back.
 
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::map_covered;
+use crate::engine::cpu::rows::map_rows;
 use crate::frame::{Mask, Plane};
+use glam::Vec2;
 
 /// Cells of `step` by `step` pixels; those that hold any surface are covered.
 pub(crate) struct Grid {
@@ -28,28 +29,35 @@ impl Grid {
         Self { step, mask }
     }
 
-    /// The means over cells of `sample(x, y)`, of what is covered.
-    pub(crate) fn means<const N: usize>(
+    /// The means over cells of `row(y)(x)`, of what is covered.
+    pub(crate) fn means<const N: usize, Sample: Fn(usize) -> [f32; N]>(
         &self,
         pixels: &Mask,
         memory: &Memory,
-        sample: impl Fn(usize, usize) -> [f32; N] + Sync,
+        row: impl Fn(usize) -> Sample + Sync,
     ) -> [Plane; N] {
-        let (step, sample) = (self.step, &sample);
+        let step = self.step;
         let [width, height] = [pixels.width(), pixels.height()];
-        map_covered(&self.mask, memory, |row| {
-            move |column| {
-                let (mut sums, mut count) = ([0.0; N], 0.0);
-                for y in row * step..((row + 1) * step).min(height) {
-                    let columns = column * step..((column + 1) * step).min(width);
-                    let covered = pixels.row(y);
-                    for x in columns.filter(|&x| covered[x]) {
-                        let sample = sample(x, y);
-                        sums.iter_mut().zip(sample).for_each(|(sum, v)| *sum += v);
-                        count += 1.0;
+        map_rows(&self.mask, memory, |cells, mut means| {
+            let columns = self.mask.span(cells);
+            let mut counts = vec![0.0_f32; columns.len()];
+            let mut sums = vec![[0.0; N]; columns.len()];
+            for y in cells * step..((cells + 1) * step).min(height) {
+                let (covered, sample) = (pixels.row(y), row(y));
+                for (i, cell) in columns.clone().enumerate() {
+                    for x in (cell * step..((cell + 1) * step).min(width)).filter(|&x| covered[x]) {
+                        let sample = sample(x);
+                        sums[i]
+                            .iter_mut()
+                            .zip(sample)
+                            .for_each(|(sum, v)| *sum += v);
+                        counts[i] += 1.0;
                     }
                 }
-                sums.map(|sum| sum / count)
+            }
+            for (i, cell) in columns.enumerate().filter(|&(i, _)| counts[i] > 0.0) {
+                let means = means.iter_mut().zip(sums[i]);
+                means.for_each(|(row, sum)| row[cell] = sum / counts[i]);
             }
         })
     }
@@ -65,39 +73,38 @@ impl Grid {
         })
     }
 
-    /// What a plane of cells has at the pixels of row `y`, by their column: the mean of the four cells around, by distance;
-    /// of those covered.
-    #[inline(always)]
-    pub(crate) fn row<'a>(&'a self, cells: &'a Plane, y: usize) -> impl Fn(usize) -> f32 + 'a {
-        let (rows, down) = self.place(y, cells.height());
-        let rows = rows.map(|row| (self.mask.row(row), cells.row(row)));
-        let of_rows = [1.0 - down, down];
-        move |x| {
-            if self.step == 1 {
-                return rows[0].1[x];
-            }
-            let (columns, across) = self.place(x, cells.width());
-            let of_columns = [1.0 - across, across];
-            let (mut sum, mut weight) = (0.0, 0.0);
-            for ((covered, samples), of_row) in rows.into_iter().zip(of_rows) {
-                for (column, of_column) in columns.into_iter().zip(of_columns) {
-                    if covered[column] {
-                        sum += of_row * of_column * samples[column];
-                        weight += of_row * of_column;
-                    }
-                }
-            }
-            // A pixel's own cell is covered, and weighs a quarter at the least.
-            sum / weight
+    /// What a plane of cells has at the `width` pixels of row `y`: the mean of the four cells around, by distance, of
+    /// those covered.
+    pub(crate) fn row(&self, cells: &Plane, y: usize, width: usize) -> Vec<f32> {
+        if self.step == 1 {
+            return cells.row(y).to_vec();
         }
+        let (rows, down) = self.place(y, cells.height());
+        let mut between = vec![Vec2::ZERO; cells.width()];
+        for (row, weight) in rows.into_iter().zip([1.0 - down, down]) {
+            let samples = self.mask.row(row).iter().zip(cells.row(row));
+            for (sum, (&covered, &sample)) in between.iter_mut().zip(samples) {
+                let weight = if covered { weight } else { 0.0 };
+                *sum += Vec2::new(weight * sample, weight);
+            }
+        }
+        let at = |x: usize| {
+            let ([left, right], across) = self.place(x, cells.width());
+            let sum = (1.0 - across) * between[left] + across * between[right];
+            // A covered pixel's own cell weighs a quarter at the least.
+            sum.x / sum.y
+        };
+        (0..width).map(at).collect()
     }
 
     /// The two cells, of so many, around a pixel along an axis, and how far it lies toward the second.
     #[inline(always)]
     fn place(&self, pixel: usize, count: usize) -> ([usize; 2], f32) {
-        let at = (pixel as f32 + 0.5) / self.step as f32 - 0.5;
-        let first = at.floor();
-        let inside = |i: f32| (i.max(0.0) as usize).min(count - 1);
-        ([inside(first), inside(first + 1.0)], at - first)
+        // Halves of pixels from the middle of the cell before the first.
+        let at = 2 * pixel + 1 + self.step;
+        let (cell, rest) = (at / (2 * self.step), at % (2 * self.step));
+        let first = cell.saturating_sub(1);
+        let across = rest as f32 / (2 * self.step) as f32;
+        ([first.min(count - 1), cell.min(count - 1)], across)
     }
 }

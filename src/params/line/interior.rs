@@ -15,6 +15,10 @@ params! {
         ///
         /// Below 1 only the plainest are left; high values draw every ripple.
         detail: f32 = 1.0, flag: "--line-detail", form: "D", valid: 0.05..=20.0, useful: by_factors(0.25, 4.0);
+        /// Size of the folds that lines inside surfaces run along, as a factor of a 300th of the picture's size.
+        ///
+        /// Below 1 they follow finer forms, as letters in stone; above 1 only broad ones.
+        scale: f32 = 1.0, flag: "--line-scale", form: "S", valid: 0.1..=10.0, useful: by_factors(0.2, 5.0);
         /// Width of the heaviest line inside a surface, in pixels of a picture of 640 by 480; it grows with the picture,
         /// and not with --stroke-scale.
         width_px: f32 = 1.9,
