@@ -291,11 +291,12 @@ fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
         plane: &drawing.hatching,
         sample_type,
     });
-    let lines = [
+    let others = [
         ("strokes.contours", &drawing.contours),
         ("strokes.interior", &drawing.interior),
+        ("strokes.tone", &drawing.asked),
     ];
-    for (name, plane) in lines {
+    for (name, plane) in others {
         channels.extend(plane.iter().map(|plane| OutputChannel {
             name: name.into(),
             plane,

@@ -67,6 +67,8 @@ pub struct Drawing {
     pub interior: Option<Plane>,
     /// The same as lines.
     pub interior_lines: Vec<Contour>,
+    /// How much of the paper strokes were asked to cover, 0..1, by tones that show the shape.
+    pub asked: Option<Plane>,
     /// Luminance of paper white that was used.
     pub white_point: f32,
     /// Where the texture of strokes lies, for the next frame of a sequence.

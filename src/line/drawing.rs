@@ -9,6 +9,7 @@ use crate::params::{Adaptive, LineParams, Style, ToneParams};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
+use rayon::prelude::*;
 
 /// The verdict on a step of drawings.
 pub(crate) fn is_drawn(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict) -> Verdict {
@@ -124,6 +125,14 @@ pub(crate) fn shown<'a>(
     Some(ToneOf::Picture(color, frame.luminance_weights()))
 }
 
+/// The share of the paper that is covered at optical densities.
+fn covering(mut density: Plane) -> Plane {
+    let samples = density.samples_mut().par_iter_mut();
+    let samples = samples.with_min_len(1 << 14);
+    samples.for_each(|density| *density = 1.0 - (-*density).exp());
+    density
+}
+
 /// Puts the drawing together of its strokes and of what the canvas holds.
 pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
     let canvas = std::mem::take(&mut run.canvas);
@@ -148,6 +157,7 @@ pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Stre
         contour_lines: contour_lines.unwrap_or_default(),
         interior,
         interior_lines: interior_lines.unwrap_or_default(),
+        asked: tone.density.map(covering),
         white_point: tone.white,
         coordinates: canvas.coordinates,
     });

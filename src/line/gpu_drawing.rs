@@ -255,6 +255,7 @@ fn put_drawing(
         contour_lines: lines.unwrap_or_default(),
         interior: None,
         interior_lines: Vec::new(),
+        asked: None,
         white_point: of_paper[WHITE as usize],
         coordinates,
     });

@@ -266,6 +266,7 @@ impl Runner {
             contour_lines: Vec::new(),
             interior: None,
             interior_lines: Vec::new(),
+            asked: None,
             white_point: drawn.white_point,
             coordinates: None,
         };

@@ -1,5 +1,6 @@
 //! `relievo hatch` as a user runs it.
 
+use crate::common::exr::channel;
 use crate::common::program::{Ran, fixture, relievo, run};
 use relievo::io::photo::Photo;
 use std::ffi::OsStr;
@@ -124,15 +125,20 @@ fn tone_comes_from_new_light_where_there_is_any() {
 }
 
 #[test]
-fn layers_of_a_drawing_lie_beside_the_input() {
+fn layers_of_a_drawing_lie_beside_the_input_and_strokes_cover_what_is_asked() {
     let desk = tempfile::tempdir().unwrap();
-    hatch(desk.path(), "bust.exr", "-o drawing.exr").done();
-    let said = relievo(desk.path(), "inspect drawing.exr").done().stdout;
-    for layer in ["relievo.R", "strokes.hatching", "strokes.contours"] {
-        assert!(
-            said.contains(layer.split('.').next().unwrap()),
-            "{layer}: {said}"
-        );
+    for style in ["pen", "pencil"] {
+        let words = format!("--style {style} -o drawing.exr");
+        hatch(desk.path(), "bust.exr", &words).done();
+        let file = desk.path().join("drawing.exr");
+        channel(&file, "relievo.R");
+        let covered = |name: &str| {
+            let plane = channel(&file, name);
+            plane.samples().iter().sum::<f32>() / plane.samples().len() as f32
+        };
+        let [strokes, asked] = ["strokes.hatching", "strokes.tone"].map(covered);
+        assert!((strokes / asked - 1.0).abs() < 0.02, "{strokes} of {asked}");
+        assert!(covered("strokes.contours") > 0.0 && covered("strokes.interior") > 0.0);
     }
 }
 
