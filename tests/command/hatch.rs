@@ -1,7 +1,7 @@
 //! `relievo hatch` as a user runs it.
 
 use crate::common::exr::channel;
-use crate::common::program::{Ran, fixture, relievo, run};
+use crate::common::program::{Ran, fixture, run};
 use relievo::io::photo::Photo;
 use std::ffi::OsStr;
 use std::path::Path;

@@ -70,7 +70,7 @@ impl Value for Style {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StrokeScale {
-    /// As large as carries the forms of a picture of its size: spacing is a 185th of the root of its area.
+    /// As large as carries the forms of a picture of its size: spacing is a 220th of the root of its area.
     Auto,
     /// The style's own sizes times this factor, in output pixels.
     Factor(f32),
@@ -114,7 +114,7 @@ impl Value for StrokeScale {
 const AUTO: &str = "auto";
 
 /// The picture's size, the root of its area, in which strokes of scale 1 carry its forms, and the scales that are fit to any.
-const SIZE_AT_SCALE_1_PX: f32 = 1100.0;
+const SIZE_AT_SCALE_1_PX: f32 = 1320.0;
 const FIT_SCALES: [f32; 2] = [0.35, 4.0];
 
 /// The picture's size in which lines along edges have their own width.
