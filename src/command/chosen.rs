@@ -7,6 +7,7 @@ use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
+use crate::params::ToneLevels;
 
 /// Rows of depth that show how far away a frame's surface is.
 const ROWS_FOR_DISTANCE: usize = 32;
@@ -16,6 +17,8 @@ const ROWS_FOR_DISTANCE: usize = 32;
 pub(crate) struct Chosen {
     /// Numbers, by the flag that gives them; those of a kind of light also by its name.
     numbers: Vec<(&'static str, &'static str, f32)>,
+    /// What tones that show the shape were fit to; of a sequence the median of its frames.
+    tone_levels: Option<[f32; ToneLevels::COUNT]>,
     /// How the layers were read, where they show any surface.
     conventions: Option<Conventions>,
     /// The camera, where it was recovered, and how far away what it sees is; of a sequence that of all.
@@ -37,6 +40,7 @@ impl Chosen {
         ];
         Self {
             numbers: numbers(&single, &outcome.term_white_levels),
+            tone_levels: outcome.tone_levels,
             conventions: conventions_of(loaded),
             recovered: recovered(loaded),
             still_camera: None,
@@ -71,6 +75,7 @@ impl Chosen {
         let groups = kinds.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
         Self {
             numbers: groups.map(|group| *group[group.len() / 2]).collect(),
+            tone_levels: ToneLevels::median(each.iter().filter_map(|chosen| chosen.tone_levels)),
             conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
             recovered: None,
             still_camera: cameras.and_then(|cameras| still_camera::of_all(&cameras)),
@@ -87,7 +92,14 @@ impl Chosen {
             .still_camera
             .map(|still| Flag::new("still-camera", still));
         let numbers = self.numbers.iter().map(flag);
-        numbers.chain(conventions).chain(camera).collect()
+        let levels = self.tone_levels.iter();
+        let levels =
+            levels.map(|levels| Flag::new("tone-levels", levels.map(|l| l.to_string()).join(",")));
+        numbers
+            .chain(levels)
+            .chain(conventions)
+            .chain(camera)
+            .collect()
     }
 
     /// The numbers that were chosen, by the names of their settings.

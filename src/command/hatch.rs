@@ -107,9 +107,8 @@ impl HatchArgs {
             ..Available::in_frame(frame)
         };
         let is_lit = LightKinds::in_light(&illumination) != LightKinds::default();
-        // What is seen in mirrors has no tone but its light's, and one that is fit to a frame would flicker.
-        let is_alone = !is_specular && !drawn.is_in_sequence;
-        let shows_shape = self.tone() == ToneSource::Auto && is_alone;
+        // What is seen in mirrors has no tone but its light's.
+        let shows_shape = self.tone() == ToneSource::Auto && !is_specular;
         let relit = match self.tone() {
             ToneSource::Relight => true,
             ToneSource::Auto if shows_shape => is_lit,

@@ -4,6 +4,7 @@ use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2
 use crate::line::contours::Contour;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
+use crate::params::ToneLevels;
 use crate::product::Product;
 use glam::Vec2;
 use std::time::Duration;
@@ -105,6 +106,8 @@ pub struct Outcome {
     pub gain: Option<f32>,
     /// The white level that was used.
     pub white_level: Option<f32>,
+    /// What tones that show the shape were fit to, as [`ToneLevels::Given`](crate::params::ToneLevels::Given) has it.
+    pub tone_levels: Option<[f32; ToneLevels::COUNT]>,
     /// The factor of the environment's radiance that was used.
     pub environment_gain: Option<f32>,
     /// The white levels that were used where each term of the light has its own, with the terms' names.

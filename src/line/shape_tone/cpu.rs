@@ -1,7 +1,8 @@
 //! Tone over the frame: cells, what spreads among them, percentiles, and back to pixels.
 
 use super::grid::Grid;
-use super::{Spread, activity, key_stops, left_out, lightened, raised, seen_tone, stops};
+use super::levels::{self, Ranks, SHARES, Scales, Spread};
+use super::{activity, key_stops, left_out, lightened, raised, seen_tone, stops};
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::percentile;
 use crate::engine::cpu::rows::map_covered;
@@ -9,11 +10,11 @@ use crate::frame::{Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::line::density::LEAST_ALPHA;
 use crate::line::direction_field::setting::OPEN;
 use crate::line::tone::ToneOf;
-use crate::params::{RunOptions, ToneParams};
+use crate::params::{RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;
 use crate::shape::diffusion::cpu::diffusion;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Cells along the picture's size, the root of its area, where it has so many pixels: strokes carry no finer forms.
 const CELLS: f32 = 700.0;
@@ -66,8 +67,13 @@ pub(crate) struct Shown<'a> {
     pub(crate) params: &'a ToneParams,
 }
 
-/// The optical density, -ln of the share of light that is left, of the tone of every covered pixel; 0 elsewhere.
-pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) -> Plane {
+/// The optical density, -ln of the share of light that is left, of the tone of every covered pixel, 0 elsewhere; and the
+/// levels that tones were fit to, as [`ToneLevels::Given`](crate::params::ToneLevels::Given) has them.
+pub(crate) fn densities(
+    shown: &Shown,
+    options: &RunOptions,
+    memory: &Memory,
+) -> (Plane, [f32; ToneLevels::COUNT]) {
     let (mask, window) = (&shown.frame.mask, shown.frame.display_window);
     let size = ((window.width() * window.height()) as f32).sqrt();
     let step = ((size / CELLS) as usize).max(1);
@@ -78,12 +84,12 @@ pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) ->
         memory: &Memory::default(),
     };
     let seen = cells.seen(shown);
-    let density = cells.density(&seen, shown);
+    let (density, levels) = cells.density(&seen, shown);
     let [pixels] = map_covered(mask, memory, |y| {
         let row = cells.grid.row(&density, y, mask.width());
         move |x| [row[x]]
     });
-    pixels
+    (pixels, levels)
 }
 
 /// The luminance of the surface in a row of the picture; 0 where it has none.
@@ -158,9 +164,10 @@ impl Cells<'_> {
         }
     }
 
-    fn density(&self, seen: &Seen, shown: &Shown) -> Plane {
+    fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
+        let (scales, ranks) = levels::given(shown.params.levels).unzip();
         let turn = self.turn(seen);
-        let brightness = self.brightness(seen, shown, &turn);
+        let (brightness, scales) = self.brightness(seen, shown, &turn, scales);
         let conductance = &seen.conductance;
         let (around, contrast) = self.around(&brightness, conductance);
         let active = self.activity(&turn, conductance);
@@ -173,7 +180,7 @@ impl Cells<'_> {
                 [around[x] + detail * raised(contrast[x], active[x])]
             }
         });
-        let ranks = Ranks::new(&balanced, &active, mask);
+        let ranks = ranks.unwrap_or_else(|| ranks_of(&balanced, &active, mask));
         let background = self.background(&active, conductance);
         let left_out = left_out(shown.params.background);
         let [density] = map_covered(mask, self.memory, |y| {
@@ -185,7 +192,7 @@ impl Cells<'_> {
                 [-SEEN_GAMMA * lightened(tone, left_out * share).ln()]
             }
         });
-        density
+        (density, levels::as_numbers(&scales, &ranks))
     }
 
     /// Whether cells belong to what is plain and reaches the border of the picture.
@@ -259,10 +266,19 @@ impl Cells<'_> {
     }
 
     /// The brightness of cells about that of the whole, of the picture and in the key light.
-    fn brightness(&self, seen: &Seen, shown: &Shown, turn: &Plane) -> Plane {
+    fn brightness(
+        &self,
+        seen: &Seen,
+        shown: &Shown,
+        turn: &Plane,
+        given: Option<Scales>,
+    ) -> (Plane, Scales) {
         let (mask, gain) = (&self.grid.mask, shown.curvature.1);
-        let median = middle(&seen.luminance, mask, 50).filter(|&median| median > 0.0);
-        let median = median.unwrap_or(1.0);
+        let median = match given {
+            Some(scales) => scales.median,
+            None => middle(&seen.luminance, mask, 50).unwrap_or(1.0),
+        };
+        let median = if median > 0.0 { median } else { 1.0 };
         let [picture, key, smooth] = map_covered(mask, self.memory, |y| {
             let [nx, ny, nz] = seen.normal.each_ref().map(|plane| plane.row(y));
             let (trace, luminance) = (seen.trace.row(y), seen.luminance.row(y));
@@ -279,7 +295,11 @@ impl Cells<'_> {
         });
         let sigma = (self.size * SMOOTH_SHARE).max(LEAST_SMOOTHING);
         let both = self.spread(Vector2Planes { x: picture, y: key }, &smooth, sigma);
-        let [of_picture, of_key] = [&both.x, &both.y].map(|plane| spread_of(plane, mask));
+        let scales = given.unwrap_or_else(|| Scales {
+            median,
+            picture: spread_of(&both.x, mask),
+            key: spread_of(&both.y, mask),
+        });
         let share = match shown.picture {
             Some(_) => shown.params.key_share,
             None => 1.0,
@@ -287,11 +307,11 @@ impl Cells<'_> {
         let [mixed] = map_covered(mask, self.memory, |y| {
             let (picture, key) = (both.x.row(y), both.y.row(y));
             move |x| {
-                let picture = of_picture.standard(picture[x]);
-                [picture + share * (of_key.standard(key[x]) - picture)]
+                let picture = scales.picture.standard(picture[x]);
+                [picture + share * (scales.key.standard(key[x]) - picture)]
             }
         });
-        mixed
+        (mixed, scales)
     }
 
     /// The brightness around cells, within surfaces, and how far cells are from it in the root mean square.
@@ -409,63 +429,41 @@ fn spread_of(plane: &Plane, mask: &Mask) -> Spread {
 /// Steps between the least and the greatest value in which ranks are counted.
 const BINS: usize = 4096;
 
-/// The rank of every brightness among those of a picture, counted by how much they tell of shape.
-struct Ranks {
-    least: f32,
-    per_bin: f32,
-    /// The share of what lies below each bin.
-    below: Vec<f32>,
-    /// The 2nd and the 95th percentile.
-    ends: Vec2,
-}
-
-impl Ranks {
-    fn new(brightness: &Plane, active: &Plane, mask: &Mask) -> Self {
-        let least = middle(brightness, mask, 0).unwrap_or(0.0);
-        let most = middle(brightness, mask, 100).unwrap_or(0.0);
-        let per_bin = ((most - least) / BINS as f32).max(f32::MIN_POSITIVE);
-        let mut counts = vec![0.0_f64; BINS];
-        for y in 0..mask.height() {
-            let (row, active) = (brightness.row(y), active.row(y));
-            for x in mask.runs(y).flatten() {
-                let bin = ((row[x] - least) / per_bin) as usize;
-                counts[bin.min(BINS - 1)] += f64::from(PLAIN_WEIGHT + active[x]);
+/// The ranks of every brightness among those of a picture, counted by how much they tell of shape.
+fn ranks_of(brightness: &Plane, active: &Plane, mask: &Mask) -> Ranks {
+    let least = middle(brightness, mask, 0).unwrap_or(0.0);
+    let most = middle(brightness, mask, 100).unwrap_or(0.0);
+    let per_bin = ((most - least) / BINS as f32).max(f32::MIN_POSITIVE);
+    let mut counts = vec![0.0_f64; BINS];
+    for y in 0..mask.height() {
+        let (row, active) = (brightness.row(y), active.row(y));
+        for x in mask.runs(y).flatten() {
+            let bin = ((row[x] - least) / per_bin) as usize;
+            counts[bin.min(BINS - 1)] += f64::from(PLAIN_WEIGHT + active[x]);
+        }
+    }
+    let all: f64 = counts.iter().sum();
+    let mut sum = 0.0;
+    // What lies below the end of each bin.
+    let below: Vec<f64> = counts
+        .iter()
+        .map(|count| {
+            sum += count;
+            sum
+        })
+        .collect();
+    Ranks(SHARES.map(|share| {
+        let wanted = f64::from(share) * all;
+        let bin = below.partition_point(|&below| below < wanted);
+        match bin {
+            0 => least,
+            bin => {
+                let bin = bin.min(BINS - 1);
+                let part = (wanted - below[bin - 1]) / (below[bin] - below[bin - 1]);
+                least + per_bin * (bin as f32 + part.clamp(0.0, 1.0) as f32)
             }
         }
-        let all: f64 = counts.iter().sum();
-        let mut sum = 0.0;
-        let mut below: Vec<f32> = counts
-            .iter()
-            .map(|count| {
-                let share = sum / all.max(f64::MIN_POSITIVE);
-                sum += count;
-                share as f32
-            })
-            .collect();
-        below.push(1.0);
-        let at = |share: f32| {
-            let bin = below.partition_point(|&below| below < share);
-            least + per_bin * bin.min(BINS) as f32
-        };
-        let ends = Vec2::new(at(0.02), at(0.95));
-        Self {
-            least,
-            per_bin,
-            below,
-            ends,
-        }
-    }
-
-    fn rank(&self, value: f32) -> f32 {
-        let at = ((value - self.least) / self.per_bin).clamp(0.0, BINS as f32);
-        let bin = (at as usize).min(BINS - 1);
-        let (a, b) = (self.below[bin], self.below[bin + 1]);
-        a + (at - bin as f32) * (b - a)
-    }
-
-    fn place(&self, value: f32) -> f32 {
-        (value - self.ends.x) / (self.ends.y - self.ends.x).max(f32::MIN_POSITIVE)
-    }
+    }))
 }
 
 #[cfg(test)]
@@ -494,7 +492,7 @@ mod tests {
             to_key: key_light(),
             params: &params,
         };
-        let densities = densities(&shown, &RunOptions::default(), &Memory::default());
+        let (densities, _) = densities(&shown, &RunOptions::default(), &Memory::default());
         densities.map(|density| (-density / SEEN_GAMMA).exp())
     }
 
@@ -529,6 +527,45 @@ mod tests {
         for (small, large) in tones[0].iter().zip(tones[1]) {
             assert!((small - large).abs() < 0.03, "{tones:?}");
         }
+    }
+
+    #[test]
+    fn what_was_fit_to_one_picture_holds_for_the_next() {
+        // Of the ball half is left: fit anew its tones change, fit to the whole they stay away from the cut.
+        let (normal, mask) = ball(160);
+        let half = Mask::new(Plane::from_fn(160, 160, |x, y| mask.at(x, y) && x > y));
+        let (options, memory) = (RunOptions::default(), Memory::default());
+        let flat = Plane::filled(160, 160, 0.0);
+        let open = Plane::filled(160, 160, 1.0);
+        let found = |mask: &Mask, levels: ToneLevels| {
+            let params = ToneParams {
+                background: crate::params::Background::Strokes,
+                levels,
+                ..ToneParams::default()
+            };
+            let shown = Shown {
+                frame: &Frame::of_normals(normal.clone(), mask.clone()),
+                conductance: &open,
+                silhouette: None,
+                curvature: (&flat, 1.0),
+                picture: None,
+                to_key: key_light(),
+                params: &params,
+            };
+            let (density, levels) = densities(&shown, &options, &memory);
+            (density.map(|density| (-density / SEEN_GAMMA).exp()), levels)
+        };
+        let (whole, levels) = found(&mask, ToneLevels::Auto);
+        let given = ToneLevels::Given(levels);
+        assert_eq!(found(&mask, given), (whole.clone(), levels));
+        let off = |tone: &Plane| (tone.at(120, 40) - whole.at(120, 40)).abs();
+        let (fit, kept) = (found(&half, ToneLevels::Auto).0, found(&half, given).0);
+        assert!(
+            off(&kept) < 0.03 && off(&fit) > 2.0 * off(&kept),
+            "{} {}",
+            off(&kept),
+            off(&fit)
+        );
     }
 
     #[test]

@@ -12,6 +12,7 @@
 pub(crate) mod cpu;
 mod grid;
 mod halo;
+mod levels;
 pub(crate) mod stage;
 
 use crate::light::lights::direction_of;
@@ -23,9 +24,6 @@ pub(crate) const KEY_DEG: [f32; 2] = [135.0, 38.0];
 
 /// Luminances below and above the median that count, in stops.
 const STOPS: [f32; 2] = [-6.0, 4.0];
-
-/// The least spread between the 10th and the 90th percentile, in stops, that is taken for a surface's own: less is noise.
-const LEAST_SPREAD: f32 = 0.3;
 
 /// What is darker than this in the key light is equally dark.
 const DARKEST_KEY: f32 = 0.03;
@@ -63,23 +61,6 @@ pub(crate) fn key_stops(toward: f32, kappa: f32) -> f32 {
         0.2 * (1.5 * toward).exp()
     };
     lit.max(DARKEST_KEY).log2() + 0.5 * kappa
-}
-
-/// The middle and the spread of values, by which those of two kinds are compared.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Spread {
-    /// The median.
-    pub(crate) middle: f32,
-    /// From the 10th to the 90th percentile.
-    pub(crate) width: f32,
-}
-
-impl Spread {
-    /// How many spreads above the middle a value lies.
-    #[inline(always)]
-    pub(crate) fn standard(self, value: f32) -> f32 {
-        (value - self.middle) / self.width.max(LEAST_SPREAD)
-    }
 }
 
 /// How much a place tells of shape, 0..1: `turn` is the mean turn of the normal around it, in radians over the picture's

@@ -48,11 +48,12 @@ fn find(run: &mut Run) {
         to_key: given.map_or_else(key_light, |light| light.to_light),
         params: &params.tone,
     };
-    let density = run.timed(SHAPE_TONE.name, || {
-        let mut density = densities(&of, &runner.options, &runner.memory);
+    let (density, levels) = run.timed(SHAPE_TONE.name, || {
+        let (mut density, levels) = densities(&of, &runner.options, &runner.memory);
         leave_bare(&mut density, frame, params.tone.halo);
-        density
+        (density, levels)
     });
+    run.outcome.tone_levels = Some(levels);
     run.outcome.shape = shape;
     run.outcome.color = made;
     run.canvas = canvas;

@@ -16,7 +16,7 @@ pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
 pub(crate) use strokes::MAX_LEVELS;
 pub use strokes::{Enlargement, Stroke, StrokeParams, StrokeScale, Style};
-pub use tone::{Background, ToneParams, ToneSource};
+pub use tone::{Background, ToneLevels, ToneParams, ToneSource};
 
 params! {
     /// How a frame is drawn ([LA] section 6).
