@@ -217,6 +217,7 @@ pub(crate) fn on_a_page<'a>(color: &'a ColorPlanes, output: &OutputArgs) -> Pict
         alpha: None,
         grey: true,
         bits: 8,
+        dpi: None,
         transform: output.view_transform,
     }
 }

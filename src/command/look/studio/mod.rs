@@ -303,6 +303,7 @@ impl ViewSession {
             alpha: None,
             grey: false,
             bits: 8,
+            dpi: None,
             transform: ViewTransform::None,
         }))
     }
