@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         alpha: None,
         grey: false,
         bits: 8,
+        dpi: None,
         transform: ViewTransform::Srgb,
     };
     write_atomically(&output, Replace::IfWritable, |w| {

@@ -70,6 +70,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         alpha: None,
         grey: false,
         bits: 8,
+        dpi: None,
         transform: ViewTransform::None,
     };
     write_atomically(&output, Replace::IfWritable, |w| {

@@ -113,6 +113,7 @@ fn shown(outcome: &Outcome, frame: &Frame) -> Vec<[u8; 4]> {
         alpha: frame.alpha.as_ref(),
         grey: false,
         bits: 8,
+        dpi: None,
         transform: ViewTransform::Srgb,
     })
 }

@@ -110,6 +110,7 @@ pub(crate) fn write(path: &str, color: &ColorPlanes) -> relievo::Result<()> {
         alpha: None,
         grey: false,
         bits: 8,
+        dpi: None,
         transform: ViewTransform::Srgb,
     };
     write_atomically(path, Replace::IfWritable, |w| {

@@ -7,7 +7,7 @@ use super::output::color_channels;
 use super::strips::refuse_large_surroundings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::hatch::{Drawn, Looks, inked, is_svg, on_a_page};
+use crate::command::hatch::{Drawn, Looks, inked, is_svg};
 use crate::command::line_args::HatchArgs;
 use crate::command::output::Kind;
 use crate::command::relight::illumination;
@@ -148,7 +148,7 @@ impl FrameCommand for HatchArgs {
             outcome,
             read,
         };
-        let chosen = write(job, &done, kit.looks.line.strokes.dpi)?;
+        let chosen = self.write(job, &done)?;
         kit.engine.recycle(done.outcome);
         Ok(chosen)
     }
@@ -156,14 +156,18 @@ impl FrameCommand for HatchArgs {
 
 impl HatchArgs {
     /// Makes the frame as large as its drawing is to be; how many times as large.
-    fn enlarge(&self, job: &Job, loaded: &mut Loaded) -> Result<usize> {
-        let times = self.times(&loaded.frame);
-        if times == 1 {
+    fn enlarge(&self, job: &Job, loaded: &mut Loaded) -> Result<f64> {
+        let times = self.times(&loaded.frame)?;
+        if times == 1.0 {
             return Ok(times);
         }
+        let (name, less) = match job.work.flags.params.size {
+            Some(_) => ("--size", "give a lower --dpi"),
+            None => ("--enlarge", "give a lower one"),
+        };
         let refused = |found: &str, remedy: &str| {
             Err(Error::BadParameter {
-                name: "--enlarge",
+                name,
                 found: found.into(),
                 remedy: remedy.into(),
             })
@@ -190,13 +194,13 @@ impl HatchArgs {
             );
         }
         let window = loaded.frame.data_window;
-        let pixels = (window.width() * window.height() * times * times) as u64;
-        if pixels * BYTES_PER_PIXEL > job.work.run.max_memory.most() {
-            let [width, height] = [window.width(), window.height()].map(|side| side * times);
+        let [width, height] =
+            [window.width(), window.height()].map(|side| (side as f64 * times) as u64);
+        if width * height * BYTES_PER_PIXEL > job.work.run.max_memory.most() {
             let found = format!(
                 "makes a drawing of {width}x{height} pixels, and memory for it is not allowed"
             );
-            return refused(&found, "give a lower one, or raise --max-memory");
+            return refused(&found, &format!("{less}, or raise --max-memory"));
         }
         loaded.frame = loaded.frame.enlarged(times);
         Ok(times)
@@ -237,6 +241,46 @@ impl HatchArgs {
         scene.fill_from_behind(&mut loaded.frame);
         Ok(Some(scene))
     }
+
+    /// Writes the drawing and ends the frame.
+    fn write(&self, job: &Job, done: &Done) -> Result<Chosen> {
+        let output = &job.work.output;
+        let drawing = done
+            .outcome
+            .drawing
+            .as_ref()
+            .expect("a drawing was planned");
+        let frame = &done.loaded.frame;
+        if is_svg(&job.work) {
+            return job.write_svg(done, &page(frame, drawing, self.dpi()));
+        }
+        if let Kind::Picture(_) = output.kind()? {
+            let color = &self.printed(drawing);
+            return job.write_picture(done, &self.on_a_page(color, frame.pixel_aspect));
+        }
+        let color = &inked(drawing);
+        let sample_type = output.depth_of_output.unwrap_or(OutputType::Half);
+        let layer = output.color_layer(&done.loaded);
+        let mut channels = color_channels(layer, color, None, sample_type);
+        channels.push(OutputChannel {
+            name: "strokes.hatching".into(),
+            plane: &drawing.hatching,
+            sample_type,
+        });
+        let others = [
+            ("strokes.contours", &drawing.contours),
+            ("strokes.interior", &drawing.interior),
+            ("strokes.tone", &drawing.asked),
+        ];
+        for (name, plane) in others {
+            channels.extend(plane.iter().map(|plane| OutputChannel {
+                name: name.into(),
+                plane,
+                sample_type,
+            }));
+        }
+        job.write_exr(done, &channels)
+    }
 }
 
 /// The lines of a drawing on a page.
@@ -267,41 +311,4 @@ fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
         dpi,
         layers,
     }
-}
-
-fn write(job: &Job, done: &Done, dpi: f32) -> Result<Chosen> {
-    let output = &job.work.output;
-    let drawing = done
-        .outcome
-        .drawing
-        .as_ref()
-        .expect("a drawing was planned");
-    if is_svg(&job.work) {
-        return job.write_svg(done, &page(&done.loaded.frame, drawing, dpi));
-    }
-    let color = &inked(drawing);
-    if let Kind::Picture(_) = output.kind()? {
-        return job.write_picture(done, &on_a_page(color, output));
-    }
-    let sample_type = output.depth_of_output.unwrap_or(OutputType::Half);
-    let layer = output.color_layer(&done.loaded);
-    let mut channels = color_channels(layer, color, None, sample_type);
-    channels.push(OutputChannel {
-        name: "strokes.hatching".into(),
-        plane: &drawing.hatching,
-        sample_type,
-    });
-    let others = [
-        ("strokes.contours", &drawing.contours),
-        ("strokes.interior", &drawing.interior),
-        ("strokes.tone", &drawing.asked),
-    ];
-    for (name, plane) in others {
-        channels.extend(plane.iter().map(|plane| OutputChannel {
-            name: name.into(),
-            plane,
-            sample_type,
-        }));
-    }
-    job.write_exr(done, &channels)
 }

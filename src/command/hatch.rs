@@ -1,20 +1,22 @@
 //! What `relievo hatch` reads of a frame, and its plan.
 
-use super::args::{OutputArgs, WorkArgs};
+use super::args::WorkArgs;
 use super::line_args::HatchArgs;
+use super::output::Kind;
 use super::relight::needs;
 use crate::engine::outcome::Drawing;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
 use crate::io::inputs::Inputs;
-use crate::io::picture::Picture;
+use crate::io::picture::{Picture, PictureFormat};
 use crate::io::{self, Needs};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
+use crate::line::bilevel::bilevel;
 use crate::line::paper::on_paper;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    LineParams, Material, RelightParams, ScalingParams, ShapeParams, SoftThreshold, StrokeParams,
-    StrokeScale, Style, ToneSource,
+    Ink, LineParams, Material, RelightParams, ScalingParams, ShapeParams, SoftThreshold,
+    StrokeParams, StrokeScale, Style, ToneSource,
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::Path;
@@ -31,7 +33,7 @@ pub(crate) struct Looks {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
     /// How many times larger than it was it was made.
-    pub(crate) times: usize,
+    pub(crate) times: f64,
     /// Whether it is one of several, whose tones have to go together.
     pub(crate) is_in_sequence: bool,
     /// Whether strokes move with its surface.
@@ -50,7 +52,7 @@ impl HatchArgs {
         if is_svg(work) {
             in_lines(&mut line.strokes)?;
         } else {
-            work.output.kind()?;
+            refuse_grey(work.output.kind()?, line.strokes.ink)?;
         }
         Ok(Looks {
             shape: work.flags.params.shape,
@@ -82,10 +84,53 @@ impl HatchArgs {
     }
 
     /// How many times larger than the frame its drawing is.
-    pub(crate) fn times(&self, frame: &Frame) -> usize {
+    pub(crate) fn times(&self, frame: &Frame) -> Result<f64> {
+        let params = &self.relight.work.flags.params;
         let window = frame.display_window;
-        let size_px = ((window.width() * window.height()) as f32).sqrt();
-        self.relight.work.flags.params.enlarge.times(size_px)
+        let (width, height) = (window.width(), window.height());
+        match params.size {
+            Some(paper) => paper.factor([width, height], frame.pixel_aspect, self.dpi()),
+            None => {
+                let size_px = ((width * height) as f32).sqrt();
+                Ok(params.enlarge.times(size_px) as f64)
+            }
+        }
+    }
+
+    /// Pixels per inch of the print's height.
+    pub(crate) fn dpi(&self) -> f32 {
+        self.params().strokes.dpi
+    }
+
+    /// A drawing on its paper, as a picture shows it.
+    pub(crate) fn printed(&self, drawing: &Drawing) -> ColorPlanes {
+        let color = inked(drawing);
+        match self.params().strokes.ink {
+            Ink::Antialiased => color,
+            Ink::Bilevel => {
+                let light = bilevel(&color.r);
+                ColorPlanes {
+                    r: light.clone(),
+                    g: light.clone(),
+                    b: light,
+                }
+            }
+        }
+    }
+
+    /// A drawing on its paper as a picture, of pixels `pixel_aspect` times as wide as high.
+    pub(crate) fn on_a_page<'a>(&self, color: &'a ColorPlanes, pixel_aspect: f32) -> Picture<'a> {
+        let work = &self.relight.work;
+        let is_bilevel = self.params().strokes.ink == Ink::Bilevel;
+        let is_for_print = is_bilevel || work.flags.params.size.is_some();
+        Picture {
+            color,
+            alpha: None,
+            grey: true,
+            bits: if is_bilevel { 1 } else { 8 },
+            transform: work.output.view_transform,
+            dpi: is_for_print.then_some([self.dpi() / pixel_aspect, self.dpi()]),
+        }
     }
 
     /// The plan for a frame, and the light, with a lamp where there is none and some is wanted.
@@ -137,7 +182,7 @@ impl HatchArgs {
             contours: looks
                 .line
                 .contours
-                .map(|contours| contours.enlarged(drawn.times)),
+                .map(|contours| contours.enlarged(drawn.times as f32)),
             ..looks.line
         };
         let plan = Plan::hatch(available, shape, looks.scaling, tone, line)?;
@@ -146,11 +191,13 @@ impl HatchArgs {
 }
 
 /// How the shape of a frame is found that was made so many `times` as large: in pixels of the one it was made of.
-fn enlarged(shape: ShapeParams, times: usize, frame: &Frame) -> ShapeParams {
-    if times == 1 {
+fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
+    if times == 1.0 {
         return shape;
     }
-    let height = (frame.display_window.height() / times).max(1) as u32;
+    let height = (frame.display_window.height() as f64 / times)
+        .round()
+        .max(1.0) as u32;
     let SoftThreshold { lo, hi } = shape.crease;
     ShapeParams {
         reference_height: shape.reference_height.or(Some(height)),
@@ -160,6 +207,22 @@ fn enlarged(shape: ShapeParams, times: usize, frame: &Frame) -> ShapeParams {
             hi: hi / times as f32,
         },
         ..shape
+    }
+}
+
+/// Refuses black and white alone in pictures that hold no such thing; layers of an EXR hold coverage.
+fn refuse_grey(kind: Kind, ink: Ink) -> Result<()> {
+    let is_grey = matches!(
+        kind,
+        Kind::Picture(PictureFormat::Jpeg | PictureFormat::Hdr)
+    );
+    match is_grey && ink == Ink::Bilevel {
+        false => Ok(()),
+        true => Err(Error::BadParameter {
+            name: "--ink",
+            found: "is bilevel, and the output is of a kind that cannot be".into(),
+            remedy: "write a .png or .tif".into(),
+        }),
     }
 }
 
@@ -207,15 +270,4 @@ pub(crate) fn is_svg(work: &WorkArgs) -> bool {
 /// The ink of a drawing on its paper.
 pub(crate) fn inked(drawing: &Drawing) -> ColorPlanes {
     on_paper(&drawing.layers())
-}
-
-/// An inked drawing as a picture.
-pub(crate) fn on_a_page<'a>(color: &'a ColorPlanes, output: &OutputArgs) -> Picture<'a> {
-    Picture {
-        color,
-        alpha: None,
-        grey: true,
-        bits: 8,
-        transform: output.view_transform,
-    }
 }

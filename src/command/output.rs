@@ -60,6 +60,7 @@ impl OutputArgs {
             alpha,
             grey: false,
             bits,
+            dpi: None,
             transform: self.view_transform,
         }
     }

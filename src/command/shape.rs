@@ -20,6 +20,7 @@ pub(crate) fn display(outcome: &Outcome) -> Picture<'_> {
         alpha: None,
         grey: false,
         bits: 8,
+        dpi: None,
         // The display's colours are meant for the screen as they are.
         transform: ViewTransform::None,
     }

@@ -7,26 +7,29 @@ use rayon::prelude::*;
 const SAME: f32 = 0.965;
 
 impl Frame {
-    /// The frame `times` as large both ways, seen by the same camera: samples are interpolated within surfaces, whose
-    /// borders stay sharp.
+    /// The frame `factor` times as large both ways, in whole pixels, seen by the same camera: samples are interpolated
+    /// within surfaces, whose borders stay sharp.
     ///
     /// # Panics
-    /// If `times` is 0.
-    pub fn enlarged(&self, times: usize) -> Frame {
-        assert!(times > 0, "there is something to see");
-        if times == 1 {
+    /// If `factor` is less than 1.
+    pub fn enlarged(&self, factor: f64) -> Frame {
+        assert!(factor >= 1.0, "a frame is enlarged");
+        if factor == 1.0 {
             return self.clone();
         }
-        let (width, height) = (self.mask.width() * times, self.mask.height() * times);
-        let covered = samples(width, height, |x, y| self.around(x, y, times).is_some());
-        let mask = Mask::new(covered);
-        let larger = |window: Window| {
-            let scaled = |at: i32| at.saturating_mul(times as i32);
-            let (x, y) = (scaled(window.x0), scaled(window.y0));
-            Window::at(x, y, window.width() * times, window.height() * times)
-        };
+        let (data, display) = (self.data_window, self.display_window);
+        let across = Side::new([data.x0, display.x0], data.width(), display.width(), factor);
+        let down = Side::new(
+            [data.y0, display.y0],
+            data.height(),
+            display.height(),
+            factor,
+        );
+        let (width, height) = (across.data_length, down.data_length);
+        let around = |x, y| self.around(across.place(x), down.place(y));
+        let mask = Mask::new(samples(width, height, |x, y| around(x, y).is_some()));
         let plane = |plane: &Plane| {
-            samples(width, height, |x, y| match self.around(x, y, times) {
+            samples(width, height, |x, y| match around(x, y) {
                 Some(around) => around
                     .iter()
                     .map(|&([x, y], weight)| weight * plane.at(x, y))
@@ -35,10 +38,15 @@ impl Frame {
             })
         };
         let mut frame = Frame {
-            data_window: larger(self.data_window),
-            display_window: larger(self.display_window),
+            data_window: Window::at(across.data_from, down.data_from, width, height),
+            display_window: Window::at(
+                across.display_from,
+                down.display_from,
+                across.display_length,
+                down.display_length,
+            ),
             camera: self.camera.map(|camera| Camera {
-                projection: camera.projection.of_pixels((times as f64).recip()),
+                projection: camera.projection.of_pixels(factor.recip()),
                 ..camera
             }),
             ..self.with_planes(mask, plane)
@@ -53,16 +61,10 @@ impl Frame {
     }
 
     /// The samples around a pixel of the enlarged frame that are of the surface seen there, and their weights, which add up
-    /// to 1; `None` where most of what is around is not covered.
-    fn around(&self, x: usize, y: usize, times: usize) -> Option<[([usize; 2], f32); 4]> {
-        let place = |at: usize, count: usize| {
-            let at = (at as f32 + 0.5) / times as f32 - 0.5;
-            let inside = |i: f32| (i.max(0.0) as usize).min(count - 1);
-            let first = at.floor();
-            ([inside(first), inside(first + 1.0)], at - first)
-        };
-        let ([left, right], across) = place(x, self.mask.width());
-        let ([above, below], down) = place(y, self.mask.height());
+    /// to 1, of its places across and down; `None` where most of what is around is not covered.
+    fn around(&self, across: Place, down: Place) -> Option<[([usize; 2], f32); 4]> {
+        let ([left, right], across) = across;
+        let ([above, below], down) = down;
         let mut samples = [
             ([left, above], (1.0 - across) * (1.0 - down)),
             ([right, above], across * (1.0 - down)),
@@ -109,6 +111,54 @@ impl Frame {
     }
 }
 
+/// The two samples about a place along a side, and the share of the second.
+type Place = ([usize; 2], f32);
+
+/// Columns or rows of an enlarged frame.
+struct Side {
+    factor: f32,
+    /// Where its first pixel begins, in its pixels from where that of the original does; 0 for whole factors.
+    shift: f32,
+    /// Samples of the original.
+    count: usize,
+    data_from: i32,
+    data_length: usize,
+    display_from: i32,
+    display_length: usize,
+}
+
+/// By how much of a pixel a length may fall short of a whole number for rounding's sake.
+const SHORT_PX: f64 = 0.01;
+
+impl Side {
+    /// Of a frame whose data and display windows begin at `data` and `display`, and are so long. Its display window begins
+    /// where the original's does, for a camera counts from there.
+    fn new([data, display]: [i32; 2], count: usize, shown: usize, factor: f64) -> Self {
+        let whole = |length: i64| (length as f64 * factor + SHORT_PX).floor() as i64;
+        let clamped = |at: i64| at.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+        let origin = (f64::from(display) * factor).round() as i64;
+        let before = i64::from(data) - i64::from(display);
+        let from = whole(before);
+        Self {
+            factor: factor as f32,
+            shift: (from as f64 - before as f64 * factor) as f32,
+            count,
+            data_from: clamped(origin + from),
+            data_length: (whole(before + count as i64) - from) as usize,
+            display_from: clamped(origin),
+            display_length: whole(shown as i64) as usize,
+        }
+    }
+
+    /// Where the middle of pixel `at` lies.
+    fn place(&self, at: usize) -> Place {
+        let at = (at as f32 + 0.5 + self.shift) / self.factor - 0.5;
+        let inside = |i: f32| (i.max(0.0) as usize).min(self.count - 1);
+        let first = at.floor();
+        ([inside(first), inside(first + 1.0)], at - first)
+    }
+}
+
 /// A plane of `sample(x, y)`, rows in parallel.
 fn samples<T: Copy + Default + Send>(
     width: usize,
@@ -146,7 +196,7 @@ mod tests {
 
     #[test]
     fn surfaces_stay_apart_and_their_normals_unit() {
-        let frame = step().enlarged(3);
+        let frame = step().enlarged(3.0);
         assert_eq!((frame.mask.width(), frame.mask.height()), (24, 12));
         // Column 1 begins at pixel 3, column 4 at pixel 12.
         assert_eq!(frame.mask.span(5), 3..24);
@@ -166,12 +216,36 @@ mod tests {
                 Mask::full(6, 3),
             )
         };
-        let depth = slope.enlarged(2).depth.unwrap();
+        let depth = slope.enlarged(2.0).depth.unwrap();
         // Pixel x lies at (x + 1/2)/2 - 1/2 of the original; beyond its middles nothing is known.
         for x in 1..11 {
             let expected = 100.0 + (x as f32 + 0.5) / 2.0 - 0.5;
             assert!((depth.at(x, 3) - expected).abs() < 1e-4, "{x}");
         }
-        assert_eq!(slope.enlarged(1).normal, slope.normal);
+        assert_eq!(slope.enlarged(1.0).normal, slope.normal);
+    }
+
+    #[test]
+    fn a_factor_need_not_be_whole() {
+        let mut ramp = Frame {
+            depth: Some(Plane::from_fn(6, 4, |x, _| 100.0 + x as f32)),
+            ..Frame::of_normals(
+                Vector3Planes::from_fn(6, 4, |_, _| DVec3::Z),
+                Mask::full(6, 4),
+            )
+        };
+        // Of 10 columns from -3, 6 from column 1 of them: at 2.5 the whole begins at -7.5, which rounds to -8.
+        ramp.display_window = Window::at(-3, 0, 10, 4);
+        ramp.data_window = Window::at(-2, 0, 6, 4);
+        let large = ramp.enlarged(2.5);
+        assert_eq!(large.display_window, Window::at(-8, 0, 25, 10));
+        // Columns from 2.5 to 17.5 of the whole: pixels 2 to 17.
+        assert_eq!(large.data_window, Window::at(-6, 0, 15, 10));
+        let depth = large.depth.unwrap();
+        for x in 2..13 {
+            // Pixel x begins at 2 + x of the whole, half a pixel before its place from 2.5.
+            let expected = 100.0 + x as f32 / 2.5 - 0.5;
+            assert!((depth.at(x, 3) - expected).abs() < 1e-4, "{x}");
+        }
     }
 }

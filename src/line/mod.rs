@@ -1,6 +1,7 @@
 //! Lines along the surface: the directions they follow, the strokes drawn along them. Pure kernels, no
 //! files, threads or clock.
 
+pub mod bilevel;
 pub(crate) mod canvas;
 pub mod contours;
 pub(crate) mod density;

@@ -31,8 +31,9 @@ mod specular;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
-    Background, ContourParams, Enlargement, Fallback, FieldParams, InteriorParams, LineParams,
-    Stroke, StrokeDirections, StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
+    Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams, LineParams,
+    PaperSize, Stroke, StrokeDirections, StrokeParams, StrokeScale, Style, ToneLevels, ToneParams,
+    ToneSource,
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;
@@ -83,6 +84,8 @@ params! {
         tone: ToneSource = ToneSource::Auto, flag: "--tone", form: "SOURCE", group: Group::Tone;
         /// How many times larger than the picture it is drawn; auto makes small ones large enough for strokes.
         enlarge: Enlargement = Enlargement::Times(1), flag: "--enlarge", form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
+        /// The paper it is to fit, as in 210x297mm, 21x29.7cm or 8.5x11in: it is drawn as large as that is at --dpi.
+        size: Option<PaperSize> = None, flag: "--size", form: "WxHmm", group: Group::Strokes, rival: Some("enlarge");
         /// How it is drawn.
         line: LineParams;
     }

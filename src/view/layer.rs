@@ -117,6 +117,7 @@ fn grey(plane: &Plane, is_linear: bool) -> Pixels {
         alpha: None,
         grey: true,
         bits: 8,
+        dpi: None,
         transform: match is_linear {
             true => ViewTransform::Srgb,
             false => ViewTransform::None,

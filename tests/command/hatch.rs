@@ -92,6 +92,46 @@ fn an_svg_holds_lines_in_millimetres() {
 }
 
 #[test]
+fn a_print_has_its_size_and_black_and_white_alone() {
+    let desk = tempfile::tempdir().unwrap();
+    // 480 x 360 pixels: 65 mm at 300 to the inch are 767.7 pixels across, and 575.8 down, three quarters of that.
+    let size = "--size 65x90mm --dpi 300";
+    let grey = drawn(desk.path(), "bust.exr", size);
+    assert_eq!((grey.width, grey.height), (767, 575));
+    let printed = drawn(desk.path(), "bust.exr", &format!("{size} --ink bilevel"));
+    assert_eq!((printed.width, printed.height), (767, 575));
+    let values = printed.channels[0].samples();
+    assert!(values.iter().all(|&v| v == 0.0 || v == 1.0));
+    // The share of white is the light of the drawing.
+    let [of_grey, of_printed] = [light(&grey), light(&printed)];
+    assert!(
+        (of_grey - of_printed).abs() < 0.005,
+        "{of_grey} {of_printed}"
+    );
+    hatch(
+        desk.path(),
+        "bust.exr",
+        &format!("{size} --style lines -o a.svg"),
+    )
+    .done();
+    let page = std::fs::read_to_string(desk.path().join("a.svg")).unwrap();
+    // 767 of 300 to the inch.
+    assert!(page.contains("width=\"64.939mm\""), "{}", &page[..200]);
+    for (flags, said) in [
+        ("--size 30x30mm -o a.png", "give --dpi 407 or more"),
+        ("--size 65x90mm --enlarge 2 -o a.png", "cannot be used with"),
+        ("--ink bilevel -o a.jpg", "write a .png or .tif"),
+        (
+            "--ink bilevel --style pencil -o a.png",
+            "give --style pen or lines",
+        ),
+    ] {
+        let line = hatch(desk.path(), "bust.exr", flags).error(2);
+        assert!(line.contains(said), "{flags}: {line}");
+    }
+}
+
+#[test]
 fn tone_comes_from_new_light_where_there_is_any() {
     let desk = tempfile::tempdir().unwrap();
     let flags =

@@ -53,6 +53,7 @@ pub(crate) fn write_planes(
         alpha,
         grey: false,
         bits,
+        dpi: None,
         transform,
     };
     let format = PictureFormat::of_path(path).unwrap();

@@ -149,6 +149,7 @@ fn written(path: &Path, format: PictureFormat, color: &ColorPlanes) {
         alpha: None,
         grey: false,
         bits: 8,
+        dpi: None,
         transform: ViewTransform::Srgb,
     };
     write_picture(&mut file, path, format, &picture).unwrap();

@@ -95,6 +95,7 @@ mod tests {
             alpha: with_alpha.then_some(&alpha),
             grey: false,
             bits,
+            dpi: None,
             transform: ViewTransform::Srgb,
         };
         let mut file = Cursor::new(Vec::new());
@@ -184,6 +185,7 @@ mod tests {
             alpha: None,
             grey: false,
             bits: 8,
+            dpi: None,
             transform: ViewTransform::Srgb,
         };
         let directory = tempfile::tempdir().unwrap();

@@ -6,11 +6,11 @@ use std::path::Path;
 /// The kinds of pictures that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PictureFormat {
-    /// PNG, 8 or 16 bits, with alpha.
+    /// PNG, 8 or 16 bits, with alpha; or 1 bit.
     Png,
     /// JPEG, 8 bits, over black.
     Jpeg,
-    /// TIFF, 8 or 16 bits, with alpha.
+    /// TIFF, 8 or 16 bits, with alpha; or 1 bit, by CCITT Group 4.
     Tiff,
     /// Radiance HDR, linear, over black.
     Hdr,
@@ -52,8 +52,10 @@ pub struct Picture<'a> {
     pub alpha: Option<&'a Plane>,
     /// Whether it is grey, its planes alike: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
     pub grey: bool,
-    /// Bits per sample, 8 or 16; JPEG always has 8, HDR its own.
+    /// Bits per sample: 8 or 16, or 1 of what is grey and has no alpha; JPEG always has 8, HDR its own.
     pub bits: u8,
+    /// Pixels per inch of its print, across and down, where the file is to say so; HDR does not.
+    pub dpi: Option<[f32; 2]>,
     /// How values are encoded; HDR is always linear.
     pub transform: ViewTransform,
 }

@@ -2,10 +2,12 @@
 
 use super::codes::{code, straight};
 use super::format::{Picture, PictureFormat, ViewTransform};
+use super::print::{self, Printed};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane};
 use crate::io::photo::{max_code, one_line, unsupported};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
+use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
 use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::ops::Range;
@@ -21,6 +23,9 @@ pub(crate) struct Gathered {
     size: [usize; 2],
     /// Samples of each pixel: 1, 3, or 4 with alpha.
     channels: usize,
+    /// Bits of each as it is stored.
+    bits: u8,
+    dpi: Option<[f32; 2]>,
     grey: bool,
     /// Whether alpha was 1 everywhere so far.
     is_opaque: bool,
@@ -30,6 +35,7 @@ pub(crate) struct Gathered {
 /// Samples as files hold them, those of a pixel side by side.
 #[derive(Debug, Clone)]
 enum Samples {
+    /// Of 8 bits, or of 1.
     Narrow(Vec<u8>),
     /// Of 16 bits, in this machine's order of bytes.
     Wide(Vec<[u8; 2]>),
@@ -41,26 +47,31 @@ impl Gathered {
     /// as many bits.
     ///
     /// # Panics
-    /// If its `bits` are neither 8 nor 16.
+    /// If its `bits` are none of 1, 8 and 16, or 1 of colour or alpha.
     pub(crate) fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
-        assert!([8, 16].contains(&part.bits), "bits must be 8 or 16");
+        assert!([1, 8, 16].contains(&part.bits), "bits must be 1, 8 or 16");
         let channels = match part.alpha {
             Some(_) if format.holds_alpha() => 4,
             _ if part.grey => 1,
             _ => 3,
         };
+        let bits = match format {
+            PictureFormat::Jpeg => 8,
+            _ => part.bits,
+        };
+        assert!(bits > 1 || channels == 1, "one bit holds one grey sample");
         let pixels = size[0] * size[1];
-        let samples = match (format, part.bits) {
+        let samples = match (format, bits) {
             (PictureFormat::Hdr, _) => Samples::Float(Vec::with_capacity(pixels)),
-            (PictureFormat::Jpeg, _) | (_, 8) => {
-                Samples::Narrow(Vec::with_capacity(pixels * channels))
-            }
-            _ => Samples::Wide(Vec::with_capacity(pixels * channels)),
+            (_, 16) => Samples::Wide(Vec::with_capacity(pixels * channels)),
+            _ => Samples::Narrow(Vec::with_capacity(pixels * channels)),
         };
         Self {
             format,
             size,
             channels,
+            bits,
+            dpi: part.dpi,
             grey: part.grey,
             is_opaque: true,
             samples,
@@ -113,7 +124,7 @@ impl Gathered {
                     picture: part,
                     alpha,
                     rows,
-                    max: max_code(8),
+                    max: max_code(self.bits),
                 };
                 part.add_to(samples, channels, |code| code as u8);
             }
@@ -165,7 +176,7 @@ impl Gathered {
         self.channels = kept;
     }
 
-    fn encode(&self, w: &mut (impl Write + Seek)) -> image::ImageResult<()> {
+    fn encode(&self, w: &mut (impl Write + Seek)) -> ImageResult<()> {
         let [width, height] = self.size;
         let (bytes, kind) = match (&self.samples, self.channels) {
             (Samples::Float(pixels), _) => {
@@ -179,16 +190,38 @@ impl Gathered {
             (Samples::Wide(samples), _) => (samples.as_flattened(), ExtendedColorType::Rgb16),
         };
         let (width, height) = (width as u32, height as u32);
+        let printed = Printed {
+            size: [width, height],
+            channels: self.channels,
+            bits: self.bits,
+            dpi: self.dpi,
+            samples: bytes,
+        };
+        let is_printed = self.bits == 1 || self.dpi.is_some();
         match self.format {
+            PictureFormat::Png if is_printed => print::write_png(w, &printed),
+            PictureFormat::Tiff if is_printed => print::write_tiff(w, &printed),
             PictureFormat::Jpeg => {
-                image::codecs::jpeg::JpegEncoder::new_with_quality(w, JPEG_QUALITY)
-                    .write_image(bytes, width, height, kind)
+                let mut encoder = JpegEncoder::new_with_quality(w, JPEG_QUALITY);
+                if let Some(dpi) = self.dpi {
+                    encoder.set_pixel_density(density(dpi));
+                }
+                encoder.write_image(bytes, width, height, kind)
             }
             PictureFormat::Tiff => {
                 image::codecs::tiff::TiffEncoder::new(w).write_image(bytes, width, height, kind)
             }
             _ => image::codecs::png::PngEncoder::new(w).write_image(bytes, width, height, kind),
         }
+    }
+}
+
+/// Pixels per inch as a JPEG has them.
+fn density(dpi: [f32; 2]) -> PixelDensity {
+    let [across, down] = dpi.map(|dpi| dpi.round() as u16);
+    PixelDensity {
+        density: (across, down),
+        unit: PixelDensityUnit::Inches,
     }
 }
 

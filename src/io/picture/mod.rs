@@ -3,6 +3,7 @@
 mod codes;
 mod format;
 mod gathered;
+mod print;
 
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
@@ -26,7 +27,7 @@ use std::path::Path;
 /// Any [`Error`] of writing.
 ///
 /// # Panics
-/// If planes differ in size, or `bits` is neither 8 nor 16.
+/// If planes differ in size, `bits` is none of 1, 8 and 16, or it is 1 of a picture in colour or with alpha.
 pub fn write_picture(
     w: &mut (impl Write + Seek),
     target: &Path,
@@ -111,6 +112,7 @@ mod tests {
                     alpha: None,
                     grey,
                     bits,
+                    dpi: None,
                     transform: ViewTransform::Srgb,
                 };
                 let size = |picture: &Picture| {
@@ -191,6 +193,7 @@ mod tests {
                 alpha: None,
                 grey: false,
                 bits,
+                dpi: None,
                 transform: ViewTransform::Srgb,
             };
             for format in [PictureFormat::Png, PictureFormat::Tiff] {
@@ -212,6 +215,7 @@ mod tests {
             alpha: None,
             grey: false,
             bits: 16,
+            dpi: None,
             transform: ViewTransform::None,
         };
         let again = round_trip(PictureFormat::Png, &picture);
@@ -228,6 +232,7 @@ mod tests {
             alpha: Some(&alpha),
             grey: false,
             bits: 16,
+            dpi: None,
             transform: ViewTransform::None,
         };
         for format in [PictureFormat::Png, PictureFormat::Tiff] {
@@ -249,6 +254,7 @@ mod tests {
             alpha: Some(&alpha),
             grey: false,
             bits: 8,
+            dpi: None,
             transform: ViewTransform::Srgb,
         };
         assert!(round_trip(PictureFormat::Png, &picture).alpha.is_none());
@@ -262,6 +268,7 @@ mod tests {
             alpha: None,
             grey: false,
             bits: 16,
+            dpi: None,
             transform: ViewTransform::Srgb,
         };
         let jpeg = round_trip(PictureFormat::Jpeg, &picture);

@@ -70,8 +70,7 @@ impl ContourParams {
     }
 
     /// The same in a frame that was made so many `times` as large.
-    pub fn enlarged(self, times: usize) -> Self {
-        let times = times as f32;
+    pub fn enlarged(self, times: f32) -> Self {
         Self {
             step_px: times * self.step_px,
             smoothing_px: (times * self.smoothing_px).min(*SMOOTHINGS.end()),

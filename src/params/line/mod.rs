@@ -7,6 +7,7 @@ mod on_off;
 mod contours;
 mod field;
 mod interior;
+mod print;
 mod strokes;
 mod tone;
 
@@ -14,6 +15,7 @@ pub use contours::ContourParams;
 pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
+pub use print::{Ink, PaperSize};
 pub(crate) use strokes::MAX_LEVELS;
 pub use strokes::{Enlargement, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneLevels, ToneParams, ToneSource};

@@ -1,6 +1,7 @@
 //! Strokes: how each is drawn, and how directions are cut into partitions.
 
-use crate::error::Result;
+use super::print::Ink;
+use crate::error::{Error, Result};
 use crate::params::Param;
 use crate::params::range::in_range;
 use crate::params::table::{Choice, Kind, Unit, even};
@@ -135,7 +136,7 @@ number_or_word! {
 }
 
 /// The most that a drawing is enlarged.
-const MAX_TIMES: u32 = 16;
+pub(super) const MAX_TIMES: u32 = 16;
 
 impl Enlargement {
     /// How many times larger a drawing of a picture of this size, the root of its area in pixels, is.
@@ -154,6 +155,10 @@ params! {
         /// What strokes are drawn with; lines are strokes as long as they can be, one by one, as an SVG has them; a
         /// folder holds pictures of strokes along the horizontal, one per tone.
         style: Style = Style::Pen, flag: "--style", form: "pen|pencil|lines|DIR";
+        /// What pixels of a PNG or TIFF are: any grey, or with bilevel black and white alone, for print; pen and lines.
+        ///
+        /// Layers of an EXR hold how much of a pixel is covered either way.
+        ink: Ink = Ink::Antialiased, flag: "--ink", form: "KIND";
         /// Size of strokes: auto fits the picture; a factor of the style's own pixels; or the width of a stroke on paper as
         /// in 0.3mm.
         ///
@@ -285,6 +290,13 @@ impl StrokeParams {
     }
 
     fn relations(&self) -> Result<()> {
+        if self.ink == Ink::Bilevel && matches!(self.style, Style::Pencil | Style::Pictures) {
+            return Err(Error::BadParameter {
+                name: "--ink",
+                found: "is bilevel, and the style is grey".into(),
+                remedy: "give --style pen or lines, or --ink antialiased".into(),
+            });
+        }
         match self.scale {
             StrokeScale::Auto | StrokeScale::Factor(_) => Ok(()),
             StrokeScale::Millimetres(mm) => in_range("--stroke-scale", mm, 0.01..=100.0),
@@ -292,4 +304,4 @@ impl StrokeParams {
     }
 }
 
-const MM_PER_INCH: f32 = 25.4;
+pub(super) const MM_PER_INCH: f32 = 25.4;

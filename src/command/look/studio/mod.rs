@@ -275,10 +275,10 @@ impl ViewSession {
         Some(match (&made.command, made.what) {
             (_, What::Layers) => return None,
             (_, What::Curvature) | (Command::Shape(_), _) => Pixels::of(&shape::display(outcome)),
-            (Command::Hatch(_), _) => {
+            (Command::Hatch(args), _) => {
                 let drawing = outcome.drawing.as_ref()?;
-                let color = hatch::inked(drawing);
-                Pixels::of(&hatch::on_a_page(&color, &work.output))
+                let color = args.printed(drawing);
+                Pixels::of(&args.on_a_page(&color, frame.pixel_aspect))
             }
             (Command::Enhance(_), _) => self.shown(enhance::made(frame, outcome), &work.output),
             (_, _) => self.shown(relight::lit(outcome), &work.output),
@@ -303,6 +303,7 @@ impl ViewSession {
             alpha: None,
             grey: false,
             bits: 8,
+            dpi: None,
             transform: ViewTransform::None,
         }))
     }
@@ -358,7 +359,7 @@ impl ViewSession {
         let light = self.illumination(&args.relight)?;
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let drawn = Drawn {
-            times: 1,
+            times: 1.0,
             is_in_sequence: sitter.source.is_in_sequence,
             moves: false,
             is_specular: sitter.scene.is_some(),

@@ -1,0 +1,306 @@
+//! PNG and TIFF for print: of one bit per pixel, or with their resolution, neither of which `image` writes.
+
+use fax::encoder::Encoder;
+use fax::{Color, VecWriter};
+use image::error::{EncodingError, ImageFormatHint};
+use image::{ImageError, ImageFormat, ImageResult};
+use std::io::{Seek, Write};
+use tiff::TiffError;
+use tiff::encoder::{Rational, TiffEncoder};
+use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, Tag};
+
+/// A picture as it is stored.
+pub(super) struct Printed<'a> {
+    /// Columns and rows.
+    pub(super) size: [u32; 2],
+    /// Samples of a pixel: 1, 3, or 4 with alpha.
+    pub(super) channels: usize,
+    /// Bits of a sample: 1, 8 or 16.
+    pub(super) bits: u8,
+    /// Pixels per inch, across and down.
+    pub(super) dpi: Option<[f32; 2]>,
+    /// Samples, those of 16 bits in this machine's order of bytes, those of 1 bit a byte each, 1 white.
+    pub(super) samples: &'a [u8],
+}
+
+const METRES_PER_INCH: f32 = 0.0254;
+
+/// Writes a PNG.
+pub(super) fn write_png(w: &mut impl Write, picture: &Printed) -> ImageResult<()> {
+    let [width, height] = picture.size;
+    let mut encoder = png::Encoder::new(w, width, height);
+    encoder.set_color(match picture.channels {
+        1 => png::ColorType::Grayscale,
+        4 => png::ColorType::Rgba,
+        _ => png::ColorType::Rgb,
+    });
+    encoder.set_depth(match picture.bits {
+        1 => png::BitDepth::One,
+        8 => png::BitDepth::Eight,
+        _ => png::BitDepth::Sixteen,
+    });
+    encoder.set_pixel_dims(picture.dpi.map(|dpi| {
+        let [xppu, yppu] = dpi.map(|dpi| (dpi / METRES_PER_INCH).round() as u32);
+        let unit = png::Unit::Meter;
+        png::PixelDimensions { xppu, yppu, unit }
+    }));
+    if picture.bits == 1 {
+        // Differences of bytes of eight pixels are no easier to compress.
+        encoder.set_filter(png::Filter::NoFilter);
+    }
+    let mut writer = encoder.write_header().map_err(png_error)?;
+    let written = match picture.bits {
+        1 => writer.write_image_data(&packed(picture)),
+        8 => writer.write_image_data(picture.samples),
+        _ => {
+            let samples = picture.samples.as_chunks::<2>().0.iter();
+            let samples = samples.flat_map(|&code| u16::from_ne_bytes(code).to_be_bytes());
+            writer.write_image_data(&samples.collect::<Vec<_>>())
+        }
+    };
+    written.and_then(|()| writer.finish()).map_err(png_error)
+}
+
+/// Eight pixels to a byte, the first the highest bit; every row begins with a byte of its own.
+fn packed(picture: &Printed) -> Vec<u8> {
+    let width = picture.size[0].max(1) as usize;
+    let byte = |pixels: &[u8]| {
+        let bits = pixels.iter().enumerate();
+        bits.fold(0, |byte, (i, &white)| byte | white << (7 - i))
+    };
+    let rows = picture.samples.chunks(width);
+    rows.flat_map(|row| row.chunks(8).map(byte)).collect()
+}
+
+/// Writes a TIFF: pictures of one bit by CCITT Group 4, others as they are.
+pub(super) fn write_tiff(w: &mut (impl Write + Seek), picture: &Printed) -> ImageResult<()> {
+    let [width, height] = picture.size;
+    let group_4 = match picture.bits {
+        1 => Some(group_4(picture)?),
+        _ => None,
+    };
+    let write = || {
+        let mut encoder = TiffEncoder::new(w)?;
+        let mut file = encoder.image_directory()?;
+        let (samples, compression) = match &group_4 {
+            Some(samples) => (&samples[..], CompressionMethod::Fax4),
+            None => (picture.samples, CompressionMethod::None),
+        };
+        let meaning = match (picture.bits, picture.channels) {
+            (1, _) => PhotometricInterpretation::WhiteIsZero,
+            (_, 1) => PhotometricInterpretation::BlackIsZero,
+            _ => PhotometricInterpretation::RGB,
+        };
+        let offset = u32::try_from(file.write_data(samples)?)?;
+        file.write_tag(Tag::ImageWidth, width)?;
+        file.write_tag(Tag::ImageLength, height)?;
+        let bits = vec![u16::from(picture.bits); picture.channels];
+        file.write_tag(Tag::BitsPerSample, &bits[..])?;
+        file.write_tag(Tag::Compression, compression.to_u16())?;
+        file.write_tag(Tag::PhotometricInterpretation, meaning.to_u16())?;
+        file.write_tag(Tag::StripOffsets, offset)?;
+        file.write_tag(Tag::SamplesPerPixel, picture.channels as u16)?;
+        file.write_tag(Tag::RowsPerStrip, height)?;
+        file.write_tag(Tag::StripByteCounts, u32::try_from(samples.len())?)?;
+        if picture.channels == 4 {
+            file.write_tag(Tag::ExtraSamples, STRAIGHT_ALPHA)?;
+        }
+        if let Some([across, down]) = picture.dpi {
+            file.write_tag(Tag::XResolution, thousandths(across))?;
+            file.write_tag(Tag::YResolution, thousandths(down))?;
+            file.write_tag(Tag::ResolutionUnit, ResolutionUnit::Inch.to_u16())?;
+        }
+        file.finish()
+    };
+    write().map_err(tiff_error)
+}
+
+/// The tag's word for alpha that colour is not multiplied by.
+const STRAIGHT_ALPHA: u16 = 2;
+
+fn thousandths(dpi: f32) -> Rational {
+    Rational {
+        n: (dpi * 1000.0).round() as u32,
+        d: 1000,
+    }
+}
+
+/// Wider rows overflow the encoder's numbers.
+const WIDEST: u32 = i16::MAX as u32;
+
+/// Black and white as CCITT Group 4 (ITU-T T.6) has them.
+fn group_4(picture: &Printed) -> ImageResult<Vec<u8>> {
+    let width = picture.size[0];
+    if width > WIDEST {
+        let reason = format!("a bilevel TIFF is up to {WIDEST} pixels wide; write a .png");
+        return Err(refused(ImageFormat::Tiff, reason));
+    }
+    let mut encoder = Encoder::new(VecWriter::new());
+    let of_code = |&code: &u8| match code {
+        0 => Color::Black,
+        _ => Color::White,
+    };
+    for row in picture.samples.chunks(width.max(1) as usize) {
+        let Ok(()) = encoder.encode_line(row.iter().map(of_code), width as u16);
+    }
+    let Ok(writer) = encoder.finish();
+    Ok(writer.finish())
+}
+
+fn png_error(error: png::EncodingError) -> ImageError {
+    match error {
+        png::EncodingError::IoError(source) => ImageError::IoError(source),
+        other => refused(ImageFormat::Png, other),
+    }
+}
+
+fn tiff_error(error: TiffError) -> ImageError {
+    match error {
+        TiffError::IoError(source) => ImageError::IoError(source),
+        other => refused(ImageFormat::Tiff, other),
+    }
+}
+
+fn refused(
+    format: ImageFormat,
+    reason: impl Into<Box<dyn std::error::Error + Send + Sync>>,
+) -> ImageError {
+    ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(format), reason))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{ColorPlanes, Plane};
+    use crate::io::photo::Photo;
+    use crate::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+    use std::io::Cursor;
+    use std::path::Path;
+
+    /// Runs of all lengths up to `width`, black and white, some beside those above and some not.
+    fn runs(width: usize) -> Plane {
+        Plane::from_fn(width, 31, |x, y| {
+            let is_white = match y {
+                0 => true,
+                1 => false,
+                2..20 => (x + y / 3) / (1 << (y % 12)) % 2 == 0,
+                _ => (x * x / 7 + y * x / 3) % 5 < 3,
+            };
+            f32::from(u8::from(is_white))
+        })
+    }
+
+    fn written(format: PictureFormat, light: &Plane, bits: u8, dpi: Option<[f32; 2]>) -> Vec<u8> {
+        let color = ColorPlanes {
+            r: light.clone(),
+            g: light.clone(),
+            b: light.clone(),
+        };
+        let picture = Picture {
+            color: &color,
+            alpha: None,
+            grey: true,
+            bits,
+            dpi,
+            transform: ViewTransform::Srgb,
+        };
+        let mut file = Cursor::new(Vec::new());
+        write_picture(&mut file, Path::new("test"), format, &picture).unwrap();
+        file.into_inner()
+    }
+
+    fn read(file: &[u8]) -> Photo {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("picture");
+        std::fs::write(&path, file).unwrap();
+        Photo::read(&path).unwrap()
+    }
+
+    #[test]
+    fn pictures_of_one_bit_are_read_back() {
+        // Widths of whole bytes and not, and runs past 2560, the longest that Group 4 has a word for.
+        for width in [1, 7, 8, 63, 64, 65, 1000, 6001] {
+            let light = runs(width);
+            for format in [PictureFormat::Png, PictureFormat::Tiff] {
+                let photo = read(&written(format, &light, 1, None));
+                assert_eq!((photo.width, photo.height), (width, 31));
+                assert_eq!(photo.channels.len(), 1);
+                assert_eq!(photo.channels[0], light, "{format:?} {width}");
+            }
+        }
+    }
+
+    #[test]
+    fn files_say_their_bits_and_their_resolution() {
+        let png = written(PictureFormat::Png, &runs(40), 1, Some([300.0, 600.0]));
+        let png = png::Decoder::new(Cursor::new(png)).read_info().unwrap();
+        assert_eq!(png.info().bit_depth, png::BitDepth::One);
+        // 300 / .0254 and twice that.
+        let pixels = png.info().pixel_dims.unwrap();
+        assert_eq!((pixels.xppu, pixels.yppu), (11811, 23622));
+        for (bits, compression) in [(1, 4), (8, 1), (16, 1)] {
+            let tiff = written(PictureFormat::Tiff, &runs(40), bits, Some([72.5, 600.0]));
+            assert_eq!(read(&tiff).channels, [runs(40)], "{bits}");
+            let mut tiff = tiff::decoder::Decoder::new(Cursor::new(tiff)).unwrap();
+            let mut number = |tag| tiff.get_tag(tag).unwrap();
+            assert_eq!(number(Tag::Compression).into_u16().unwrap(), compression);
+            let of_inch = ResolutionUnit::Inch.to_u16();
+            assert_eq!(number(Tag::ResolutionUnit).into_u16().unwrap(), of_inch);
+            let mut dpi = |tag| match number(tag) {
+                tiff::decoder::ifd::Value::Rational(n, d) => f64::from(n) / f64::from(d),
+                other => panic!("{other:?}"),
+            };
+            assert_eq!(
+                [dpi(Tag::XResolution), dpi(Tag::YResolution)],
+                [72.5, 600.0]
+            );
+        }
+        let jpeg = written(PictureFormat::Jpeg, &runs(40), 8, Some([300.0, 600.0]));
+        // After the name of the segment and its version: inches, and 300 and 600 in two bytes each.
+        let at = jpeg.windows(5).position(|w| w == b"JFIF\0").unwrap();
+        assert_eq!(jpeg[at + 7..at + 12], [1, 1, 44, 2, 88]);
+    }
+
+    #[test]
+    fn colour_and_alpha_keep_their_samples_beside_a_resolution() {
+        let plane = |at: usize| Plane::from_fn(5, 7, |x, y| (3 * (5 * y + x) + at) as f32 / 110.0);
+        let color = ColorPlanes {
+            r: plane(0),
+            g: plane(1),
+            b: plane(2),
+        };
+        let alpha = Plane::from_fn(5, 7, |x, _| (x + 1) as f32 / 5.0);
+        for format in [PictureFormat::Png, PictureFormat::Tiff] {
+            for (bits, alpha) in [(8, None), (16, None), (8, Some(&alpha)), (16, Some(&alpha))] {
+                let of = |dpi| {
+                    let picture = Picture {
+                        color: &color,
+                        alpha,
+                        grey: false,
+                        bits,
+                        dpi,
+                        transform: ViewTransform::Srgb,
+                    };
+                    let mut file = Cursor::new(Vec::new());
+                    write_picture(&mut file, Path::new("test"), format, &picture).unwrap();
+                    read(&file.into_inner())
+                };
+                assert_eq!(of(Some([300.0; 2])), of(None), "{format:?} {bits}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_group_4_does_not_hold_is_refused() {
+        let samples = vec![1; WIDEST as usize + 1];
+        let picture = Printed {
+            size: [WIDEST + 1, 1],
+            channels: 1,
+            bits: 1,
+            dpi: None,
+            samples: &samples,
+        };
+        let refused = write_tiff(&mut Cursor::new(Vec::new()), &picture).unwrap_err();
+        assert!(refused.to_string().contains("write a .png"), "{refused}");
+    }
+}

@@ -1,0 +1,158 @@
+//! Drawings for print: their ink, and the paper they are to fit.
+
+use super::strokes::{MAX_TIMES, MM_PER_INCH};
+use crate::error::{Error, Result};
+use crate::params::Param;
+use crate::params::table::Kind;
+use crate::params::value::{Value, finite};
+use serde::Serialize;
+
+choices! {
+    /// What a pixel of a picture of a drawing can be.
+    pub enum Ink {
+        /// Any grey: the rims of strokes are smooth.
+        Antialiased = "antialiased",
+        /// Black or white alone, with the tone kept: what a press or a laser printer puts on paper.
+        Bilevel = "bilevel",
+    }
+}
+
+/// The paper that a drawing is to fit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PaperSize {
+    /// Width in millimetres.
+    pub width_mm: f32,
+    /// Height in millimetres.
+    pub height_mm: f32,
+}
+
+/// The least and the largest side of a paper, in millimetres.
+const SIDES_MM: [f32; 2] = [1.0, 10_000.0];
+
+/// Units that a size can be given in, and their millimetres.
+const UNITS: [(&str, f32); 3] = [("mm", 1.0), ("cm", 10.0), ("in", MM_PER_INCH)];
+
+impl Value for PaperSize {
+    const KIND: Kind = Kind::Text;
+
+    fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
+        let [least, most] = SIDES_MM;
+        let in_unit = |&(unit, mm): &(&str, f32)| {
+            let (width, height) = text.strip_suffix(unit)?.split_once('x')?;
+            let [width_mm, height_mm] = [finite(width)? * mm, finite(height)? * mm];
+            let is_paper = |side| (least..=most).contains(side);
+            [width_mm, height_mm].iter().all(is_paper).then_some(Self {
+                width_mm,
+                height_mm,
+            })
+        };
+        let expected = format!(
+            "expected width and height as in 210x297mm, 21x29.7cm or 8.5x11in, {least} to {most} mm each"
+        );
+        UNITS.iter().find_map(in_unit).ok_or(expected)
+    }
+
+    fn text(&self, _: &Param) -> Option<String> {
+        Some(format!("{}x{}mm", self.width_mm, self.height_mm))
+    }
+}
+
+impl PaperSize {
+    /// How many times larger than its picture a drawing is that just fits the paper, 1 to 16; the picture has `size_px`
+    /// columns and rows of pixels `pixel_aspect` times as wide as high, the print `dpi` pixels per inch of its height.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] where the paper takes fewer pixels than the picture has, or too many, with the dpi that would do.
+    pub fn factor(self, size_px: [usize; 2], pixel_aspect: f32, dpi: f32) -> Result<f64> {
+        let [width_px, height_px] = size_px.map(|side| side.max(1) as f64);
+        let per_mm = f64::from(dpi) / f64::from(MM_PER_INCH);
+        let across = f64::from(self.width_mm) * per_mm / (width_px * f64::from(pixel_aspect));
+        let factor = whole(across.min(f64::from(self.height_mm) * per_mm / height_px));
+        let refused = |what: &str, limit: &str| {
+            let [width, height] = size_px.map(|side| (side as f64 * factor) as usize);
+            Error::BadParameter {
+                name: "--size",
+                found: format!(
+                    "is {width}x{height} pixels at {dpi} per inch, {what} the picture's {}x{}",
+                    size_px[0], size_px[1]
+                ),
+                remedy: format!("give {limit}, or another size"),
+            }
+        };
+        let (dpi, most) = (f64::from(dpi), f64::from(MAX_TIMES));
+        if factor < 1.0 {
+            let fits = whole(dpi / factor).ceil();
+            return Err(refused("fewer than", &format!("--dpi {fits} or more")));
+        }
+        if factor > most {
+            let fits = whole(dpi * most / factor).floor();
+            let what = format!("more than {MAX_TIMES} times");
+            return Err(refused(&what, &format!("--dpi {fits} or less")));
+        }
+        Ok(factor)
+    }
+}
+
+/// A number that is whole but for the rounding of millimetres as the whole one.
+fn whole(number: f64) -> f64 {
+    let whole = number.round();
+    if (number - whole).abs() < 1e-6 * whole {
+        whole
+    } else {
+        number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::{Parameters, Params};
+
+    fn parsed(text: &str) -> std::result::Result<Option<PaperSize>, String> {
+        let mut params = Params::default();
+        params.set("size", text).map(|_| params.size)
+    }
+
+    #[test]
+    fn sizes_are_read_in_three_units() {
+        let a4 = PaperSize {
+            width_mm: 210.0,
+            height_mm: 297.0,
+        };
+        assert_eq!(parsed("210x297mm"), Ok(Some(a4)));
+        assert_eq!(parsed("21x29.7cm"), Ok(Some(a4)));
+        let letter = parsed("8.5x11in").unwrap().unwrap();
+        assert_eq!((letter.width_mm, letter.height_mm), (215.9, 279.4));
+        for text in [
+            "210x297", "210mm", "0x297mm", "-1x5in", "axbmm", "x", "infx1cm", "1x99m",
+        ] {
+            assert!(parsed(text).unwrap_err().contains("210x297mm"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_drawing_just_fits_its_paper() {
+        let size = |text| parsed(text).unwrap().unwrap();
+        // 4 inches at 300 are 1200 pixels, 3.75 times 320; 4 inches down would be 5 times 240.
+        let factor = size("4x4in").factor([320, 240], 1.0, 300.0).unwrap();
+        assert!((factor - 3.75).abs() < 1e-6, "{factor}");
+        // Pixels twice as wide as high take twice the width.
+        let factor = size("4x4in").factor([320, 240], 2.0, 300.0).unwrap();
+        assert!((factor - 1.875).abs() < 1e-6, "{factor}");
+        assert_eq!(size("1x1in").factor([300, 200], 1.0, 300.0).unwrap(), 1.0);
+        // 100 pixels of 400: four times the dpi would do. 6400 of 320: 16 times is 5120, four fifths of the dpi.
+        for (text, dpi, found, remedy) in [
+            ("1x1in", 100.0, "is 100x75 pixels", "give --dpi 400 or more"),
+            (
+                "10x10in",
+                1000.0,
+                "more than 16 times",
+                "give --dpi 640 or less",
+            ),
+        ] {
+            let refused = size(text).factor([400, 300], 1.0, dpi).unwrap_err();
+            let line = refused.to_string();
+            assert!(line.contains(found) && line.contains(remedy), "{line}");
+        }
+    }
+}
