@@ -167,7 +167,8 @@ fn enlarged(shape: ShapeParams, times: usize, frame: &Frame) -> ShapeParams {
 /// An SVG holds lines, whatever the pen.
 fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
     match strokes.style {
-        Style::Pen | Style::Lines => strokes.style = Style::Lines,
+        Style::Pen => strokes.style = Style::Lines,
+        Style::Lines | Style::Engraving | Style::Stipple => {}
         Style::Pencil | Style::Pictures => {
             return Err(Error::BadParameter {
                 name: "--style",

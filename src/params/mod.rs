@@ -32,7 +32,7 @@ mod specular;
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
     Background, ContourParams, Enlargement, Fallback, FieldParams, InteriorParams, LineParams,
-    Stroke, StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
+    Plotter, Stroke, StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams, ToneSource,
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;

@@ -15,7 +15,7 @@ pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
 pub(crate) use strokes::MAX_LEVELS;
-pub use strokes::{Enlargement, Stroke, StrokeParams, StrokeScale, Style};
+pub use strokes::{Enlargement, Plotter, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneParams, ToneSource};
 
 params! {
