@@ -16,8 +16,8 @@ const MOST_RINGS: usize = 12;
 const ENDS_PER_CELL: f32 = 2.0;
 
 /// How many lines apart those are between which the way is turned about, and how often all are gone through.
-const REACH: usize = 48;
-const ROUNDS: usize = 3;
+const REACH: usize = 32;
+const ROUNDS: usize = 2;
 
 /// The order in which lines are drawn, each by both its ends, by a pen that comes from `from`.
 pub(super) fn pen_way(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {

@@ -6,6 +6,7 @@ use crate::frame::Window;
 use crate::io::pen_way::{Drawn, in_the_air, pen_way};
 use crate::line::contours::polyline::thinned;
 use glam::Vec2;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::ops::RangeInclusive;
@@ -25,7 +26,7 @@ pub struct Drawing<'a> {
     pub layers: Vec<(&'static str, Vec<Line<'a>>)>,
     /// Dots below all layers: middles and radii, in pixels.
     pub dots: Vec<(Vec2, f32)>,
-    /// Whether lines are ordered and thinned for a plotter, with a layer for each of its pens.
+    /// Whether lines are ordered and thinned for a plotter, with a layer for each of its pens within those of the drawing.
     pub is_plotted: bool,
 }
 
@@ -97,78 +98,97 @@ fn write_laid(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
 }
 
 /// What one pen draws, in its order.
-struct PenLayer<'a> {
-    name: &'static str,
+struct Pen<'a> {
     step: i32,
     paths: Vec<&'a [Vec2]>,
+    ends: Vec<[Vec2; 2]>,
     way: Vec<Drawn>,
+}
+
+impl<'a> Pen<'a> {
+    /// What a pen of this width draws, from the corner of the page on.
+    fn new(step: i32, paths: Vec<(Line<'a>, RangeInclusive<usize>)>, corner: Vec2) -> Self {
+        let paths = paths.into_iter().map(|(line, range)| &line.0[range]);
+        let paths: Vec<&[Vec2]> = paths.collect();
+        let ends = paths
+            .iter()
+            .map(|points| [points[0], points[points.len() - 1]]);
+        let ends: Vec<_> = ends.collect();
+        Self {
+            step,
+            way: pen_way(&ends, -corner),
+            paths,
+            ends,
+        }
+    }
+
+    /// Its part of a layer.
+    fn group(&self, layer: &str, drawing: &Drawing) -> std::io::Result<Vec<u8>> {
+        let (width, corner) = (WIDTH_STEP.powi(self.step), drawing.corner());
+        let id = format!("{layer}-{width:.3}");
+        let label = format!("{:.3} mm", drawing.mm(width));
+        let mut group = Vec::new();
+        writeln!(
+            group,
+            "{} stroke-width=\"{width:.3}\">",
+            layer_group(&id, &label)
+        )?;
+        for &(number, is_reversed) in &self.way {
+            let points = self.paths[number];
+            let mut kept = thinned(points, PLOTTED_BEND_PX, MOST_LEFT_OUT);
+            if is_reversed {
+                kept.reverse();
+            }
+            write_path(&mut group, kept.into_iter().map(|i| points[i] + corner))?;
+        }
+        writeln!(group, "</g>")?;
+        Ok(group)
+    }
 }
 
 /// Writes dots and lines in the order in which a plotter is to draw them, and how far its pen goes in the air.
 fn write_plotted(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
-    let mut in_air = 0.0;
-    let mut at = -drawing.corner();
-    let mut ordered = |ends: &[[Vec2; 2]]| {
-        let way = pen_way(ends, at);
-        let (length, end) = in_the_air(&way, ends, at);
-        (in_air, at) = (in_air + length, end);
-        way
-    };
+    let corner = drawing.corner();
     let dots: Vec<[Vec2; 2]> = drawing.dots.iter().map(|&(at, _)| [at, at]).collect();
-    let dots = ordered(&dots);
-    let mut pens = Vec::new();
-    for (name, lines) in &drawing.layers {
-        for (step, paths) in by_width(lines) {
-            let paths: Vec<&[Vec2]> = paths
-                .into_iter()
-                .map(|(line, range)| &line.0[range])
-                .collect();
-            let ends: Vec<_> = paths
-                .iter()
-                .map(|points| [points[0], points[points.len() - 1]])
-                .collect();
-            let way = ordered(&ends);
-            pens.push(PenLayer {
-                name,
-                step,
-                paths,
-                way,
-            });
-        }
-    }
+    let dotted = pen_way(&dots, -corner);
+    let layers: Vec<_> = drawing
+        .layers
+        .iter()
+        .map(|(name, lines)| {
+            let pens = by_width(lines).into_par_iter();
+            let pens = pens.map(|(step, paths)| Pen::new(step, paths, corner));
+            (*name, pens.collect::<Vec<Pen>>())
+        })
+        .collect();
+    let ways = layers.iter().flat_map(|(_, pens)| pens);
+    let ways = std::iter::once((&dotted, &dots)).chain(ways.map(|pen| (&pen.way, &pen.ends)));
+    let (in_air, _) = ways.fold((0.0, -corner), |(sum, at), (way, ends)| {
+        let (length, end) = in_the_air(way, ends, at);
+        (sum + length, end)
+    });
     let in_air_mm = drawing.mm(in_air as f32);
     writeln!(
         file,
         "<desc>way of the pen in the air: {in_air_mm:.0} mm</desc>"
     )?;
     if !dots.is_empty() {
-        write_dots(file, drawing, &layer("dots", "dots"), dots.into_iter())?;
+        let group = layer_group("dots", "dots");
+        write_dots(file, drawing, &group, dotted.into_iter())?;
     }
-    for pen in &pens {
-        write_pen(file, drawing, pen)?;
+    for (name, pens) in &layers {
+        writeln!(file, "{}>", layer_group(name, name))?;
+        let groups = pens.par_iter().map(|pen| pen.group(name, drawing));
+        for group in groups.collect::<std::io::Result<Vec<_>>>()? {
+            file.write_all(&group)?;
+        }
+        writeln!(file, "</g>")?;
     }
     Ok(())
 }
 
 /// The start of a group that drawing programs and plotters take for a layer.
-fn layer(id: &str, label: &str) -> String {
+fn layer_group(id: &str, label: &str) -> String {
     format!("<g id=\"{id}\" inkscape:groupmode=\"layer\" inkscape:label=\"{label}\"")
-}
-
-fn write_pen(file: &mut impl Write, drawing: &Drawing, pen: &PenLayer) -> std::io::Result<()> {
-    let (width, corner) = (WIDTH_STEP.powi(pen.step), drawing.corner());
-    let id = format!("{}-{width:.3}", pen.name);
-    let label = format!("{} {:.3} mm", pen.name, drawing.mm(width));
-    writeln!(file, "{} stroke-width=\"{width:.3}\">", layer(&id, &label))?;
-    for &(number, is_reversed) in &pen.way {
-        let points = pen.paths[number];
-        let mut kept = thinned(points, PLOTTED_BEND_PX, MOST_LEFT_OUT);
-        if is_reversed {
-            kept.reverse();
-        }
-        write_path(file, kept.into_iter().map(|i| points[i] + corner))?;
-    }
-    writeln!(file, "</g>")
 }
 
 /// Writes a group of dots that starts like this.
@@ -317,7 +337,7 @@ mod tests {
         let paths = "<path d=\"M0.00 0.00L40.00 0.00\"/>\n<path d=\"M50.00 0.00L10.00 20.00\"/>\n";
         assert!(page.contains(paths), "{page}");
         assert!(page.contains("<circle cx=\"11.00\" cy=\"2.00\" r=\"0.500\"/>"));
-        let label = "inkscape:groupmode=\"layer\" inkscape:label=\"strokes 0.254 mm\"";
+        let label = "inkscape:groupmode=\"layer\" inkscape:label=\"0.254 mm\"";
         assert!(page.contains(label), "{page}");
         // 11.18 + 11.18 + 10 pixels, 100 to the inch.
         assert!(

@@ -343,6 +343,25 @@ mod tests {
     }
 
     #[test]
+    fn engraved_lines_cover_the_ink_that_is_wanted_and_run_to_points() {
+        let burin = Tool::Burin(tool::Burin {
+            widths: [0.35, 5.5],
+            spacing: 5.0,
+            longest: 400.0,
+        });
+        for ink in [0.05, 0.1, 0.25, 0.5, 0.75] {
+            let paper = Plane::filled(300, 300, ink);
+            let lines = streamlines(&bent(300, 300), everywhere(&paper), &burin);
+            let drawn = ink_of(&lines, 300.0 * 300.0);
+            assert!((drawn - ink).abs() < 0.03, "{ink} drawn as {drawn}");
+            for line in &lines {
+                let widest = line.widths.iter().fold(0.0_f32, |a, &b| a.max(b));
+                assert!(line.widths[0] <= widest && widest <= 5.5);
+            }
+        }
+    }
+
+    #[test]
     fn lines_keep_their_distance_and_their_direction() {
         let field = bent(300, 300);
         let lines = streamlines(&field, everywhere(&Plane::filled(300, 300, 0.3)), &NIB);

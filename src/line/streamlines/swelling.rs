@@ -17,6 +17,9 @@ const MOST_TAPERED: f32 = 0.4;
 /// How a line thins toward its point: a power of the distance to it.
 const POINTED: f32 = 0.6;
 
+/// Width of a point, as a share of that of the thinnest line.
+const POINT: f32 = 0.5;
+
 /// Side of a cell in which ink is held to what is wanted, in distances between lines.
 const CELL: f32 = 2.0;
 
@@ -30,6 +33,7 @@ pub(super) fn swell(lines: &mut [Streamline], wanted: Wanted, burin: &Burin) {
         taper(line, wanted, burin);
     }
     let wanted = InkCells::of_plane(wanted.ink, CELL * burin.spacing);
+    let point = POINT * burin.widths[0];
     for _ in 0..MENDS {
         let mut drawn = wanted.blank();
         for line in lines.iter() {
@@ -39,7 +43,7 @@ pub(super) fn swell(lines: &mut [Streamline], wanted: Wanted, burin: &Burin) {
         for line in lines.iter_mut() {
             for (&at, width) in line.points.iter().zip(&mut line.widths) {
                 let mend = drawn.mend(&wanted, at, MEND);
-                *width = (*width * mend).min(burin.widths[1]);
+                *width = (*width * mend).clamp(point, burin.widths[1]);
             }
         }
     }
