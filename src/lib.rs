@@ -69,6 +69,10 @@
 //!   <https://doi.org/10.1145/1409060.1409109>
 //! - **\[JL\]** B. Jobard, W. Lefer: *Creating Evenly-Spaced Streamlines of Arbitrary Density*.
 //!   Visualization in Scientific Computing, 1997. <https://doi.org/10.1007/978-3-7091-6876-9_5>
+//! - **\[Sec\]** A. Secord: *Weighted Voronoi Stippling*. Non-Photorealistic Animation and Rendering, 2002.
+//!   <https://doi.org/10.1145/508530.508537>
+//! - **\[FS\]** R. W. Floyd, L. Steinberg: *An Adaptive Algorithm for Spatial Greyscale*. Proceedings of the Society
+//!   for Information Display 17(2), 1976.
 //! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 

@@ -20,9 +20,11 @@ use crate::io::svg;
 use crate::io::{Loaded, load_specular};
 use crate::light::lights::Illumination;
 use crate::line::contours::Contour;
+use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::StrokeParams;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -148,7 +150,7 @@ impl FrameCommand for HatchArgs {
             outcome,
             read,
         };
-        let chosen = self.write(job, &done)?;
+        let chosen = self.write(job, &done, &kit.looks.line.strokes)?;
         kit.engine.recycle(done.outcome);
         Ok(chosen)
     }
@@ -243,7 +245,7 @@ impl HatchArgs {
     }
 
     /// Writes the drawing and ends the frame.
-    fn write(&self, job: &Job, done: &Done) -> Result<Chosen> {
+    fn write(&self, job: &Job, done: &Done, strokes: &StrokeParams) -> Result<Chosen> {
         let output = &job.work.output;
         let drawing = done
             .outcome
@@ -252,7 +254,7 @@ impl HatchArgs {
             .expect("a drawing was planned");
         let frame = &done.loaded.frame;
         if is_svg(&job.work) {
-            return job.write_svg(done, &page(frame, drawing, self.dpi()));
+            return job.write_svg(done, &page(frame, drawing, strokes));
         }
         if let Kind::Picture(_) = output.kind()? {
             let color = &self.printed(drawing);
@@ -284,23 +286,29 @@ impl HatchArgs {
 }
 
 /// The lines of a drawing on a page.
-fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
-    let strokes = drawing.lines.iter();
+fn page<'a>(frame: &Frame, drawing: &'a Drawing, strokes: &StrokeParams) -> svg::Drawing<'a> {
+    let is_plotted = strokes.plotter.is_on(strokes.style);
+    // Lines that cross others are a layer of their own for a plotter.
+    let laid = |wanted: &dyn Fn(&Streamline) -> bool| {
+        let lines = drawing.lines.iter().filter(|line| wanted(line));
+        lines
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect::<Vec<svg::Line>>()
+    };
     let along = |lines: &'a [Contour]| {
         let lines = lines.iter();
         lines
             .map(|line| (&line.points[..], &line.widths[..]))
             .collect()
     };
-    let mut layers = vec![
-        (
-            "strokes",
-            strokes
-                .map(|line| (&line.points[..], &line.widths[..]))
-                .collect(),
-        ),
-        ("contours", along(&drawing.contour_lines)),
-    ];
+    let mut layers = match is_plotted {
+        true => vec![
+            ("strokes", laid(&|line| !line.crosses)),
+            ("crossing", laid(&|line| line.crosses)),
+        ],
+        false => vec![("strokes", laid(&|_| true))],
+    };
+    layers.push(("contours", along(&drawing.contour_lines)));
     if drawing.interior.is_some() {
         layers.push(("interior", along(&drawing.interior_lines)));
     }
@@ -308,7 +316,13 @@ fn page<'a>(frame: &Frame, drawing: &'a Drawing, dpi: f32) -> svg::Drawing<'a> {
         display_window: frame.display_window,
         data_window: frame.data_window,
         pixel_aspect: frame.pixel_aspect,
-        dpi,
+        dpi: strokes.dpi,
+        dots: drawing
+            .dots
+            .iter()
+            .map(|dot| (dot.at, dot.radius))
+            .collect(),
         layers,
+        is_plotted,
     }
 }

@@ -229,7 +229,8 @@ fn refuse_grey(kind: Kind, ink: Ink) -> Result<()> {
 /// An SVG holds lines, whatever the pen.
 fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
     match strokes.style {
-        Style::Pen | Style::Lines => strokes.style = Style::Lines,
+        Style::Pen => strokes.style = Style::Lines,
+        Style::Lines | Style::Engraving | Style::Stipple => {}
         Style::Pencil | Style::Pictures => {
             return Err(Error::BadParameter {
                 name: "--style",

@@ -2,6 +2,7 @@
 
 use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Window};
 use crate::line::contours::Contour;
+use crate::line::stippling::Dot;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::params::ToneLevels;
@@ -58,8 +59,10 @@ pub struct ScaleShape {
 pub struct Drawing {
     /// Strokes along the curvature.
     pub hatching: Plane,
-    /// The same as lines, for [`crate::params::Style::Lines`].
+    /// The same as lines, where [they are laid one by one](crate::params::Style::is_laid).
     pub lines: Vec<Streamline>,
+    /// The same as dots, where strokes are dots.
+    pub dots: Vec<Dot>,
     /// Lines along silhouettes and creases, where they were asked for; also outside the mask.
     pub contours: Option<Plane>,
     /// The same as lines, silhouettes first.

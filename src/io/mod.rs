@@ -22,6 +22,7 @@ mod notes;
 pub(crate) mod open;
 mod opened;
 pub mod output;
+mod pen_way;
 pub mod photo;
 pub mod picture;
 mod recombination;

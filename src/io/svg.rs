@@ -1,9 +1,12 @@
-//! Lines to SVG: in millimetres, grouped by width, so that a plotter changes its pen as seldom as can be.
+//! Lines to SVG: in millimetres, grouped by width, so that a plotter changes its pen as seldom as can be; for one that
+//! draws them, in an order in which its pen goes a short way in the air.
 
 use crate::error::{Error, Result};
 use crate::frame::Window;
+use crate::io::pen_way::{Drawn, in_the_air, pen_way};
 use crate::line::contours::polyline::thinned;
 use glam::Vec2;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::ops::RangeInclusive;
@@ -21,13 +24,18 @@ pub struct Drawing<'a> {
     pub dpi: f32,
     /// Layers from below to above: a name, and lines by points in pixels, y down, and widths in pixels.
     pub layers: Vec<(&'static str, Vec<Line<'a>>)>,
+    /// Dots below all layers: middles and radii, in pixels.
+    pub dots: Vec<(Vec2, f32)>,
+    /// Whether lines are ordered and thinned for a plotter, with a layer for each of its pens within those of the drawing.
+    pub is_plotted: bool,
 }
 
 /// The points of a line and its width at each.
 pub type Line<'a> = (&'a [Vec2], &'a [f32]);
 
-/// How far, in pixels, a path may leave out a bend.
+/// How far, in pixels, a path may leave out a bend, and one for a plotter.
 const BEND_PX: f32 = 0.04;
+const PLOTTED_BEND_PX: f32 = 0.1;
 
 /// Bends that may be left out in a row.
 const MOST_LEFT_OUT: usize = 64;
@@ -48,31 +56,175 @@ pub fn write_svg(file: &mut impl Write, path: &Path, drawing: &Drawing) -> Resul
 fn write(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     let window = drawing.display_window;
     let (width, height) = (window.width(), window.height());
-    let mm = |pixels: f32| pixels / drawing.dpi * MM_PER_INCH;
+    let layers_of = match drawing.is_plotted {
+        true => " xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\"",
+        false => "",
+    };
     writeln!(
         file,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.3}mm\" height=\"{:.3}mm\" viewBox=\"0 0 {width} {height}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\"{layers_of} width=\"{:.3}mm\" height=\"{:.3}mm\" viewBox=\"0 0 {width} {height}\" \
          preserveAspectRatio=\"none\" fill=\"none\" stroke=\"black\" stroke-linecap=\"round\" stroke-linejoin=\"round\">",
-        mm(width as f32 * drawing.pixel_aspect),
-        mm(height as f32),
+        drawing.mm(width as f32 * drawing.pixel_aspect),
+        drawing.mm(height as f32),
     )?;
-    let data = drawing.data_window;
-    let corner = Vec2::new(
-        data.x0.wrapping_sub(window.x0) as f32,
-        data.y0.wrapping_sub(window.y0) as f32,
-    );
+    match drawing.is_plotted {
+        true => write_plotted(file, drawing)?,
+        false => write_laid(file, drawing)?,
+    }
+    writeln!(file, "</svg>")
+}
+
+/// Writes dots and lines as they were laid.
+fn write_laid(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
+    let corner = drawing.corner();
+    if !drawing.dots.is_empty() {
+        let in_order = (0..drawing.dots.len()).map(|number| (number, false));
+        write_dots(file, drawing, "<g id=\"dots\"", in_order)?;
+    }
     for (name, lines) in &drawing.layers {
         writeln!(file, "<g id=\"{name}\">")?;
         for (step, paths) in by_width(lines) {
             writeln!(file, "<g stroke-width=\"{:.3}\">", WIDTH_STEP.powi(step))?;
             for (line, range) in paths {
-                write_path(file, &line.0[range], corner)?;
+                let points = &line.0[range];
+                let kept = thinned(points, BEND_PX, MOST_LEFT_OUT);
+                write_path(file, kept.into_iter().map(|i| points[i] + corner))?;
             }
             writeln!(file, "</g>")?;
         }
         writeln!(file, "</g>")?;
     }
-    writeln!(file, "</svg>")
+    Ok(())
+}
+
+/// What one pen draws, in its order.
+struct Pen<'a> {
+    step: i32,
+    paths: Vec<&'a [Vec2]>,
+    ends: Vec<[Vec2; 2]>,
+    way: Vec<Drawn>,
+}
+
+impl<'a> Pen<'a> {
+    /// What a pen of this width draws, from the corner of the page on.
+    fn new(step: i32, paths: Vec<(Line<'a>, RangeInclusive<usize>)>, corner: Vec2) -> Self {
+        let paths = paths.into_iter().map(|(line, range)| &line.0[range]);
+        let paths: Vec<&[Vec2]> = paths.collect();
+        let ends = paths
+            .iter()
+            .map(|points| [points[0], points[points.len() - 1]]);
+        let ends: Vec<_> = ends.collect();
+        Self {
+            step,
+            way: pen_way(&ends, -corner),
+            paths,
+            ends,
+        }
+    }
+
+    /// Its part of a layer.
+    fn group(&self, layer: &str, drawing: &Drawing) -> std::io::Result<Vec<u8>> {
+        let (width, corner) = (WIDTH_STEP.powi(self.step), drawing.corner());
+        let id = format!("{layer}-{width:.3}");
+        let label = format!("{:.3} mm", drawing.mm(width));
+        let mut group = Vec::new();
+        writeln!(
+            group,
+            "{} stroke-width=\"{width:.3}\">",
+            layer_group(&id, &label)
+        )?;
+        for &(number, is_reversed) in &self.way {
+            let points = self.paths[number];
+            let mut kept = thinned(points, PLOTTED_BEND_PX, MOST_LEFT_OUT);
+            if is_reversed {
+                kept.reverse();
+            }
+            write_path(&mut group, kept.into_iter().map(|i| points[i] + corner))?;
+        }
+        writeln!(group, "</g>")?;
+        Ok(group)
+    }
+}
+
+/// Writes dots and lines in the order in which a plotter is to draw them, and how far its pen goes in the air.
+fn write_plotted(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
+    let corner = drawing.corner();
+    let dots: Vec<[Vec2; 2]> = drawing.dots.iter().map(|&(at, _)| [at, at]).collect();
+    let dotted = pen_way(&dots, -corner);
+    let layers: Vec<_> = drawing
+        .layers
+        .iter()
+        .map(|(name, lines)| {
+            let pens = by_width(lines).into_par_iter();
+            let pens = pens.map(|(step, paths)| Pen::new(step, paths, corner));
+            (*name, pens.collect::<Vec<Pen>>())
+        })
+        .collect();
+    let ways = layers.iter().flat_map(|(_, pens)| pens);
+    let ways = std::iter::once((&dotted, &dots)).chain(ways.map(|pen| (&pen.way, &pen.ends)));
+    let (in_air, _) = ways.fold((0.0, -corner), |(sum, at), (way, ends)| {
+        let (length, end) = in_the_air(way, ends, at);
+        (sum + length, end)
+    });
+    let in_air_mm = drawing.mm(in_air as f32);
+    writeln!(
+        file,
+        "<desc>way of the pen in the air: {in_air_mm:.0} mm</desc>"
+    )?;
+    if !dots.is_empty() {
+        let group = layer_group("dots", "dots");
+        write_dots(file, drawing, &group, dotted.into_iter())?;
+    }
+    for (name, pens) in &layers {
+        writeln!(file, "{}>", layer_group(name, name))?;
+        let groups = pens.par_iter().map(|pen| pen.group(name, drawing));
+        for group in groups.collect::<std::io::Result<Vec<_>>>()? {
+            file.write_all(&group)?;
+        }
+        writeln!(file, "</g>")?;
+    }
+    Ok(())
+}
+
+/// The start of a group that drawing programs and plotters take for a layer.
+fn layer_group(id: &str, label: &str) -> String {
+    format!("<g id=\"{id}\" inkscape:groupmode=\"layer\" inkscape:label=\"{label}\"")
+}
+
+/// Writes a group of dots that starts like this.
+fn write_dots(
+    file: &mut impl Write,
+    drawing: &Drawing,
+    group: &str,
+    order: impl Iterator<Item = Drawn>,
+) -> std::io::Result<()> {
+    writeln!(file, "{group} fill=\"black\" stroke=\"none\">")?;
+    for (number, _) in order {
+        let (at, radius) = drawing.dots[number];
+        let at = at + drawing.corner();
+        writeln!(
+            file,
+            "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius:.3}\"/>",
+            at.x, at.y
+        )?;
+    }
+    writeln!(file, "</g>")
+}
+
+impl Drawing<'_> {
+    /// Millimetres of a length in pixels.
+    fn mm(&self, pixels: f32) -> f32 {
+        pixels / self.dpi * MM_PER_INCH
+    }
+
+    /// Where on the page points are counted from.
+    fn corner(&self) -> Vec2 {
+        let (window, data) = (self.display_window, self.data_window);
+        Vec2::new(
+            data.x0.wrapping_sub(window.x0) as f32,
+            data.y0.wrapping_sub(window.y0) as f32,
+        )
+    }
 }
 
 /// Parts of lines whose widths are about the same power of [`WIDTH_STEP`], the thinnest first; parts of a line
@@ -99,18 +251,18 @@ fn by_width<'a>(lines: &[Line<'a>]) -> BTreeMap<i32, Vec<(Line<'a>, RangeInclusi
     groups
 }
 
-fn write_path(file: &mut impl Write, points: &[Vec2], corner: Vec2) -> std::io::Result<()> {
+fn write_path(
+    file: &mut impl Write,
+    points: impl ExactSizeIterator<Item = Vec2>,
+) -> std::io::Result<()> {
+    let is_dot = points.len() == 1;
     write!(file, "<path d=\"")?;
-    for (n, i) in thinned(points, BEND_PX, MOST_LEFT_OUT)
-        .into_iter()
-        .enumerate()
-    {
-        let at = points[i] + corner;
+    for (n, at) in points.enumerate() {
         let command = ["M", "L"][usize::from(n > 0)];
         write!(file, "{command}{:.2} {:.2}", at.x, at.y)?;
     }
     // A dot is a line of no length, with round ends.
-    if points.len() == 1 {
+    if is_dot {
         write!(file, "h0")?;
     }
     writeln!(file, "\"/>")
@@ -121,12 +273,18 @@ mod tests {
     use super::*;
 
     fn written(layers: Vec<(&'static str, Vec<Line>)>) -> String {
+        page_of(layers, false)
+    }
+
+    fn page_of(layers: Vec<(&'static str, Vec<Line>)>, is_plotted: bool) -> String {
         let drawing = Drawing {
             display_window: Window::from_size(300, 200),
             data_window: Window::at(10, -20, 50, 50),
             pixel_aspect: 2.0,
             dpi: 100.0,
             layers,
+            dots: vec![(Vec2::new(1.0, 22.0), 0.5)],
+            is_plotted,
         };
         let mut file = Vec::new();
         write_svg(&mut file, Path::new("a.svg"), &drawing).unwrap();
@@ -160,5 +318,31 @@ mod tests {
         let page = written(vec![("strokes", vec![(&[Vec2::ONE], &[2.0]), (&[], &[])])]);
         assert_eq!(page.matches("<path").count(), 1);
         assert!(page.contains("M11.00 -19.00h0"));
+    }
+
+    #[test]
+    fn a_plotter_gets_layers_of_one_pen_and_lines_from_the_nearer_end() {
+        let far = [Vec2::new(0.0, 40.0), Vec2::new(40.0, 20.0)];
+        let near = [
+            Vec2::new(-10.0, 20.0),
+            Vec2::new(0.0, 20.04),
+            Vec2::new(30.0, 20.0),
+        ];
+        let page = page_of(
+            vec![("strokes", vec![(&far, &[1.0; 2]), (&near, &[1.0; 3])])],
+            true,
+        );
+        // Points lie (10, -20) from the corner of the page. From there the pen goes to the dot at (11, 2), then 11.2 to
+        // the near line's first point at (0, 0), and from its last 10 on to the far line's last. A bend of 0.04 is left out.
+        let paths = "<path d=\"M0.00 0.00L40.00 0.00\"/>\n<path d=\"M50.00 0.00L10.00 20.00\"/>\n";
+        assert!(page.contains(paths), "{page}");
+        assert!(page.contains("<circle cx=\"11.00\" cy=\"2.00\" r=\"0.500\"/>"));
+        let label = "inkscape:groupmode=\"layer\" inkscape:label=\"0.254 mm\"";
+        assert!(page.contains(label), "{page}");
+        // 11.18 + 11.18 + 10 pixels, 100 to the inch.
+        assert!(
+            page.contains("<desc>way of the pen in the air: 8 mm</desc>"),
+            "{page}"
+        );
     }
 }

@@ -5,7 +5,7 @@ use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities, ToneOf};
-use crate::params::{Adaptive, LineParams, Style, ToneParams};
+use crate::params::{Adaptive, LineParams, ToneParams};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -21,9 +21,9 @@ pub(crate) fn is_drawn(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict)
 
 /// The verdict on a step of strokes that come from a texture.
 pub(crate) fn has_texture(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdict) -> Verdict {
-    has_strokes(plan, |params| match params.strokes.style {
-        Style::Lines => Verdict::left_out("strokes are lines"),
-        _ => decide(params),
+    has_strokes(plan, |params| match params.strokes.style.is_laid() {
+        true => Verdict::left_out("strokes are laid one by one"),
+        false => decide(params),
     })
 }
 
@@ -153,6 +153,7 @@ pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Stre
     run.outcome.drawing = Some(Drawing {
         hatching,
         lines,
+        dots: Vec::new(),
         contours,
         contour_lines: contour_lines.unwrap_or_default(),
         interior,

@@ -226,7 +226,7 @@ fn lines_along(
 pub(crate) fn medium(params: &LineParams) -> Medium {
     match params.strokes.style {
         Style::Pencil => Medium::Graphite(params.strokes.seed),
-        Style::Pen | Style::Pictures | Style::Lines => Medium::Ink,
+        _ => Medium::Ink,
     }
 }
 
@@ -251,6 +251,7 @@ fn put_drawing(
     outcome.drawing = Some(Drawing {
         hatching: plane_of(frame, read.next()),
         lines: Vec::new(),
+        dots: Vec::new(),
         contours: lines.is_some().then(|| plane_of(frame, read.next())),
         contour_lines: lines.unwrap_or_default(),
         interior: None,

@@ -22,7 +22,7 @@ use crate::line::hatching::gpu::Strokes;
 use crate::line::interior::stage::INTERIOR;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::params::{Adaptive, LineParams, Style};
+use crate::params::{Adaptive, LineParams};
 use crate::plan::Plan;
 use crate::shape::auto_levels::gpu::Search;
 use std::ops::Range;
@@ -101,7 +101,7 @@ impl Runner {
         add_timings(&mut outcome.timings, &[(INTERIOR.name, start.elapsed())]);
         let mut params = *params;
         params.tone.white_point = Adaptive::Fixed(white_point);
-        let ink = match params.strokes.style == Style::Lines {
+        let ink = match params.strokes.style.is_laid() {
             true => {
                 let tone = (tone, white_point);
                 Ink::Lines(self.streamlines(plan, frame, &params, tone, &directions, &mut outcome))

@@ -13,6 +13,7 @@ pub(crate) mod gpu_drawing;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_drawing_strips;
 pub mod hatching;
+mod ink_cells;
 pub(crate) mod interior;
 pub mod linear_camera;
 pub(crate) mod normal_rays;
@@ -24,6 +25,7 @@ mod response;
 pub(crate) mod shape_tone;
 pub(crate) mod slice_texture;
 pub(crate) mod specular;
+pub mod stippling;
 pub mod streamlines;
 mod stroke_synthesis;
 pub(crate) mod stroke_texture;

@@ -12,6 +12,7 @@ use crate::line::interior::stage::INTERIOR;
 use crate::line::normal_rays::stage::NORMAL_RAYS;
 use crate::line::shape_tone::stage::SHAPE_TONE;
 use crate::line::specular::stage::SPECULAR_TRACE;
+use crate::line::stippling::stage::STIPPLING;
 use crate::line::streamlines::stage::STREAMLINES;
 use crate::line::texture_coordinates::stage::TEXTURE_COORDINATES;
 use crate::line::tonal_art_map::stage::TONAL_ART_MAP;
@@ -47,7 +48,7 @@ pub(crate) static PICTURE: [&Stage; 7] = [
 ];
 
 /// Those that draw it.
-pub(crate) static DRAWING: [&Stage; 10] = [
+pub(crate) static DRAWING: [&Stage; 11] = [
     &SPECULAR_TRACE,
     &SHAPE_TONE,
     &CONTOURS,
@@ -57,6 +58,7 @@ pub(crate) static DRAWING: [&Stage; 10] = [
     &TONAL_ART_MAP,
     &HATCHING,
     &STREAMLINES,
+    &STIPPLING,
     &LINES_ONLY,
 ];
 

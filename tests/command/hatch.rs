@@ -32,7 +32,7 @@ fn light(photo: &Photo) -> f32 {
 fn renders_and_photos_are_drawn_with_every_tool() {
     let desk = tempfile::tempdir().unwrap();
     let normal = fixture("tablet.normal.png");
-    for style in ["pen", "pencil", "lines"] {
+    for style in ["pen", "pencil", "lines", "engraving", "stipple"] {
         let bust = drawn(desk.path(), "bust.exr", &format!("--style {style}"));
         assert_eq!((bust.width, bust.height), (480, 360));
         // Paper around the bust, ink on it.

@@ -26,7 +26,6 @@ use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::direction_field::gpu_patches::largest_buffer;
 use crate::line::hatching::gpu::TextureCache;
 use crate::params::Adaptive;
-use crate::params::Style;
 use crate::plan::Plan;
 use crate::plan::resolve::running;
 use crate::product::Product;
@@ -187,7 +186,7 @@ impl Runner {
             // Lines are placed when all of the tone is there, as that of a drawing in strips is.
             Some(params)
                 if is_whole
-                    && params.strokes.style != Style::Lines
+                    && !params.strokes.style.is_laid()
                     && largest_buffer(&params.field, frame) <= plane_bytes =>
             {
                 let drawn = self.draw_whole(plan, frame, params, light, inputs)?;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 pub(crate) fn in_medium(covered: Plane, frame: &Frame, strokes: &StrokeParams) -> Plane {
     match strokes.style {
         Style::Pencil => in_graphite(covered, frame.data_window, strokes.seed),
-        Style::Pen | Style::Pictures | Style::Lines => covered,
+        _ => covered,
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::engine::cpu::run::Run;
 use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::drawing::has_strokes;
+use crate::params::Style;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
@@ -20,7 +21,12 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
     steps: &[Step {
         name: "direction-field",
         gives: &[Product::Strokes],
-        decide: |plan| has_strokes(plan, |_| Verdict::runs("strokes follow the curvature")),
+        decide: |plan| {
+            has_strokes(plan, |params| match params.strokes.style {
+                Style::Stipple => Verdict::left_out("dots have no direction"),
+                _ => Verdict::runs("strokes follow the curvature"),
+            })
+        },
     }],
     cpu: find,
     ..Stage::DEFAULT

@@ -81,7 +81,13 @@ impl Pixels {
 /// What of the optical density that is wanted one of `families` families of strokes gives: see [`Pixels::share`].
 #[inline(always)]
 pub(crate) fn share(wanted: f32, family: usize, families: usize) -> f32 {
-    let crossed = (0.5 * (wanted - CROSSED_FROM)).max(0.0);
+    share_from(CROSSED_FROM, wanted, family, families)
+}
+
+/// The same where strokes are crossed from another density on.
+#[inline(always)]
+pub(crate) fn share_from(from: f32, wanted: f32, family: usize, families: usize) -> f32 {
+    let crossed = (0.5 * (wanted - from)).max(0.0);
     match (families, family) {
         (1, _) => wanted,
         (_, 0) => wanted - crossed,

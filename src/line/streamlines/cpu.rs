@@ -7,11 +7,14 @@ use crate::frame::Plane;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
 use crate::line::direction_field::setting::OPEN;
-use crate::line::hatching::{BATCH, share};
-use crate::line::streamlines::{Nib, Streamline, streamlines};
+use crate::line::hatching::{BATCH, CROSSED_FROM, share_from};
+use crate::line::streamlines::{Streamline, Tool, Wanted, streamlines};
 use crate::line::tone::Densities;
-use crate::params::StrokeParams;
+use crate::params::{StrokeParams, Style};
 use rayon::prelude::*;
+
+/// Density from which on engraved lines are crossed by others: the first swell to half of the paper before.
+const ENGRAVING_CROSSED_FROM: f32 = 0.7;
 
 /// The lines of every family in turn.
 pub(crate) fn lines(
@@ -24,24 +27,33 @@ pub(crate) fn lines(
     memory: &Memory,
 ) -> Vec<Streamline> {
     let stroke = params.stroke(resolution_factor);
-    let nib = Nib::of(&stroke);
+    let tool = Tool::of(&stroke, params.style);
     let families = directions.len();
+    let onto_edges = params.style == Style::Engraving;
+    let crossed_from = match onto_edges {
+        true => ENGRAVING_CROSSED_FROM,
+        false => CROSSED_FROM,
+    };
     let of_family = |(family, field): (usize, &Vector2Planes)| {
-        let wanted = |density| 1.0 - (-share(density, family, families)).exp();
-        streamlines(
-            field,
-            &inks(densities, conductance, wanted, frame, memory),
-            &nib,
-        )
+        let wanted = |density| 1.0 - (-share_from(crossed_from, density, family, families)).exp();
+        let closed = (!onto_edges).then_some(conductance);
+        let ink = inks(densities, closed, wanted, frame, memory);
+        let wanted = Wanted {
+            ink: &ink,
+            conductance: onto_edges.then_some(conductance),
+        };
+        let mut lines = streamlines(field, wanted, &tool);
+        lines.iter_mut().for_each(|line| line.crosses = family > 0);
+        lines
     };
     let found: Vec<_> = directions.par_iter().enumerate().map(of_family).collect();
     found.concat()
 }
 
-/// The ink that lines are to cover; 0 where none may pass.
+/// The ink that lines are to cover; 0 on edges that are `closed` to them, by their conductance.
 fn inks(
     densities: &Densities,
-    conductance: &Plane,
+    closed: Option<&Plane>,
     wanted: impl Fn(f32) -> f32 + Sync,
     frame: &Frame,
     memory: &Memory,
@@ -52,9 +64,14 @@ fn inks(
             for from in run.clone().step_by(BATCH) {
                 let columns = from..(from + BATCH).min(run.end);
                 densities.row(&mut out[columns.clone()], y, columns.clone(), simd);
-                let open = &conductance.row(y)[columns.clone()];
-                for (ink, &open) in out[columns].iter_mut().zip(open) {
-                    *ink = if open > OPEN { wanted(*ink) } else { 0.0 };
+                let inks = out[columns.clone()].iter_mut();
+                match closed {
+                    Some(conductance) => {
+                        for (ink, &open) in inks.zip(&conductance.row(y)[columns]) {
+                            *ink = if open > OPEN { wanted(*ink) } else { 0.0 };
+                        }
+                    }
+                    None => inks.for_each(|ink| *ink = wanted(*ink)),
                 }
             }
         }
@@ -62,10 +79,23 @@ fn inks(
     ink
 }
 
-/// How much of the paper the lines cover.
-pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Plane {
-    let drawn: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
-    let mut covered = coverage(&drawn, Overlap::Beside, &frame.mask, memory);
+/// How much of the paper lines of this style cover.
+pub(crate) fn inked(lines: &[Streamline], style: Style, frame: &Frame, memory: &Memory) -> Plane {
+    let of = |wanted: &dyn Fn(&Streamline) -> bool| {
+        let drawn = lines.iter().filter(|line| wanted(line));
+        let drawn: Vec<DrawnLine> = drawn.map(DrawnLine::from).collect();
+        coverage(&drawn, Overlap::Beside, &frame.mask, memory)
+    };
+    let mut covered = match style {
+        Style::Engraving => {
+            let mut covered = of(&|line| !line.crosses);
+            let crossing = of(&|line| line.crosses);
+            lay_over(&mut covered, &crossing);
+            memory.recycle([crossing]);
+            covered
+        }
+        _ => of(&|_| true),
+    };
     // Ink beyond a silhouette lies under its line.
     let width = covered.width();
     let rows = covered.samples_mut().par_chunks_mut(width);
@@ -80,4 +110,12 @@ pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Pla
         }
     });
     covered
+}
+
+/// Lays ink over ink: each covers its share of what the other leaves white.
+fn lay_over(covered: &mut Plane, crossing: &Plane) {
+    let samples = covered.samples_mut().par_iter_mut();
+    samples
+        .zip(crossing.samples())
+        .for_each(|(ink, crossing)| *ink += (1.0 - *ink) * crossing);
 }

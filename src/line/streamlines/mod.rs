@@ -7,13 +7,19 @@
 //! ink is wanted and stop where none is; nothing crosses an edge on which the caller wants none.
 
 pub(crate) mod cpu;
+mod placed;
 pub(crate) mod stage;
+mod swelling;
+mod tool;
 
 use super::contours::polyline::evened;
+use super::direction_field::setting::OPEN;
 use crate::frame::{Plane, Vector2Planes};
-use crate::params::Stroke;
 use glam::Vec2;
+use placed::{Placed, Point};
 use std::collections::VecDeque;
+use swelling::swell;
+pub(crate) use tool::Tool;
 
 /// A stroke as a line.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,36 +28,48 @@ pub struct Streamline {
     pub points: Vec<Vec2>,
     /// Its width at each point, in pixels.
     pub widths: Vec<f32>,
+    /// Whether it crosses others, to darken them.
+    pub crosses: bool,
 }
 
-/// What lines are drawn with, in pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Nib {
-    /// Width in a middle tone.
-    pub width: f32,
-    /// Share of that, 0..1, by which it grows and shrinks with tone.
-    pub pressure: f32,
-    /// Distance between lines in the lightest tone that is drawn.
-    pub widest_spacing: f32,
-    /// Length at which a line ends.
-    pub longest: f32,
+/// The ink that lines are to cover.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    /// The share of the paper; where it is 0 no line goes.
+    pub(crate) ink: &'a Plane,
+    /// Conductance, where lines may run on to the middle of edges, but not over them.
+    pub(crate) conductance: Option<&'a Plane>,
 }
 
-/// How near another a line may come, as a share of the distance wanted. [JL] finds 0.5 to 0.9: more make more and
-/// shorter lines.
-const TEST: f32 = 0.6;
+impl Wanted<'_> {
+    /// The ink at a place on the paper.
+    #[inline]
+    fn ink_at(&self, at: Vec2) -> Option<f32> {
+        sample(self.ink, at)
+    }
 
-/// Distances between lines of one width that leave no paper between them: closer ones only cost time.
-const TOUCHING: f32 = 1.1;
+    /// Whether a place lies on an edge, if lines may run there at all.
+    #[inline]
+    fn is_edge(&self, at: Vec2) -> bool {
+        let conductance = self.conductance.and_then(|plane| sample(plane, at));
+        conductance.is_some_and(|open| open <= OPEN)
+    }
+}
 
-/// Least distance between lines, in pixels: the picture tells nothing finer.
-const CLOSEST: f32 = 1.0;
+/// The sample of the pixel that a place lies in.
+#[inline]
+fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
+    let inside = at.x >= 0.0 && at.y >= 0.0;
+    let (x, y) = (at.x as usize, at.y as usize);
+    let inside = inside && x < plane.width() && y < plane.height();
+    inside.then(|| plane.at(x, y))
+}
+
+/// How far, in pixels, a line runs on where it meets an edge.
+const MOST_ON_EDGE: f32 = 1.6;
 
 /// Cosine of the most that a line may turn from one point to the next.
 const MOST_TURN: f32 = 0.9;
-
-/// Lines shorter than so many of their widths are left out.
-const SHORTEST: f32 = 4.0;
 
 /// Points of a line from one to the next that others are started beside.
 const SEEDS: usize = 3;
@@ -59,127 +77,119 @@ const SEEDS: usize = 3;
 /// Spots to either side over which widths change.
 const WIDTH_REACH: usize = 6;
 
-/// Distance between lines in the lightest tone that is drawn over that in a light tone.
-const WIDEST: f32 = 4.0;
-
-impl Nib {
-    /// What draws such strokes.
-    pub(crate) fn of(stroke: &Stroke) -> Self {
-        Self {
-            width: stroke.width_px,
-            pressure: stroke.pressure,
-            widest_spacing: WIDEST * stroke.spacing_px,
-            longest: stroke.length_px,
-        }
-    }
-
-    /// The distance between lines that cover a share `ink` of the paper.
-    fn spacing(&self, ink: f32) -> f32 {
-        // Thin lines in light tones, thick ones in dark tones.
-        let width = self.width * (1.0 + self.pressure * (2.0 * ink - 1.0));
-        let least = (TOUCHING * width).max(CLOSEST);
-        (width / ink).clamp(least, self.widest_spacing.max(least))
-    }
-
-    /// How far apart points along a line are, so that none passes between them.
-    fn step(&self) -> f32 {
-        let least = (TOUCHING * self.widths()[1]).max(CLOSEST);
-        (0.8 * TEST * least).min(1.0)
-    }
-
-    /// The widths that it can draw.
-    fn widths(&self) -> [f32; 2] {
-        [1.0 - self.pressure, 1.0 + self.pressure].map(|share| share * self.width)
-    }
-
-    /// The least ink that is drawn: of the thinnest lines at the widest distance.
-    fn least_ink(&self) -> f32 {
-        (self.widths()[0].max(0.2 * self.width) / self.widest_spacing).min(0.5)
-    }
-}
-
 /// Lines along `field` (unit directions, y up, the same as their opposites) that cover the share `ink` of the
 /// paper; where that is 0 none goes. The same for the same input.
-pub(crate) fn streamlines(field: &Vector2Planes, ink: &Plane, nib: &Nib) -> Vec<Streamline> {
+pub(crate) fn streamlines(field: &Vector2Planes, wanted: Wanted, tool: &Tool) -> Vec<Streamline> {
     let mut drawer = Drawer {
         field,
-        ink,
-        nib: *nib,
-        placed: Placed::new([ink.width(), ink.height()], 0.5 * nib.widest_spacing),
+        wanted,
+        tool: *tool,
+        least_ink: tool.least_ink(),
+        step: tool.step(),
+        placed: Placed::new([wanted.ink.width(), wanted.ink.height()], tool.cell_side()),
         lines: Vec::new(),
     };
     drawer.fill();
     let Drawer { placed, lines, .. } = &drawer;
     let drawn = lines.iter().enumerate();
-    drawn
+    let mut lines: Vec<Streamline> = drawn
         .map(|(number, points)| Streamline {
             widths: drawer.widths(number as u32, points, placed),
             points: points.clone(),
+            crosses: false,
         })
-        .collect()
+        .collect();
+    if let Tool::Burin(burin) = tool {
+        swell(&mut lines, wanted, burin);
+    }
+    lines
+}
+
+/// A line that was laid: its number, and the level of darkness of the place that it was started at.
+struct Laid {
+    number: usize,
+    level: usize,
 }
 
 struct Drawer<'a> {
     field: &'a Vector2Planes,
-    ink: &'a Plane,
-    nib: Nib,
+    wanted: Wanted<'a>,
+    tool: Tool,
+    least_ink: f32,
+    step: f32,
     placed: Placed,
     lines: Vec<Vec<Vec2>>,
 }
 
 impl Drawer<'_> {
-    /// Starts lines wherever there is room, each beside those before it as long as that can be.
+    /// Starts lines wherever there is room, in the dark first, each beside those before it as long as that can be.
     fn fill(&mut self) {
-        let every = (0.5 * self.nib.width).max(2.0) as usize;
-        for y in (0..self.ink.height()).step_by(every) {
-            for x in (0..self.ink.width()).step_by(every) {
-                self.start(Vec2::new(x as f32 + 0.5, y as f32 + 0.5));
+        let every = self.tool.every();
+        let (width, height) = (self.wanted.ink.width(), self.wanted.ink.height());
+        for &room in self.tool.rooms() {
+            for level in (0..self.tool.levels()).rev() {
+                for y in (0..height).step_by(every) {
+                    for x in (0..width).step_by(every) {
+                        let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+                        let ink = self.ink_at(at);
+                        if ink.is_some_and(|ink| self.tool.level(ink) == level) {
+                            self.start(at, room);
+                        }
+                    }
+                }
             }
         }
     }
 
-    /// A line through a place, if there is room for one, and then all that can be started beside it.
-    fn start(&mut self, at: Vec2) {
-        let mut waiting: VecDeque<usize> = self.line(at).into_iter().collect();
-        while let Some(number) = waiting.pop_front() {
+    /// A line through a place, if there is room for one, and then all that can be started beside it, beside the darkest
+    /// first.
+    fn start(&mut self, at: Vec2, room: f32) {
+        let Some(first) = self.line(at, room) else {
+            return;
+        };
+        let mut waiting = vec![VecDeque::new(); self.tool.levels()];
+        waiting[first.level].push_back(first.number);
+        while let Some(number) = waiting.iter_mut().rev().find_map(VecDeque::pop_front) {
             for i in (0..self.lines[number].len()).step_by(SEEDS) {
                 let at = self.lines[number][i];
                 let (Some(ink), Some(along)) = (self.ink_at(at), self.direction(at, Vec2::X))
                 else {
                     continue;
                 };
-                let across = self.nib.spacing(ink) * along.perp();
+                let across = self.tool.spacing(ink) * along.perp();
                 for seed in [at + across, at - across] {
-                    waiting.extend(self.line(seed));
+                    if let Some(line) = self.line(seed, room) {
+                        waiting[line.level].push_back(line.number);
+                    }
                 }
             }
         }
     }
 
-    /// Draws the line through `seed` and gives its number; `None` where it would be too near another, or short.
-    fn line(&mut self, seed: Vec2) -> Option<usize> {
-        let ink = self.ink_at(seed)?;
+    /// Draws the line through `seed`, with `room` of the distance wanted about it; `None` where it would be too near another, or short.
+    fn line(&mut self, seed: Vec2, room: f32) -> Option<Laid> {
+        let ink = self.ink_at(seed).filter(|_| !self.wanted.is_edge(seed))?;
         let along = self.direction(seed, Vec2::X)?;
-        // Seeds lie at the very distance, up to rounding.
-        let distance = 0.99 * self.nib.spacing(ink);
+        let distance = room * self.tool.spacing(ink);
         if !self.placed.is_free(seed, distance, |_| true) {
             return None;
         }
-        let number = self.lines.len() as u32;
+        let (number, before) = (self.lines.len() as u32, self.placed.count());
         self.placed.add(seed, number, 0);
-        let step = self.nib.step();
-        let half = (0.5 * self.nib.longest / step) as i32;
+        let step = self.step;
+        let half = (0.5 * self.tool.longest() / step) as i32;
         let mut points = self.half_line(seed, -along, number, -1, half);
         points.reverse();
         points.push(seed);
         points.extend(self.half_line(seed, along, number, 1, half));
-        if step * (points.len() - 1) as f32 >= SHORTEST * self.nib.width {
+        if step * (points.len() - 1) as f32 >= self.tool.shortest() {
             self.lines.push(points);
-            return Some(number as usize);
+            return Some(Laid {
+                number: number as usize,
+                level: self.tool.level(ink),
+            });
         }
-        for &at in points.iter().rev() {
-            self.placed.remove(at, number);
-        }
+        self.placed.keep(before);
         None
     }
 
@@ -193,8 +203,8 @@ impl Drawer<'_> {
         most: i32,
     ) -> Vec<Vec2> {
         let mut points = Vec::new();
-        let mut at = from;
-        let length = self.nib.step();
+        let (mut at, mut on_edge) = (from, 0.0);
+        let length = self.step;
         for step in 1..=most {
             let middle = self.direction(at + 0.5 * length * ahead, ahead);
             let Some(along) = middle.filter(|along| along.dot(ahead) > MOST_TURN) else {
@@ -204,8 +214,16 @@ impl Drawer<'_> {
             let Some(ink) = self.ink_at(next) else {
                 break;
             };
+            on_edge = match self.wanted.is_edge(next) {
+                true => on_edge + length,
+                false if on_edge > 0.0 => break,
+                false => 0.0,
+            };
+            if on_edge > MOST_ON_EDGE {
+                break;
+            }
             let index = side * step;
-            let distance = TEST * self.nib.spacing(ink);
+            let distance = self.tool.least_distance(ink);
             // Points of its own behind it are near, and in no way.
             let behind = (2.0 * distance / length) as i32 + 2;
             let others = |p: &Point| p.line != line || (p.index - index).abs() > behind;
@@ -220,12 +238,10 @@ impl Drawer<'_> {
     }
 
     /// The ink wanted at a place, if it can be drawn.
+    #[inline]
     fn ink_at(&self, at: Vec2) -> Option<f32> {
-        let inside = at.x >= 0.0 && at.y >= 0.0;
-        let (x, y) = (at.x as usize, at.y as usize);
-        let inside = inside && x < self.ink.width() && y < self.ink.height();
-        let ink = inside.then(|| self.ink.at(x, y))?;
-        (ink >= self.nib.least_ink()).then_some(ink.min(1.0))
+        let ink = self.wanted.ink_at(at)?;
+        (ink >= self.least_ink).then_some(ink.min(1.0))
     }
 
     /// The direction at a place, rows down, between those of the pixels around it that take ink; of the two the one
@@ -254,13 +270,13 @@ impl Drawer<'_> {
 
     /// The widths that cover the ink wanted between a line's neighbours.
     fn widths(&self, line: u32, points: &[Vec2], placed: &Placed) -> Vec<f32> {
-        let [thinnest, thickest] = self.nib.widths();
+        let [thinnest, thickest] = self.tool.widths();
         let wanted: Vec<f32> = (0..points.len())
             .map(|i| {
                 let at = points[i];
                 let ink = self.ink_at(at).unwrap_or(0.0);
                 let along = points[(i + 1).min(points.len() - 1)] - points[i.saturating_sub(1)];
-                let spacing = self.nib.spacing(ink.max(self.nib.least_ink()));
+                let spacing = self.tool.spacing(ink.max(self.least_ink));
                 let [left, right] = placed.room(at, along, spacing, line);
                 ink * 0.5 * (left + right)
             })
@@ -270,94 +286,18 @@ impl Drawer<'_> {
     }
 }
 
-/// A point of a line.
-#[derive(Debug, Clone, Copy)]
-struct Point {
-    at: Vec2,
-    line: u32,
-    /// Where in its line, counted from the seed.
-    index: i32,
-}
-
-/// The points laid so far, by the cell that they lie in.
-struct Placed {
-    cells: Vec<Vec<Point>>,
-    size: [usize; 2],
-    side: f32,
-}
-
-/// Least side of a cell, in pixels.
-const LEAST_SIDE: f32 = 2.0;
-
-impl Placed {
-    fn new(size: [usize; 2], side: f32) -> Self {
-        let side = side.max(LEAST_SIDE);
-        let size = size.map(|length| (length as f32 / side) as usize + 1);
-        Self {
-            cells: vec![Vec::new(); size[0] * size[1]],
-            size,
-            side,
-        }
-    }
-
-    fn cell(&self, at: Vec2) -> [usize; 2] {
-        let cell = |at: f32, count: usize| ((at / self.side).max(0.0) as usize).min(count - 1);
-        [cell(at.x, self.size[0]), cell(at.y, self.size[1])]
-    }
-
-    fn add(&mut self, at: Vec2, line: u32, index: i32) {
-        let [x, y] = self.cell(at);
-        self.cells[y * self.size[0] + x].push(Point { at, line, index });
-    }
-
-    fn remove(&mut self, at: Vec2, line: u32) {
-        let [x, y] = self.cell(at);
-        self.cells[y * self.size[0] + x].retain(|p| p.line != line || p.at != at);
-    }
-
-    /// The points within some distance.
-    fn around(&self, at: Vec2, distance: f32) -> impl Iterator<Item = &Point> {
-        let [first, last] = [-distance, distance].map(|d| self.cell(at + d));
-        let rows = (first[1]..=last[1]).map(move |y| {
-            let row = y * self.size[0];
-            &self.cells[row + first[0]..=row + last[0]]
-        });
-        let square = distance * distance;
-        let near = rows.flatten().flatten();
-        near.filter(move |p| p.at.distance_squared(at) < square)
-    }
-
-    /// Whether no point that `counts` is nearer than that.
-    fn is_free(&self, at: Vec2, distance: f32, counts: impl Fn(&Point) -> bool) -> bool {
-        !self.around(at, distance).any(counts)
-    }
-
-    /// How far the nearest other lines are to both sides; `spacing` where there is none within half as much again.
-    fn room(&self, at: Vec2, along: Vec2, spacing: f32, line: u32) -> [f32; 2] {
-        let mut room = [f32::INFINITY; 2];
-        for other in self.around(at, 1.5 * spacing).filter(|p| p.line != line) {
-            let offset = other.at - at;
-            let across = along.perp_dot(offset);
-            // What lies ahead is no neighbour.
-            if across.abs() > 0.7 * along.length() * offset.length() {
-                let side = &mut room[usize::from(across > 0.0)];
-                *side = side.min(offset.length());
-            }
-        }
-        room.map(|room| if room.is_finite() { room } else { spacing })
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::tool::Nib;
     use super::*;
 
-    const NIB: Nib = Nib {
+    const PEN: Nib = Nib {
         width: 1.4,
         pressure: 0.5,
         widest_spacing: 20.0,
         longest: 400.0,
     };
+    const NIB: Tool = Tool::Nib(PEN);
 
     /// Directions along circles around a place far below.
     fn bent(width: usize, height: usize) -> Vector2Planes {
@@ -368,6 +308,13 @@ mod tests {
         Vector2Planes {
             x: Plane::from_fn(width, height, |x, y| direction(x, y).x),
             y: Plane::from_fn(width, height, |x, y| direction(x, y).y),
+        }
+    }
+
+    fn everywhere(ink: &Plane) -> Wanted<'_> {
+        Wanted {
+            ink,
+            conductance: None,
         }
     }
 
@@ -385,17 +332,40 @@ mod tests {
     #[test]
     fn lines_cover_the_ink_that_is_wanted() {
         for ink in [0.1, 0.25, 0.5, 0.75] {
-            let lines = streamlines(&bent(300, 300), &Plane::filled(300, 300, ink), &NIB);
+            let lines = streamlines(
+                &bent(300, 300),
+                everywhere(&Plane::filled(300, 300, ink)),
+                &NIB,
+            );
             let drawn = ink_of(&lines, 300.0 * 300.0);
             assert!((drawn - ink).abs() < 0.03, "{ink} drawn as {drawn}");
         }
     }
 
     #[test]
+    fn engraved_lines_cover_the_ink_that_is_wanted_and_run_to_points() {
+        let burin = Tool::Burin(tool::Burin {
+            widths: [0.35, 5.5],
+            spacing: 5.0,
+            longest: 400.0,
+        });
+        for ink in [0.05, 0.1, 0.25, 0.5, 0.75] {
+            let paper = Plane::filled(300, 300, ink);
+            let lines = streamlines(&bent(300, 300), everywhere(&paper), &burin);
+            let drawn = ink_of(&lines, 300.0 * 300.0);
+            assert!((drawn - ink).abs() < 0.03, "{ink} drawn as {drawn}");
+            for line in &lines {
+                let widest = line.widths.iter().fold(0.0_f32, |a, &b| a.max(b));
+                assert!(line.widths[0] <= widest && widest <= 5.5);
+            }
+        }
+    }
+
+    #[test]
     fn lines_keep_their_distance_and_their_direction() {
         let field = bent(300, 300);
-        let lines = streamlines(&field, &Plane::filled(300, 300, 0.3), &NIB);
-        let least = TEST * NIB.spacing(0.3);
+        let lines = streamlines(&field, everywhere(&Plane::filled(300, 300, 0.3)), &NIB);
+        let least = NIB.least_distance(0.3);
         for (i, line) in lines.iter().enumerate() {
             for pair in line.points.windows(2) {
                 let along = (pair[1] - pair[0]).normalize();
@@ -418,7 +388,7 @@ mod tests {
     fn lines_stop_where_no_ink_is_wanted() {
         // An edge of one pixel across the lines.
         let ink = Plane::from_fn(300, 300, |x, _| f32::from(u8::from(x != 120)) * 0.4);
-        let lines = streamlines(&bent(300, 300), &ink, &NIB);
+        let lines = streamlines(&bent(300, 300), everywhere(&ink), &NIB);
         assert!(lines.len() > 50);
         for line in &lines {
             let left = line.points.iter().filter(|p| p.x < 120.5).count();
@@ -430,10 +400,11 @@ mod tests {
     fn without_pressure_all_lines_are_of_one_width() {
         let nib = Nib {
             pressure: 0.0,
-            ..NIB
+            ..PEN
         };
+        let tool = Tool::Nib(nib);
         let ink = Plane::from_fn(200, 200, |x, _| x as f32 / 200.0);
-        let lines = streamlines(&bent(200, 200), &ink, &nib);
+        let lines = streamlines(&bent(200, 200), everywhere(&ink), &tool);
         assert!(
             lines
                 .iter()
@@ -444,7 +415,7 @@ mod tests {
         let within = |from: f32, to: f32| {
             let points = lines.iter().flat_map(|l| &l.points);
             let count = points.filter(|p| (from..to).contains(&p.x)).count();
-            count as f32 * nib.step() * nib.width / ((to - from) * 200.0)
+            count as f32 * tool.step() * nib.width / ((to - from) * 200.0)
         };
         assert!(
             (within(20.0, 100.0) - 0.3).abs() < 0.12,
@@ -463,14 +434,14 @@ mod tests {
         for (width, height) in [(1, 1), (1, 40), (40, 1), (40, 40)] {
             for ink in [0.0, f32::NAN, -1.0] {
                 let ink = Plane::filled(width, height, ink);
-                assert!(streamlines(&bent(width, height), &ink, &NIB).is_empty());
+                assert!(streamlines(&bent(width, height), everywhere(&ink), &NIB).is_empty());
             }
             let none = Vector2Planes {
                 x: Plane::filled(width, height, 0.0),
                 y: Plane::filled(width, height, 0.0),
             };
             let ink = Plane::filled(width, height, 1.0);
-            assert!(streamlines(&none, &ink, &NIB).is_empty());
+            assert!(streamlines(&none, everywhere(&ink), &NIB).is_empty());
         }
     }
 }

@@ -16,11 +16,18 @@ pub(crate) static STREAMLINES: Stage = Stage {
         decide: |plan| {
             has_strokes(plan, |params| match params.strokes.style {
                 Style::Lines => Verdict::runs("every stroke is a line of its own"),
+                Style::Engraving => Verdict::runs("lines swell with tone"),
+                Style::Stipple => Verdict::left_out("strokes are dots"),
                 _ => Verdict::left_out("strokes come from a texture"),
             })
         },
     }],
     cpu: lay,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |plan| {
+        let style = plan.drawing.as_ref().map(|params| params.strokes.style);
+        (style == Some(Style::Engraving)).then_some("engraved lines")
+    },
     ..Stage::DEFAULT
 };
 
@@ -48,7 +55,7 @@ fn lay(run: &mut Run) {
             drawn,
             memory,
         );
-        (inked(&laid, frame, memory), laid)
+        (inked(&laid, strokes.style, frame, memory), laid)
     });
     drop(densities);
     (run.canvas, run.outcome.shape) = (canvas, shape);

@@ -17,7 +17,7 @@ pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
 pub use print::{Ink, PaperSize};
 pub(crate) use strokes::MAX_LEVELS;
-pub use strokes::{Enlargement, Stroke, StrokeParams, StrokeScale, Style};
+pub use strokes::{Enlargement, Plotter, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneLevels, ToneParams, ToneSource};
 
 params! {

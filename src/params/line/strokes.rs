@@ -20,11 +20,15 @@ pub enum Style {
     Pictures,
     /// Ink, every stroke a line of its own that runs as long as it can: for plotters, and to be edited.
     Lines,
+    /// Ink, lines evenly apart that swell with tone and run to points, the dark crossed: as engraved in copper.
+    Engraving,
+    /// Ink, in dots of about one size, many in the dark and few in the light.
+    Stipple,
 }
 
 impl Style {
     /// Those that have a name.
-    const NAMED: [(Self, Choice); 3] = [
+    const NAMED: [(Self, Choice); 5] = [
         (
             Self::Pen,
             Choice {
@@ -46,13 +50,33 @@ impl Style {
                 doc: &["Strokes as long as they can be, one by one"],
             },
         ),
+        (
+            Self::Engraving,
+            Choice {
+                name: "engraving",
+                doc: &["Lines evenly apart that swell with tone"],
+            },
+        ),
+        (
+            Self::Stipple,
+            Choice {
+                name: "stipple",
+                doc: &["Dots"],
+            },
+        ),
     ];
 }
 
 impl Value for Style {
     const KIND: Kind = Kind::ChoiceOrFolder(&{
-        let [(_, pen), (_, pencil), (_, lines)] = Self::NAMED;
-        [pen, pencil, lines]
+        let [
+            (_, pen),
+            (_, pencil),
+            (_, lines),
+            (_, engraving),
+            (_, stipple),
+        ] = Self::NAMED;
+        [pen, pencil, lines, engraving, stipple]
     });
 
     /// What is no name is a folder of pictures.
@@ -64,6 +88,29 @@ impl Value for Style {
     fn text(&self, _: &Param) -> Option<String> {
         let named = Self::NAMED.iter().find(|(style, _)| style == self);
         named.map(|(_, choice)| choice.name.into())
+    }
+}
+
+choices! {
+    /// When an SVG is made ready for a pen plotter.
+    pub enum Plotter {
+        /// Where strokes are engraved, or dots.
+        Auto = "auto",
+        /// Always.
+        On = "on",
+        /// Never: lines in the order they were laid in.
+        Off = "off",
+    }
+}
+
+impl Plotter {
+    /// Whether an SVG of strokes of this style is made ready for one.
+    pub fn is_on(self, style: Style) -> bool {
+        match self {
+            Self::Auto => matches!(style, Style::Engraving | Style::Stipple),
+            Self::On => true,
+            Self::Off => false,
+        }
     }
 }
 
@@ -152,10 +199,10 @@ impl Enlargement {
 params! {
     /// The strokes of a hatching.
     pub struct StrokeParams in Strokes {
-        /// What strokes are drawn with; lines are strokes as long as they can be, one by one, as an SVG has them; a
-        /// folder holds pictures of strokes along the horizontal, one per tone.
-        style: Style = Style::Pen, flag: "--style", form: "pen|pencil|lines|DIR";
-        /// What pixels of a PNG or TIFF are: any grey, or with bilevel black and white alone, for print; pen and lines.
+        /// What strokes are drawn with; lines are strokes as long as they can be, one by one, as an SVG has them, and an
+        /// engraving's swell with tone; stipple is dots; a folder holds pictures of strokes along the horizontal, one per tone.
+        style: Style = Style::Pen, flag: "--style", form: "pen|pencil|lines|engraving|stipple|DIR";
+        /// What pixels of a PNG or TIFF are: any grey, or with bilevel black and white alone, for print.
         ///
         /// Layers of an EXR hold how much of a pixel is covered either way.
         ink: Ink = Ink::Antialiased, flag: "--ink", form: "KIND";
@@ -189,6 +236,10 @@ params! {
         pressure: Option<f32> = None, flag: "--pressure", form: "P", valid: 0.0..=1.0, useful: even(0.0, 1.0);
         /// Chooses one drawing of many.
         seed: u64 = 1, flag: "--seed", form: "N";
+        /// Whether an SVG is made ready for a pen plotter: what is near is drawn next, from the nearer end, bends under a
+        /// tenth of a pixel are left out, and every width of every kind of line is a layer; it says how far the pen goes
+        /// in the air.
+        plotter: Plotter = Plotter::Auto, flag: "--plotter", form: "WHEN";
         /// Levels that directions are quantised to: more follow the form with shorter strokes.
         ///
         /// They divide half a turn; [LA] takes 12 to 24. Few make long strokes that turn in jumps.
@@ -220,6 +271,11 @@ pub struct Stroke {
 }
 
 impl Style {
+    /// Whether its strokes are laid one by one, in place of being cut from a texture.
+    pub fn is_laid(self) -> bool {
+        matches!(self, Self::Lines | Self::Engraving | Self::Stipple)
+    }
+
     /// How the style draws where nothing else is said, at scale 1.
     pub fn stroke(self) -> Stroke {
         match self {
@@ -236,6 +292,21 @@ impl Style {
                 spacing_px: 6.0,
                 wobble: 0.0,
                 pressure: 0.5,
+            },
+            Self::Engraving => Stroke {
+                width_px: 5.5,
+                length_px: 10_000.0,
+                spacing_px: 5.0,
+                wobble: 0.0,
+                pressure: 0.93,
+            },
+            // Dots are as wide, and as many as tone asks for.
+            Self::Stipple => Stroke {
+                width_px: 2.2,
+                length_px: 2.2,
+                spacing_px: 6.0,
+                wobble: 0.0,
+                pressure: 0.0,
             },
             Self::Pencil => Stroke {
                 width_px: 2.4,

@@ -26,6 +26,8 @@ fn settings() -> Vec<(&'static str, LineParams)> {
             (s.style, s.sets) = (Style::Pencil, 8)
         }),
         strokes("lines", |s| s.style = Style::Lines),
+        strokes("engraving", |s| s.style = Style::Engraving),
+        strokes("stipple", |s| s.style = Style::Stipple),
         strokes("no wobble", |s| {
             (s.wobble, s.pressure) = (Some(0.0), Some(0.0))
         }),

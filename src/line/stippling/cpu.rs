@@ -1,0 +1,110 @@
+//! Dots over the frame.
+
+use super::Dot;
+use super::dark_dots::{covered, mended};
+use super::spread::places;
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::rows::map_rows;
+use crate::engine::cpu::simd::Simd;
+use crate::frame::{Frame, Plane};
+use crate::line::hatching::BATCH;
+use crate::line::tone::Densities;
+use crate::params::StrokeParams;
+
+/// The dots of a tone, and what they cover.
+pub(crate) fn stippled(
+    densities: &Densities,
+    params: &StrokeParams,
+    resolution_factor: f32,
+    frame: &Frame,
+    memory: &Memory,
+) -> (Vec<Dot>, Plane) {
+    let radius = (0.5 * params.stroke(resolution_factor).width_px).max(LEAST_RADIUS);
+    let ink = inks(densities, frame, memory);
+    let dots = dots(&ink, radius, params.seed);
+    let mut drawn = covered(&dots, [ink.width(), ink.height()]);
+    memory.recycle([ink]);
+    // Ink beyond a silhouette lies under its line.
+    let is_covered = frame.mask.plane().samples();
+    for (ink, _) in drawn
+        .samples_mut()
+        .iter_mut()
+        .zip(is_covered)
+        .filter(|(_, is)| !**is)
+    {
+        *ink = 0.0;
+    }
+    (dots, drawn)
+}
+
+/// Radius of the smallest dots, in pixels: smaller ones make grey of all.
+const LEAST_RADIUS: f32 = 0.3;
+
+/// Dots of a radius that cover `ink`, 0..1, of the paper.
+fn dots(ink: &Plane, radius: f32, seed: u64) -> Vec<Dot> {
+    mended(&places(ink, radius, seed), radius, ink)
+}
+
+/// The share of the paper that is to be covered.
+fn inks(densities: &Densities, frame: &Frame, memory: &Memory) -> Plane {
+    let simd = Simd::widest();
+    let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
+        for run in frame.mask.runs(y) {
+            for from in run.clone().step_by(BATCH) {
+                let columns = from..(from + BATCH).min(run.end);
+                densities.row(&mut out[columns.clone()], y, columns.clone(), simd);
+                let inks = out[columns].iter_mut();
+                inks.for_each(|ink| *ink = 1.0 - (-*ink).exp());
+            }
+        }
+    });
+    ink
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dots_cover_the_ink_that_is_wanted() {
+        for ink in [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97] {
+            for radius in [0.4, 1.0, 2.5] {
+                let plane = Plane::filled(200, 200, ink);
+                let drawn = covered(&dots(&plane, radius, 1), [200, 200]);
+                let mean = drawn.samples().iter().sum::<f32>() / 4e4;
+                assert!((mean - ink).abs() < 0.02, "{ink} by {radius}: {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn dots_lie_apart() {
+        // A dot of radius 1 has pi/0.2 pixels: the root of that is 3.96, and in a hexagonal order all were 4.26 apart. At
+        // random some of a thousand nearly meet.
+        let dots = dots(&Plane::filled(150, 150, 0.2), 1.0, 1);
+        let nearest = |dot: &Dot| {
+            let others = dots.iter().filter(|other| other.at != dot.at);
+            let distances = others.map(|other| other.at.distance(dot.at));
+            distances.fold(f32::INFINITY, f32::min)
+        };
+        let mut distances: Vec<f32> = dots.iter().map(nearest).collect();
+        distances.sort_by(f32::total_cmp);
+        let [least, median] = [distances[0], distances[distances.len() / 2]];
+        assert!(
+            least > 0.5 * 3.96 && median > 0.8 * 3.96,
+            "{least} {median}"
+        );
+    }
+
+    #[test]
+    fn dots_are_the_same_for_a_seed_and_none_lie_on_white_paper() {
+        let ink = Plane::from_fn(90, 60, |x, _| if x < 45 { f32::NAN } else { 0.4 });
+        let by = |threads: usize, seed| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| dots(&ink, 0.8, seed))
+        };
+        assert_eq!(by(1, 1), by(3, 1));
+        assert_ne!(by(1, 1), by(1, 2));
+        assert!(by(1, 1).iter().all(|dot| dot.at.x >= 45.0));
+    }
+}

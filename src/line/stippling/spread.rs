@@ -1,0 +1,200 @@
+//! Dots spread by tone, and kept apart.
+
+use super::super::random::Random;
+use crate::frame::Plane;
+use glam::Vec2;
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+/// Ink from which on dots overlap, and how much more is laid then, times the square of what is beyond: where all paper
+/// is covered, the areas of dots in a hexagonal order add up to 1.21 of it.
+const OVERLAPS_FROM: f32 = 0.55;
+const OVERLAP: f32 = 1.3;
+
+/// Dots in a cell of error diffusion at most.
+const MOST_IN_CELL: f32 = 0.5;
+
+/// By how much, of a dot, it is left to chance where error diffusion lays it.
+const CHANCE: f32 = 0.5;
+
+/// How often dots push each other away, and how far, as a share of what they are too near.
+const ROUNDS: usize = 10;
+const PUSH: f32 = 0.3;
+
+/// The distance to be kept, over the root of the paper that a dot has: 1.07 in a hexagonal order.
+const APART: f32 = 1.0;
+
+/// The farthest that a dot pushes, in radii.
+const FARTHEST: f32 = 16.0;
+
+/// The ink that dots lay in all where a share of the paper is to be covered by them.
+fn laid(covered: f32) -> f32 {
+    covered + OVERLAP * (covered - OVERLAPS_FROM).max(0.0).powi(2)
+}
+
+/// Places of dots of a radius, so that they cover `ink`, 0..1, of the paper.
+pub(super) fn places(ink: &Plane, radius: f32, seed: u64) -> Vec<Vec2> {
+    let field = Field {
+        ink,
+        area: PI * radius * radius,
+    };
+    let mut places = diffused(&field, seed);
+    for _ in 0..ROUNDS {
+        places = pushed(&places, &field, radius);
+    }
+    places
+}
+
+/// How many dots are wanted where.
+struct Field<'a> {
+    ink: &'a Plane,
+    /// That of a dot.
+    area: f32,
+}
+
+impl Field<'_> {
+    /// Dots in a pixel.
+    fn density(&self, x: usize, y: usize) -> f32 {
+        let ink = self.ink.at(x, y);
+        // A NaN is none.
+        if ink > 0.0 {
+            laid(ink.min(1.0)) / self.area
+        } else {
+            0.0
+        }
+    }
+
+    /// Dots in the pixel of a place, 0 beyond the paper.
+    fn at(&self, at: Vec2) -> f32 {
+        let inside = at.x >= 0.0 && at.y >= 0.0;
+        let (x, y) = (at.x as usize, at.y as usize);
+        match inside && x < self.ink.width() && y < self.ink.height() {
+            true => self.density(x, y),
+            false => 0.0,
+        }
+    }
+}
+
+/// Dots by error diffusion [FS], row by row to and fro, in parts of pixels where a pixel takes several.
+fn diffused(field: &Field, seed: u64) -> Vec<Vec2> {
+    let mut random = Random::new(seed);
+    let most = laid(1.0) / field.area;
+    let parts = (most / MOST_IN_CELL).sqrt().ceil().max(1.0) as usize;
+    let width = field.ink.width() * parts;
+    let mut errors = [vec![0.0_f32; width + 2], vec![0.0_f32; width + 2]];
+    let mut dots = Vec::new();
+    let part = 1.0 / parts as f32;
+    for y in 0..field.ink.height() * parts {
+        let [own, below] = &mut errors;
+        below.fill(0.0);
+        for column in 0..width {
+            let (x, ahead) = match y % 2 {
+                0 => (column, 1),
+                _ => (width - 1 - column, -1),
+            };
+            let wanted = field.density(x / parts, y / parts) * part * part;
+            let error = if wanted > 0.0 {
+                let sum = wanted + own[x + 1];
+                let is_dot = sum > 0.5 + CHANCE * random.signed() * 0.5;
+                if is_dot {
+                    let within = Vec2::new(random.unit(), random.unit());
+                    dots.push((Vec2::new(x as f32, y as f32) + within) * part);
+                }
+                sum - f32::from(u8::from(is_dot))
+            } else {
+                // Where dots begin, the first is as soon as it would be in the midst of them.
+                0.5 * random.signed()
+            };
+            let beside = |offset: isize| (x as isize + 1 + offset * ahead) as usize;
+            own[beside(1)] += error * (7.0 / 16.0);
+            below[beside(-1)] += error * (3.0 / 16.0);
+            below[beside(0)] += error * (5.0 / 16.0);
+            below[beside(1)] += error * (1.0 / 16.0);
+        }
+        errors.swap(0, 1);
+    }
+    dots
+}
+
+/// Every dot moved away from those that are too near, unless no ink is wanted there.
+fn pushed(places: &[Vec2], field: &Field, radius: f32) -> Vec<Vec2> {
+    let size = Vec2::new(field.ink.width() as f32, field.ink.height() as f32);
+    let cells = Cells::new(places, size, (2.0 * radius).max(1.0));
+    let farthest = FARTHEST * radius;
+    let moved = |(number, &at): (usize, &Vec2)| {
+        let apart = (APART / field.at(at).sqrt()).min(farthest);
+        let mut push = Vec2::ZERO;
+        cells.each_within(at, apart, |other| {
+            if other != number {
+                let away = at - places[other];
+                let distance = away.length();
+                push += away / distance.max(1e-3) * (apart - distance);
+            }
+        });
+        let next = at + (PUSH * push).clamp_length_max(0.5 * apart);
+        if field.at(next) > 0.0 { next } else { at }
+    };
+    places.par_iter().enumerate().map(moved).collect()
+}
+
+/// Places by the cell that they lie in, in their order.
+struct Cells<'a> {
+    places: &'a [Vec2],
+    /// Numbers of places, cell by cell.
+    numbers: Vec<u32>,
+    /// Where the numbers of every cell start, and where those of the last end.
+    starts: Vec<u32>,
+    size: [usize; 2],
+    side: f32,
+}
+
+impl<'a> Cells<'a> {
+    fn new(places: &'a [Vec2], size: Vec2, side: f32) -> Self {
+        let size = [size.x, size.y].map(|length| (length / side) as usize + 1);
+        let mut cells = Self {
+            places,
+            numbers: vec![0; places.len()],
+            starts: vec![0; size[0] * size[1] + 1],
+            size,
+            side,
+        };
+        for &at in places {
+            let cell = cells.number(at);
+            cells.starts[cell + 1] += 1;
+        }
+        for cell in 1..cells.starts.len() {
+            cells.starts[cell] += cells.starts[cell - 1];
+        }
+        let mut next = cells.starts.clone();
+        for (number, &at) in (0..).zip(places) {
+            let next = &mut next[cells.number(at)];
+            cells.numbers[*next as usize] = number;
+            *next += 1;
+        }
+        cells
+    }
+
+    fn cell(&self, at: Vec2) -> [usize; 2] {
+        let within = |at: f32, count: usize| ((at / self.side).max(0.0) as usize).min(count - 1);
+        [within(at.x, self.size[0]), within(at.y, self.size[1])]
+    }
+
+    fn number(&self, at: Vec2) -> usize {
+        let [x, y] = self.cell(at);
+        y * self.size[0] + x
+    }
+
+    /// The numbers of the places within a distance.
+    fn each_within(&self, at: Vec2, distance: f32, mut see: impl FnMut(usize)) {
+        let [first, last] = [-distance, distance].map(|d| self.cell(at + d));
+        for y in first[1]..=last[1] {
+            let row = y * self.size[0];
+            let [from, to] = [row + first[0], row + last[0] + 1].map(|cell| self.starts[cell]);
+            for &number in &self.numbers[from as usize..to as usize] {
+                if self.places[number as usize].distance_squared(at) < distance * distance {
+                    see(number as usize);
+                }
+            }
+        }
+    }
+}

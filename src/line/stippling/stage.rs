@@ -1,0 +1,43 @@
+//! Strokes that are dots.
+
+use super::cpu::stippled;
+use crate::engine::cpu::run::Run;
+use crate::line::drawing::{Tone, finish, has_strokes};
+use crate::params::Style;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// Tone in dots.
+pub(crate) static STIPPLING: Stage = Stage {
+    name: "stippling",
+    steps: &[Step {
+        name: "stippling",
+        gives: &[Product::Strokes],
+        decide: |plan| {
+            has_strokes(plan, |params| match params.strokes.style {
+                Style::Stipple => Verdict::runs("tone is in dots"),
+                _ => Verdict::left_out("strokes are no dots"),
+            })
+        },
+    }],
+    cpu: lay,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |_| Some("dots"),
+    ..Stage::DEFAULT
+};
+
+fn lay(run: &mut Run) {
+    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let params = plan.drawing.as_ref().expect("strokes are of a drawing");
+    let tone = Tone::taken(run);
+    let densities = tone.densities(frame, &params.tone);
+    let factor = plan.resolution_factor as f32;
+    let (dots, ink) = run.timed(STIPPLING.name, || {
+        stippled(&densities, &params.strokes, factor, frame, memory)
+    });
+    drop(densities);
+    finish(run, tone, ink, Vec::new());
+    if let Some(drawing) = &mut run.outcome.drawing {
+        drawing.dots = dots;
+    }
+}

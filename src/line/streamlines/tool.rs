@@ -1,0 +1,197 @@
+//! What lines are drawn with: how far apart it lays them, and how wide it draws.
+
+use crate::params::{Stroke, Style};
+
+/// What draws lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Tool {
+    /// Lines as far apart as tone asks for, a little wider in the dark.
+    Nib(Nib),
+    /// Lines evenly apart, as wide as tone asks for, to points at both ends.
+    Burin(Burin),
+}
+
+/// A pen, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Nib {
+    /// Width in a middle tone.
+    pub width: f32,
+    /// Share of that, 0..1, by which it grows and shrinks with tone.
+    pub pressure: f32,
+    /// Distance between lines in the lightest tone that is drawn.
+    pub widest_spacing: f32,
+    /// Length at which a line ends.
+    pub longest: f32,
+}
+
+/// An engraver's tool, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Burin {
+    /// Width of the thinnest and of the widest line.
+    pub widths: [f32; 2],
+    /// Distance between lines; more where the thinnest would be too dark.
+    pub spacing: f32,
+    /// Length at which a line ends.
+    pub longest: f32,
+}
+
+/// How near another a line may come, as a share of the distance wanted. [JL] finds 0.5 to 0.9: more make more and
+/// shorter lines.
+const TEST: f32 = 0.6;
+
+/// Distances between lines of one width that leave no paper between them: closer ones only cost time.
+const TOUCHING: f32 = 1.1;
+
+/// Least distance between lines, in pixels: the picture tells nothing finer.
+const CLOSEST: f32 = 1.0;
+
+/// A pen's lines shorter than so many of their widths are left out; a burin's, shorter than so many distances.
+const SHORTEST: f32 = 4.0;
+const SHORTEST_ENGRAVED: f32 = 1.0;
+
+/// Distance between lines in the lightest tone that is drawn over that in a light tone.
+const WIDEST: f32 = 4.0;
+
+/// Steps of darkness by which a burin goes from dark to light.
+const LEVELS: usize = 8;
+
+/// Least side of a cell of points, in pixels.
+const LEAST_SIDE: f32 = 2.0;
+
+impl Tool {
+    /// What draws such strokes.
+    pub(crate) fn of(stroke: &Stroke, style: Style) -> Self {
+        let widest_spacing = WIDEST * stroke.spacing_px;
+        let (width, longest) = (stroke.width_px, stroke.length_px);
+        match style {
+            Style::Engraving => Self::Burin(Burin {
+                widths: [(1.0 - stroke.pressure) * width, width],
+                spacing: stroke.spacing_px.max(CLOSEST),
+                longest,
+            }),
+            _ => Self::Nib(Nib {
+                width,
+                pressure: stroke.pressure,
+                widest_spacing,
+                longest,
+            }),
+        }
+    }
+
+    /// The distance between lines that cover a share `ink` of the paper.
+    #[inline]
+    pub(super) fn spacing(&self, ink: f32) -> f32 {
+        match self {
+            Self::Nib(nib) => {
+                // Thin lines in light tones, thick ones in dark tones.
+                let width = nib.width * (1.0 + nib.pressure * (2.0 * ink - 1.0));
+                let least = (TOUCHING * width).max(CLOSEST);
+                (width / ink).clamp(least, nib.widest_spacing.max(least))
+            }
+            Self::Burin(burin) => {
+                (burin.widths[0] / ink).clamp(burin.spacing, WIDEST * burin.spacing)
+            }
+        }
+    }
+
+    /// The distance from another at which a line ends that is drawn where `ink` is wanted.
+    #[inline]
+    pub(super) fn least_distance(&self, ink: f32) -> f32 {
+        TEST * self.spacing(ink)
+    }
+
+    /// The least distance between lines wherever.
+    fn closest(&self) -> f32 {
+        match self {
+            Self::Nib(_) => (TOUCHING * self.widths()[1]).max(CLOSEST),
+            Self::Burin(burin) => burin.spacing,
+        }
+    }
+
+    /// How far apart points along a line are, so that none passes between them.
+    pub(super) fn step(&self) -> f32 {
+        let most = match self {
+            Self::Nib(_) => 0.8 * TEST,
+            Self::Burin(_) => 0.4 * TEST,
+        };
+        (most * self.closest()).min(match self {
+            Self::Nib(_) => 1.0,
+            Self::Burin(_) => 2.0,
+        })
+    }
+
+    /// The widths that it can draw.
+    pub(super) fn widths(&self) -> [f32; 2] {
+        match self {
+            Self::Nib(nib) => {
+                [1.0 - nib.pressure, 1.0 + nib.pressure].map(|share| share * nib.width)
+            }
+            Self::Burin(burin) => burin.widths,
+        }
+    }
+
+    /// The least ink that is drawn: of the thinnest lines at the widest distance.
+    pub(super) fn least_ink(&self) -> f32 {
+        let least = match self {
+            Self::Nib(nib) => self.widths()[0].max(0.2 * nib.width) / nib.widest_spacing,
+            Self::Burin(burin) => {
+                burin.widths[0].max(0.02 * burin.spacing) / (WIDEST * burin.spacing)
+            }
+        };
+        least.min(0.5)
+    }
+
+    /// The length at which a line ends.
+    pub(super) fn longest(&self) -> f32 {
+        match self {
+            Self::Nib(nib) => nib.longest,
+            Self::Burin(burin) => burin.longest,
+        }
+    }
+
+    /// Lines shorter than that are left out.
+    pub(super) fn shortest(&self) -> f32 {
+        match self {
+            Self::Nib(nib) => SHORTEST * nib.width,
+            Self::Burin(burin) => SHORTEST_ENGRAVED * burin.spacing,
+        }
+    }
+
+    /// Pixels between the places where lines are tried.
+    pub(super) fn every(&self) -> usize {
+        let [least, every] = match self {
+            Self::Nib(nib) => [2.0, 0.5 * nib.width],
+            Self::Burin(burin) => [1.0, 0.4 * burin.spacing],
+        };
+        every.max(least) as usize
+    }
+
+    /// Room about the places where lines are started, as shares of the distance wanted, round after round: where there is
+    /// no more for lines at that distance, a burin fills what was left beside edges. Up to rounding.
+    pub(super) fn rooms(&self) -> &'static [f32] {
+        match self {
+            Self::Nib(_) => &[0.99],
+            Self::Burin(_) => &[0.99, 0.7],
+        }
+    }
+
+    /// How many levels of darkness it goes through, from the darkest on.
+    pub(super) fn levels(&self) -> usize {
+        match self {
+            Self::Nib(_) => 1,
+            Self::Burin(_) => LEVELS,
+        }
+    }
+
+    /// The level of darkness of a place where `ink`, 0..1, is wanted: 0 is the lightest.
+    #[inline]
+    pub(super) fn level(&self, ink: f32) -> usize {
+        let levels = self.levels();
+        ((ink * levels as f32) as usize).min(levels - 1)
+    }
+
+    /// The side of cells of points that finds neighbours soonest.
+    pub(super) fn cell_side(&self) -> f32 {
+        (2.0 * self.closest()).max(LEAST_SIDE)
+    }
+}
