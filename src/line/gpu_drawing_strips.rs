@@ -267,6 +267,7 @@ impl Runner {
             interior: None,
             interior_lines: Vec::new(),
             asked: None,
+            dots: Vec::new(),
             white_point: drawn.white_point,
             coordinates: None,
         };

@@ -8,7 +8,7 @@ use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
 use crate::command::enhance;
 use crate::command::error_line::line_of;
-use crate::command::hatch::{self, Drawn};
+use crate::command::hatch::Drawn;
 use crate::command::line_args::HatchArgs;
 use crate::command::relight_args::RelightArgs;
 use crate::command::{relight, shape};
