@@ -21,11 +21,11 @@ pub struct Request<'a> {
 }
 
 /// Which of the plans it takes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 enum Kind {
     OfFrame(Goal),
     Relight(RelightParams, LightKinds),
-    Hatch(ToneFrom, LineParams),
+    Hatch(ToneFrom, Box<LineParams>),
 }
 
 /// Where the tone of a drawing comes from.
@@ -104,7 +104,7 @@ impl<'a> Request<'a> {
         let inputs = light.map_or_else(Inputs::default, Inputs::lit_by);
         Self {
             inputs,
-            ..Self::new(Kind::Hatch(tone, params), shape, scaling)
+            ..Self::new(Kind::Hatch(tone, Box::new(params)), shape, scaling)
         }
     }
 
@@ -160,10 +160,12 @@ impl<'a> Request<'a> {
                 remedy: "give one, or ask for layers".into(),
             });
         }
-        match self.kind {
-            Kind::OfFrame(goal) => Plan::at_scales(goal, available, shape, scaling, &self.more_px),
-            Kind::Relight(params, kinds) => Plan::relight(available, shape, scaling, params, kinds),
-            Kind::Hatch(tone, params) => Plan::hatch(available, shape, scaling, tone, params),
+        match &self.kind {
+            Kind::OfFrame(goal) => Plan::at_scales(*goal, available, shape, scaling, &self.more_px),
+            Kind::Relight(params, kinds) => {
+                Plan::relight(available, shape, scaling, *params, *kinds)
+            }
+            Kind::Hatch(tone, params) => Plan::hatch(available, shape, scaling, *tone, **params),
         }
     }
 }
