@@ -14,7 +14,7 @@ const ROWS: usize = 16;
 const CELL: f32 = 12.0;
 
 /// How often radii are mended, and by what factors of ink at most each time.
-const MENDS: usize = 4;
+const MENDS: usize = 8;
 const MEND: [f32; 2] = [0.7, 1.5];
 
 /// Dots of a radius at these places, mended so that they cover `ink` on average about them.
