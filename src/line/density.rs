@@ -9,6 +9,12 @@ pub(crate) const STEPS: usize = 512;
 /// Covered pixels are covered by half or more.
 pub(crate) const LEAST_ALPHA: f32 = 0.5;
 
+/// The share of the paper that is covered at an optical density.
+#[inline(always)]
+pub(crate) fn coverage_at(density: f32) -> f32 {
+    1.0 - (-density).exp()
+}
+
 /// Optical densities, -ln(tone), at even steps of the square root of luminance, from 0 to that of paper white.
 pub(crate) fn density_table(params: &ToneParams) -> Vec<f32> {
     let density = |step: usize| {

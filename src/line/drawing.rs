@@ -3,6 +3,7 @@
 use crate::engine::cpu::run::Run;
 use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::line::density::coverage_at;
 use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities, ToneOf};
 use crate::params::{Adaptive, LineParams, ToneParams};
@@ -129,7 +130,7 @@ pub(crate) fn shown<'a>(
 fn covering(mut density: Plane) -> Plane {
     let samples = density.samples_mut().par_iter_mut();
     let samples = samples.with_min_len(1 << 14);
-    samples.for_each(|density| *density = 1.0 - (-*density).exp());
+    samples.for_each(|density| *density = coverage_at(*density));
     density
 }
 

@@ -1,5 +1,7 @@
 //! From the luminance of a picture to the optical density that is drawn.
 
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::rows::map_rows;
 use crate::engine::cpu::simd::Simd;
 use crate::engine::cpu::simd::widened;
 use crate::frame::luminance;
@@ -55,6 +57,28 @@ impl Densities<'_> {
             Self::OfPicture(densities) => densities.row(out, y, columns, simd),
             Self::Found(plane) => out.copy_from_slice(&plane.row(y)[columns]),
         }
+    }
+
+    /// What `row(y)(x, density)` makes of the densities of the covered pixels; 0 elsewhere.
+    pub(crate) fn mapped<Sample: Fn(usize, f32) -> f32>(
+        &self,
+        frame: &Frame,
+        memory: &Memory,
+        row: impl Fn(usize) -> Sample + Sync,
+    ) -> Plane {
+        let simd = Simd::widest();
+        let [mapped] = map_rows(&frame.mask, memory, |y, [out]| {
+            let sample = row(y);
+            for run in frame.mask.runs(y) {
+                for from in run.clone().step_by(BATCH) {
+                    let columns = from..(from + BATCH).min(run.end);
+                    self.row(&mut out[columns.clone()], y, columns.clone(), simd);
+                    let samples = columns.clone().zip(&mut out[columns]);
+                    samples.for_each(|(x, density)| *density = sample(x, *density));
+                }
+            }
+        });
+        mapped
     }
 }
 

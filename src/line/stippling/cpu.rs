@@ -4,10 +4,8 @@ use super::Dot;
 use super::dark_dots::{covered, mended};
 use super::spread::places;
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::map_rows;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane};
-use crate::line::hatching::BATCH;
+use crate::line::density::coverage_at;
 use crate::line::tone::Densities;
 use crate::params::StrokeParams;
 
@@ -20,7 +18,7 @@ pub(crate) fn stippled(
     memory: &Memory,
 ) -> (Vec<Dot>, Plane) {
     let radius = (0.5 * params.stroke(resolution_factor).width_px).max(LEAST_RADIUS);
-    let ink = inks(densities, frame, memory);
+    let ink = densities.mapped(frame, memory, |_| |_, density| coverage_at(density));
     let dots = dots(&ink, radius, params.seed);
     let mut drawn = covered(&dots, [ink.width(), ink.height()]);
     memory.recycle([ink]);
@@ -43,22 +41,6 @@ const LEAST_RADIUS: f32 = 0.3;
 /// Dots of a radius that cover `ink`, 0..1, of the paper.
 fn dots(ink: &Plane, radius: f32, seed: u64) -> Vec<Dot> {
     mended(&places(ink, radius, seed), radius, ink)
-}
-
-/// The share of the paper that is to be covered.
-fn inks(densities: &Densities, frame: &Frame, memory: &Memory) -> Plane {
-    let simd = Simd::widest();
-    let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
-        for run in frame.mask.runs(y) {
-            for from in run.clone().step_by(BATCH) {
-                let columns = from..(from + BATCH).min(run.end);
-                densities.row(&mut out[columns.clone()], y, columns.clone(), simd);
-                let inks = out[columns].iter_mut();
-                inks.for_each(|ink| *ink = 1.0 - (-*ink).exp());
-            }
-        }
-    });
-    ink
 }
 
 #[cfg(test)]

@@ -1,13 +1,12 @@
 //! Strokes as lines over the frame, family by family.
 
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::map_rows;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::Plane;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
+use crate::line::density::coverage_at;
 use crate::line::direction_field::setting::OPEN;
-use crate::line::hatching::{BATCH, CROSSED_FROM, share_from};
+use crate::line::hatching::{CROSSED_FROM, share_from};
 use crate::line::streamlines::{Streamline, Tool, Wanted, streamlines};
 use crate::line::tone::Densities;
 use crate::params::{StrokeParams, Style};
@@ -35,7 +34,7 @@ pub(crate) fn lines(
         false => CROSSED_FROM,
     };
     let of_family = |(family, field): (usize, &Vector2Planes)| {
-        let wanted = |density| 1.0 - (-share_from(crossed_from, density, family, families)).exp();
+        let wanted = |density| coverage_at(share_from(crossed_from, density, family, families));
         let closed = (!onto_edges).then_some(conductance);
         let ink = inks(densities, closed, wanted, frame, memory);
         let wanted = Wanted {
@@ -58,25 +57,15 @@ fn inks(
     frame: &Frame,
     memory: &Memory,
 ) -> Plane {
-    let simd = Simd::widest();
-    let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
-        for run in frame.mask.runs(y) {
-            for from in run.clone().step_by(BATCH) {
-                let columns = from..(from + BATCH).min(run.end);
-                densities.row(&mut out[columns.clone()], y, columns.clone(), simd);
-                let inks = out[columns.clone()].iter_mut();
-                match closed {
-                    Some(conductance) => {
-                        for (ink, &open) in inks.zip(&conductance.row(y)[columns]) {
-                            *ink = if open > OPEN { wanted(*ink) } else { 0.0 };
-                        }
-                    }
-                    None => inks.for_each(|ink| *ink = wanted(*ink)),
-                }
-            }
+    let wanted = &wanted;
+    densities.mapped(frame, memory, |y| {
+        let closed = closed.map(|conductance| conductance.row(y));
+        move |x, density| match closed {
+            Some(row) if row[x] > OPEN => wanted(density),
+            Some(_) => 0.0,
+            None => wanted(density),
         }
-    });
-    ink
+    })
 }
 
 /// How much of the paper lines of this style cover.

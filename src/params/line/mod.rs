@@ -15,9 +15,9 @@ pub use contours::ContourParams;
 pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
-pub use print::{Ink, PaperSize};
+pub use print::PaperSize;
 pub(crate) use strokes::MAX_LEVELS;
-pub use strokes::{Enlargement, Plotter, Stroke, StrokeParams, StrokeScale, Style};
+pub use strokes::{Enlargement, Ink, Plotter, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneLevels, ToneParams, ToneSource};
 
 params! {

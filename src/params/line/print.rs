@@ -1,4 +1,4 @@
-//! Drawings for print: their ink, and the paper they are to fit.
+//! Drawings for print: the paper that they are to fit.
 
 use super::strokes::{MAX_TIMES, MM_PER_INCH};
 use crate::error::{Error, Result};
@@ -6,16 +6,6 @@ use crate::params::Param;
 use crate::params::table::Kind;
 use crate::params::value::{Value, finite};
 use serde::Serialize;
-
-choices! {
-    /// What a pixel of a picture of a drawing can be.
-    pub enum Ink {
-        /// Any grey: the rims of strokes are smooth.
-        Antialiased = "antialiased",
-        /// Black or white alone, with the tone kept: what a press or a laser printer puts on paper.
-        Bilevel = "bilevel",
-    }
-}
 
 /// The paper that a drawing is to fit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

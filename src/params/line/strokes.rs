@@ -1,6 +1,5 @@
 //! Strokes: how each is drawn, and how directions are cut into partitions.
 
-use super::print::Ink;
 use crate::error::{Error, Result};
 use crate::params::Param;
 use crate::params::range::in_range;
@@ -193,6 +192,16 @@ impl Enlargement {
                 .clamp(1, MAX_TIMES as usize),
             Self::Times(times) => times as usize,
         }
+    }
+}
+
+choices! {
+    /// What a pixel of a picture of a drawing can be.
+    pub enum Ink {
+        /// Any grey: the rims of strokes are smooth.
+        Antialiased = "antialiased",
+        /// Black or white alone, with the tone kept: what a press or a laser printer puts on paper.
+        Bilevel = "bilevel",
     }
 }
 
