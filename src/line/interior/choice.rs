@@ -1,10 +1,11 @@
 //! Which lines are drawn: those that persist when the surface is looked at more coarsely, the plainest first, none twice,
 //! and no more than a drawing bears.
 
-use crate::frame::Plane;
+use crate::frame::{Mask, Plane};
 use crate::line::contours::ContourKind;
 use crate::line::contours::network::{End, Line};
 use crate::line::interior::sizes::Sizes;
+use crate::quantile::quantile;
 use glam::Vec2;
 
 /// A line inside a surface, with its kind.
@@ -14,27 +15,69 @@ pub(super) type Interior = (ContourKind, Line);
 /// as sharp as the scale shows it, and to nearly nothing where the surface is rough.
 const PERSISTENT: f32 = 0.3;
 
+/// That part on the roughest surfaces, where bumps of a middle size would pass for folds.
+const PERSISTENT_IF_ROUGH: f32 = 0.45;
+
+/// What is left in the median of where a surface turns, below which it is taken for rough, and at which it is most so.
+const ROUGH: [f32; 2] = [0.5, 0.4];
+
+/// Over such a rank of a surface's curvature, so many times, lines are sharper than its roughness.
+const SHARP_RANK: f64 = 0.75;
+const SHARPER: f32 = 2.5;
+
 /// Pixels to either side in which the curvature of a coarser scale is looked for.
 const LOOKED_FOR: f32 = 2.0;
+
+/// Turn of the normal over the picture, in radians, below which a surface is as good as flat.
+const LEAST_TURN: f32 = 9.0;
 
 /// What ridges count against other lines.
 const RIDGE_WORTH: f32 = 0.45;
 
-/// Whether a line is one of the form, and not of a rough surface: its curvature, of two planes in radians per pixel the
-/// `fine`, is there too at a coarser scale, in a plane of `ratio` times the pixels; or it is sharper than roughness is.
-pub(super) fn is_of_form(
-    line: &Line,
-    fine: &Plane,
-    coarse: &Plane,
-    ratio: f32,
+/// What tells lines of the form from those of a rough surface.
+pub(super) struct Roughness<'a> {
+    /// The curvature in radians per pixel.
+    fine: &'a Plane,
+    /// The same at a coarser scale, in a plane of half the size.
+    coarse: &'a Plane,
+    /// The part of a line's curvature that has to be left at the coarser scale.
+    persistent: f32,
+    /// Strength from which on that is not asked.
     sharp: f32,
-) -> bool {
-    let shares = line.spots.iter().map(|spot| {
-        let around = (0..9).map(|i| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) * LOOKED_FOR);
-        let there = around.map(|offset| near(coarse, (spot.at + offset) / ratio) / ratio);
-        there.fold(0.0, f32::max) / near(fine, spot.at).max(f32::MIN_POSITIVE)
-    });
-    strength(line) >= sharp || median(shares.collect()) >= PERSISTENT
+}
+
+impl<'a> Roughness<'a> {
+    /// That of a surface with these curvatures, where the coarser one is known.
+    pub(super) fn of(fine: &'a Plane, coarse: &'a Plane, known: &Mask, sizes: &Sizes) -> Self {
+        let pixels = (0..known.height()).flat_map(|y| known.runs(y).flatten().map(move |x| (x, y)));
+        let both = pixels.map(|(x, y)| (fine.at(2 * x, 2 * y), 0.5 * coarse.at(x, y)));
+        let least = LEAST_TURN / sizes.picture;
+        let (mut curvature, mut left): (Vec<f32>, Vec<f32>) = both
+            .filter(|(fine, _)| *fine >= least)
+            .map(|(fine, coarse)| (fine, coarse / fine))
+            .unzip();
+        let left = quantile(&mut left, 0.5, f32::total_cmp).unwrap_or(1.0);
+        let rough = ((ROUGH[0] - left) / (ROUGH[0] - ROUGH[1])).clamp(0.0, 1.0);
+        let usual = quantile(&mut curvature, SHARP_RANK, f32::total_cmp).unwrap_or(0.0);
+        Self {
+            fine,
+            coarse,
+            persistent: PERSISTENT + rough * (PERSISTENT_IF_ROUGH - PERSISTENT),
+            sharp: sizes.sharp.max(rough * SHARPER * usual * sizes.picture),
+        }
+    }
+
+    /// Whether a line is one of the form: its curvature is there too at the coarser scale, or it is sharper than roughness
+    /// is.
+    pub(super) fn passes(&self, line: &Line) -> bool {
+        let shares = line.spots.iter().map(|spot| {
+            let around =
+                (0..9).map(|i| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) * LOOKED_FOR);
+            let there = around.map(|offset| 0.5 * near(self.coarse, 0.5 * (spot.at + offset)));
+            there.fold(0.0, f32::max) / near(self.fine, spot.at).max(f32::MIN_POSITIVE)
+        });
+        strength(line) >= self.sharp || median(shares.collect()) >= self.persistent
+    }
 }
 
 /// The sample of the pixel at a place, or nearest to it.

@@ -7,7 +7,7 @@ use crate::line::contours::ground::Ground;
 use crate::line::contours::network::Line;
 use crate::line::contours::{Contour, ContourKind, DepthRange};
 use crate::line::interior::chains::chains;
-use crate::line::interior::choice::{Interior, chosen, is_of_form, shortest};
+use crate::line::interior::choice::{Interior, Roughness, chosen, shortest};
 use crate::line::interior::crests::{Crest, Rims, curvature, suggestive, valleys_and_ridges};
 use crate::line::interior::drawn::Pen;
 use crate::line::interior::facing::Viewer;
@@ -82,10 +82,11 @@ fn found(
     let coarse = halved.diffused(&[0.5 * left], options);
     let coarse = curvature(&coarse[0], &halved.frame.mask);
     let size = [mask.width(), mask.height()];
+    let roughness = Roughness::of(&fine, &coarse, &halved.frame.mask, sizes);
     let of = |kind: ContourKind, crests: &[Crest]| -> Vec<Interior> {
         let lines = chains(crests, size, sizes.thresholds, shortest(kind, sizes)).into_iter();
         let long = lines.filter(|line| line.length() >= shortest(kind, sizes));
-        let kept = long.filter(|line| is_of_form(line, &fine, &coarse, 2.0, sizes.sharp));
+        let kept = long.filter(|line| roughness.passes(line));
         kept.map(|line| (kind, line)).collect()
     };
     let all = [
