@@ -80,6 +80,13 @@ impl HatchArgs {
         let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
         needs.projection = true;
         needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
+        if looks
+            .line
+            .interior
+            .is_some_and(|interior| interior.has_shadows())
+        {
+            (needs.color, needs.albedo) = (true, true);
+        }
         (self.relight.inputs(frame), needs)
     }
 

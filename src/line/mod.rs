@@ -12,6 +12,7 @@ pub(crate) mod drawing;
 pub(crate) mod gpu_drawing;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_drawing_strips;
+mod grid;
 pub mod hatching;
 mod ink_cells;
 pub(crate) mod interior;

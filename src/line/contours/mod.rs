@@ -50,6 +50,8 @@ pub enum ContourKind {
     Ridge,
     /// Where the surface all but turns away from the viewer: a line inside it.
     Suggestive,
+    /// Where a shadow that is cast on the surface ends: a line inside it.
+    Shadow,
 }
 
 /// A line along an edge.

@@ -12,6 +12,7 @@ use crate::line::interior::crests::{Crest, Rims, curvature, suggestive, valleys_
 use crate::line::interior::drawn::Pen;
 use crate::line::interior::facing::Viewer;
 use crate::line::interior::level::Level;
+use crate::line::interior::shadows::shadows;
 use crate::line::interior::sizes::Sizes;
 use crate::params::{InteriorParams, RunOptions};
 use glam::{Vec2, Vec3};
@@ -76,6 +77,10 @@ fn found(
         &rims,
         sizes,
     );
+    let shadows = match params.has_shadows() {
+        true => shadows(frame, level, &fine, &rims, sizes, options),
+        false => Vec::new(),
+    };
     // Half the size, and what is left of the scale there.
     let left = sizes.sigma * (PERSISTENCE_SCALE * PERSISTENCE_SCALE - 1.0).sqrt();
     let halved = level.halved(&normals[0]);
@@ -86,13 +91,14 @@ fn found(
     let of = |kind: ContourKind, crests: &[Crest]| -> Vec<Interior> {
         let lines = chains(crests, size, sizes.thresholds, shortest(kind, sizes)).into_iter();
         let long = lines.filter(|line| line.length() >= shortest(kind, sizes));
-        let kept = long.filter(|line| roughness.passes(line));
+        let kept = long.filter(|line| kind == ContourKind::Shadow || roughness.passes(line));
         kept.map(|line| (kind, line)).collect()
     };
     let all = [
         (ContourKind::Valley, &valleys),
         (ContourKind::Ridge, &ridges),
         (ContourKind::Suggestive, &turned),
+        (ContourKind::Shadow, &shadows),
     ];
     all.par_iter()
         .flat_map_iter(|(kind, crests)| of(*kind, crests))

@@ -56,7 +56,7 @@ impl<'a> Rims<'a> {
     }
 
     /// Whether a pixel is within the margin of a rim. The border of the picture is none.
-    fn is_near(&self, x: usize, y: usize) -> bool {
+    pub(super) fn is_near(&self, x: usize, y: usize) -> bool {
         self.around.iter().any(|&[dx, dy]| {
             let (x, y) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
             let is_inside = x < self.mask.width() && y < self.mask.height();
@@ -152,7 +152,7 @@ pub(super) fn suggestive(
 }
 
 /// What is found at the covered pixels, with their numbers, in order.
-fn each_pixel<T: Send>(
+pub(super) fn each_pixel<T: Send>(
     mask: &Mask,
     find: impl Fn(usize, usize) -> Option<T> + Sync,
 ) -> Vec<(u32, T)> {
@@ -170,7 +170,7 @@ fn each_pixel<T: Send>(
 }
 
 /// Where a plane is largest along a direction (x right, y up) close to a pixel, if it is there.
-fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Vec2> {
+pub(super) fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Vec2> {
     let (here, ahead, behind) = (
         plane.at(x, y),
         sampled(plane, x, y, along),

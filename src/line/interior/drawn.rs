@@ -57,10 +57,10 @@ impl Pen {
         normal: impl Fn(usize) -> Vec3,
     ) -> Contour {
         let mut points: Vec<Vec2> = line.spots.iter().map(|spot| spot.at).collect();
-        let share = if kind == ContourKind::Ridge {
-            params.ridge_share
-        } else {
-            1.0
+        let share = match kind {
+            ContourKind::Ridge => params.ridge_share,
+            ContourKind::Shadow => params.shadow_share,
+            _ => 1.0,
         };
         let widths = line.spots.iter().enumerate().map(|(i, spot)| {
             let faint = 1.0 - smoothstep(spot.strength / self.strongest.max(f32::MIN_POSITIVE));

@@ -101,26 +101,39 @@ impl Level {
     pub(super) fn diffused(&self, sigmas: &[f32], options: &RunOptions) -> Vec<Plane<Vec3>> {
         let sweeps = DiffusionSchedule::to_sigmas(sigmas, TOLERANCE);
         let Vector3Planes { x, y, z } = &self.frame.normal;
-        let memory = Memory::default();
-        // The operator takes two components at a time.
-        let spread = |x: Plane, y: Plane| {
-            let pair = Vector2Planes { x, y };
-            diffusion(
-                pair,
-                &self.conductance,
-                &self.frame.mask,
-                None,
-                &sweeps,
-                options,
-                &memory,
-            )
-        };
-        let across = spread(x.clone(), y.clone());
-        let toward = spread(z.clone(), Plane::filled(z.width(), z.height(), 0.0));
+        let zero = Plane::filled(z.width(), z.height(), 0.0);
+        let across = self.spread([x.clone(), y.clone()], &sweeps, options);
+        let toward = self.spread([z.clone(), zero], &sweeps, options);
         let pairs = across.iter().zip(&toward);
         pairs
             .map(|(across, toward)| self.units(across, &toward.x))
             .collect()
+    }
+
+    /// A scalar diffused to a scale, in pixels.
+    pub(super) fn spread_scalar(&self, scalar: Plane, sigma: f32, options: &RunOptions) -> Plane {
+        let sweeps = DiffusionSchedule::to_sigmas(&[sigma], TOLERANCE);
+        let zero = Plane::filled(scalar.width(), scalar.height(), 0.0);
+        let mut spread = self.spread([scalar, zero], &sweeps, options);
+        spread.pop().expect("one scale was asked for").x
+    }
+
+    /// Two components, which the operator takes at a time, at the scales of a schedule.
+    fn spread(
+        &self,
+        [x, y]: [Plane; 2],
+        sweeps: &DiffusionSchedule,
+        options: &RunOptions,
+    ) -> Vec<Vector2Planes> {
+        diffusion(
+            Vector2Planes { x, y },
+            &self.conductance,
+            &self.frame.mask,
+            None,
+            sweeps,
+            options,
+            &Memory::default(),
+        )
     }
 
     fn units(&self, across: &Vector2Planes, z: &Plane) -> Plane<Vec3> {

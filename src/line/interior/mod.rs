@@ -16,6 +16,7 @@ mod crests;
 mod drawn;
 mod facing;
 mod level;
+mod shadows;
 mod sizes;
 pub(crate) mod stage;
 #[cfg(test)]

@@ -28,7 +28,11 @@ pub(crate) static INTERIOR: Stage = Stage {
 fn decide(plan: &Plan) -> Verdict {
     is_drawn(plan, |params| match params.interior {
         Some(interior) => Verdict::runs(format!(
-            "valleys, ridges and suggestive contours at a detail of {}",
+            "valleys, ridges and suggestive contours{} at a detail of {}",
+            match interior.has_shadows() {
+                true => ", edges of cast shadows",
+                false => "",
+            },
             interior.detail
         )),
         None => Verdict::left_out("none are asked for"),

@@ -1,6 +1,6 @@
 //! Lines of forms whose lines are known.
 
-use crate::frame::{Frame, Mask, Plane, Vector3Planes};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::line::contours::{Contour, ContourKind};
 use crate::line::interior::cpu::interior;
 use crate::params::{InteriorParams, RunOptions};
@@ -17,12 +17,18 @@ fn lines_of(width: usize, height: usize, normal: impl Fn(f64, f64) -> DVec3) -> 
 }
 
 fn lines(normals: &Vector3Planes) -> Vec<Contour> {
+    lines_of_frame(&frame_of(normals), &InteriorParams::default())
+}
+
+fn frame_of(normals: &Vector3Planes) -> Frame {
     let (width, height) = (normals.x.width(), normals.x.height());
     let covered = Plane::from_fn(width, height, |x, y| normals.at(x, y) != DVec3::ZERO);
-    let frame = Frame::of_normals(normals.clone(), Mask::new(covered));
-    let silhouette = Plane::filled(width, height, 0.0);
-    let (params, options) = (InteriorParams::default(), RunOptions::default());
-    interior(&frame, &silhouette, &[], &params, &options)
+    Frame::of_normals(normals.clone(), Mask::new(covered))
+}
+
+fn lines_of_frame(frame: &Frame, params: &InteriorParams) -> Vec<Contour> {
+    let silhouette = Plane::filled(frame.mask.width(), frame.mask.height(), 0.0);
+    interior(frame, &silhouette, &[], params, &RunOptions::default())
 }
 
 /// Three degrees of noise and 8 bits.
@@ -226,6 +232,51 @@ fn noise_leaves_lines_where_they_are() {
         let f = agreement(&clean, &noisy, 3.0);
         assert!(clean.len() > 300 && f >= 0.85, "form {i}: {f}");
     }
+}
+
+#[test]
+fn cast_shadows_end_in_lines_and_shade_does_not() {
+    let params = InteriorParams {
+        shadow_share: 0.5,
+        ..InteriorParams::default()
+    };
+    let toward = DVec3::new(-1.0, 1.0, 1.0).normalize();
+    let lit = |normals: &Vector3Planes, shadow: &dyn Fn(f64, f64) -> f64| {
+        let light = Plane::from_fn(WIDTH, HEIGHT, |x, y| {
+            let light = normals.at(x, y).dot(toward).max(0.0);
+            (light * shadow(x as f64 + 0.5 - 160.0, y as f64 + 0.5 - 120.0)) as f32
+        });
+        Frame {
+            color: Some(ColorPlanes::grey(light)),
+            ..frame_of(normals)
+        }
+    };
+    // Half of a ball is turned from the light.
+    let ball = ellipsoid(DVec3::splat(100.0));
+    assert_eq!(lines_of_frame(&lit(&ball, &|_, _| 1.0), &params), []);
+    // A disk keeps seven tenths of the light from a plane, in an ellipse of axes 80 and 60.
+    let plane = Vector3Planes::from_fn(WIDTH, HEIGHT, |_, _| DVec3::Z);
+    let place = |x: f64, y: f64| (x / 80.0).hypot(y / 60.0);
+    let disk = |x, y| if place(x, y) < 1.0 { 0.3 } else { 1.0 };
+    let frame = lit(&plane, &disk);
+    let points = points(
+        &lines_of_frame(&frame, &params),
+        ContourKind::Shadow,
+        WIDTH,
+        HEIGHT,
+    );
+    assert!(points.len() > 300, "{} points", points.len());
+    for p in points {
+        let off = 60.0 * (place(f64::from(p.x) - 160.0, f64::from(p.y) - 120.0) - 1.0);
+        assert!(off.abs() < 0.7, "{p} is {off} off");
+    }
+    // Painted on, it is no shadow; and without being asked for it is no line.
+    let painted = Frame {
+        albedo: frame.color.clone(),
+        ..frame.clone()
+    };
+    assert_eq!(lines_of_frame(&painted, &params), []);
+    assert_eq!(lines_of_frame(&frame, &InteriorParams::default()), []);
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Tone over the frame: cells, what spreads among them, percentiles, and back to pixels.
 
-use super::grid::Grid;
 use super::levels::{self, Ranks, SHARES, Scales, Spread};
 use super::{activity, key_stops, left_out, lightened, raised, seen_tone, stops};
 use crate::engine::cpu::memory::Memory;
@@ -9,6 +8,7 @@ use crate::engine::cpu::rows::map_covered;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::line::density::LEAST_ALPHA;
 use crate::line::direction_field::setting::OPEN;
+use crate::line::grid::Grid;
 use crate::line::tone::ToneOf;
 use crate::params::{RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;

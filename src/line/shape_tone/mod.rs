@@ -10,7 +10,6 @@
 //! grow with the picture. Whatever spreads does so by the diffusion of the gradient, stopped by the same edges.
 
 pub(crate) mod cpu;
-mod grid;
 mod halo;
 mod levels;
 pub(crate) mod stage;

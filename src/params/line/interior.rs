@@ -25,6 +25,11 @@ params! {
             flag: "--line-width", form: "PX", unit: Unit::Pixels, valid: 1e-3..=1e3, useful: even(0.2, 10.0);
         /// Width of lines along ridges as a share of that of lines along valleys; 0 draws none.
         ridge_share: f32 = 0.7, flag: "--ridge-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// Width of lines along the edges of cast shadows as a share of that of lines along valleys; 0 draws none.
+        ///
+        /// They run where the picture changes by more than the turn of the surface accounts for. Where the frame has an
+        /// albedo, paint does not count as shadow.
+        shadow_share: f32 = 0.0, flag: "--shadow-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
         /// Share of its width that the faintest line inside a surface loses.
         strength_emphasis: f32 = 0.5, flag: "--line-strength", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
         /// Share of its width that the farthest line inside a surface loses.
@@ -46,5 +51,10 @@ impl InteriorParams {
     /// Whether lines run along ridges.
     pub fn has_ridges(&self) -> bool {
         self.ridge_share > 0.0
+    }
+
+    /// Whether lines run along the edges of cast shadows.
+    pub fn has_shadows(&self) -> bool {
+        self.shadow_share > 0.0
     }
 }

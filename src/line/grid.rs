@@ -1,4 +1,4 @@
-//! The grid of cells on which tone is found, and the way to it and back.
+//! Blocks of pixels, as cells of a coarser grid: their means, and the way back to pixels.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_rows;

@@ -1,0 +1,105 @@
+//! Edges of cast shadows: where light changes by more than the turn of the surface accounts for.
+
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::percentile::percentile;
+use crate::engine::cpu::rows::map_covered;
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, luminance};
+use crate::line::grid::Grid;
+use crate::line::interior::crests::{Crest, Rims, crest, each_pixel};
+use crate::line::interior::level::Level;
+use crate::line::interior::sizes::Sizes;
+use crate::params::RunOptions;
+use glam::Vec2;
+
+/// Albedo below which little is known of the light.
+const LEAST_ALBEDO: f32 = 0.02;
+
+/// The light on a matt surface, as a part of the full light, changes by what its normal turns at the most; what shines
+/// changes by more.
+const ACCOUNTED: f32 = 2.0;
+
+/// The percentage of the surface that lies below full light.
+const FULL: u32 = 95;
+
+/// The crests of how fast light changes beyond what the turn of normals, `curvature` in radians per pixel, accounts for.
+/// Their strength is that change in parts of the full light, over the picture.
+pub(super) fn shadows(
+    frame: &Frame,
+    level: &Level,
+    curvature: &Plane,
+    rims: &Rims,
+    sizes: &Sizes,
+    options: &RunOptions,
+) -> Vec<Crest> {
+    let (mask, memory) = (&level.frame.mask, Memory::default());
+    let Some(light) = light(frame, sizes.factor, &memory) else {
+        return Vec::new();
+    };
+    let covered = |y| {
+        let row = light.row(y);
+        mask.runs(y).flatten().map(move |x| row[x])
+    };
+    let full = percentile(mask.height(), FULL, covered).unwrap_or(0.0);
+    if full <= 0.0 {
+        return Vec::new();
+    }
+    let light = level.spread_scalar(light, sizes.sigma, options);
+    let slope = |x: usize, y: usize| slope(&light, mask, x, y) / full;
+    let [steep] = map_covered(mask, &memory, |y| {
+        let curvature = curvature.row(y);
+        move |x| [(slope(x, y).length() - ACCOUNTED * curvature[x]).max(0.0)]
+    });
+    let found = each_pixel(mask, |x, y| {
+        let strength = steep.at(x, y) * sizes.picture;
+        if strength < sizes.thresholds[0] || rims.is_near(x, y) {
+            return None;
+        }
+        Some((crest(&steep, x, y, slope(x, y).try_normalize()?)?, strength))
+    });
+    let crests = found.into_iter();
+    crests
+        .map(|(pixel, (at, strength))| Crest {
+            pixel,
+            at,
+            strength,
+        })
+        .collect()
+}
+
+/// The light that falls on blocks of a frame, or what they send back where their albedo is not known; `None` without a
+/// picture.
+fn light(frame: &Frame, factor: usize, memory: &Memory) -> Option<Plane> {
+    let color = frame.color.as_ref()?;
+    let weights = frame.luminance_weights();
+    let [light] = Grid::new(&frame.mask, factor).means(&frame.mask, memory, |y| {
+        let (color, albedo) = (
+            rows(color, y),
+            frame.albedo.as_ref().map(|albedo| rows(albedo, y)),
+        );
+        let at = move |rows: [&[f32]; 3], x: usize| luminance(rows.map(|row| row[x]), weights);
+        move |x| {
+            let albedo = albedo.map_or(1.0, |albedo| at(albedo, x));
+            let light = at(color, x) / albedo.max(LEAST_ALBEDO);
+            [if light.is_finite() { light } else { 0.0 }]
+        }
+    });
+    Some(light)
+}
+
+fn rows(planes: &ColorPlanes, y: usize) -> [&[f32]; 3] {
+    [&planes.r, &planes.g, &planes.b].map(|plane| plane.row(y))
+}
+
+/// The slope of a plane at a pixel, x right and y up; beyond the mask it is level.
+fn slope(plane: &Plane, mask: &Mask, x: usize, y: usize) -> Vec2 {
+    let at = |dx: isize, dy: isize| {
+        let (bx, by) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
+        let is_inside = bx < mask.width() && by < mask.height() && mask.at(bx, by);
+        if is_inside {
+            plane.at(bx, by)
+        } else {
+            plane.at(x, y)
+        }
+    };
+    0.5 * Vec2::new(at(1, 0) - at(-1, 0), at(0, -1) - at(0, 1))
+}
