@@ -30,7 +30,7 @@ const ACTIVITY_SHARE: f32 = 1.0 / 60.0;
 const LEAST_SMOOTHING: f32 = 1.2;
 
 /// Turn of the normal, in radians over the picture's size, that halves the smoothing of brightness.
-const SHARP_TURN: f32 = 25.0;
+const SHARP_TURN: f32 = 18.0;
 
 /// Turns beyond this, likewise, are as telling as this.
 const CLEAR_TURN: f32 = 30.0;
@@ -51,7 +51,7 @@ const PLAIN: f32 = 0.5;
 const CLOSED: f32 = 1e-3;
 
 /// How much a place counts for ranks that tells nothing of shape.
-const PLAIN_WEIGHT: f32 = 0.15;
+const PLAIN_WEIGHT: f32 = 0.01;
 
 /// What tone is made of.
 pub(crate) struct Shown<'a> {
@@ -509,8 +509,8 @@ mod tests {
 
     #[test]
     fn a_ball_is_paper_toward_the_key_light_and_dark_away_from_it_at_any_size() {
-        // Paper begins at a rank of 0.78: toward the light there is nothing above. The darkest has rank and place 0, and so
-        // 0.6 times 0.1, and the shadow side a little more.
+        // Paper begins at a rank of 0.745: toward the light there is nothing above. The darkest has rank and place 0, and so
+        // 0.65 times 0.05, and the shadow side a little more.
         let tones = [120, 240].map(|side| {
             let (normal, mask) = ball(side);
             let tone = key_tone(normal, mask, 0..0);

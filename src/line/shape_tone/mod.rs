@@ -28,7 +28,7 @@ const STOPS: [f32; 2] = [-6.0, 4.0];
 const DARKEST_KEY: f32 = 0.03;
 
 /// Between these tones strokes thin out, and leave the paper bare.
-const BARE: [f32; 2] = [0.88, 0.98];
+const BARE: [f32; 2] = [0.88, 0.97];
 
 /// How much of the ink on a plain background is left out where it is to be quieter than the subject.
 const QUIET: f32 = 0.6;
@@ -59,7 +59,7 @@ pub(crate) fn key_stops(toward: f32, kappa: f32) -> f32 {
     } else {
         0.2 * (1.5 * toward).exp()
     };
-    lit.max(DARKEST_KEY).log2() + 0.5 * kappa
+    lit.max(DARKEST_KEY).log2() + 0.57 * kappa
 }
 
 /// How much a place tells of shape, 0..1: `turn` is the mean turn of the normal around it, in radians over the picture's
@@ -78,8 +78,8 @@ pub(crate) fn raised(contrast: f32, activity: f32) -> f32 {
 /// The tone, as it is seen, of what has this rank among all, 0..1, and this place between the darkest and the lightest.
 #[inline(always)]
 pub(crate) fn seen_tone(rank: f32, place: f32) -> f32 {
-    let by_rank = (0.10 + 0.90 * (rank / 0.78).powf(0.9)).min(1.0);
-    let tone = 0.6 * by_rank + 0.4 * place.clamp(0.0, 1.0);
+    let by_rank = (0.05 + 0.95 * (rank / 0.745).powf(0.9)).min(1.0);
+    let tone = 0.65 * by_rank + 0.35 * place.clamp(0.0, 1.0);
     lightened(tone, smooth_step(BARE, tone))
 }
 

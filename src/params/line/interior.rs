@@ -21,7 +21,7 @@ params! {
         scale: f32 = 1.0, flag: "--line-scale", form: "S", valid: 0.1..=10.0, useful: by_factors(0.2, 5.0);
         /// Width of the heaviest line inside a surface, in pixels of a picture of 640 by 480; it grows with the picture,
         /// and not with --stroke-scale.
-        width_px: f32 = 2.2,
+        width_px: f32 = 2.3,
             flag: "--line-width", form: "PX", unit: Unit::Pixels, valid: 1e-3..=1e3, useful: even(0.2, 10.0);
         /// Width of lines along ridges as a share of that of lines along valleys; 0 draws none.
         ridge_share: f32 = 0.7, flag: "--ridge-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
