@@ -18,8 +18,9 @@ const PERSISTENT: f32 = 0.3;
 /// That part on the roughest surfaces, where bumps of a middle size would pass for folds.
 const PERSISTENT_IF_ROUGH: f32 = 0.45;
 
-/// What is left in the median of where a surface turns, below which it is taken for rough, and at which it is most so.
-const ROUGH: [f32; 2] = [0.5, 0.4];
+/// What is left in the median of where a surface turns: from the first of these to the second it is taken for rough, more and
+/// more, and from the third to the last less again, as nothing of finer grain passes for a fold.
+const ROUGH: [f32; 4] = [0.5, 0.4, 0.37, 0.31];
 
 /// Over such a rank of a surface's curvature, so many times, lines are sharper than its roughness.
 const SHARP_RANK: f64 = 0.75;
@@ -57,7 +58,8 @@ impl<'a> Roughness<'a> {
             .map(|(fine, coarse)| (fine, coarse / fine))
             .unzip();
         let left = quantile(&mut left, 0.5, f32::total_cmp).unwrap_or(1.0);
-        let rough = ((ROUGH[0] - left) / (ROUGH[0] - ROUGH[1])).clamp(0.0, 1.0);
+        let share = |from: f32, to: f32| ((left - from) / (to - from)).clamp(0.0, 1.0);
+        let rough = share(ROUGH[0], ROUGH[1]).min(share(ROUGH[3], ROUGH[2]));
         let usual = quantile(&mut curvature, SHARP_RANK, f32::total_cmp).unwrap_or(0.0);
         Self {
             fine,
