@@ -7,7 +7,7 @@ use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
-use crate::params::ToneLevels;
+use crate::params::{LineLevels, ToneLevels};
 
 /// Rows of depth that show how far away a frame's surface is.
 const ROWS_FOR_DISTANCE: usize = 32;
@@ -19,6 +19,8 @@ pub(crate) struct Chosen {
     numbers: Vec<(&'static str, &'static str, f32)>,
     /// What tones that show the shape were fit to; of a sequence the median of its frames.
     tone_levels: Option<[f32; ToneLevels::COUNT]>,
+    /// What widths of lines inside surfaces were fit to; of a sequence the median of its frames.
+    line_levels: Option<[f32; LineLevels::COUNT]>,
     /// How the layers were read, where they show any surface.
     conventions: Option<Conventions>,
     /// The camera, where it was recovered, and how far away what it sees is; of a sequence that of all.
@@ -41,6 +43,7 @@ impl Chosen {
         Self {
             numbers: numbers(&single, &outcome.term_white_levels),
             tone_levels: outcome.tone_levels,
+            line_levels: outcome.line_levels,
             conventions: conventions_of(loaded),
             recovered: recovered(loaded),
             still_camera: None,
@@ -76,6 +79,7 @@ impl Chosen {
         Self {
             numbers: groups.map(|group| *group[group.len() / 2]).collect(),
             tone_levels: ToneLevels::median(each.iter().filter_map(|chosen| chosen.tone_levels)),
+            line_levels: LineLevels::median(each.iter().filter_map(|chosen| chosen.line_levels)),
             conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
             recovered: None,
             still_camera: cameras.and_then(|cameras| still_camera::of_all(&cameras)),
@@ -92,11 +96,17 @@ impl Chosen {
             .still_camera
             .map(|still| Flag::new("still-camera", still));
         let numbers = self.numbers.iter().map(flag);
-        let levels = self.tone_levels.iter();
-        let levels =
-            levels.map(|levels| Flag::new("tone-levels", levels.map(|l| l.to_string()).join(",")));
+        let listed = |levels: &[f32]| -> String {
+            let levels: Vec<_> = levels.iter().map(f32::to_string).collect();
+            levels.join(",")
+        };
+        let tones = self.tone_levels.iter();
+        let tones = tones.map(|levels| Flag::new("tone-levels", listed(levels)));
+        let lines = self.line_levels.iter();
+        let lines = lines.map(|levels| Flag::new("line-levels", listed(levels)));
         numbers
-            .chain(levels)
+            .chain(tones)
+            .chain(lines)
             .chain(conventions)
             .chain(camera)
             .collect()

@@ -34,7 +34,7 @@ pub(crate) struct Looks {
 pub(crate) struct Drawn {
     /// How many times larger than it was it was made.
     pub(crate) times: f64,
-    /// Whether it is one of several, whose tones have to go together.
+    /// Whether it is one of several, whose tones and lines have to go together.
     pub(crate) is_in_sequence: bool,
     /// Whether strokes move with its surface.
     pub(crate) moves: bool,
@@ -155,6 +155,7 @@ impl HatchArgs {
             .params(&self.relight.work.flags.params);
         let available = Available {
             moving: drawn.moves,
+            in_sequence: drawn.is_in_sequence,
             specular: is_specular.then_some(specular),
             ..Available::in_frame(frame)
         };
@@ -182,10 +183,7 @@ impl HatchArgs {
             _ => ToneFrom::Enhanced,
         };
         let shape = enlarged(looks.shape, drawn.times, frame);
-        // Lines that are faint in one frame and plain in the next would come and go between strokes.
-        let stands = !drawn.is_in_sequence || looks.line.lines_only;
         let line = LineParams {
-            interior: looks.line.interior.filter(|_| stands),
             contours: looks
                 .line
                 .contours

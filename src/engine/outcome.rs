@@ -2,10 +2,12 @@
 
 use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Window};
 use crate::line::contours::Contour;
+#[cfg(feature = "gpu")]
+use crate::line::interior::InteriorLayer;
 use crate::line::stippling::Dot;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::params::ToneLevels;
+use crate::params::{LineLevels, ToneLevels};
 use crate::product::Product;
 use glam::Vec2;
 use std::time::Duration;
@@ -85,14 +87,6 @@ impl Drawing {
         let lines = self.contours.iter().chain(&self.interior);
         std::iter::once(&self.hatching).chain(lines).collect()
     }
-
-    /// Takes lines inside surfaces, and what they cover.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn put_interior(&mut self, interior: Option<(Plane, Vec<Contour>)>) {
-        let (covered, lines) = interior.unzip();
-        self.interior = covered;
-        self.interior_lines = lines.unwrap_or_default();
-    }
 }
 
 /// What a run gave.
@@ -109,14 +103,29 @@ pub struct Outcome {
     pub gain: Option<f32>,
     /// The white level that was used.
     pub white_level: Option<f32>,
-    /// What tones that show the shape were fit to, as [`ToneLevels::Given`](crate::params::ToneLevels::Given) has it.
+    /// What tones that show the shape were fit to, as [`ToneLevels`] has it.
     pub tone_levels: Option<[f32; ToneLevels::COUNT]>,
+    /// What widths of lines inside surfaces were fit to, as [`LineLevels`] has it.
+    pub line_levels: Option<[f32; LineLevels::COUNT]>,
     /// The factor of the environment's radiance that was used.
     pub environment_gain: Option<f32>,
     /// The white levels that were used where each term of the light has its own, with the terms' names.
     pub term_white_levels: Vec<(&'static str, f32)>,
     /// How long each pass took, in order.
     pub timings: Vec<(&'static str, Duration)>,
+}
+
+#[cfg(feature = "gpu")]
+impl Outcome {
+    /// Takes lines inside surfaces, where there are any, into its drawing.
+    pub(crate) fn put_interior(&mut self, layer: Option<InteriorLayer>) {
+        let (Some(drawing), Some(layer)) = (&mut self.drawing, layer) else {
+            return;
+        };
+        self.line_levels = layer.levels;
+        drawing.interior = Some(layer.covered);
+        drawing.interior_lines = layer.lines;
+    }
 }
 
 /// Adds times to those of the same passes.

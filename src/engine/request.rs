@@ -151,6 +151,7 @@ impl<'a> Request<'a> {
         let available = Available {
             specular: self.specular.or(available.specular),
             moving: available.moving || self.inputs.sequence.is_some(),
+            in_sequence: available.in_sequence || self.inputs.sequence.is_some(),
             ..available
         };
         if !matches!(self.kind, Kind::OfFrame(Goal::Layers)) && !self.more_px.is_empty() {

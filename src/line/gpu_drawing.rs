@@ -109,9 +109,7 @@ impl Runner {
             return Ok(None);
         }
         put_drawing(&mut outcome, plan, frame, &mut read, lines, coordinates);
-        if let Some(drawing) = &mut outcome.drawing {
-            drawing.put_interior(interior);
-        }
+        outcome.put_interior(interior);
         if is_made {
             let mut planes = read.by_ref().map(|samples| plane_of(frame, Some(samples)));
             outcome.put(Product::Picture, &mut planes);

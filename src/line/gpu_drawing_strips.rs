@@ -134,9 +134,7 @@ impl Runner {
             coordinates: drawn.coordinates,
             ..drawing
         });
-        if let Some(drawing) = &mut outcome.drawing {
-            drawing.put_interior(interior);
-        }
+        outcome.put_interior(interior);
         let directions = directions.into_iter();
         self.host
             .take_back_planes(directions.flat_map(|Vector2Planes { x, y }| [x, y]));

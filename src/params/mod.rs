@@ -31,9 +31,9 @@ mod specular;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
-    Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams, LineParams,
-    PaperSize, Plotter, Stroke, StrokeDirections, StrokeParams, StrokeScale, Style, ToneLevels,
-    ToneParams, ToneSource,
+    Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams, Levels,
+    LineLevels, LineParams, PaperSize, Plotter, Stroke, StrokeDirections, StrokeParams,
+    StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;

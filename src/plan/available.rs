@@ -32,6 +32,8 @@ pub struct Available {
     /// Whether this is a frame of a sequence whose strokes are to move with the surface; no frame says so
     /// by itself.
     pub moving: bool,
+    /// Whether this is a frame of a sequence, in which lines come and go little by little; no frame says so by itself.
+    pub in_sequence: bool,
 }
 
 impl Available {
@@ -51,6 +53,7 @@ impl Available {
             normal_rounding: frame.source.normal_rounding,
             light: LightAvailable::of(&frame.light),
             moving: false,
+            in_sequence: false,
             specular: None,
         }
     }

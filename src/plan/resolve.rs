@@ -378,6 +378,7 @@ mod tests {
         positions: true,
         normal_rounding: 0.0,
         moving: false,
+        in_sequence: false,
         specular: None,
         light: LightAvailable::NONE,
     };
@@ -392,6 +393,7 @@ mod tests {
         positions: false,
         normal_rounding: 0.0,
         moving: false,
+        in_sequence: false,
         specular: None,
         light: LightAvailable::NONE,
     };

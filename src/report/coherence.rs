@@ -1,5 +1,5 @@
-//! How well the strokes of a sequence go with its surface: each drawing, moved as the surface did, against
-//! the next, for strokes that lie still in the picture and for strokes that are carried along.
+//! How well the drawings of a sequence go with its surface: each, moved as the surface did, against the next, for strokes
+//! that lie still in the picture, for strokes that are carried along, and for lines along edges and inside surfaces.
 //!
 //! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
 //! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
@@ -10,7 +10,8 @@ use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::params::{
-    Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
+    Adaptive, LineLevels, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams,
+    StrokeScale,
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use serde::Serialize;
@@ -41,6 +42,8 @@ pub struct Row {
     pub carried: f64,
     /// Of the card: the cost of moving a drawing.
     pub floor: f64,
+    /// Of lines along edges and inside surfaces, without strokes.
+    pub lines: f64,
     /// Largest share of the drawing that one map of places has: 1 where strokes were only moved.
     pub oldest_share: f64,
 }
@@ -50,8 +53,8 @@ pub struct Row {
 pub struct Coherence {
     /// Row by row.
     pub rows: Vec<Row>,
-    /// Mean of each difference over the rows: still, carried, floor.
-    pub means: [f64; 3],
+    /// Mean of each difference over the rows: still, carried, floor, lines.
+    pub means: [f64; 4],
 }
 
 /// Measures `frames`, taken one after another; frames without motion begin anew. `None` where no two
@@ -75,15 +78,21 @@ pub fn measure(
         before = Some(drawn);
     }
     let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64;
-    let means = [mean(|r| r.still), mean(|r| r.carried), mean(|r| r.floor)];
+    let means = [
+        mean(|r| r.still),
+        mean(|r| r.carried),
+        mean(|r| r.floor),
+        mean(|r| r.lines),
+    ];
     Ok((!rows.is_empty()).then_some(Coherence { rows, means }))
 }
 
-/// A frame drawn both ways.
+/// A frame drawn in every way.
 struct Drawn {
     frame: Frame,
     still: Plane,
     carried: Plane,
+    lines: Plane,
     coordinates: TextureCoordinates,
 }
 
@@ -92,24 +101,33 @@ struct SequenceDrawer {
     shape: ShapeParams,
     scaling: ScalingParams,
     line: LineParams,
+    /// How lines are drawn alone.
+    lines_alone: LineParams,
     lamp: Illumination,
 }
 
 impl SequenceDrawer {
     fn new(shape: ShapeParams) -> Self {
+        // Strokes and lines at their own size.
+        let own_size = LineParams {
+            strokes: StrokeParams {
+                scale: StrokeScale::Factor(1.0),
+                ..StrokeParams::default()
+            },
+            ..LineParams::default()
+        };
         Self {
             session: Session::default(),
             shape,
             scaling: ScalingParams::default(),
-            // Strokes at their own size.
             line: LineParams {
                 contours: None,
                 interior: None,
-                strokes: StrokeParams {
-                    scale: StrokeScale::Factor(1.0),
-                    ..StrokeParams::default()
-                },
-                ..LineParams::default()
+                ..own_size
+            },
+            lines_alone: LineParams {
+                lines_only: true,
+                ..own_size
             },
             lamp: Illumination {
                 directional: vec![DirectionalLight::white(LAMP_DEG)],
@@ -127,7 +145,8 @@ impl SequenceDrawer {
                 ToneFrom::Relit(RelightParams::default(), kinds)
             }
         };
-        let plan = self.plan(frame, tone)?;
+        let lines = self.draw_lines(frame)?;
+        let plan = self.plan(frame, tone, self.line)?;
         let draw = |sequence| {
             let inputs = Inputs {
                 illumination: Some(&self.lamp),
@@ -148,16 +167,36 @@ impl SequenceDrawer {
             frame: frame.clone(),
             still: still.hatching,
             carried: carried.hatching,
+            lines,
             coordinates: carried.coordinates.expect("a sequence has coordinates"),
         })
     }
 
-    fn plan(&self, frame: &Frame, tone: ToneFrom) -> Result<Plan> {
+    /// The ink of lines alone; what their widths are fit to in the first frame holds for all.
+    fn draw_lines(&mut self, frame: &Frame) -> Result<Plane> {
+        let plan = self.plan(frame, ToneFrom::Picture, self.lines_alone)?;
+        let outcome = self.session.run(&plan, frame, Inputs::default());
+        if let (Some(interior), Some(levels)) =
+            (&mut self.lines_alone.interior, outcome.line_levels)
+        {
+            interior.levels = LineLevels::Given(levels);
+        }
+        let drawing = outcome.drawing.expect("a drawing was planned");
+        let [mut ink, interior] = [drawing.contours, drawing.interior]
+            .map(|layer| layer.expect("both kinds of lines are drawn"));
+        let samples = ink.samples_mut().iter_mut();
+        let both = samples.zip(interior.samples());
+        both.for_each(|(ink, interior)| *ink += (1.0 - *ink) * interior);
+        Ok(ink)
+    }
+
+    fn plan(&self, frame: &Frame, tone: ToneFrom, line: LineParams) -> Result<Plan> {
         let available = Available {
             moving: true,
+            in_sequence: true,
             ..Available::in_frame(frame)
         };
-        Plan::hatch(available, self.shape, self.scaling, tone, self.line)
+        Plan::hatch(available, self.shape, self.scaling, tone, line)
     }
 
     /// Levels chosen from the first frame hold for all.
@@ -203,6 +242,7 @@ impl SequenceDrawer {
             still: path.difference(&before.still, &drawn.still),
             carried: path.difference(&before.carried, &drawn.carried),
             floor: path.difference(&first.0, &then.0),
+            lines: path.difference(&before.lines, &drawn.lines),
             oldest_share: shares.first().copied().unwrap_or(1.0),
         })
     }

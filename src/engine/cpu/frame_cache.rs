@@ -4,6 +4,7 @@ use crate::engine::outcome::Outcome;
 use crate::frame::CurvaturePlanes;
 use crate::frame::{ColorPlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::line::contours::Contour;
+use crate::line::interior::InteriorLayer;
 use crate::shape::edges::cpu::Weights;
 
 /// One result, and what it depends on: a key that its stage has in a plan.
@@ -80,7 +81,7 @@ pub(crate) struct FrameCache {
     pub(crate) term_whites: Slot<Vec<(&'static str, f32)>>,
     pub(crate) field: Slot<Vec<Vector2Planes>>,
     pub(crate) contours: Slot<(Plane, Vec<Contour>)>,
-    pub(crate) interior: Slot<(Plane, Vec<Contour>)>,
+    pub(crate) interior: Slot<InteriorLayer>,
     /// White level of the picture.
     pub(crate) white: Slot<f32>,
     /// Albedo, estimated from the picture.

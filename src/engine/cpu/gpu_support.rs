@@ -12,7 +12,7 @@ use crate::line::contours::cpu as contours;
 use crate::line::contours::found::FoundEdges;
 use crate::line::contours::medium::in_medium;
 use crate::line::direction_field::cpu as direction_field;
-use crate::line::interior;
+use crate::line::interior::{InteriorLayer, cpu};
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
 use crate::line::tonal_art_map::TonalArtMap;
@@ -100,16 +100,22 @@ impl Runner {
         params: &LineParams,
         silhouette: Option<&Plane>,
         contours: &[Contour],
-    ) -> Option<(Plane, Vec<Contour>)> {
+    ) -> Option<InteriorLayer> {
         let interior = params.interior?;
         let made = silhouette.is_none().then(|| {
             let edges = edges_with_weights(plan, frame, true, &self.memory).0;
             edges.silhouette.expect("weights are asked for")
         });
         let silhouette = silhouette.or(made.as_ref()).expect("one of both is there");
-        let lines = interior::cpu::interior(frame, silhouette, contours, &interior, &self.options);
+        let fades = plan.available.in_sequence;
+        let (lines, levels) =
+            cpu::interior(frame, silhouette, contours, &interior, fades, &self.options);
         let covered = covered(&lines, &frame.mask, &self.memory);
-        Some((in_medium(covered, frame, &params.strokes), lines))
+        Some(InteriorLayer {
+            covered: in_medium(covered, frame, &params.strokes),
+            lines,
+            levels,
+        })
     }
 
     /// Where the texture of strokes lies on a frame of a sequence.

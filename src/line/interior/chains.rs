@@ -5,6 +5,8 @@ use crate::line::contours::network::{self, Line, Spot};
 use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::ridge::Bands;
 use crate::line::interior::crests::Crest;
+use crate::line::interior::fade::supports;
+use crate::line::interior::sizes::Sizes;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -17,15 +19,16 @@ const SMOOTHING: Smoothing = Smoothing {
     reach: 5,
 };
 
-/// The lines through crests of one kind, which lie on a grid of `width` by `height` pixels in the order of its rows. Each
+/// The lines through crests of one kind, with the share of its width that each is drawn with; the crests lie on a grid of `width` by `height` pixels in the order of its rows. Each
 /// network of crests, of which those count that are stronger than the first threshold, is stronger than the second
 /// somewhere, and about as long as `shortest` pixels.
 pub(super) fn chains(
     crests: &[Crest],
     [width, height]: [usize; 2],
-    thresholds: [f32; 2],
     shortest: f32,
-) -> Vec<Line> {
+    sizes: &Sizes,
+) -> Vec<(Line, f32)> {
+    let thresholds = sizes.thresholds;
     // A line aslant has a crest for the root of two of its length.
     let fewest = (shortest * std::f32::consts::FRAC_1_SQRT_2) as usize;
     let crests = plain(crests, [width, height], thresholds[1], fewest);
@@ -64,25 +67,49 @@ pub(super) fn chains(
         let inner = inner.filter(|&(i, _)| path.closed || !is_junction(i));
         inner.map(|(_, pixel)| spot(pixel)).collect()
     };
-    network::lines(&lattice, place, spots, RIM, |lines: &mut [Line]| {
+    let lines = network::lines(&lattice, place, spots, RIM, |lines: &mut [Line]| {
         lines.par_iter_mut().for_each(|line| line.smooth(SMOOTHING));
-    })
+    });
+    let fades = match sizes.fades {
+        true => fades(&lines, &crests, [width, height], thresholds),
+        false => vec![1.0; lines.len()],
+    };
+    lines.into_iter().zip(fades).collect()
+}
+
+/// The share of its width that each line is drawn with, by the support that its crests have.
+fn fades(lines: &[Line], crests: &[Crest], size: [usize; 2], thresholds: [f32; 2]) -> Vec<f32> {
+    let beside = |crest: &Crest| beside(crests, crest, size).collect();
+    let supports = supports(crests, thresholds, beside);
+    let of_line = |line: &Line| {
+        let own = line.spots.iter().filter_map(|spot| {
+            let [x, y] = [spot.at.x as i32, spot.at.y as i32];
+            number(crests, [x, y], size).map(|i| supports[i])
+        });
+        own.fold(0.0, f32::max)
+    };
+    lines.iter().map(of_line).collect()
+}
+
+/// The number of the crest of a pixel, if it has one.
+fn number(crests: &[Crest], [x, y]: [i32; 2], [width, height]: [usize; 2]) -> Option<usize> {
+    let is_inside = x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
+    let pixel = is_inside.then(|| y as usize * width + x as usize)?;
+    crests
+        .binary_search_by_key(&(pixel as u32), |crest| crest.pixel)
+        .ok()
+}
+
+/// The numbers of the crests around one.
+fn beside(crests: &[Crest], crest: &Crest, size: [usize; 2]) -> impl Iterator<Item = usize> {
+    let pixel = crest.pixel as usize;
+    let (x, y) = ((pixel % size[0]) as i32, (pixel / size[0]) as i32);
+    let around = STEPS.iter();
+    around.filter_map(move |[dx, dy]| number(crests, [x + dx, y + dy], size))
 }
 
 /// The crests that hang together, at least so many, with one at least as strong as `strength`.
-fn plain(
-    crests: &[Crest],
-    [width, height]: [usize; 2],
-    strength: f32,
-    fewest: usize,
-) -> Vec<Crest> {
-    let number = |x: i32, y: i32| {
-        let is_inside = x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
-        let pixel = is_inside.then(|| y as usize * width + x as usize)?;
-        crests
-            .binary_search_by_key(&(pixel as u32), |crest| crest.pixel)
-            .ok()
-    };
+fn plain(crests: &[Crest], size: [usize; 2], strength: f32, fewest: usize) -> Vec<Crest> {
     let mut seen = vec![false; crests.len()];
     let mut kept = Vec::new();
     for start in 0..crests.len() {
@@ -93,9 +120,7 @@ fn plain(
         let (first, mut next) = (kept.len(), kept.len());
         kept.push(start);
         while next < kept.len() {
-            let pixel = crests[kept[next]].pixel as usize;
-            let (x, y) = ((pixel % width) as i32, (pixel / width) as i32);
-            let beside = STEPS.iter().filter_map(|[dx, dy]| number(x + dx, y + dy));
+            let beside = beside(crests, &crests[kept[next]], size);
             kept.extend(beside.filter(|&i| !std::mem::replace(&mut seen[i], true)));
             next += 1;
         }

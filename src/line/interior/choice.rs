@@ -4,12 +4,18 @@
 use crate::frame::{Mask, Plane};
 use crate::line::contours::ContourKind;
 use crate::line::contours::network::{End, Line};
+use crate::line::interior::fade::{by_budget, by_size};
 use crate::line::interior::sizes::Sizes;
 use crate::quantile::quantile;
 use glam::Vec2;
 
-/// A line inside a surface, with its kind.
-pub(super) type Interior = (ContourKind, Line);
+/// A line inside a surface.
+pub(super) struct Interior {
+    pub(super) kind: ContourKind,
+    pub(super) line: Line,
+    /// The share of its width that it is drawn with, 0..1.
+    pub(super) fade: f32,
+}
 
 /// Least part of a line's curvature that is left at a coarser scale: it falls to 1 over the ratio of scales where a fold is
 /// as sharp as the scale shows it, and to nearly nothing where the surface is rough.
@@ -69,16 +75,16 @@ impl<'a> Roughness<'a> {
         }
     }
 
-    /// Whether a line is one of the form: its curvature is there too at the coarser scale, or it is sharper than roughness
-    /// is.
-    pub(super) fn passes(&self, line: &Line) -> bool {
+    /// Whether a line is one of the form: 1 or more where its curvature is there too at the coarser scale, or where it is
+    /// sharper than roughness is.
+    pub(super) fn formed(&self, line: &Line) -> f32 {
         let shares = line.spots.iter().map(|spot| {
             let around =
                 (0..9).map(|i| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) * LOOKED_FOR);
             let there = around.map(|offset| 0.5 * near(self.coarse, 0.5 * (spot.at + offset)));
             there.fold(0.0, f32::max) / near(self.fine, spot.at).max(f32::MIN_POSITIVE)
         });
-        strength(line) >= self.sharp || median(shares.collect()) >= self.persistent
+        (strength(line) / self.sharp).max(median(shares.collect()) / self.persistent)
     }
 }
 
@@ -145,21 +151,29 @@ pub(super) fn chosen(
     let mut lines: Vec<(f32, Interior)> =
         lines.into_iter().map(|line| (worth(&line), line)).collect();
     // Ridges come last: beside a valley they double it.
-    let is_ridge = |line: &(f32, Interior)| line.1.0 == ContourKind::Ridge;
+    let is_ridge = |line: &(f32, Interior)| line.1.kind == ContourKind::Ridge;
     lines.sort_by(|a, b| is_ridge(a).cmp(&is_ridge(b)).then(b.0.total_cmp(&a.0)));
     let (mut kept, mut length) = (Vec::new(), 0.0);
-    for (kind, line) in lines.into_iter().map(|(_, line)| line) {
+    for Interior { kind, line, fade } in lines.into_iter().map(|(_, line)| line) {
         for part in free_parts(line, &taken[number(kind)]) {
             let own = part.length();
-            let is_plain = own >= shortest(kind, sizes) && strength(&part) * own >= sizes.worth;
-            if !is_plain || length + own > longest {
+            let (shortest, worth) = (shortest(kind, sizes), strength(&part) * own);
+            if own < shortest || worth < sizes.worth || length + own > longest {
                 continue;
             }
             length += own;
+            let fade = match sizes.fades {
+                true => {
+                    let by_sizes = by_size(own / shortest) * by_size(worth / sizes.worth);
+                    fade * by_sizes * by_budget(length / longest)
+                }
+                false => 1.0,
+            };
             for spot in &part.spots {
                 take(&mut taken, spot.at, sizes.apart);
             }
-            kept.push((kind, part));
+            let line = part;
+            kept.extend((fade > 0.0).then_some(Interior { kind, line, fade }));
         }
     }
     kept
@@ -180,7 +194,7 @@ pub(super) fn shortest(kind: ContourKind, sizes: &Sizes) -> f32 {
 }
 
 /// The integral of strength along a line, ridges' in part.
-fn worth((kind, line): &Interior) -> f32 {
+fn worth(Interior { kind, line, .. }: &Interior) -> f32 {
     let share = if *kind == ContourKind::Ridge {
         RIDGE_WORTH
     } else {

@@ -11,10 +11,11 @@ use crate::line::interior::choice::{Interior, Roughness, chosen, shortest};
 use crate::line::interior::crests::{Crest, Rims, curvature, suggestive, valleys_and_ridges};
 use crate::line::interior::drawn::Pen;
 use crate::line::interior::facing::Viewer;
+use crate::line::interior::fade::by_strength;
 use crate::line::interior::level::Level;
 use crate::line::interior::shadows::shadows;
 use crate::line::interior::sizes::Sizes;
-use crate::params::{InteriorParams, RunOptions};
+use crate::params::{InteriorParams, LineLevels, RunOptions};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -32,18 +33,23 @@ const RIDGE_MARGIN: f32 = 1.4;
 const JOIN_REACH: f32 = 1.5;
 const JOIN_AHEAD: f32 = 0.7;
 
-/// The lines inside the surfaces of a frame with this silhouette weight, beside its contours.
+/// Lines, and what their widths were fit to.
+pub(crate) type Found = (Vec<Contour>, Option<[f32; LineLevels::COUNT]>);
+
+/// The lines inside the surfaces of a frame with this silhouette weight, beside its contours. In a sequence, where it `fades`
+/// them, their widths begin at nothing.
 pub(crate) fn interior(
     frame: &Frame,
     silhouette: &Plane,
     contours: &[Contour],
     params: &InteriorParams,
+    fades: bool,
     options: &RunOptions,
-) -> Vec<Contour> {
-    let sizes = Sizes::of(frame, params);
+) -> Found {
+    let sizes = Sizes::of(frame, params, fades);
     let level = Level::of(frame, silhouette, sizes.factor);
     if level.frame.mask.count() == 0 {
-        return Vec::new();
+        return (Vec::new(), None);
     }
     let scales = [sizes.sigma, SUGGESTIVE_SCALE * sizes.sigma];
     let normals = level.diffused(&scales, options);
@@ -89,10 +95,21 @@ fn found(
     let size = [mask.width(), mask.height()];
     let roughness = Roughness::of(&fine, &coarse, &halved.frame.mask, sizes);
     let of = |kind: ContourKind, crests: &[Crest]| -> Vec<Interior> {
-        let lines = chains(crests, size, sizes.thresholds, shortest(kind, sizes)).into_iter();
-        let long = lines.filter(|line| line.length() >= shortest(kind, sizes));
-        let kept = long.filter(|line| kind == ContourKind::Shadow || roughness.passes(line));
-        kept.map(|line| (kind, line)).collect()
+        let lines = chains(crests, size, shortest(kind, sizes), sizes).into_iter();
+        let long = lines.filter(|(line, _)| line.length() >= shortest(kind, sizes));
+        let formed = long.filter_map(|(line, fade)| {
+            let times = match kind {
+                ContourKind::Shadow => f32::INFINITY,
+                _ => roughness.formed(&line),
+            };
+            let fade = if sizes.fades {
+                fade * by_strength(times)
+            } else {
+                fade
+            };
+            (times >= 1.0).then_some(Interior { kind, line, fade })
+        });
+        formed.collect()
     };
     let all = [
         (ContourKind::Valley, &valleys),
@@ -125,9 +142,10 @@ fn joined_and_drawn(
     normals: &Plane<Vec3>,
     params: &InteriorParams,
     sizes: &Sizes,
-) -> Vec<Contour> {
+) -> Found {
     let factor = sizes.factor as f32;
-    let (kinds, mut lines): (Vec<ContourKind>, Vec<Line>) = lines.into_iter().unzip();
+    let looks: Vec<_> = lines.iter().map(|line| (line.kind, line.fade)).collect();
+    let mut lines: Vec<Line> = lines.into_iter().map(|line| line.line).collect();
     for (i, line) in lines.iter_mut().enumerate() {
         line.part = i;
         for spot in &mut line.spots {
@@ -140,23 +158,29 @@ fn joined_and_drawn(
     let contours = contours.iter().map(|contour| contour.points.as_slice());
     let reach = (factor * JOIN_REACH * sizes.margin) as usize + 1;
     Ground::of_points(contours, size, 1).join_ends_within(&mut lines, false, reach, JOIN_AHEAD);
-    let strongest = strongest(&lines);
-    let pen = Pen::new(
-        factor * sizes.picture,
-        params,
-        strongest,
-        DepthRange::of(&lines),
-    );
-    let drawn = lines.par_iter().zip(kinds).map(|(line, kind)| {
+    let levels = match params.levels {
+        LineLevels::Auto => levels_of(&lines),
+        LineLevels::Given(levels) => levels,
+    };
+    let pen = Pen::new(factor * sizes.picture, params, levels, sizes);
+    let drawn = lines.par_iter().zip(looks).map(|(line, look)| {
         let normal = |i: usize| {
             let at = line.spots[i].at / factor;
             let x = (at.x.max(0.0) as usize).min(normals.width() - 1);
             let y = (at.y.max(0.0) as usize).min(normals.height() - 1);
             normals.at(x, y)
         };
-        pen.contour(kind, line, params, normal)
+        pen.contour(look, line, params, normal)
     });
-    drawn.collect()
+    let drawn: Vec<Contour> = drawn.collect();
+    let levels = (!drawn.is_empty()).then_some(levels);
+    (drawn, levels)
+}
+
+/// What widths are fit to, of the lines of one picture.
+fn levels_of(lines: &[Line]) -> [f32; LineLevels::COUNT] {
+    let DepthRange { near, far } = DepthRange::of(lines);
+    [strongest(lines), near, far]
 }
 
 /// Logarithm of the depth at a point of the picture; 0 where it is not known.

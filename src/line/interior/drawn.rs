@@ -3,7 +3,9 @@
 use crate::line::contours::network::{End, Line};
 use crate::line::contours::polyline::{evened, lengths};
 use crate::line::contours::{Contour, ContourKind, DepthRange};
-use crate::params::InteriorParams;
+use crate::line::interior::fade::{by_strength, smoothstep};
+use crate::line::interior::sizes::Sizes;
+use crate::params::{InteriorParams, LineLevels};
 use glam::{Vec2, Vec3};
 
 /// What widths depend on besides a line itself.
@@ -15,6 +17,8 @@ pub(super) struct Pen {
     /// The strength from which on lines are as heavy as they become.
     pub(super) strongest: f32,
     pub(super) depths: DepthRange,
+    /// The least strength of a line, at which it fades to nothing, if it does.
+    pub(super) faded: Option<f32>,
 }
 
 /// Spots to either side over which widths change.
@@ -37,21 +41,22 @@ impl Pen {
     pub(super) fn new(
         picture: f32,
         params: &InteriorParams,
-        strongest: f32,
-        depths: DepthRange,
+        [strongest, near, far]: [f32; LineLevels::COUNT],
+        sizes: &Sizes,
     ) -> Self {
         Self {
             width_px: params.width_px * picture / PICTURE,
             taper_px: picture / 45.0,
             strongest,
-            depths,
+            depths: DepthRange { near, far },
+            faded: sizes.fades.then_some(sizes.thresholds[0]),
         }
     }
 
-    /// The contour along a line, whose strengths are in its spots; `normal` is that of the surface at a spot of that number.
+    /// The contour along a line of a kind that is drawn with a share of its width, whose strengths are in its spots; `normal` is that of the surface at a spot of that number.
     pub(super) fn contour(
         &self,
-        kind: ContourKind,
+        (kind, fade): (ContourKind, f32),
         line: &Line,
         params: &InteriorParams,
         normal: impl Fn(usize) -> Vec3,
@@ -68,7 +73,9 @@ impl Pen {
             let far = self.depths.farness(spot.log_depth);
             let left = |emphasis: f32, share: f32| 1.0 - emphasis * share;
             let light = left(params.light_emphasis, lit) * left(params.depth_emphasis, far);
-            self.width_px * share * light * left(params.strength_emphasis, faint)
+            let there = |least: f32| fade * by_strength(spot.strength / least);
+            let width = self.width_px * share * light * left(params.strength_emphasis, faint);
+            width * self.faded.map_or(1.0, there)
         });
         let mut widths = evened(&widths.collect::<Vec<_>>(), line.closed, WIDTH_REACH);
         if line.closed {
@@ -98,22 +105,15 @@ impl Pen {
     }
 }
 
-fn smoothstep(x: f32) -> f32 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn open_ends_come_to_a_point_and_joined_ones_do_not() {
-        let depths = DepthRange {
-            near: 0.0,
-            far: 0.0,
-        };
-        let pen = Pen::new(PICTURE, &InteriorParams::default(), 20.0, depths);
+        let params = InteriorParams::default();
+        let sizes = Sizes::of_picture(PICTURE, &params);
+        let pen = Pen::new(PICTURE, &params, [20.0, 0.0, 0.0], &sizes);
         let points: Vec<Vec2> = (0..100).map(|x| Vec2::new(x as f32, 0.0)).collect();
         let mut widths = vec![1.0; 100];
         pen.taper(&mut widths, &points, [End::Free, End::Joined]);

@@ -8,6 +8,13 @@
 //! count more than ridges, since full sets of ridges double every lip. Practice: `level` diffuses, `turning` and
 //! `facing` measure, `crests` finds maxima to a part of a pixel, `chains` makes lines of them, `choice` takes the plainest,
 //! and `drawn` gives them widths.
+//!
+//! A line is drawn or it is not, by thresholds. In a sequence such a line would be there in one frame and gone in the next;
+//! there `fade` lets its width begin at nothing where a threshold would drop it, and grow with what exceeds that.
+
+use crate::frame::Plane;
+use crate::line::contours::Contour;
+use crate::params::LineLevels;
 
 mod chains;
 mod choice;
@@ -15,6 +22,7 @@ pub(crate) mod cpu;
 mod crests;
 mod drawn;
 mod facing;
+mod fade;
 mod level;
 mod shadows;
 mod sizes;
@@ -22,3 +30,14 @@ pub(crate) mod stage;
 #[cfg(test)]
 mod tests;
 mod turning;
+
+/// Lines inside the surfaces of a frame.
+#[derive(Debug, Clone)]
+pub(crate) struct InteriorLayer {
+    /// How much of the paper they cover, 0..1.
+    pub(crate) covered: Plane,
+    /// The lines themselves.
+    pub(crate) lines: Vec<Contour>,
+    /// What their widths were fit to, where there are any.
+    pub(crate) levels: Option<[f32; LineLevels::COUNT]>,
+}

@@ -29,6 +29,8 @@ pub(super) struct Sizes {
     pub(super) gap: f32,
     /// Length of all lines together over the root of the covered area.
     pub(super) budget: f32,
+    /// Whether lines come and go little by little, as in a sequence.
+    pub(super) fades: bool,
 }
 
 /// Largest sigma, in pixels of the level, for which a coarser level would be too coarse to place lines well.
@@ -38,14 +40,17 @@ const FINE_ENOUGH: f32 = 2.0;
 const SOBEL: f32 = 0.25;
 
 impl Sizes {
-    pub(super) fn of(frame: &Frame, params: &InteriorParams) -> Self {
+    pub(super) fn of(frame: &Frame, params: &InteriorParams, fades: bool) -> Self {
         let window = frame.display_window;
         let root = (window.width() as f32 * window.height() as f32).sqrt();
-        Self::of_picture(root, params)
+        Self {
+            fades,
+            ..Self::of_picture(root, params)
+        }
     }
 
     /// Sizes in a picture whose area has the root `root`, in pixels of the frame.
-    fn of_picture(root: f32, params: &InteriorParams) -> Self {
+    pub(super) fn of_picture(root: f32, params: &InteriorParams) -> Self {
         let InteriorParams { detail, scale, .. } = *params;
         let factor = ((scale * root / 300.0 / FINE_ENOUGH) as usize).max(1);
         let picture = root / factor as f32;
@@ -62,6 +67,7 @@ impl Sizes {
             apart: [220.0, 90.0, 140.0].map(|share| picture / share),
             gap: (fold / 90.0).max(4.0),
             budget: 14.0 * detail,
+            fades: false,
         }
     }
 }

@@ -1,12 +1,10 @@
 //! Interior lines in a drawing.
 
 use crate::engine::cpu::run::Run;
-use crate::frame::Plane;
-use crate::line::contours::Contour;
 use crate::line::contours::coverage::covered;
 use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
-use crate::line::interior::cpu;
+use crate::line::interior::{InteriorLayer, cpu};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -14,7 +12,10 @@ use crate::product::Product;
 /// Lines inside surfaces. They follow contours, which they join and do not double.
 pub(crate) static INTERIOR: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Contours],
-    depends_on: |plan| format!("{:?}", plan.drawing.as_ref().map(|params| params.interior)),
+    depends_on: |plan| {
+        let params = plan.drawing.as_ref().map(|params| params.interior);
+        format!("{params:?} {}", plan.available.in_sequence)
+    },
     name: "interior",
     steps: &[Step {
         name: "interior",
@@ -44,8 +45,10 @@ fn draw(run: &mut Run) {
     let params = plan.drawing.as_ref().expect("lines are of a drawing");
     let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
     let kept = kept.and_then(|kept| kept.interior.copied(plan.key(INTERIOR.name)));
-    let (covered, lines) = kept.unwrap_or_else(|| follow(run));
-    run.canvas.interior = Some((in_medium(covered, run.frame, &params.strokes), lines));
+    let layer = kept.unwrap_or_else(|| follow(run));
+    run.outcome.line_levels = layer.levels;
+    let covered = in_medium(layer.covered, run.frame, &params.strokes);
+    run.canvas.interior = Some((covered, layer.lines));
     if run.canvas.luminance.is_some() {
         // Of a large drawing nothing is held for long.
         let silhouette = run.outcome.shape.silhouette.take();
@@ -53,7 +56,7 @@ fn draw(run: &mut Run) {
     }
 }
 
-fn follow(run: &mut Run) -> (Plane, Vec<Contour>) {
+fn follow(run: &mut Run) -> InteriorLayer {
     let (plan, frame, runner) = (run.plan, run.frame, run.runner);
     let params = plan.drawing.as_ref().and_then(|params| params.interior);
     let params = params.expect("interior lines are asked for");
@@ -68,8 +71,14 @@ fn follow(run: &mut Run) -> (Plane, Vec<Contour>) {
         .expect("lines keep away from silhouettes");
     let contours = canvas.contours.as_ref().map_or(&[][..], |(_, lines)| lines);
     let made = run.timed(INTERIOR.name, || {
-        let lines = cpu::interior(drawn, silhouette, contours, &params, &runner.options);
-        (covered(&lines, &drawn.mask, &runner.memory), lines)
+        let fades = plan.available.in_sequence;
+        let (lines, levels) =
+            cpu::interior(drawn, silhouette, contours, &params, fades, &runner.options);
+        InteriorLayer {
+            covered: covered(&lines, &drawn.mask, &runner.memory),
+            lines,
+            levels,
+        }
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
     let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());

@@ -3,7 +3,7 @@
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::line::contours::{Contour, ContourKind};
 use crate::line::interior::cpu::interior;
-use crate::params::{InteriorParams, RunOptions};
+use crate::params::{InteriorParams, LineLevels, RunOptions};
 use glam::{DVec3, Vec2};
 use std::f64::consts::TAU;
 
@@ -28,7 +28,49 @@ fn frame_of(normals: &Vector3Planes) -> Frame {
 
 fn lines_of_frame(frame: &Frame, params: &InteriorParams) -> Vec<Contour> {
     let silhouette = Plane::filled(frame.mask.width(), frame.mask.height(), 0.0);
-    interior(frame, &silhouette, &[], params, &RunOptions::default())
+    interior(
+        frame,
+        &silhouette,
+        &[],
+        params,
+        false,
+        &RunOptions::default(),
+    )
+    .0
+}
+
+#[test]
+fn in_a_sequence_a_groove_that_deepens_comes_little_by_little() {
+    // Every groove is 1.04 times as steep as the one before, and its strength and worth grow by as much at the most. From
+    // 1 to 1.5 times the threshold the share of the width by strength then rises by up to 0.06/0.5 of a smooth step whose
+    // slope is 1.5 at the most: by 0.18; that by worth, from 1 to 2 times, by 0.08 * 1.5 = 0.12. Both together: less than
+    // 0.3. A single picture draws all of it at once, as widths are fit to the upper threshold itself.
+    let params = InteriorParams {
+        levels: LineLevels::Given([22.0, 0.0, 0.0]),
+        light_emphasis: 0.0,
+        ..InteriorParams::default()
+    };
+    let ink = |slope: f64, fades: bool| {
+        let normals = Vector3Planes::from_fn(WIDTH, HEIGHT, |_, y| {
+            let slope = slope * (y as f64 + 0.5 - 120.3).signum();
+            DVec3::new(0.0, slope, 1.0).normalize()
+        });
+        let frame = Frame::of_normals(normals, Mask::new(Plane::filled(WIDTH, HEIGHT, true)));
+        let silhouette = Plane::filled(WIDTH, HEIGHT, 0.0);
+        let options = RunOptions::default();
+        let (lines, _) = interior(&frame, &silhouette, &[], &params, fades, &options);
+        lines.iter().flat_map(|line| &line.widths).sum::<f32>()
+    };
+    let largest_step = |fades: bool| {
+        let inks: Vec<f32> = (0..70)
+            .map(|k| ink(0.05 * 1.04_f64.powi(k), fades))
+            .collect();
+        let steps = inks.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        steps.fold(0.0, f32::max) / inks[69]
+    };
+    let [single, sequence] = [false, true].map(largest_step);
+    assert!(single > 0.9, "{single}");
+    assert!(sequence < 0.3, "{sequence}");
 }
 
 /// Three degrees of noise and 8 bits.
@@ -319,7 +361,7 @@ fn frames_without_meaning_have_no_lines() {
             let frame = Frame::of_normals(normal.clone(), mask);
             let silhouette = Plane::filled(width, height, f32::NAN);
             let (params, options) = (InteriorParams::default(), RunOptions::default());
-            let found = interior(&frame, &silhouette, &[], &params, &options);
+            let (found, _) = interior(&frame, &silhouette, &[], &params, true, &options);
             assert!(
                 found
                     .iter()

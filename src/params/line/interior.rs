@@ -1,5 +1,6 @@
 //! The parameters of interior lines.
 
+use crate::params::line::levels::LineLevels;
 use crate::params::table::{Unit, by_factors, even};
 use std::ops::RangeInclusive;
 
@@ -38,6 +39,10 @@ params! {
         ///
         /// Lines in shadow keep theirs. At 1 lines in full light vanish.
         light_emphasis: f32 = 0.2, flag: "--line-light", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// What widths of lines inside surfaces are fit to, as a run prints it to a recipe; auto fits the picture.
+        ///
+        /// In a sequence it is chosen once, so that lines keep their weight.
+        levels: LineLevels = LineLevels::Auto, flag: "--line-levels", form: "STRONGEST,NEAR,FAR|auto";
     }
 }
 

@@ -7,6 +7,7 @@ mod on_off;
 mod contours;
 mod field;
 mod interior;
+mod levels;
 mod print;
 mod strokes;
 mod tone;
@@ -15,10 +16,11 @@ pub use contours::ContourParams;
 pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
+pub use levels::{Levels, LineLevels, ToneLevels};
 pub use print::PaperSize;
 pub(crate) use strokes::MAX_LEVELS;
 pub use strokes::{Enlargement, Ink, Plotter, Stroke, StrokeParams, StrokeScale, Style};
-pub use tone::{Background, ToneLevels, ToneParams, ToneSource};
+pub use tone::{Background, ToneParams, ToneSource};
 
 params! {
     /// How a frame is drawn ([LA] section 6).

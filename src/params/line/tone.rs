@@ -1,12 +1,9 @@
 //! Tone: how dark a picture is drawn.
 
 use crate::params::Adaptive;
-use crate::params::Param;
 use crate::params::light::LEVELS;
-use crate::params::table::{Kind, by_factors, even};
-use crate::params::value::{Value, finite};
-use crate::quantile::quantile;
-use serde::Serialize;
+use crate::params::line::levels::ToneLevels;
+use crate::params::table::{by_factors, even};
 
 params! {
     /// From the luminance of a picture to the tone of paper: 0 black, 1 the paper itself.
@@ -41,63 +38,6 @@ params! {
         gamma: f32 = 2.2, flag: "--tone-gamma", form: "G", valid: 0.1..=10.0, useful: even(0.2, 3.0);
     }
 }
-
-/// What a tone that shows the shape is fit to.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ToneLevels {
-    /// The picture.
-    Auto,
-    /// These: the median luminance; middle and spread of the picture's brightness in stops about it, and of that in the key
-    /// light; and the brightness, in spreads, that 0, 2, 5, 10, 20, 30 and so on to 80, 95 and 100 % of what shows form are below.
-    Given([f32; Self::COUNT]),
-}
-
-impl ToneLevels {
-    /// How many there are.
-    pub const COUNT: usize = 18;
-
-    /// Of each level the median of those of several pictures.
-    pub(crate) fn median(
-        each: impl Iterator<Item = [f32; Self::COUNT]>,
-    ) -> Option<[f32; Self::COUNT]> {
-        let each: Vec<_> = each.collect();
-        let middle = |i: usize| {
-            let mut levels: Vec<f32> = each.iter().map(|levels| levels[i]).collect();
-            quantile(&mut levels, 0.5, f32::total_cmp).unwrap_or_default()
-        };
-        (!each.is_empty()).then(|| std::array::from_fn(middle))
-    }
-}
-
-impl Value for ToneLevels {
-    const KIND: Kind = Kind::Text;
-
-    fn parse(text: &str, _: &Param) -> Result<Self, String> {
-        if text == AUTO {
-            return Ok(Self::Auto);
-        }
-        let levels: Option<Vec<f32>> = text.split(',').map(finite).collect();
-        let levels = levels.and_then(|levels| levels.try_into().ok());
-        let expected = || {
-            format!(
-                "expected auto or {} numbers with commas between",
-                Self::COUNT
-            )
-        };
-        levels.map(Self::Given).ok_or_else(expected)
-    }
-
-    fn text(&self, _: &Param) -> Option<String> {
-        Some(match self {
-            Self::Auto => AUTO.into(),
-            Self::Given(levels) => levels.map(|level| level.to_string()).join(","),
-        })
-    }
-}
-
-/// The word for levels that fit the picture.
-const AUTO: &str = "auto";
 
 choices! {
     /// How surfaces without form that reach the border of the picture are drawn.

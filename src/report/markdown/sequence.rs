@@ -11,7 +11,7 @@ pub(super) fn section(coherence: Option<&Coherence>) -> String {
     };
     let ink = |value: f64| format!("{value:.4}");
     let of_row = |row: &Row| {
-        let differences = [row.still, row.carried, row.floor];
+        let differences = [row.still, row.carried, row.floor, row.lines];
         let shares = [percent(row.seen_before), percent(row.oldest_share)];
         (
             row.frame.to_string(),
@@ -29,6 +29,7 @@ pub(super) fn section(coherence: Option<&Coherence>) -> String {
         "still in the picture": ink(differences[0]),
         "carried": ink(differences[1]),
         "floor": ink(differences[2]),
+        "lines": ink(differences[3]),
         "drawn by the oldest map": shares[1],
     });
     format!(
@@ -36,6 +37,7 @@ pub(super) fn section(coherence: Option<&Coherence>) -> String {
          Each drawing, moved as the surface did, against the next: mean absolute difference of ink, 0 to 1, over the \
          pixels seen in both. Strokes lie still in the picture, or are carried along with the surface. Moving a \
          drawing blurs it; the floor is what that costs alone, on a card of one tone and one direction whose texture \
-         moves as the frame does.\n\n{table}\n![Differences from frame to frame]({COHERENCE})\n",
+         moves as the frame does. Lines along edges and inside surfaces are found anew in every frame; theirs is the \
+         difference of drawings of lines alone.\n\n{table}\n![Differences from frame to frame]({COHERENCE})\n",
     )
 }

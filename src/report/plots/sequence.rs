@@ -7,10 +7,11 @@ use plotters::prelude::*;
 type Difference = fn(&Row) -> f64;
 
 /// Differences of a row, and what the plot calls them.
-const LINES: [(&str, Difference); 3] = [
+const LINES: [(&str, Difference); 4] = [
     ("still in the picture", |row| row.still),
     ("carried", |row| row.carried),
     ("floor", |row| row.floor),
+    ("lines", |row| row.lines),
 ];
 
 /// Mean differences of ink by frame, a line for each form and the floor.

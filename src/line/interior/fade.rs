@@ -1,0 +1,132 @@
+//! How lines come and go in a sequence: a continuous form of the thresholds by which they are drawn.
+
+use crate::line::interior::crests::Crest;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// How many times its threshold a strength, or what persists of it, is from which on a line is drawn in full.
+const FULL_STRENGTH: f32 = 1.5;
+
+/// How many times what is asked for at the least its length and its worth are.
+const FULL_SIZE: f32 = 2.0;
+
+/// Share of the length that all lines may have at whose end lines begin to fade.
+const SPENT: f32 = 0.85;
+
+/// The share of its width, 0..1, of a line by a strength that is so many times its threshold.
+pub(super) fn by_strength(times: f32) -> f32 {
+    smoothstep((times - 1.0) / (FULL_STRENGTH - 1.0))
+}
+
+/// The share of its width, 0..1, of a line by a length or a worth that is so many times what is asked for.
+pub(super) fn by_size(times: f32) -> f32 {
+    smoothstep((times - 1.0) / (FULL_SIZE - 1.0))
+}
+
+/// The share of its width, 0..1, of the line that brings all lines so far to this share of the length they may have.
+pub(super) fn by_budget(spent: f32) -> f32 {
+    smoothstep((1.0 - spent) / (1.0 - SPENT))
+}
+
+/// From 0 at 0 to 1 at 1, level at both.
+pub(super) fn smoothstep(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// A crest that is as well supported as was found so far.
+struct Supported {
+    share: f32,
+    number: usize,
+}
+
+/// How well each of these crests is supported, 0..1: hysteresis between two thresholds without its step. A crest well over
+/// the upper one supports itself; others are supported along the way of crests `beside` each other whose weakest link is the
+/// strongest, and a link that hardly exceeds the lower threshold passes nothing on.
+pub(super) fn supports(
+    crests: &[Crest],
+    thresholds: [f32; 2],
+    beside: impl Fn(&Crest) -> Vec<usize>,
+) -> Vec<f32> {
+    let over = |crest: &Crest, i: usize| by_strength(crest.strength / thresholds[i]);
+    let mut shares = vec![0.0; crests.len()];
+    let mut waiting = BinaryHeap::new();
+    for (number, crest) in crests.iter().enumerate() {
+        let share = over(crest, 0).min(over(crest, 1));
+        if share > 0.0 {
+            shares[number] = share;
+            waiting.push(Supported { share, number });
+        }
+    }
+    while let Some(Supported { share, number }) = waiting.pop() {
+        if share < shares[number] {
+            continue;
+        }
+        for next in beside(&crests[number]) {
+            let passed = share.min(over(&crests[next], 0));
+            if passed > shares[next] {
+                shares[next] = passed;
+                waiting.push(Supported {
+                    share: passed,
+                    number: next,
+                });
+            }
+        }
+    }
+    shares
+}
+
+impl Ord for Supported {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_share = self.share.total_cmp(&other.share);
+        by_share.then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Supported {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Supported {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Supported {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    #[test]
+    fn support_is_that_of_the_weakest_link_and_has_no_step() {
+        // A row of crests between thresholds of 10 and 20: 30 is 1.5 times the upper one, in full. 12.5 is 1.25 times the
+        // lower one, half-way, and passes on 0.5; 10 passes nothing on. 20 supports nothing by itself, and is behind it.
+        let crests: Vec<Crest> = [15.0, 30.0, 12.5, 18.0, 10.0, 20.0]
+            .into_iter()
+            .enumerate()
+            .map(|(pixel, strength)| Crest {
+                pixel: pixel as u32,
+                at: Vec2::ZERO,
+                strength,
+            })
+            .collect();
+        let beside = |crest: &Crest| {
+            let at = crest.pixel as usize;
+            let sides = [at.checked_sub(1), Some(at + 1).filter(|&next| next < 6)];
+            sides.into_iter().flatten().collect()
+        };
+        let found = supports(&crests, [10.0, 20.0], beside);
+        assert_eq!(found, [1.0, 1.0, 0.5, 0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn lines_fade_to_nothing_where_they_would_be_dropped() {
+        assert_eq!([by_strength(1.0), by_size(1.0), by_budget(1.0)], [0.0; 3]);
+        assert_eq!([by_strength(1.5), by_size(2.0), by_budget(0.85)], [1.0; 3]);
+    }
+}
