@@ -31,8 +31,8 @@ mod specular;
 
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
-    Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams, Levels,
-    LineLevels, LineParams, PaperSize, Plotter, Stroke, StrokeDirections, StrokeParams,
+    AtEdges, Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams,
+    Levels, LineLevels, LineParams, PaperSize, Plotter, Stroke, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};

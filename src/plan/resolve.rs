@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::light::enhancement::Enhancement;
 use crate::light::relight::setting::{LightKinds, Relighting};
 use crate::params::{
-    LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, check_scales,
+    LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, Style, check_scales,
 };
 use crate::plan::available::Available;
 use crate::plan::planned::{Decision, Plan, Points};
@@ -102,11 +102,11 @@ impl Plan {
         drawing.validate()?;
         let factor = shape.resolution_factor(available.image_height) as f32;
         let line_scale = drawing.strokes.fit(available.image_size_px(), factor);
-        if available.moving && drawing.strokes.style.is_laid() {
+        if available.moving && drawing.strokes.style == Style::Stipple {
             return Err(Error::BadParameter {
                 name: "--style",
-                found: "lays strokes one by one, which do not move with the surface".into(),
-                remedy: "take pen or pencil, or give --motion none".into(),
+                found: "lays dots, which do not move with the surface".into(),
+                remedy: "take another style, or give --motion none".into(),
             });
         }
         let (goal, relighting) = match tone {

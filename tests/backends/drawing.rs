@@ -157,13 +157,11 @@ fn settings() -> Vec<(&'static str, LineParams)> {
             "pictures",
             with(|line| line.strokes.style = Style::Pictures),
         ),
-        ("lines", with(|line| line.strokes.style = Style::Lines)),
         (
-            "lines both ways",
+            "lines",
             with(|line| {
                 line.strokes.style = Style::Lines;
-                line.directions = StrokeDirections::Both;
-                line.contours = None;
+                line.directions = StrokeDirections::Max;
             }),
         ),
     ]

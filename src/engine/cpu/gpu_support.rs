@@ -14,6 +14,7 @@ use crate::line::contours::medium::in_medium;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::interior::{InteriorLayer, cpu};
 use crate::line::streamlines::Streamline;
+use crate::line::streamlines::cpu::{Family, lines};
 use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::line::tone::{Densities, PictureDensities, ToneOf};
@@ -161,15 +162,16 @@ impl Runner {
         let densities = Densities::OfPicture(densities);
         let factor = plan.resolution_factor as f32;
         let (strokes, memory) = (&params.strokes, &self.memory);
-        crate::line::streamlines::cpu::lines(
+        lines(
             &densities,
-            directions,
+            &Family::all(directions, &[]),
             conductance,
             strokes,
             factor,
             frame,
             memory,
         )
+        .0
     }
 
     /// Takes planes that are no longer needed.

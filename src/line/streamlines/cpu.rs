@@ -7,46 +7,88 @@ use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
 use crate::line::density::coverage_at;
 use crate::line::direction_field::setting::OPEN;
 use crate::line::hatching::{CROSSED_FROM, share_from};
-use crate::line::streamlines::{Streamline, Tool, Wanted, streamlines};
+use crate::line::streamlines::carried::carried;
+use crate::line::streamlines::{Seed, Streamline, Streamlines, Tool, Wanted, streamlines};
+use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tone::Densities;
-use crate::params::{StrokeParams, Style};
+use crate::params::{AtEdges, StrokeParams, Style};
+use glam::Vec2;
 use rayon::prelude::*;
 
 /// Density from which on engraved lines are crossed by others: the first swell to half of the paper before.
 const ENGRAVING_CROSSED_FROM: f32 = 0.7;
 
-/// The lines of every family in turn.
+/// A family of lines: the directions that they follow, and the seeds of those that are laid before all others.
+pub(crate) struct Family<'a> {
+    pub(crate) field: &'a Vector2Planes,
+    pub(crate) first: &'a [Seed],
+}
+
+impl<'a> Family<'a> {
+    /// The families along these fields, with the first seeds of each as far as there are any.
+    pub(crate) fn all(fields: &'a [Vector2Planes], first: &'a [Vec<Seed>]) -> Vec<Self> {
+        let first = first
+            .iter()
+            .map(Vec::as_slice)
+            .chain(std::iter::repeat(&[][..]));
+        let families = fields.iter().zip(first);
+        families
+            .map(|(field, first)| Self { field, first })
+            .collect()
+    }
+}
+
+/// The lines of every family in turn, and family by family where they were started.
 pub(crate) fn lines(
     densities: &Densities,
-    directions: &[Vector2Planes],
+    families: &[Family],
     conductance: &Plane,
     params: &StrokeParams,
     resolution_factor: f32,
     frame: &Frame,
     memory: &Memory,
-) -> Vec<Streamline> {
+) -> (Vec<Streamline>, Vec<Vec<Seed>>) {
     let stroke = params.stroke(resolution_factor);
     let tool = Tool::of(&stroke, params.style);
-    let families = directions.len();
-    let onto_edges = params.style == Style::Engraving;
-    let crossed_from = match onto_edges {
-        true => ENGRAVING_CROSSED_FROM,
-        false => CROSSED_FROM,
+    let count = families.len();
+    let onto_edges = params.at_edges == AtEdges::Meet;
+    let crossed_from = match params.style {
+        Style::Engraving => ENGRAVING_CROSSED_FROM,
+        _ => CROSSED_FROM,
     };
-    let of_family = |(family, field): (usize, &Vector2Planes)| {
-        let wanted = |density| coverage_at(share_from(crossed_from, density, family, families));
+    let of_family = |(number, family): (usize, &Family)| {
+        let wanted = |density| coverage_at(share_from(crossed_from, density, number, count));
         let closed = (!onto_edges).then_some(conductance);
         let ink = inks(densities, closed, wanted, frame, memory);
         let wanted = Wanted {
             ink: &ink,
             conductance: onto_edges.then_some(conductance),
         };
-        let mut lines = streamlines(field, wanted, &tool);
-        lines.iter_mut().for_each(|line| line.crosses = family > 0);
-        lines
+        let Family { field, first } = *family;
+        let Streamlines { mut lines, seeds } = streamlines(field, wanted, &tool, first);
+        lines.iter_mut().for_each(|line| line.crosses = number > 0);
+        (lines, seeds)
     };
-    let found: Vec<_> = directions.par_iter().enumerate().map(of_family).collect();
-    found.concat()
+    let numbered = families.par_iter().enumerate();
+    let (found, seeds): (Vec<_>, Vec<_>) = numbered.map(of_family).unzip();
+    (found.concat(), seeds)
+}
+
+/// Where lines of the frame before were started, family by family, as far as that is seen in this one.
+pub(crate) fn carried_seeds(sequence: Option<SequenceInputs>, frame: &Frame) -> Vec<Vec<Seed>> {
+    let Some((before, motion)) = sequence.and_then(|inputs| inputs.before.zip(inputs.motion))
+    else {
+        return Vec::new();
+    };
+    let [was, is] = [before.window, frame.data_window].map(|w| Vec2::new(w.x0 as f32, w.y0 as f32));
+    let of_family = |seeds: &Vec<Seed>| {
+        let here = |seed: &Seed| {
+            let at = carried(seed.at + was - is, motion, &frame.mask)?;
+            Some(Seed { at, ..*seed })
+        };
+        seeds.iter().filter_map(here).collect()
+    };
+    before.seeds.iter().map(of_family).collect()
 }
 
 /// The ink that lines are to cover; 0 on edges that are `closed` to them, by their conductance.
@@ -68,23 +110,19 @@ fn inks(
     })
 }
 
-/// How much of the paper lines of this style cover.
-pub(crate) fn inked(lines: &[Streamline], style: Style, frame: &Frame, memory: &Memory) -> Plane {
-    let of = |wanted: &dyn Fn(&Streamline) -> bool| {
-        let drawn = lines.iter().filter(|line| wanted(line));
+/// How much of the paper lines cover.
+pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Plane {
+    let of = |crosses: bool| {
+        let drawn = lines.iter().filter(|line| line.crosses == crosses);
         let drawn: Vec<DrawnLine> = drawn.map(DrawnLine::from).collect();
         coverage(&drawn, Overlap::Beside, &frame.mask, memory)
     };
-    let mut covered = match style {
-        Style::Engraving => {
-            let mut covered = of(&|line| !line.crosses);
-            let crossing = of(&|line| line.crosses);
-            lay_over(&mut covered, &crossing);
-            memory.recycle([crossing]);
-            covered
-        }
-        _ => of(&|_| true),
-    };
+    let mut covered = of(false);
+    if lines.iter().any(|line| line.crosses) {
+        let crossing = of(true);
+        lay_over(&mut covered, &crossing);
+        memory.recycle([crossing]);
+    }
     // Ink beyond a silhouette lies under its line.
     let width = covered.width();
     let rows = covered.samples_mut().par_chunks_mut(width);

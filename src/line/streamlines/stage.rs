@@ -2,7 +2,9 @@
 
 use crate::engine::cpu::run::Run;
 use crate::line::drawing::{Tone, finish, has_strokes};
-use crate::line::streamlines::cpu::{inked, lines};
+use crate::line::streamlines::cpu::{Family, carried_seeds, inked, lines};
+#[cfg(feature = "gpu")]
+use crate::params::StrokeDirections;
 use crate::params::Style;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -25,8 +27,13 @@ pub(crate) static STREAMLINES: Stage = Stage {
     cpu: lay,
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| {
-        let style = plan.drawing.as_ref().map(|params| params.strokes.style);
-        (style == Some(Style::Engraving)).then_some("engraved lines")
+        let params = plan.drawing.as_ref()?;
+        match params.strokes.style {
+            Style::Engraving => Some("engraved lines"),
+            Style::Lines if plan.available.moving => Some("lines that move"),
+            Style::Lines if params.directions == StrokeDirections::Both => Some("crossed lines"),
+            _ => None,
+        }
     },
     ..Stage::DEFAULT
 };
@@ -44,20 +51,25 @@ fn lay(run: &mut Run) {
         None => (frame, own.expect("strokes stop at edges")),
     };
     let (directions, factor) = (&canvas.directions, plan.resolution_factor as f32);
-    let (ink, laid) = run.timed(STREAMLINES.name, || {
+    let sequence = run.inputs.sequence;
+    let (ink, laid, seeds) = run.timed(STREAMLINES.name, || {
         let strokes = &params.strokes;
-        let laid = lines(
+        let first = carried_seeds(sequence, drawn);
+        let (laid, seeds) = lines(
             &densities,
-            directions,
+            &Family::all(directions, &first),
             conductance,
             strokes,
             factor,
             drawn,
             memory,
         );
-        (inked(&laid, strokes.style, frame, memory), laid)
+        (inked(&laid, frame, memory), laid, seeds)
     });
     drop(densities);
     (run.canvas, run.outcome.shape) = (canvas, shape);
+    if let Some(coordinates) = &mut run.canvas.coordinates {
+        coordinates.seeds = seeds;
+    }
     finish(run, tone, ink, laid);
 }

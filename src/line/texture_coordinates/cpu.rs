@@ -8,6 +8,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
+use crate::line::streamlines::Seed;
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::origin;
 use crate::line::texture_coordinates::places::{PlaceMap, Surface};
@@ -52,6 +53,8 @@ pub struct TextureCoordinates {
     pub(crate) next: Option<Plane>,
     /// How many maps were born.
     pub(crate) born: u32,
+    /// Where strokes that are laid one by one were started, family by family, in pixels of the window.
+    pub(crate) seeds: Vec<Vec<Seed>>,
 }
 
 impl TextureCoordinates {
@@ -65,6 +68,7 @@ impl TextureCoordinates {
             maps: vec![PlaceMap::laid(0, frame)],
             next: None,
             born: 1,
+            seeds: Vec::new(),
         }
     }
 
@@ -108,6 +112,7 @@ impl TextureCoordinates {
             maps: maps.collect(),
             next: None,
             born: self.born,
+            seeds: Vec::new(),
         };
         next.share_out(frame, motion, memory);
         next

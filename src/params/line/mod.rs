@@ -19,7 +19,7 @@ pub use interior::InteriorParams;
 pub use levels::{Levels, LineLevels, ToneLevels};
 pub use print::PaperSize;
 pub(crate) use strokes::MAX_LEVELS;
-pub use strokes::{Enlargement, Ink, Plotter, Stroke, StrokeParams, StrokeScale, Style};
+pub use strokes::{AtEdges, Enlargement, Ink, Plotter, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneParams, ToneSource};
 
 params! {

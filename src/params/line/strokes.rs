@@ -113,6 +113,16 @@ impl Plotter {
     }
 }
 
+choices! {
+    /// Where lines that are laid one by one end at edges.
+    pub enum AtEdges {
+        /// On the edge, under the line along it.
+        Meet = "meet",
+        /// Before it, which leaves a rim of paper.
+        Stop = "stop",
+    }
+}
+
 /// How large strokes are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -243,6 +253,8 @@ params! {
         ///
         /// At 0 the number of strokes alone makes the tone.
         pressure: Option<f32> = None, flag: "--pressure", form: "P", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        /// Where lines that are laid one by one end at silhouettes and creases.
+        at_edges: AtEdges = AtEdges::Meet, flag: "--at-edges", form: "HOW";
         /// Chooses one drawing of many.
         seed: u64 = 1, flag: "--seed", form: "N";
         /// Whether an SVG is made ready for a pen plotter: what is near is drawn next, from the nearer end, bends under a
