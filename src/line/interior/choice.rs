@@ -28,6 +28,9 @@ const PERSISTENT_IF_ROUGH: f32 = 0.45;
 /// more, and from the third to the last less again, as nothing of finer grain passes for a fold.
 const ROUGH: [f32; 4] = [0.5, 0.4, 0.37, 0.31];
 
+/// Share of a surface that turns at all, from which on and up to which it may be rough: a few folds in a plane are none.
+const TURNING: [f32; 2] = [0.5, 0.75];
+
 /// Over such a rank of a surface's curvature, so many times, lines are sharper than its roughness.
 const SHARP_RANK: f64 = 0.75;
 const SHARPER: f32 = 2.5;
@@ -63,9 +66,12 @@ impl<'a> Roughness<'a> {
             .filter(|(fine, _)| *fine >= least)
             .map(|(fine, coarse)| (fine, coarse / fine))
             .unzip();
+        let turning = left.len() as f32 / known.count().max(1) as f32;
         let left = quantile(&mut left, 0.5, f32::total_cmp).unwrap_or(1.0);
-        let share = |from: f32, to: f32| ((left - from) / (to - from)).clamp(0.0, 1.0);
-        let rough = share(ROUGH[0], ROUGH[1]).min(share(ROUGH[3], ROUGH[2]));
+        let share = |of: f32, from: f32, to: f32| ((of - from) / (to - from)).clamp(0.0, 1.0);
+        let rough = share(left, ROUGH[0], ROUGH[1])
+            .min(share(left, ROUGH[3], ROUGH[2]))
+            .min(share(turning, TURNING[0], TURNING[1]));
         let usual = quantile(&mut curvature, SHARP_RANK, f32::total_cmp).unwrap_or(0.0);
         Self {
             fine,
