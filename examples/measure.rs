@@ -82,18 +82,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     print_drawings(width, height, repeats)
 }
 
-/// The time of drawings beside the error of their tone, a half: of waves without an edge, and of a scene that
-/// is full of them.
+/// The time of drawings beside the error of their tone, which is a half: of waves without an edge, and of a scene that
+/// is full of them; and of drawings as they are by default, at sizes for print too.
 fn print_drawings(
     width: usize,
     height: usize,
     repeats: usize,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    println!(
-        "\n| scene | drawing | error of tone | shape min ms | direction-field | hatching | contours |"
-    );
-    println!("|---|---|---|---|---|---|---|");
-    let usual = LineParams {
+    println!("\n| scene | drawing | size | error of tone |{}", columns());
+    println!("|---|---|---|---|{}", "---|".repeat(DRAWING.len()));
+    let strokes = StrokeParams {
+        scale: StrokeScale::Factor(1.0),
+        ..StrokeParams::default()
+    };
+    let pen = LineParams {
         tone: ToneParams {
             white_point: Adaptive::Fixed(1.0),
             black_point: 0.0,
@@ -102,64 +104,82 @@ fn print_drawings(
         },
         directions: StrokeDirections::Max,
         interior: None,
-        strokes: StrokeParams {
-            scale: StrokeScale::Factor(1.0),
-            ..StrokeParams::default()
-        },
+        strokes,
         ..LineParams::default()
     };
-    let of_strokes = |strokes| LineParams { strokes, ..usual };
-    let drawings = [
-        ("pen", usual),
-        (
-            "pen, 2 sets",
-            of_strokes(StrokeParams {
-                sets: 2,
-                ..usual.strokes
-            }),
-        ),
-        (
-            "pen, crossed",
-            LineParams {
-                directions: StrokeDirections::Both,
-                ..usual
-            },
-        ),
-        (
-            "pencil",
-            of_strokes(StrokeParams {
-                style: Style::Pencil,
-                ..usual.strokes
-            }),
-        ),
+    let of_strokes = |strokes| LineParams { strokes, ..pen };
+    let two_sets = of_strokes(StrokeParams { sets: 2, ..strokes });
+    let crossed = LineParams {
+        directions: StrokeDirections::Both,
+        ..pen
+    };
+    let pencil = of_strokes(StrokeParams {
+        style: Style::Pencil,
+        ..strokes
+    });
+    let plain = [
+        ("pen alone", pen),
+        ("2 sets", two_sets),
+        ("crossed", crossed),
+        ("pencil", pencil),
     ];
-    let scenes = [Scene::waves(width, height), Scene::barriers(width, height)];
-    for scene in scenes {
-        let half = Plane::filled(width, height, 0.5);
-        let frame = Frame {
-            color: Some(ColorPlanes {
-                r: half.clone(),
-                g: half.clone(),
-                b: half,
-            }),
-            ..scene.frame
-        };
-        for (name, line) in drawings {
-            print_drawing(&format!("{} | {name}", scene.name), &frame, line, repeats)?;
+    for scene in [Scene::waves(width, height), Scene::barriers(width, height)] {
+        let (name, frame) = (scene.name, half_bright(scene.frame));
+        for (drawing, line) in plain {
+            let label = format!("{name} | {drawing}");
+            print_drawing(&label, &frame, ToneFrom::Picture, line, repeats)?;
         }
     }
+    for (width, height) in [(width, height), (3840, 2160), (2480, 3508)] {
+        let frame = half_bright(waves(width, height));
+        let line = LineParams::default();
+        print_drawing(
+            "waves | default",
+            &frame,
+            ToneFrom::Shape(None),
+            line,
+            repeats,
+        )?;
+    }
     Ok(())
+}
+
+/// The stages of a drawing whose times are printed.
+const DRAWING: [(&str, &[&str]); 6] = [
+    ("shape min ms", &SHAPE),
+    ("tone", &["shape-tone"]),
+    ("lines", &["interior"]),
+    ("directions", &["direction-field"]),
+    ("strokes", &["hatching"]),
+    ("contours", &["contours"]),
+];
+
+fn columns() -> String {
+    DRAWING
+        .iter()
+        .map(|(name, _)| format!(" {name} |"))
+        .collect()
+}
+
+/// The frame with a picture that is half as bright as white all over.
+fn half_bright(frame: Frame) -> Frame {
+    let half = Plane::filled(frame.mask.width(), frame.mask.height(), 0.5);
+    let [r, g, b] = [(); 3].map(|()| half.clone());
+    Frame {
+        color: Some(ColorPlanes { r, g, b }),
+        ..frame
+    }
 }
 
 fn print_drawing(
     label: &str,
     frame: &Frame,
+    tone: ToneFrom,
     line: LineParams,
     repeats: usize,
 ) -> Result<(), relievo::Error> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame);
-    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
+    let plan = Plan::hatch(Available::in_frame(frame), shape, scaling, tone, line)?;
     let engine = Engine::cpu();
     let effort = Effort {
         runs: repeats,
@@ -170,18 +190,22 @@ fn print_drawing(
         outcome.expect("the plan was made for the frame")
     };
     let (outcome, timed) = measure_runs(&engine, effort, draw);
-    let ink = outcome.drawing.expect("a drawing was planned").hatching;
-    let covered = frame.mask.plane().samples().iter().zip(ink.samples());
-    let ink = covered.filter(|(covered, _)| **covered);
-    let ink: f64 = ink.map(|(_, &ink)| f64::from(ink)).sum();
-    let error = ink / frame.mask.count() as f64 - 0.5;
-    let milliseconds = |stages: &[&str]| -> f64 {
-        let times = stages.iter().filter_map(|stage| timed.stage(stage));
-        1e3 * times.map(|times| times.min).sum::<f64>()
+    let drawing = outcome.drawing.expect("a drawing was planned");
+    let covered = |plane: &Plane| {
+        let covered = frame.mask.plane().samples().iter().zip(plane.samples());
+        let covered = covered.filter(|(covered, _)| **covered);
+        covered.map(|(_, &ink)| f64::from(ink)).sum::<f64>() / frame.mask.count() as f64
     };
-    let stages: [&[&str]; 4] = [&SHAPE, &["direction-field"], &["hatching"], &["contours"]];
-    let [shape, field, hatching, contours] = stages.map(milliseconds);
-    println!("| {label} | {error:+.4} | {shape:.1} | {field:.1} | {hatching:.1} | {contours:.1} |");
+    let error = covered(&drawing.hatching) - drawing.asked.as_ref().map_or(0.5, covered);
+    let times = DRAWING.map(|(_, stages)| {
+        let times = stages.iter().filter_map(|stage| timed.stage(stage));
+        format!(" {:.1} |", 1e3 * times.map(|times| times.min).sum::<f64>())
+    });
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    println!(
+        "| {label} | {width}x{height} | {error:+.4} |{}",
+        times.concat()
+    );
     Ok(())
 }
 
