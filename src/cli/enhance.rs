@@ -1,8 +1,8 @@
 //! `relievo enhance`.
 
 use super::frames::FrameCommand;
-use super::job::{Done, Job, MadePicture};
-use super::strips::{self, StripWork};
+use super::job::{Done, Job};
+use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::EnhanceArgs;
@@ -89,11 +89,11 @@ impl StripWork for Enhancement<'_> {
         strip: &'a Loaded,
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
-        job.color_channels(strip, made(&strip.frame, outcome))
+        job.color_channels(strip, made(&strip.frame, outcome).color)
     }
 
-    fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
-        job.made_picture(strip, made(&strip.frame, outcome))
+    fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
+        Shown::Made(made(&strip.frame, outcome))
     }
 
     fn warnings(&self, loaded: &Loaded) -> Vec<String> {

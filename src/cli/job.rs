@@ -5,20 +5,21 @@ use super::output::{ReadyOutput, color_channels};
 use super::run_log::RunLog;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::output::Kind;
+use crate::command::output::{Displayed, Kind, MadePicture};
 use crate::command::recipe::RecipeText;
 use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::engine::outcome::Outcome;
 use crate::engine::{self, Engine, Run};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, Plane, Window};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
-use crate::io::picture::{Picture, write_picture};
+use crate::io::picture::{Picture, PictureFormat, ViewTransform, Whites, write_picture};
 use crate::io::svg;
 use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::Plan;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// A frame to be made.
@@ -46,28 +47,6 @@ pub(super) struct Done {
 impl Done {
     fn chosen(&self) -> Chosen {
         Chosen::made(&self.loaded, &self.outcome)
-    }
-}
-
-/// A picture to be written.
-pub(super) struct MadePicture<'a> {
-    /// Its colours, where those that were made have other primaries.
-    turned: Option<ColorPlanes>,
-    made: Picture<'a>,
-}
-
-impl MadePicture<'_> {
-    pub(super) fn picture(&self) -> Picture<'_> {
-        Picture {
-            color: self.turned.as_ref().unwrap_or(self.made.color),
-            ..self.made
-        }
-    }
-}
-
-impl<'a> From<Picture<'a>> for MadePicture<'a> {
-    fn from(made: Picture<'a>) -> Self {
-        Self { turned: None, made }
     }
 }
 
@@ -212,30 +191,36 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
-    /// Writes the picture that was made of the frame's own, and ends the frame.
-    pub(super) fn write_color(&self, done: &Done, color: &ColorPlanes) -> Result<Chosen> {
+    /// Writes the picture that was made, and ends the frame.
+    pub(super) fn write_color(&self, done: &Done, made: MadePicture) -> Result<Chosen> {
         let loaded = &done.loaded;
         match self.work.output.kind()? {
-            Kind::Exr => self.write_exr(done, &self.color_channels(loaded, color)),
+            Kind::Exr => self.write_exr(done, &self.color_channels(loaded, made.color)),
             Kind::Picture(_) => {
-                let made = self.made_picture(loaded, color);
-                self.write_picture(done, &made.picture())
+                let mask = &loaded.frame.mask;
+                let exposure = made.exposure(&self.work.flags.params.display, mask);
+                let displayed = self.displayed(loaded, made, exposure);
+                let picture = displayed.picture();
+                let chosen = done.chosen().exposed(exposure);
+                self.write(done, chosen, |output| {
+                    self.write_picture_to(output, done, &picture)?;
+                    Ok(self.whites(&picture, mask, 0..mask.height()))
+                })
             }
         }
     }
 
-    /// A picture made of `loaded`, as a display has it.
-    pub(super) fn made_picture<'p>(
+    /// A picture made of `loaded`, as a display has it, with the exposure that was chosen, if one was.
+    pub(super) fn displayed<'p>(
         &self,
         loaded: &'p Loaded,
-        color: &'p ColorPlanes,
-    ) -> MadePicture<'p> {
-        let output = &self.work.output;
-        let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
-        MadePicture {
-            turned: output.turned(loaded, color),
-            made: output.picture(color, loaded.frame.alpha.as_ref(), bits),
-        }
+        made: MadePicture<'p>,
+        exposure: Option<f32>,
+    ) -> Displayed<'p> {
+        let (frame, primaries) = (&loaded.frame, loaded.chromaticities);
+        let mut displayed = self.work.displayed(frame, primaries, made, exposure);
+        displayed.bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
+        displayed
     }
 
     /// A picture made of `loaded`, as channels of an EXR.
@@ -251,19 +236,24 @@ impl<'a> Job<'a> {
 
     /// Writes colours to a display file and ends the frame.
     pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
-        self.write(done, |output| {
-            self.guard(done, &picture.planes())?;
-            let ReadyOutput { path, replace } = output;
-            let Kind::Picture(format) = Kind::of(path)? else {
-                unreachable!("layers go to an EXR")
-            };
-            write_atomically(path, replace, |w| write_picture(w, path, format, picture))
+        self.write(done, done.chosen(), |output| {
+            self.write_picture_to(output, done, picture)?;
+            Ok(Whites::default())
         })
+    }
+
+    fn write_picture_to(&self, output: ReadyOutput, done: &Done, picture: &Picture) -> Result<()> {
+        self.guard(done, &picture.planes())?;
+        let ReadyOutput { path, replace } = output;
+        let Kind::Picture(format) = Kind::of(path)? else {
+            unreachable!("layers go to an EXR")
+        };
+        write_atomically(path, replace, |w| write_picture(w, path, format, picture))
     }
 
     /// Writes planes to an EXR and ends the frame.
     pub(super) fn write_exr(&self, done: &Done, channels: &[OutputChannel]) -> Result<Chosen> {
-        self.write(done, |output| {
+        self.write(done, done.chosen(), |output| {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
             self.guard(done, &results)?;
             let recipe = self.recipe(&done.chosen());
@@ -271,7 +261,7 @@ impl<'a> Job<'a> {
             for warning in args.write_exr(output, &done.loaded, channels, recipe)? {
                 self.say_once("warning", &warning, true);
             }
-            Ok(())
+            Ok(Whites::default())
         })
     }
 
@@ -299,46 +289,65 @@ impl<'a> Job<'a> {
 
     /// Writes a drawing in lines and ends the frame.
     pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<Chosen> {
-        self.write(done, |ReadyOutput { path, replace }| {
+        self.write(done, done.chosen(), |ReadyOutput { path, replace }| {
             let (frame, outcome) = (&done.loaded.frame, &done.outcome);
             self.refuse(lines_not_finite(&done.plan, frame, outcome))?;
-            write_atomically(path, replace, |w| svg::write_svg(w, path, drawing))
+            write_atomically(path, replace, |w| svg::write_svg(w, path, drawing))?;
+            Ok(Whites::default())
         })
     }
 
     /// Writes through `write` where there is anything to be written, then the timings, and says what was done.
-    fn write(&self, done: &Done, write: impl FnOnce(ReadyOutput) -> Result<()>) -> Result<Chosen> {
-        let chosen = done.chosen();
+    fn write(
+        &self,
+        done: &Done,
+        chosen: Chosen,
+        write: impl FnOnce(ReadyOutput) -> Result<Whites>,
+    ) -> Result<Chosen> {
         self.write_output(&chosen, |output| {
             let start = Instant::now();
-            write(output)?;
+            let whites = write(output)?;
             let mut timings = Timings::of(&done.loaded.frame);
             timings.stages.push(("read", done.read));
             timings.stages.extend(&done.outcome.timings);
             timings.stages.push(("write", start.elapsed()));
-            self.write_timings(&timings)
+            self.write_timings(&timings)?;
+            Ok(whites)
         })?;
         Ok(chosen)
+    }
+
+    /// How much of a picture for a display is white; nothing of one that holds linear numbers.
+    pub(super) fn whites(&self, picture: &Picture, mask: &Mask, rows: Range<usize>) -> Whites {
+        let kind = self.work.output.kind();
+        let is_linear = matches!(kind, Ok(Kind::Picture(PictureFormat::Hdr)));
+        if is_linear || picture.transform != ViewTransform::Srgb {
+            return Whites::default();
+        }
+        picture.whites(mask, rows)
     }
 
     /// Writes through `write` where there is anything to be written, and says what was done.
     pub(super) fn write_output(
         &self,
         chosen: &Chosen,
-        write: impl FnOnce(ReadyOutput) -> Result<()>,
+        write: impl FnOnce(ReadyOutput) -> Result<Whites>,
     ) -> Result<()> {
         let Some(path) = self.work.output.output.as_deref().filter(|_| self.writes) else {
             return Ok(());
         };
         let replace = self.work.output.replace();
-        write(ReadyOutput { path, replace })?;
+        let whites = write(ReadyOutput { path, replace })?;
+        if let Some(warning) = message::burnt(whites) {
+            self.say_once("warning", &warning, true);
+        }
         if !self.work.run.quiet && !self.log.is_sequence() {
-            let words = chosen.in_words();
-            let comma = if words.is_empty() { "" } else { ", " };
             let seconds = self.started.elapsed().as_secs_f64();
+            let words = [chosen.in_words(), message::whites(whites)];
+            let words = words.into_iter().filter(|words| !words.is_empty());
+            let words: String = words.map(|words| words + ", ").collect();
             let path = path.display();
-            self.log
-                .say(&format!("{path}: {words}{comma}{seconds:.2} s"));
+            self.log.say(&format!("{path}: {words}{seconds:.2} s"));
         }
         Ok(())
     }

@@ -3,11 +3,18 @@
 use crate::command::error_line::{line_of, misuse_line};
 use crate::error::{Error, Result};
 use crate::io::Finding;
+use crate::io::picture::Whites;
 use clap::error::ErrorKind;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
+
+/// Percentage of white from which on it is said.
+const LEAST_SAID_PERCENT: f64 = 0.05;
+
+/// Share of white from which on there is too much of it.
+const BURNT: f64 = 0.01;
 
 /// Prints an error as one line.
 pub(super) fn error(error: &Error) {
@@ -51,6 +58,25 @@ pub(super) fn finding_line(finding: &Finding) -> String {
         flag,
     } = finding;
     format!("{subject:<16} {conclusion} ({evidence}; force with {flag})")
+}
+
+/// How much of a picture is white, where that is worth a word.
+pub(super) fn whites(whites: Whites) -> String {
+    let percent = |count: usize| 100.0 * count as f64 / whites.of.max(1) as f64;
+    let [after, before] = [whites.count, whites.before].map(percent);
+    match after.max(before) < LEAST_SAID_PERCENT {
+        true => String::new(),
+        false if whites.before == 0 => format!("{after:.1} % white"),
+        false => format!("{after:.1} % white ({before:.1} % before)"),
+    }
+}
+
+/// What is said of a picture that shows too much of its surface as mere white.
+pub(super) fn burnt(whites: Whites) -> Option<String> {
+    let is_burnt = whites.count as f64 > BURNT * whites.of as f64;
+    is_burnt.then(|| {
+        "more than 1 % of the surface is white, without any shape: try --exposure -1 --highlights compress".into()
+    })
 }
 
 /// Writes one line to stderr. Where even that fails nothing more can be said.

@@ -1,8 +1,8 @@
 //! `relievo relight`.
 
 use super::frames::FrameCommand;
-use super::job::{Done, Job, MadePicture};
-use super::strips::{self, StripWork};
+use super::job::{Done, Job};
+use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::enhance::dark_rims;
@@ -123,10 +123,10 @@ impl StripWork for Relight<'_> {
         strip: &'a Loaded,
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
-        job.color_channels(strip, lit(outcome))
+        job.color_channels(strip, lit(outcome).color)
     }
 
-    fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
-        job.made_picture(strip, lit(outcome))
+    fn shown<'a>(&self, _strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
+        Shown::Made(lit(outcome))
     }
 }

@@ -1,8 +1,8 @@
 //! `relievo shape`.
 
 use super::frames::FrameCommand;
-use super::job::{Done, Job, MadePicture};
-use super::strips::{self, StripWork};
+use super::job::{Done, Job};
+use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::shape::display;
@@ -92,8 +92,8 @@ impl StripWork for Description<'_> {
         descriptor_channels(&strip.frame, outcome, stored.unwrap_or(OutputType::Float))
     }
 
-    fn picture<'a>(&self, _job: &Job, _strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a> {
-        display(outcome).into()
+    fn shown<'a>(&self, _strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
+        Shown::Display(display(outcome))
     }
 }
 

@@ -1,12 +1,12 @@
 //! A picture that does not fit in memory: read, worked on and written strip by strip.
 
-use super::job::{Job, MadePicture, Timings};
+use super::job::{Job, Timings};
 use super::output::ReadyOutput;
 use super::progress::strips_bar;
 use crate::command::args::BackendArg;
 use crate::command::chosen::Chosen;
 use crate::command::memory::MaxMemory;
-use crate::command::output::Kind;
+use crate::command::output::{Kind, MadePicture};
 use crate::engine;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
@@ -18,7 +18,7 @@ use crate::frame::{Frame, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
-use crate::io::picture::Gathered;
+use crate::io::picture::{Brightness, Gathered, Picture, Whites};
 use crate::io::{InputFiles, Loaded, Needs, surroundings_bytes};
 use crate::plan::Plan;
 use std::cell::RefCell;
@@ -58,12 +58,36 @@ pub(super) trait StripWork {
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>>;
 
-    /// What is written of a strip to a picture for a display.
-    fn picture<'a>(&self, job: &Job, strip: &'a Loaded, outcome: &'a Outcome) -> MadePicture<'a>;
+    /// What is shown of a strip by a picture.
+    fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a>;
 
     /// What the user should know of what was asked for, of this picture.
     fn warnings(&self, _loaded: &Loaded) -> Vec<String> {
         Vec::new()
+    }
+}
+
+/// What a picture shows.
+pub(super) enum Shown<'a> {
+    /// A picture, as it is in linear light.
+    Made(MadePicture<'a>),
+    /// A display of something else.
+    Display(Picture<'a>),
+}
+
+impl Shown<'_> {
+    /// What `take` makes of the picture that a display is given, of a strip with this exposure.
+    fn with<T>(
+        &self,
+        job: &Job,
+        strip: &Loaded,
+        exposure: Option<f32>,
+        take: impl FnOnce(&Picture) -> T,
+    ) -> T {
+        match *self {
+            Self::Made(made) => take(&job.displayed(strip, made, exposure).picture()),
+            Self::Display(ref picture) => take(picture),
+        }
     }
 }
 
@@ -240,18 +264,50 @@ pub(super) fn make<W: StripWork>(
     let plan = work.plan(&sample, &source.found)?;
     let outcome = run(work, &plan, &sample.frame)?;
     let chosen = read.with(&source.found, outcome.environment_gain);
+    let shown = gathered.as_ref().map(|_| work.shown(&sample, &outcome));
+    let exposure = match shown {
+        Some(Shown::Made(made)) => exposure(&source, job, made)?,
+        _ => None,
+    };
+    let chosen = chosen.exposed(exposure);
     job.write_output(&chosen, |output| {
-        match gathered {
-            Some(gathered) => write_gathered(&source, job, output, gathered)?,
+        let whites = match gathered {
+            Some(gathered) => write_gathered(&source, job, output, gathered, exposure)?,
             None => {
                 let channels = work.channels(job, &sample, &outcome);
                 let recipe = job.recipe(&chosen);
                 write_exr(&source, job, output, (&sample, &channels), recipe)?;
+                Whites::default()
             }
-        }
-        job.write_timings(&source.timings.borrow())
+        };
+        job.write_timings(&source.timings.borrow())?;
+        Ok(whites)
     })?;
     Ok(chosen)
+}
+
+/// Stops that suit new light, of which `sample` is a part, where they are left open: all strips are lit for them.
+fn exposure<W: StripWork>(
+    source: &Source<W>,
+    job: &Job,
+    sample: MadePicture,
+) -> Result<Option<f32>> {
+    if !sample.leaves_exposure(&job.work.flags.params.display) {
+        return Ok(None);
+    }
+    let bar = strips_bar(&job.work.run, "looking", source.strips.count());
+    let mut brightness = Brightness::default();
+    for (takes, rows) in source.strips.each() {
+        let (loaded, plan) = source.load(takes)?;
+        let outcome = source.timed("look", || run(source.work, &plan, &loaded.frame))?;
+        if let Shown::Made(made) = source.work.shown(&loaded, &outcome) {
+            brightness.add(made.color, &loaded.frame.mask, rows);
+        }
+        source.work.runner().recycle(outcome);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(Some(brightness.exposure()))
 }
 
 /// What comes of a strip.
@@ -291,9 +347,10 @@ fn gathered<W: StripWork>(
         return Ok(None);
     }
     let outcome = run(work, plan, &sample.frame)?;
-    let made = work.picture(job, sample, &outcome);
     let size = [whole.width(), whole.height()];
-    Ok(Some(Gathered::new(format, size, &made.picture())))
+    let shown = work.shown(sample, &outcome);
+    let gathered = shown.with(job, sample, None, |like| Gathered::new(format, size, like));
+    Ok(Some(gathered))
 }
 
 /// What of the whole picture is left open, and chosen from it.
@@ -350,18 +407,27 @@ fn write_gathered<W: StripWork>(
     job: &Job,
     ReadyOutput { path, replace }: ReadyOutput,
     mut gathered: Gathered,
-) -> Result<()> {
+    exposure: Option<f32>,
+) -> Result<Whites> {
+    let mut whites = Whites::default();
     each_made(source, job, |(plan, strip, outcome), rows| {
-        let made = source.work.picture(job, strip, outcome);
-        let picture = made.picture();
-        job.refuse(not_finite(plan, &strip.frame, outcome, &picture.planes()))?;
-        gathered.push(&picture, rows);
+        let shown = source.work.shown(strip, outcome);
+        let counted = shown.with(job, strip, exposure, |picture| {
+            job.refuse(not_finite(plan, &strip.frame, outcome, &picture.planes()))?;
+            gathered.push(picture, rows.clone());
+            Ok(match shown {
+                Shown::Made(_) => job.whites(picture, &strip.frame.mask, rows),
+                Shown::Display(_) => Whites::default(),
+            })
+        })?;
+        whites = whites.with(counted);
         Ok(())
     })?;
     source.files.release();
     source.timed("write", || {
         write_atomically(path, replace, |w| gathered.write(w, path))
-    })
+    })?;
+    Ok(whites)
 }
 
 /// Makes every strip, from top to bottom, and hands its plan, itself and what came of it to `take`, with the rows that count.

@@ -70,6 +70,13 @@ impl Chosen {
         self
     }
 
+    /// The same with stops that were chosen for its picture, if any were.
+    pub(crate) fn exposed(mut self, stops: Option<f32>) -> Self {
+        self.numbers
+            .extend(stops.map(|stops| ("exposure", "", stops)));
+        self
+    }
+
     /// What suits frames of which `each` was chosen: of every number the median, of conventions those of most.
     pub(crate) fn for_all(each: &[Self]) -> Self {
         let mut kinds: Vec<_> = each.iter().flat_map(|chosen| &chosen.numbers).collect();
@@ -123,12 +130,22 @@ impl Chosen {
 
     /// The choices in words: `curvature gain 2.140, white level 0.8812`.
     pub(crate) fn in_words(&self) -> String {
-        let words = self.numbers.iter().map(|(name, term, number)| {
-            let name = name.trim_start_matches("term-").replace('-', " ");
-            let space = if term.is_empty() { "" } else { " " };
-            let digits = if name == "curvature gain" { 3 } else { 4 };
-            format!("{name}{space}{term} {number:.digits$}")
-        });
+        let changes =
+            |(name, _, number): &&(&str, &str, f32)| *name != "exposure" || *number != 0.0;
+        let words = self
+            .numbers
+            .iter()
+            .filter(changes)
+            .map(|(name, term, number)| {
+                let name = name.trim_start_matches("term-").replace('-', " ");
+                let space = if term.is_empty() { "" } else { " " };
+                let digits = match &name[..] {
+                    "exposure" => 2,
+                    "curvature gain" => 3,
+                    _ => 4,
+                };
+                format!("{name}{space}{term} {number:.digits$}")
+            });
         words.collect::<Vec<_>>().join(", ")
     }
 }

@@ -191,6 +191,8 @@ pub(crate) struct EnhanceArgs {
     _scaling: Section<{ Group::Scaling as u8 }>,
     #[command(flatten)]
     _white_levels: Section<{ Group::WhiteLevels as u8 }>,
+    #[command(flatten)]
+    _display: Section<{ Group::Display as u8 }>,
 }
 
 #[derive(Debug, Args)]

@@ -1,20 +1,25 @@
 //! What `relievo enhance` reads of a frame, and its plan.
 
 use super::commands::EnhanceArgs;
+use super::output::MadePicture;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, LightLayers};
+use crate::frame::{Frame, LightLayers};
 use crate::io::Needs;
 use crate::io::inputs::Inputs;
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::{Params, ScalingParams};
 use crate::plan::{Available, Goal, LightAvailable, Plan};
 
-/// The picture that was made. A plan with nothing to do leaves it as it came.
-pub(crate) fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> &'a ColorPlanes {
-    let color = outcome.color.as_ref().or(frame.color.as_ref());
-    color.expect("a picture was asked for")
+/// The picture that was made, of the frame's own. A plan with nothing to do leaves it as it came.
+pub(crate) fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> MadePicture<'a> {
+    let before = frame.color.as_ref();
+    let color = outcome.color.as_ref().or(before);
+    MadePicture {
+        color: color.expect("a picture was asked for"),
+        before,
+    }
 }
 
 impl EnhanceArgs {

@@ -8,7 +8,7 @@ use crate::engine::outcome::Drawing;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
 use crate::io::inputs::Inputs;
-use crate::io::picture::{Picture, PictureFormat};
+use crate::io::picture::{Display, Picture, PictureFormat};
 use crate::io::{self, Needs};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::line::bilevel::bilevel;
@@ -136,6 +136,7 @@ impl HatchArgs {
             grey: true,
             bits: if is_bilevel { 1 } else { 8 },
             transform: work.output.view_transform,
+            display: Display::default(),
             dpi: is_for_print.then_some([self.dpi() / pixel_aspect, self.dpi()]),
         }
     }

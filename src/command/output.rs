@@ -1,11 +1,12 @@
 //! What an output path stands for, and the picture that a display is given.
 
-use super::args::OutputArgs;
+use super::args::{OutputArgs, WorkArgs};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane};
-use crate::io::Loaded;
-use crate::io::colorspace::{converted, rec709_from};
-use crate::io::picture::{Picture, PictureFormat, ViewTransform};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane};
+use crate::io::colorspace::{Chromaticities, converted, rec709_from};
+use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat, ViewTransform};
+use crate::params::{DisplayParams, Exposure, Highlights};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// What kind of file an output path stands for.
@@ -32,6 +33,62 @@ impl Kind {
     }
 }
 
+/// A picture that was made, and the one that it goes on from; `None` where its light is new.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MadePicture<'a> {
+    pub(crate) color: &'a ColorPlanes,
+    pub(crate) before: Option<&'a ColorPlanes>,
+}
+
+impl MadePicture<'_> {
+    /// Whether it is left open how bright it is to be shown.
+    pub(crate) fn leaves_exposure(&self, params: &DisplayParams) -> bool {
+        params.exposure == Exposure::Auto && self.before.is_none()
+    }
+
+    /// Stops that suit it on this surface, where they are left open.
+    pub(crate) fn exposure(&self, params: &DisplayParams, mask: &Mask) -> Option<f32> {
+        self.leaves_exposure(params).then(|| {
+            let mut brightness = Brightness::default();
+            brightness.add(self.color, mask, 0..mask.height());
+            brightness.exposure()
+        })
+    }
+}
+
+/// A picture as a display is given it, in Rec. 709 primaries.
+pub(crate) struct Displayed<'a> {
+    color: Cow<'a, ColorPlanes>,
+    before: Option<Cow<'a, ColorPlanes>>,
+    alpha: Option<&'a Plane>,
+    pub(crate) bits: u8,
+    transform: ViewTransform,
+    exposure: f32,
+    highlights: Highlights,
+}
+
+impl Displayed<'_> {
+    pub(crate) fn picture(&self) -> Picture<'_> {
+        let bright = match (self.highlights, &self.before) {
+            (Highlights::Clip, _) => Bright::Clipped,
+            (Highlights::Compress, None) => Bright::Compressed,
+            (Highlights::Compress, Some(before)) => Bright::ChangedFrom(before),
+        };
+        Picture {
+            color: &self.color,
+            alpha: self.alpha,
+            grey: false,
+            bits: self.bits,
+            dpi: None,
+            transform: self.transform,
+            display: Display {
+                exposure: self.exposure,
+                bright,
+            },
+        }
+    }
+}
+
 impl OutputArgs {
     /// The kind of the output; a picture where there is none.
     pub(crate) fn kind(&self) -> Result<Kind> {
@@ -40,28 +97,41 @@ impl OutputArgs {
             None => Ok(Kind::Picture(PictureFormat::Png)),
         }
     }
+}
 
-    /// `color` as a display has it, in Rec. 709 primaries, where it has others.
-    pub(crate) fn turned(&self, loaded: &Loaded, color: &ColorPlanes) -> Option<ColorPlanes> {
-        let turn = loaded.chromaticities.and_then(rec709_from);
-        let turn = turn.filter(|_| self.view_transform == ViewTransform::Srgb);
-        turn.map(|matrix| converted(color, matrix))
-    }
-
-    /// The picture of a display's colours.
-    pub(crate) fn picture<'p>(
+impl WorkArgs {
+    /// What was made of a frame, with the primaries of its file, as a display is given it, in 8 bits; `chosen` is the
+    /// exposure where that was left open.
+    pub(crate) fn displayed<'a>(
         &self,
-        color: &'p ColorPlanes,
-        alpha: Option<&'p Plane>,
-        bits: u8,
-    ) -> Picture<'p> {
-        Picture {
-            color,
-            alpha,
-            grey: false,
-            bits,
-            dpi: None,
-            transform: self.view_transform,
+        frame: &'a Frame,
+        primaries: Option<Chromaticities>,
+        made: MadePicture<'a>,
+        chosen: Option<f32>,
+    ) -> Displayed<'a> {
+        let transform = self.output.view_transform;
+        let turn = primaries.and_then(rec709_from);
+        let turn = turn.filter(|_| transform == ViewTransform::Srgb);
+        let turned = |color| match turn {
+            Some(matrix) => Cow::Owned(converted(color, matrix)),
+            None => Cow::Borrowed(color),
+        };
+        let DisplayParams {
+            exposure,
+            highlights,
+        } = self.flags.params.display;
+        let exposure = match exposure {
+            Exposure::Auto => chosen.unwrap_or(0.0),
+            Exposure::Stops(stops) => stops,
+        };
+        Displayed {
+            color: turned(made.color),
+            before: made.before.map(turned),
+            alpha: frame.alpha.as_ref(),
+            bits: 8,
+            transform,
+            exposure,
+            highlights,
         }
     }
 }

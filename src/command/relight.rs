@@ -1,10 +1,11 @@
 //! What `relievo relight` reads of a frame, its light, and its plan.
 
+use super::output::MadePicture;
 use super::relight_args::{LightFlags, Numbers, RelightArgs};
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, SpecularScene};
+use crate::frame::{Frame, SpecularScene};
 use crate::io::environment::{read_environment_within, read_lit_sphere_within};
 use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
 use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
@@ -20,8 +21,11 @@ use glam::Vec3;
 use std::sync::Arc;
 
 /// The picture that light makes.
-pub(crate) fn lit(outcome: &Outcome) -> &ColorPlanes {
-    outcome.color.as_ref().expect("light makes a picture")
+pub(crate) fn lit(outcome: &Outcome) -> MadePicture<'_> {
+    MadePicture {
+        color: outcome.color.as_ref().expect("light makes a picture"),
+        before: None,
+    }
 }
 
 impl RelightArgs {

@@ -29,6 +29,8 @@ pub(crate) struct RelightArgs {
     pub(crate) specular: SpecularFlags,
     #[command(flatten)]
     _search: Section<{ Group::Specular as u8 }>,
+    #[command(flatten)]
+    _display: Section<{ Group::Display as u8 }>,
 }
 
 /// What lights the surface.

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::io::Needs;
 use crate::io::inputs::Inputs;
-use crate::io::picture::{Picture, ViewTransform};
+use crate::io::picture::{Display, Picture, ViewTransform};
 use crate::params::Params;
 use crate::plan::{Available, Goal, Plan};
 
@@ -23,6 +23,7 @@ pub(crate) fn display(outcome: &Outcome) -> Picture<'_> {
         dpi: None,
         // The display's colours are meant for the screen as they are.
         transform: ViewTransform::None,
+        display: Display::default(),
     }
 }
 

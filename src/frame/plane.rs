@@ -267,6 +267,12 @@ impl ColorPlanes {
         Self { r, g, b }
     }
 
+    /// The sample of the pixel in column `x` of row `y`.
+    #[inline]
+    pub(crate) fn at(&self, x: usize, y: usize) -> [f32; 3] {
+        [&self.r, &self.g, &self.b].map(|plane| plane.at(x, y))
+    }
+
     /// One plane as all three channels.
     pub fn grey(plane: Plane) -> Self {
         Self {

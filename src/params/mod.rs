@@ -21,6 +21,7 @@ use std::sync::LazyLock;
 pub(crate) mod table;
 #[macro_use]
 pub(crate) mod value;
+mod display;
 mod light;
 mod line;
 mod range;
@@ -29,6 +30,7 @@ mod run;
 mod shape;
 mod specular;
 
+pub use display::{DisplayParams, Exposure, Highlights};
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
     AtEdges, Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams,
@@ -77,6 +79,8 @@ params! {
             valid: range::ANGLES_DEG, useful: table::even(-180.0, 180.0);
         /// How the surface is lit.
         relight: RelightParams;
+        /// How pictures are brought to a display.
+        display: DisplayParams;
         /// How what mirrors and lenses show is searched for.
         search: SearchParams;
         /// Where tone comes from: the picture by radiance scaling, the picture as it is, or new light; auto shows the

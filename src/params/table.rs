@@ -128,6 +128,8 @@ pub enum Group {
     Scaling,
     /// Which luminance is white, where a picture is scaled.
     WhiteLevels,
+    /// How pictures are brought to a display.
+    Display,
     /// What the surface is made of.
     Material,
     /// What mirrors and lenses show.
@@ -151,6 +153,7 @@ impl Group {
             Self::Light => "Light",
             Self::Warping => "Light warping",
             Self::Scaling | Self::WhiteLevels => "Radiance scaling",
+            Self::Display => "Display",
             Self::Material => "Material",
             Self::Specular => "Mirrors and lenses",
             Self::Tone => "Tone",

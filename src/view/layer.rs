@@ -4,7 +4,7 @@ use super::flow;
 use crate::command::look::{Pixels, Said, What};
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
-use crate::io::picture::{Picture, ViewTransform};
+use crate::io::picture::{Display, Picture, ViewTransform};
 use crate::product::{Product, Shown};
 
 /// A layer to be looked at.
@@ -122,5 +122,6 @@ fn grey(plane: &Plane, is_linear: bool) -> Pixels {
             true => ViewTransform::Srgb,
             false => ViewTransform::None,
         },
+        display: Display::default(),
     })
 }

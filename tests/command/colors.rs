@@ -1,5 +1,6 @@
 //! Colour spaces: layers keep theirs, displays get sRGB, data are never touched.
 
+use super::inputs::write_bumps;
 use crate::common::exr::{Part, channel};
 use crate::common::program::relievo;
 use relievo::frame::Plane;
@@ -99,4 +100,66 @@ fn encoded_colours_are_made_linear_and_data_are_not() {
     .ended(0);
     let found = pixel(&here.join("again.exr"), "R");
     assert!((found - 0.5).abs() < 0.003, "{found}");
+}
+
+#[test]
+fn new_light_does_not_burn() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_bumps(&here.join("in.exr"), 1, [64, 64], 0.5, |_| false);
+    let light = "relight in.exr --light 90,60,4,4,4 --albedo-from white --method plain";
+    let said = relievo(here, &format!("{light} -o auto.png")).ended(0);
+    assert!(said.contains("exposure -1."), "{said}");
+    assert!(
+        !said.contains("warning") && !said.contains("white"),
+        "{said}"
+    );
+    // The most that arrives is 4 * 0.9 and a tenth of ambient light: 1.9 stops over 1. Brought to 1 it is 0.9 in the
+    // shoulder, 0.95 by the curve; brought to 1.85 it is cut off.
+    let brightest = |name: &str| {
+        let [r, _, _] = &Photo::read(&here.join(name)).unwrap().channels[..] else {
+            panic!("{name} is not in colour");
+        };
+        r.samples().iter().fold(0.0, |most: f32, &v| most.max(v))
+    };
+    let dimmed = brightest("auto.png");
+    assert!((0.85..254.5 / 255.0).contains(&dimmed), "{dimmed}");
+    let clipped = format!("{light} -o clipped.png --exposure -1 --highlights clip");
+    let said = relievo(here, &clipped).ended(0);
+    assert!(
+        said.contains("more than 1 % of the surface is white"),
+        "{said}"
+    );
+    assert!(said.contains(" % white, "), "{said}");
+    assert_eq!(brightest("clipped.png"), 1.0);
+    // An EXR holds light as it is.
+    for (name, more) in [("a.exr", ""), ("b.exr", "--exposure -1 --highlights clip")] {
+        relievo(here, &format!("{light} -o {name} --layers results {more}")).ended(0);
+    }
+    let [a, b] = ["a.exr", "b.exr"].map(|name| pixel(&here.join(name), "R"));
+    assert_eq!(a, b);
+}
+
+#[test]
+fn enhancement_burns_nothing_that_did_not() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    // Up to 0.95: bumps would be brighter than white.
+    write_bumps(&here.join("in.exr"), 1, [64, 64], 0.95, |_| false);
+    let picture = |name: &str, more: &str| {
+        relievo(here, &format!("enhance in.exr -o {name} {more}")).ended(0);
+        let photo = Photo::read(&here.join(name)).unwrap();
+        photo.channels[0].samples().to_vec()
+    };
+    let plain = picture("plain.png", "--scaling 0");
+    let clipped = picture("clipped.png", "--highlights clip");
+    let shown = picture("shown.png", "");
+    let white = |samples: &[f32]| samples.iter().filter(|&&v| v == 1.0).count();
+    assert_eq!([white(&plain), white(&shown)], [0, 0]);
+    assert!(white(&clipped) > 100);
+    for ((plain, clipped), shown) in plain.iter().zip(clipped).zip(shown) {
+        // Brighter still, and no darker than it was; what became darker has its bytes.
+        let is_kept = clipped <= *plain && shown == clipped;
+        assert!(is_kept || (clipped > *plain && shown >= *plain && shown <= clipped));
+    }
 }

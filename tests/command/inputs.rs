@@ -3,7 +3,7 @@
 use crate::common::exr::Part;
 use relievo::frame::{ColorPlanes, Plane};
 use relievo::io::output::{Replace, write_atomically};
-use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
 use std::fs;
 use std::path::Path;
 
@@ -55,6 +55,7 @@ pub(crate) fn write_planes(
         bits,
         dpi: None,
         transform,
+        display: Display::default(),
     };
     let format = PictureFormat::of_path(path).unwrap();
     write_atomically(path, Replace::IfWritable, |w| {

@@ -36,11 +36,12 @@ fn a_recipe_is_the_command_line_it_was_made_of() {
     let typed = flags
         .replace("--contrast -0.25", "--contrast 0.5")
         .replace("--scale 2.5", "--iterations 4");
-    let gain = recipe
-        .lines()
-        .find_map(|l| l.strip_prefix("curvature-gain = "))
-        .unwrap();
-    let words = format!("relight in.0001.exr {typed} --curvature-gain {gain} -o four.png");
+    let [gain, exposure] = ["curvature-gain", "exposure"].map(|name| {
+        let value = |line: &str| Some(line.strip_prefix(name)?.strip_prefix(" = ")?.to_string());
+        recipe.lines().find_map(value).unwrap()
+    });
+    let chosen = format!("--curvature-gain {gain} --exposure {exposure}");
+    let words = format!("relight in.0001.exr {typed} {chosen} -o four.png");
     relievo(here, &words).ended(0);
     assert!(bytes(here, "three.png") == bytes(here, "four.png"));
 }

@@ -116,6 +116,11 @@ fn photos_in_strips_are_the_whole_bit_for_bit() {
         ),
         ("f.exr", "enhance in16.png --normal n8.png"),
         ("g.png", "shape in8.jpg --normal n8.png"),
+        // What burns is dimmed by what the whole needs.
+        (
+            "h.png",
+            "relight in8.jpg --normal n8.png --light 30,40,9,9,9 --method plain",
+        ),
     ] {
         for (kind, memory) in [("whole", "8G"), ("strips", least_of(name))] {
             let words = format!("{work} -o {kind}.{name} --max-memory {memory}");

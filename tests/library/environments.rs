@@ -4,7 +4,7 @@ use crate::common::exr::{Part, Stored, write};
 use crate::common::real_files::real;
 use glam::{DVec3, Vec3};
 use relievo::frame::{ColorPlanes, Plane, Window};
-use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{read_environment, read_environment_as, read_lit_sphere};
 use relievo::light::environment::Environment;
 use relievo::light::environment_layout::Layout;
@@ -151,6 +151,7 @@ fn written(path: &Path, format: PictureFormat, color: &ColorPlanes) {
         bits: 8,
         dpi: None,
         transform: ViewTransform::Srgb,
+        display: Display::default(),
     };
     write_picture(&mut file, path, format, &picture).unwrap();
     std::fs::write(path, file.into_inner()).unwrap();

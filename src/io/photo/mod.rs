@@ -78,7 +78,7 @@ impl Photo {
 mod tests {
     use super::*;
     use crate::frame::ColorPlanes;
-    use crate::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+    use crate::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
     use std::io::Cursor;
 
     /// A picture of 5 x 7 whose samples all differ, in one format.
@@ -97,6 +97,7 @@ mod tests {
             bits,
             dpi: None,
             transform: ViewTransform::Srgb,
+            display: Display::default(),
         };
         let mut file = Cursor::new(Vec::new());
         write_picture(&mut file, path, format, &picture).unwrap();
@@ -187,6 +188,7 @@ mod tests {
             bits: 8,
             dpi: None,
             transform: ViewTransform::Srgb,
+            display: Display::default(),
         };
         let directory = tempfile::tempdir().unwrap();
         for format in [

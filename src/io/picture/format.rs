@@ -1,6 +1,10 @@
 //! What is written: a picture, its format, and how its values are encoded.
 
-use crate::frame::{ColorPlanes, Plane};
+use super::codes::straight;
+use super::white::{Bright, Display, Whites};
+use crate::frame::{ColorPlanes, Mask, Plane};
+use crate::io::photo::max_code;
+use std::ops::Range;
 use std::path::Path;
 
 /// The kinds of pictures that are written.
@@ -58,6 +62,8 @@ pub struct Picture<'a> {
     pub dpi: Option<[f32; 2]>,
     /// How values are encoded; HDR is always linear.
     pub transform: ViewTransform,
+    /// How light is brought to the range of a display first, where values are encoded for one.
+    pub display: Display<'a>,
 }
 
 impl<'a> Picture<'a> {
@@ -65,5 +71,36 @@ impl<'a> Picture<'a> {
     pub fn planes(&self) -> Vec<&'a Plane> {
         let ColorPlanes { r, g, b } = self.color;
         [r, g, b].into_iter().chain(self.alpha).collect()
+    }
+
+    /// How light is brought to a display, where it is and that changes it.
+    pub(super) fn display(&self) -> Option<&Display<'a>> {
+        let is_shown = self.transform == ViewTransform::Srgb;
+        Some(&self.display).filter(|display| is_shown && !display.is_plain())
+    }
+
+    /// How many pixels of these rows are white, where `mask` has a surface.
+    pub(crate) fn whites(&self, mask: &Mask, rows: Range<usize>) -> Whites {
+        let before = match self.display.bright {
+            Bright::ChangedFrom(before) => Some(before),
+            _ => None,
+        };
+        let plain = Display {
+            bright: Bright::Clipped,
+            ..self.display
+        };
+        let shown = |x: usize, y: usize| {
+            let alpha = self.alpha.map(|alpha| f64::from(alpha.at(x, y)));
+            let straight = |color| straight(color, alpha, max_code(8)).0;
+            let of = |color: &ColorPlanes, display: &Display| {
+                let color = straight(color.at(x, y).map(f64::from));
+                display.shown(color, [x, y], straight)
+            };
+            (
+                of(self.color, &self.display),
+                before.map(|before| of(before, &plain)),
+            )
+        };
+        Whites::count(shown, mask, rows)
     }
 }

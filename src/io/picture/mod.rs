@@ -1,12 +1,17 @@
 //! Writing pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
 
 mod codes;
+mod exposure;
 mod format;
 mod gathered;
 mod print;
+mod white;
 
+pub(crate) use exposure::Brightness;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
+pub(crate) use white::Whites;
+pub use white::{Bright, Display};
 
 use super::photo::max_code;
 use crate::error::Result;
@@ -45,7 +50,8 @@ pub fn write_picture(
 /// # Panics
 /// If planes differ in size.
 pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
-    if picture.alpha.is_none() && picture.transform == ViewTransform::Srgb {
+    let is_srgb = picture.transform == ViewTransform::Srgb;
+    if picture.alpha.is_none() && is_srgb && picture.display().is_none() {
         return opaque_pixels(picture.color);
     }
     let part = Part {
@@ -114,6 +120,7 @@ mod tests {
                     bits,
                     dpi: None,
                     transform: ViewTransform::Srgb,
+                    display: Display::default(),
                 };
                 let size = |picture: &Picture| {
                     let mut file = Cursor::new(Vec::new());
@@ -195,6 +202,7 @@ mod tests {
                 bits,
                 dpi: None,
                 transform: ViewTransform::Srgb,
+                display: Display::default(),
             };
             for format in [PictureFormat::Png, PictureFormat::Tiff] {
                 let again = round_trip(format, &picture);
@@ -217,6 +225,7 @@ mod tests {
             bits: 16,
             dpi: None,
             transform: ViewTransform::None,
+            display: Display::default(),
         };
         let again = round_trip(PictureFormat::Png, &picture);
         assert_eq!(again.channels[0].samples(), codes);
@@ -234,6 +243,7 @@ mod tests {
             bits: 16,
             dpi: None,
             transform: ViewTransform::None,
+            display: Display::default(),
         };
         for format in [PictureFormat::Png, PictureFormat::Tiff] {
             let photo = round_trip(format, &picture);
@@ -256,6 +266,7 @@ mod tests {
             bits: 8,
             dpi: None,
             transform: ViewTransform::Srgb,
+            display: Display::default(),
         };
         assert!(round_trip(PictureFormat::Png, &picture).alpha.is_none());
     }
@@ -270,6 +281,7 @@ mod tests {
             bits: 16,
             dpi: None,
             transform: ViewTransform::Srgb,
+            display: Display::default(),
         };
         let jpeg = round_trip(PictureFormat::Jpeg, &picture);
         assert_eq!((jpeg.bits, jpeg.is_float), (8, false));

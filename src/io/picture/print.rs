@@ -173,7 +173,7 @@ mod tests {
     use super::*;
     use crate::frame::{ColorPlanes, Plane};
     use crate::io::photo::Photo;
-    use crate::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
+    use crate::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
     use std::io::Cursor;
     use std::path::Path;
 
@@ -203,6 +203,7 @@ mod tests {
             bits,
             dpi,
             transform: ViewTransform::Srgb,
+            display: Display::default(),
         };
         let mut file = Cursor::new(Vec::new());
         write_picture(&mut file, Path::new("test"), format, &picture).unwrap();
@@ -280,6 +281,7 @@ mod tests {
                         bits,
                         dpi,
                         transform: ViewTransform::Srgb,
+                        display: Display::default(),
                     };
                     let mut file = Cursor::new(Vec::new());
                     write_picture(&mut file, Path::new("test"), format, &picture).unwrap();

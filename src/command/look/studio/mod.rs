@@ -3,13 +3,14 @@
 mod reading;
 
 use super::{Look, Said};
-use crate::command::args::{OutputArgs, WorkArgs};
+use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
 use crate::command::enhance;
 use crate::command::error_line::line_of;
 use crate::command::hatch::Drawn;
 use crate::command::line_args::HatchArgs;
+use crate::command::output::MadePicture;
 use crate::command::relight_args::RelightArgs;
 use crate::command::{relight, shape};
 use crate::engine::cpu::strips::StripChoice;
@@ -18,7 +19,7 @@ use crate::engine::{Engine, Inputs, Run, Session};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
-use crate::io::picture::{Picture, ViewTransform, pixels};
+use crate::io::picture::{Display, Picture, ViewTransform, pixels};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::LightKinds;
 use crate::plan::{Goal, Plan};
@@ -280,17 +281,18 @@ impl ViewSession {
                 let color = args.printed(drawing);
                 Pixels::of(&args.on_a_page(&color, frame.pixel_aspect))
             }
-            (Command::Enhance(_), _) => self.shown(enhance::made(frame, outcome), &work.output),
-            (_, _) => self.shown(relight::lit(outcome), &work.output),
+            (Command::Enhance(_), _) => self.shown(enhance::made(frame, outcome), work),
+            (_, _) => self.shown(relight::lit(outcome), work),
         })
     }
 
     /// The picture as it came; normals where there is none.
     pub(crate) fn as_it_came(&self) -> Option<Pixels> {
         let frame = self.frame()?;
-        let output = &work_of(&self.made.as_ref()?.command).output;
         if let Some(color) = &frame.color {
-            return Some(self.shown(color, output));
+            let work = work_of(&self.made.as_ref()?.command);
+            let before = Some(color);
+            return Some(self.shown(MadePicture { color, before }, work));
         }
         let half = |plane: &crate::frame::Plane| plane.map(|n| 0.5 * n + 0.5);
         let normals = ColorPlanes {
@@ -305,15 +307,15 @@ impl ViewSession {
             bits: 8,
             dpi: None,
             transform: ViewTransform::None,
+            display: Display::default(),
         }))
     }
 
-    fn shown(&self, color: &ColorPlanes, output: &OutputArgs) -> Pixels {
-        let sitter = self.sitter.as_ref().expect(IN_HAND);
-        let turned = output.turned(sitter.loaded(), color);
-        let color = turned.as_ref().unwrap_or(color);
-        let alpha = self.frame().and_then(|frame| frame.alpha.as_ref());
-        Pixels::of(&output.picture(color, alpha, 8))
+    fn shown(&self, made: MadePicture, work: &WorkArgs) -> Pixels {
+        let primaries = self.sitter.as_ref().expect(IN_HAND).loaded().chromaticities;
+        let frame = self.frame().expect(IN_HAND);
+        let exposure = made.exposure(&work.flags.params.display, &frame.mask);
+        Pixels::of(&work.displayed(frame, primaries, made, exposure).picture())
     }
 
     /// Has the session of the frame make it, which then holds it.

@@ -1,0 +1,208 @@
+//! How light meets the white of a display.
+
+use crate::frame::{ColorPlanes, Mask};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// From this value on light is compressed: 0.906 of what a display shows by the sRGB curve.
+const KNEE: f64 = 0.8;
+
+/// From this value on light is white in eight bits: the sRGB curve is at 254.5/255 there,
+/// ((0.99804 + 0.055) / 1.055)^2.4 = 0.99555. What is compressed stays below.
+const WHITE: f64 = 0.9955;
+
+/// How linear light is brought to the range of a display.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Display<'a> {
+    /// Stops by which it is made brighter, or darker.
+    pub exposure: f32,
+    /// What becomes of what is too bright.
+    pub bright: Bright<'a>,
+}
+
+/// What becomes of light that is too bright for a display.
+#[derive(Debug, Clone, Copy, Default)]
+pub enum Bright<'a> {
+    /// It is cut off at white, channel by channel.
+    #[default]
+    Clipped,
+    /// It is compressed.
+    Compressed,
+    /// This picture, of the same primaries and alpha, is cut off at white, and what became of it changes what is left by
+    /// the same factors: so shape shows in what was too bright, too. What is brighter than before is compressed.
+    ChangedFrom(&'a ColorPlanes),
+}
+
+/// How many pixels are white in some channel, of so many that show a surface.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Whites {
+    /// In the picture.
+    pub(crate) count: usize,
+    /// In the picture before it was changed, where there is one.
+    pub(crate) before: usize,
+    /// All that show a surface.
+    pub(crate) of: usize,
+}
+
+impl Display<'_> {
+    /// Whether it leaves all light as it is.
+    pub(super) fn is_plain(&self) -> bool {
+        self.exposure == 0.0 && matches!(self.bright, Bright::Clipped)
+    }
+
+    /// The colour of the pixel at `x`, `y` as it is to be shown: `straight` takes alpha from a colour.
+    #[inline]
+    pub(super) fn shown(
+        &self,
+        color: [f64; 3],
+        [x, y]: [usize; 2],
+        straight: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> [f64; 3] {
+        let gain = f64::from(self.exposure).exp2();
+        let color = color.map(|v| gain * v);
+        let (color, knee) = match self.bright {
+            Bright::Clipped => return color,
+            Bright::Compressed => (color, KNEE),
+            Bright::ChangedFrom(before) => {
+                let before = straight(before.at(x, y).map(f64::from)).map(|v| gain * v);
+                let shown = |v: f64| if v.is_finite() { v.max(1.0) } else { 1.0 };
+                let changed = [0, 1, 2].map(|i| color[i] / shown(before[i]));
+                (changed, KNEE.max(largest(before)))
+            }
+        };
+        let brightest = largest(color);
+        if brightest <= knee || knee >= WHITE || !brightest.is_finite() {
+            return color;
+        }
+        let factor = compressed(brightest, knee) / brightest;
+        color.map(|v| factor * v)
+    }
+}
+
+impl Whites {
+    /// Counts those of rows of a picture, where `mask` has a surface.
+    pub(super) fn count(
+        shown: impl Fn(usize, usize) -> ([f64; 3], Option<[f64; 3]>) + Sync,
+        mask: &Mask,
+        rows: Range<usize>,
+    ) -> Self {
+        let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
+        let of_row = |y: usize| {
+            let pixels = mask.runs(y).flatten().map(|x| {
+                let (after, before) = shown(x, y);
+                Self {
+                    count: is_white(after),
+                    before: before.map_or(0, is_white),
+                    of: 1,
+                }
+            });
+            pixels.fold(Self::default(), Self::with)
+        };
+        rows.into_par_iter()
+            .map(of_row)
+            .reduce(Self::default, Self::with)
+    }
+
+    /// Both together.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            before: self.before + other.before,
+            of: self.of + other.of,
+        }
+    }
+}
+
+/// Brightness `m` above the knee, so that it stays below white: a hyperbola whose slope at the knee is 1.
+fn compressed(m: f64, knee: f64) -> f64 {
+    let room = WHITE - knee;
+    let beyond = (m - knee) / room;
+    knee + room * (1.0 - 1.0 / (1.0 + beyond))
+}
+
+/// The largest channel; 0 where none is above it.
+fn largest(color: [f64; 3]) -> f64 {
+    color.into_iter().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Plane;
+
+    fn shown(color: [f64; 3], exposure: f32, bright: Bright) -> [f64; 3] {
+        Display { exposure, bright }.shown(color, [0, 0], |color| color)
+    }
+
+    fn picture(color: [f32; 3]) -> ColorPlanes {
+        let [r, g, b] = color.map(|v| Plane::filled(1, 1, v));
+        ColorPlanes { r, g, b }
+    }
+
+    fn are_near(a: [f64; 3], b: [f64; 3]) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6)
+    }
+
+    #[test]
+    fn new_light_keeps_order_and_hue_and_stays_below_white() {
+        // 0.1955 above the knee is half of the way to white: 0.8 + 0.1955 / 2 = 0.89775.
+        let found = shown([0.9955, 0.49775, 0.0], 0.0, Bright::Compressed);
+        assert!(are_near(found, [0.89775, 0.448875, 0.0]), "{found:?}");
+        // A stop less is a half: below the knee nothing changes.
+        let found = shown([1.5, 1.0, 0.5], -1.0, Bright::Compressed);
+        assert_eq!(found, [0.75, 0.5, 0.25]);
+        let levels: Vec<f64> = (0..400)
+            .map(|i| 0.7 * 1.05_f64.powi(i))
+            .map(|v| shown([v, 0.5 * v, 0.1 * v], 0.0, Bright::Compressed))
+            .inspect(|color| assert!((color[1] / color[0] - 0.5).abs() < 1e-12))
+            .map(|color| color[0])
+            .collect();
+        assert!(levels.windows(2).all(|pair| pair[0] <= pair[1]));
+        assert!(levels.iter().all(|&v| v < WHITE));
+        assert!(levels[..200].windows(2).all(|pair| pair[0] < pair[1]));
+    }
+
+    #[test]
+    fn what_did_not_change_stays_and_what_became_brighter_is_compressed() {
+        let of = |before: [f32; 3], color| {
+            let before = picture(before);
+            shown(color, 0.0, Bright::ChangedFrom(&before))
+        };
+        // What is as it was, or darker, is left alone, whites too.
+        for color in [[0.95, 0.9, 0.1], [1.0, 1.0, 1.0], [0.3, 0.2, 0.1]] {
+            let before = color.map(|v: f64| v as f32);
+            let same = before.map(f64::from);
+            assert_eq!(of(before, same), same);
+            let darker = same.map(|v| 0.7 * v);
+            assert_eq!(of(before, darker), darker);
+        }
+        // From 0.875 room is 0.1205 up to white; half as bright again, 0.4375 beyond, leaves 1/(1 + 0.4375/0.1205) of it:
+        // 0.9955 - 0.1205 / 4.630705 = 0.969478.
+        let found = of([0.875, 0.0, 0.0], [1.3125, 0.0, 0.0]);
+        assert!(are_near(found, [0.969478, 0.0, 0.0]), "{found:?}");
+        // What was four times too bright is white where it stays, and 0.9 of white where it loses a tenth.
+        assert_eq!(of([4.0, 2.0, 0.5], [4.0, 2.0, 0.5]), [1.0, 1.0, 0.5]);
+        let found = of([4.0, 2.0, 0.5], [3.6, 1.8, 0.45]);
+        assert!(are_near(found, [0.9, 0.9, 0.45]), "{found:?}");
+    }
+
+    #[test]
+    fn numbers_without_a_meaning_come_through() {
+        let before = picture([f32::NAN, f32::INFINITY, -1.0]);
+        for bright in [
+            Bright::Clipped,
+            Bright::Compressed,
+            Bright::ChangedFrom(&before),
+        ] {
+            for color in [[f64::NAN; 3], [f64::INFINITY; 3], [-1.0; 3], [f64::MAX; 3]] {
+                let found = shown(color, 3.0, bright);
+                let has_meaning = |v: &f64| !v.is_nan() && (*v > 0.0) == (color[0] > 0.0);
+                assert_eq!(
+                    found.iter().all(has_meaning),
+                    !color[0].is_nan(),
+                    "{found:?}"
+                );
+            }
+        }
+    }
+}
