@@ -199,7 +199,10 @@ fn print_drawing(
     let error = covered(&drawing.hatching) - drawing.asked.as_ref().map_or(0.5, covered);
     let times = DRAWING.map(|(_, stages)| {
         let times = stages.iter().filter_map(|stage| timed.stage(stage));
-        format!(" {:.1} |", 1e3 * times.map(|times| times.min).sum::<f64>())
+        format!(
+            " {:.1} |",
+            1e3 * times.map(|times| times.min).fold(0.0, |a, b| a + b)
+        )
     });
     let (width, height) = (frame.mask.width(), frame.mask.height());
     println!(
