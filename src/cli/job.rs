@@ -186,7 +186,9 @@ impl<'a> Job<'a> {
     /// Prints the plan, where asked to.
     pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
         if self.work.run.explain && self.speaks_for_all() {
-            message::result(plan.decisions().iter().map(ToString::to_string))?;
+            let verbose = self.work.run.verbose;
+            let told = plan.decisions().iter().filter(|step| step.kept || verbose);
+            message::result(told.map(ToString::to_string))?;
         }
         Ok(())
     }

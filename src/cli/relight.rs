@@ -2,6 +2,7 @@
 
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
+use super::message;
 use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
@@ -16,7 +17,7 @@ use crate::error::Result;
 use crate::frame::SpecularScene;
 use crate::io::Loaded;
 use crate::io::exr::OutputChannel;
-use crate::light::lights::Illumination;
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::params::Params;
 use crate::plan::{LightKinds, Plan};
 use std::path::PathBuf;
@@ -45,8 +46,19 @@ impl FrameCommand for RelightArgs {
     }
 
     fn prepare(&self) -> Result<RelightInputs> {
+        let mut illumination = illumination(self, self.work.run.max_memory.for_light())?;
+        if self.is_dark(&illumination) {
+            let [azimuth, elevation] = LAMP_DEG;
+            let lamp = format!("--light {azimuth},{elevation}");
+            let text = format!("no light is given: {lamp}, from the upper left, takes its place");
+            message::warning(self.work.run.quiet, &text);
+            let lamp = DirectionalLight::white(LAMP_DEG);
+            illumination.directional.push(lamp);
+        }
+        let passed = self.past_the_zenith();
+        passed.for_each(|text| message::warning(self.work.run.quiet, &text));
         Ok(RelightInputs {
-            illumination: illumination(self, self.work.run.max_memory.for_light())?,
+            illumination,
             engine: self.work.run.compute.backend.engine()?,
         })
     }

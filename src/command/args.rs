@@ -131,7 +131,7 @@ pub(crate) struct OutputArgs {
     #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(crate) compression: OutputCompression,
     /// EXR: sample type; as the input where not given (float for descriptor layers and photos).
-    #[arg(long, value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
+    #[arg(long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
     /// Pictures: from scene-linear to display.
     #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]

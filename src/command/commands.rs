@@ -232,11 +232,17 @@ pub(super) fn command_named(name: &str) -> clap::Command {
     cli.find_subcommand(name).cloned().unwrap_or(cli)
 }
 
+/// The names that an argument is written by, without dashes.
+pub(super) fn names_of(arg: &clap::Arg) -> impl Iterator<Item = &str> {
+    let aliases = arg.get_visible_aliases().unwrap_or_default();
+    arg.get_long().into_iter().chain(aliases)
+}
+
 /// The argument that is written `--name`.
 pub(super) fn long<'a>(command: &'a clap::Command, name: &str) -> Option<&'a clap::Arg> {
     command
         .get_arguments()
-        .find(|arg| arg.get_long() == Some(name))
+        .find(|arg| names_of(arg).any(|known| known == name))
 }
 
 /// The ids of all arguments that were typed.

@@ -1,6 +1,9 @@
 //! What is wrong, as one line.
 
+use super::output::Kind;
 use crate::error::Error;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use std::path::Path;
 
 /// An error as one line.
 pub(crate) fn line_of(error: &Error) -> String {
@@ -9,13 +12,30 @@ pub(crate) fn line_of(error: &Error) -> String {
 
 /// What is wrong with a command line, as one line: `error: ...`.
 pub(crate) fn misuse_line(error: &clap::Error) -> String {
+    if let Some(line) = stray_file(error) {
+        return line;
+    }
     // Usage and the pointer to the help follow the message as paragraphs of their own.
     let text = error.to_string();
     let message: Vec<_> = text
         .lines()
         .map(str::trim)
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
-        .filter(|line| !line.is_empty())
+        // That a flag could be meant as a value helps nobody here.
+        .filter(|line| !line.is_empty() && !line.starts_with("tip: to pass"))
         .collect();
     message.join(" ").replace(" tip:", "; tip:")
+}
+
+/// What is said of a word that is no flag, where none was expected.
+fn stray_file(error: &clap::Error) -> Option<String> {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) else {
+        return None;
+    };
+    let is_stray = error.kind() == ErrorKind::UnknownArgument && !word.starts_with('-');
+    let remedy = match Kind::of(Path::new(word)) {
+        Ok(_) => format!("to write it, give -o {word}"),
+        Err(_) => "only one input is taken; in front of a value goes its flag".into(),
+    };
+    is_stray.then(|| format!("error: unexpected '{word}'; {remedy}"))
 }

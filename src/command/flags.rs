@@ -171,6 +171,7 @@ impl<const GROUP: u8> FromArgMatches for Section<GROUP> {
 fn arg(row: &'static Param) -> Arg {
     let arg = Arg::new(row.name())
         .long(row.name())
+        .visible_aliases(row.alias)
         .help(row.help())
         .help_heading(row.group.name())
         .conflicts_with_all(row.rival);

@@ -4,7 +4,9 @@ use super::args::WorkArgs;
 use super::flags::Section;
 use super::sequence::numbered;
 use super::specular_args::SpecularFlags;
-use crate::params::{AlbedoSource, Group, RelightParams};
+use crate::light::lights::Illumination;
+use crate::params::{AlbedoSource, Group, Material, MaterialParams, RelightParams};
+use crate::plan::LightKinds;
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -107,6 +109,36 @@ impl RelightArgs {
             },
             ..params
         }
+    }
+
+    /// Whether there is no light but this, if any, and ambient light that was not asked for: all but black.
+    pub(crate) fn is_dark(&self, light: &Illumination) -> bool {
+        let MaterialParams {
+            material, ambient, ..
+        } = self.params().material;
+        let shows_around = matches!(material, Material::Mirror | Material::Glass);
+        let is_lit = LightKinds::in_light(light) != LightKinds::default();
+        !is_lit && !shows_around && ambient == MaterialParams::default().ambient
+    }
+
+    /// What is said of lights whose elevation goes beyond the zenith.
+    pub(crate) fn past_the_zenith(&self) -> impl Iterator<Item = String> {
+        let far = self.light.light.iter().map(|light| light.0);
+        let round = self
+            .light
+            .area_light
+            .iter()
+            .map(|light| [light.0[0], light.0[1]]);
+        let passed = far
+            .chain(round)
+            .filter(|[_, elevation]| elevation.abs() > 90.0);
+        passed.map(|[azimuth, elevation]| {
+            let over = 180.0_f32.copysign(elevation) - elevation;
+            let opposite = (azimuth + 180.0).rem_euclid(360.0);
+            format!(
+                "a light at {azimuth},{elevation} is past the zenith: it shines from {opposite},{over}"
+            )
+        })
     }
 
     /// Whether there is light that comes from all around, and less of it in corners.

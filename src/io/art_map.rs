@@ -1,7 +1,7 @@
 //! Reading a custom tonal art map: a folder of pictures of strokes.
 
 use super::environment::{color_size, read_color};
-use super::picture::PictureFormat;
+use super::open::is_picture_name;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE};
 use std::fs;
@@ -65,10 +65,7 @@ fn pictures_in(path: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in entries {
         let file = entry.map_err(Error::io(path, "read"))?.path();
-        let is_exr = file
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-        if file.is_file() && (is_exr || PictureFormat::of_path(&file).is_some()) {
+        if file.is_file() && is_picture_name(&file) {
             files.push(file);
         }
     }

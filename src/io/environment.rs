@@ -54,7 +54,17 @@ pub(crate) fn read_environment_within(path: &Path, most_bytes: u64) -> Result<En
         Layout::LatLong => MAP_PER_PIXEL,
         _ => LAYOUT_PER_PIXEL,
     };
-    Ok(Environment::of_layout(lights.read(per_pixel)?, layout))
+    let picture = lights.read(per_pixel)?;
+    if !layout.suits(&picture) {
+        return Err(Error::Unsupported {
+            path: path.to_path_buf(),
+            found: format!(
+                "is {width}x{height} as a cross of cube faces is, and is none: it shows something beside them"
+            ),
+            remedy: "give a latitude-longitude map (2:1) or a mirror ball (1:1)".into(),
+        });
+    }
+    Ok(Environment::of_layout(picture, layout))
 }
 
 /// The environment in the picture at `path`, which holds directions as `layout` says.
@@ -80,6 +90,16 @@ pub fn read_lit_sphere(path: &Path) -> Result<LitSphere> {
 /// As [`read_lit_sphere`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
 pub(crate) fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<LitSphere> {
     let lights = Lights::open(path, most_bytes)?;
+    let (width, height) = (lights.shown.width(), lights.shown.height());
+    if width >= 2 * height {
+        return Err(Error::Unsupported {
+            path: path.to_path_buf(),
+            found: format!(
+                "is {width}x{height}, an environment rather than the square picture of a ball"
+            ),
+            remedy: "give it with --environment".into(),
+        });
+    }
     Ok(LitSphere::new(lights.read(MAP_PER_PIXEL)?))
 }
 

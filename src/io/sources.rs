@@ -3,6 +3,7 @@
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType};
 use super::names::{self, Hint};
+use super::open::is_picture_name;
 use super::opened::Opened;
 use super::photo::{Meaning, StoredPhoto, max_code};
 use super::role_planes::RolePlanes;
@@ -243,9 +244,13 @@ pub(super) fn missing(file: &Opened, role: Role, flag: &str) -> Error {
 
 fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
     let (role, found) = (role.name(), file.found("no layers"));
+    let found = match is_picture_name(Path::new(name)) {
+        true => format!("{name} is no file, and no layer either (found {found})"),
+        false => format!("no {role} called {name} (found {found})"),
+    };
     Error::MissingAov {
         path: file.path().to_path_buf(),
-        found: format!("no {role} called {name} (found {found})"),
+        found,
         remedy: format!("give --{role} a layer with the right channels, or a file"),
     }
 }

@@ -25,6 +25,9 @@ pub enum Layout {
 /// Pixels kept away from the rim of a ball, where it is blended with what lies behind it.
 pub(crate) const RIM_PX: f32 = 1.5;
 
+/// How far colours beside the faces of a cross may lie apart, as a share of the brightest in them.
+const BESIDE: f32 = 0.1;
+
 /// Shorter than this, a point of the disc is its middle.
 pub(crate) const LEAST_RADIUS: f32 = 1e-9;
 
@@ -42,6 +45,35 @@ impl Layout {
             () if width > height => Some(Layout::LatLong),
             () => None,
         }
+    }
+
+    /// Whether a picture can be of this layout: a cross has nothing but one colour beside its faces, unlike a photo.
+    pub(crate) fn suits(self, picture: &ColorPlanes) -> bool {
+        let (cells, faces): ([usize; 2], &[[usize; 2]]) = match self {
+            Layout::VerticalCross => ([3, 4], &[[1, 0], [0, 1], [1, 1], [2, 1], [1, 2], [1, 3]]),
+            Layout::HorizontalCross => ([4, 3], &[[1, 0], [0, 1], [1, 1], [2, 1], [3, 1], [1, 2]]),
+            _ => return true,
+        };
+        [&picture.r, &picture.g, &picture.b].iter().all(|plane| {
+            let side = plane.width() as f32 / cells[0] as f32;
+            // Away from the rims of faces, which compression smears.
+            let within = |x: usize| (0.1..0.9).contains(&((x as f32 + 0.5) / side).fract());
+            let is_face = |x: usize, y: usize| {
+                let cell = [x, y].map(|i| ((i as f32 + 0.5) / side) as usize);
+                faces.contains(&cell)
+            };
+            let pixels = (0..plane.height()).flat_map(|y| (0..plane.width()).map(move |x| (x, y)));
+            let (mut least, mut most, mut brightest) = (f32::INFINITY, 0.0_f32, 0.0_f32);
+            for (x, y) in pixels.filter(|&(x, y)| within(x) && within(y)) {
+                let value = plane.at(x, y);
+                if is_face(x, y) {
+                    brightest = brightest.max(value);
+                } else {
+                    (least, most) = (least.min(value), most.max(value));
+                }
+            }
+            most <= least + BESIDE * brightest
+        })
     }
 
     /// Rows of a map that is about as fine as a picture with sides of `width` and `height`.
@@ -217,6 +249,28 @@ mod tests {
             }
         }
         worst
+    }
+
+    #[test]
+    fn a_photo_of_the_proportions_of_a_cross_is_none() {
+        let sky = |x: usize, y: usize| (x + y) as f32 / 100.0;
+        let photo = ColorPlanes::grey(Plane::from_fn(40, 30, sky));
+        assert!(!Layout::HorizontalCross.suits(&photo));
+        assert!(Layout::MirrorBall.suits(&photo));
+        // The rows and columns of the faces alone; what lies beside them is dark, but for what smears into it.
+        let is_face = |x: usize, y: usize| (10..20).contains(&y) || (10..20).contains(&x);
+        let smear = |x: usize, y: usize| if x == 9 { 0.3 } else { sky(x, y).min(0.01) };
+        let cross = |x, y| {
+            if is_face(x, y) {
+                sky(x, y)
+            } else {
+                smear(x, y)
+            }
+        };
+        let lying = ColorPlanes::grey(Plane::from_fn(40, 30, cross));
+        assert!(Layout::HorizontalCross.suits(&lying));
+        let upright = ColorPlanes::grey(Plane::from_fn(30, 40, cross));
+        assert!(Layout::VerticalCross.suits(&upright));
     }
 
     #[test]

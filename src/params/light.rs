@@ -41,7 +41,7 @@ params! {
         ///
         /// The gamma of the paper. 1 is plain to see; past [`crate::light::radiance_scaling::monotone_limit`]
         /// concavities may show new dark rims.
-        scaling: f32 = 1.0, flag: "--scaling", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
+        scaling: f32 = 1.0, flag: "--scaling", alias: Some("strength"), form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
         /// The same for ambient light and occlusion alone.
         scaling_ambient: Option<f32> = None,
             flag: "--scaling-ambient", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);

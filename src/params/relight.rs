@@ -153,9 +153,9 @@ params! {
         /// phong, blinn-phong: exponent of the highlight, higher is smaller.
         shininess: f32 = 32.0, flag: "--shininess", form: "N", valid: EXPONENTS, useful: by_factors(1.0, 500.0);
         /// sublambert: exponent of the cosine, 0 flat to 1 lambert.
-        flatness: f32 = 0.5, flag: "--flatness", form: "Z", valid: 0.0..=1.0, useful: even(0.0, 1.0);
+        flatness: f32 = 0.5, flag: "--flatness", alias: Some("cosine-exponent"), form: "Z", valid: 0.0..=1.0, useful: even(0.0, 1.0);
         /// ashikhmin-shirley: exponents along and across the grain.
-        coat: [f32; 2] = [80.0, 80.0], flag: "--coat", form: "NU,NV", valid: EXPONENTS;
+        coat: [f32; 2] = [80.0, 80.0], flag: "--coat", alias: Some("coat-exponents"), form: "NU,NV", valid: EXPONENTS;
         /// ashikhmin-shirley: reflectance of the coat, seen from straight above.
         reflectance: f32 = 0.05, flag: "--reflectance", form: "R", valid: 0.0..=1.0, useful: even(0.0, 1.0);
         /// ashikhmin-shirley: the grain follows the curvature, or an angle in the picture.

@@ -77,7 +77,7 @@ const _: () = {
             "The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of"
             "several from one run of sweeps."
         ]
-        Option<f32> = None, flag: "--scale", form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
+        Option<f32> = None, flag: "--scale", alias: Some("feature-size"), form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
         valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
     );
 

@@ -9,6 +9,8 @@ use std::ops::RangeInclusive;
 pub struct Param {
     /// The flag of the command line, `--stroke-width`; of parameters that only the library has, the field.
     pub flag: &'static str,
+    /// A name that says more, where the flag is like that of something else: without dashes.
+    pub alias: Option<&'static str>,
     /// What it stands with.
     pub group: Group,
     /// How it is chosen.
@@ -194,6 +196,7 @@ impl Param {
     ) -> Self {
         Self {
             flag: field,
+            alias: None,
             group,
             kind,
             many: Many::One,

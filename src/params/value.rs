@@ -2,7 +2,6 @@
 
 use super::table::{Kind, Param, Unit};
 use crate::error::short;
-use std::fmt::Display;
 
 /// A type of parameters.
 pub(crate) trait Value: Sized {
@@ -31,7 +30,7 @@ impl Value for f32 {
     };
 
     fn parse(text: &str, _: &Param) -> Result<Self, String> {
-        text.parse().map_err(in_words)
+        text.parse().map_err(|_| no_number(text))
     }
 
     fn text(&self, _: &Param) -> Option<String> {
@@ -54,7 +53,7 @@ impl Value for u32 {
     const KIND: Kind = COUNT;
 
     fn parse(text: &str, _: &Param) -> Result<Self, String> {
-        let number: i64 = text.parse().map_err(in_words)?;
+        let number: i64 = text.parse().map_err(|_| NO_COUNT)?;
         Self::try_from(number).map_err(|_| format!("{number} is not in 0..={}", Self::MAX))
     }
 
@@ -71,7 +70,7 @@ impl Value for u64 {
     const KIND: Kind = COUNT;
 
     fn parse(text: &str, _: &Param) -> Result<Self, String> {
-        text.parse().map_err(in_words)
+        text.parse().map_err(|_| NO_COUNT.into())
     }
 
     fn text(&self, _: &Param) -> Option<String> {
@@ -83,7 +82,7 @@ impl Value for bool {
     const KIND: Kind = Kind::Switch;
 
     fn parse(text: &str, _: &Param) -> Result<Self, String> {
-        text.parse().map_err(in_words)
+        text.parse().map_err(|_| "expected true or false".into())
     }
 
     fn text(&self, _: &Param) -> Option<String> {
@@ -149,8 +148,17 @@ pub(super) fn finite(text: &str) -> Option<f32> {
     number.is_finite().then_some(number)
 }
 
-fn in_words(error: impl Display) -> String {
-    error.to_string()
+const NO_COUNT: &str = "expected a whole number";
+
+/// What is said of a text that is no number.
+fn no_number(text: &str) -> String {
+    let percentage = text
+        .strip_suffix('%')
+        .map(|number| number.trim().parse::<f32>());
+    match percentage {
+        Some(Ok(percent)) => format!("expected a number: {} for {text}", percent / 100.0),
+        _ => "expected a number".into(),
+    }
 }
 
 /// Defines an enum of a number and the word that may stand in its place.

@@ -541,11 +541,13 @@ fn explain_tells_why_each_stage_runs_or_not() {
     let usual = explained("enhance", &gears, "a.png", &[]);
     assert_eq!(verdict(&usual, "diffusion"), "run");
     assert_eq!(verdict(&usual, "depth-silhouettes"), "run");
+    assert!(usual.lines().all(|line| line.starts_with("run")), "{usual}");
+    let usual = explained("enhance", &gears, "a.png", &["-v"]);
     assert_eq!(verdict(&usual, "directions"), "skip");
     assert_eq!(verdict(&usual, "normal-rays"), "skip");
-    let fine = explained("enhance", &gears, "b.png", &["--iterations", "0"]);
+    let fine = explained("enhance", &gears, "b.png", &["--iterations", "0", "-v"]);
     assert_eq!(verdict(&fine, "diffusion"), "skip");
-    let layers = explained("shape", &gears, "c.exr", &[]);
+    let layers = explained("shape", &gears, "c.exr", &["-v"]);
     assert_eq!(verdict(&layers, "directions"), "run");
     assert_eq!(verdict(&layers, "normal-rays"), "run");
     assert_eq!(verdict(&layers, "radiance-scaling"), "skip");
@@ -554,10 +556,10 @@ fn explain_tells_why_each_stage_runs_or_not() {
     for text in ["scale 4.00 px (2.00 px at a height of 120)", "times 2"] {
         assert!(referred.contains(text), "no {text} in {referred}");
     }
-    let idle = explained("enhance", &gears, "d.png", &["--scaling", "0"]);
+    let idle = explained("enhance", &gears, "d.png", &["--scaling", "0", "-v"]);
     assert!(idle.lines().all(|line| line.starts_with("skip")));
     let normal = fixture("tablet.normal.png");
-    let flags = ["--normal", normal.to_str().unwrap()];
+    let flags = ["--normal", normal.to_str().unwrap(), "-v"];
     let photo = explained("enhance", &fixture("tablet.color.jpg"), "e.png", &flags);
     assert_eq!(verdict(&photo, "depth-silhouettes"), "skip");
     assert_eq!(verdict(&photo, "border-silhouettes"), "run");
@@ -661,7 +663,7 @@ fn a_full_disk_behind_stdout_is_told_and_one_behind_stderr_is_survived() {
 fn misuse_is_one_line_and_exit_code_2() {
     let desk = Desk::new();
     let gears = fixture("gears.exr");
-    let cases: [(&str, &[&str], &str); 18] = [
+    let cases: [(&str, &[&str], &str); 21] = [
         ("a.bmp", &[], ".png"),
         ("a", &[], ".png"),
         ("a.png", &["--scaling", "lots"], "--scaling"),
@@ -680,11 +682,19 @@ fn misuse_is_one_line_and_exit_code_2() {
         ("a.png", &["--threads", "0"], "--threads"),
         ("a.png", &["--layers", "some"], "keep"),
         ("a.png", &["--colour", "x"], "--color"),
+        ("a.png", &["--strength", "50%"], "0.5 for 50%"),
+        ("a.png", &["--iterations", "ten"], "a whole number"),
+        ("a.png", &["b.png"], "give -o b.png"),
     ];
     for (output, flags, expected) in cases {
         let line = desk.run("enhance", &gears, output, flags).refused(2);
         assert!(line.contains(expected), "{line}");
     }
+    // No flag is like it: nothing is said of values that begin with dashes.
+    let line = desk
+        .run("enhance", &gears, "a.png", &["--dpi", "3"])
+        .refused(2);
+    assert!(line.contains("--dpi") && !line.contains("tip"), "{line}");
     assert!(relievo(["enhance"]).refused(2).contains("--output"));
     assert!(relievo(["enchant"]).refused(2).contains("enchant"));
     assert!(relievo(["inspect"]).refused(2).contains("<FILE>"));
@@ -765,7 +775,8 @@ fn what_cannot_be_done_is_one_line_and_exit_code_1() {
 
     says(run(Path::new("none.exr"), &[]), &["none.exr"]);
     says(run(&color, &[]), &["tablet.color.jpg", "--normal"]);
-    says(run(&color, &["--normal", "none.png"]), &["none.png"]);
+    let none = ["none.png is no file", "no layer"];
+    says(run(&color, &["--normal", "none.png"]), &none);
     let flags = ["--normal", "ViewLayer.Nrmal"];
     says(
         run(&bust, &flags),

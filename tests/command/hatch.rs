@@ -153,7 +153,11 @@ fn tone_comes_from_new_light_where_there_is_any() {
         plan.lines().any(|line| line.starts_with("run   light-sum")),
         "{plan}"
     );
-    let explained = hatch(desk.path(), "bust.exr", "--tone picture --explain -o a.png");
+    let explained = hatch(
+        desk.path(),
+        "bust.exr",
+        "--tone picture --explain -v -o a.png",
+    );
     let plan = explained.stdout;
     for stage in ["diffusion", "trace", "radiance-scaling", "light-sum"] {
         let skipped = format!("skip  {stage} ");

@@ -160,7 +160,7 @@ fn explain_tells_what_was_left_out() {
     let sky = sky(desk.path());
     let sky = sky.to_str().unwrap();
     let explained = |flags: &[&str]| {
-        let mut all = vec!["-o", "out.png", "--explain"];
+        let mut all = vec!["-o", "out.png", "--explain", "-v"];
         all.extend(flags);
         let ran = relight(desk.path(), &fixture("bust.exr"), &all);
         ran.done().stdout
@@ -264,4 +264,21 @@ fn strong_scaling_is_warned_of() {
     let ran = relight(desk.path(), &fixture("bust.exr"), &flags);
     let said = ran.stderr;
     assert!(said.contains("warning: --scaling 5 is past"), "{said}");
+}
+
+#[test]
+fn light_that_is_hardly_meant_is_told() {
+    let desk = tempfile::tempdir().unwrap();
+    let bust = fixture("bust.exr");
+    let lit = |flags: &[&str]| relight(desk.path(), &bust, &[flags, &["-o", "a.png"]].concat());
+    let said = |flags: &[&str]| lit(flags).ended(0);
+    let dark = said(&[]);
+    assert!(dark.contains("no light is given: --light 135,40"), "{dark}");
+    assert!(!said(&["--ambient", "1"]).contains("no light"));
+    // 120 degrees up are 60 degrees down to the other side.
+    let behind = said(&["--light", "10,120"]);
+    assert!(behind.contains("it shines from 190,60"), "{behind}");
+    let room = fixture("room.hdr");
+    let refused = lit(&["--lit-sphere", room.to_str().unwrap()]).ended(1);
+    assert!(refused.contains("--environment"), "{refused}");
 }

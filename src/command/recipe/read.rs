@@ -2,7 +2,7 @@
 
 use super::presets::preset;
 use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
-use crate::command::commands::{command_named, long};
+use crate::command::commands::{command_named, long, names_of};
 use crate::command::flags::Flag;
 use crate::error::{Error, Result};
 use crate::io::open::open_input;
@@ -132,7 +132,7 @@ impl Recipe {
         let known = command.get_arguments().filter(|arg| is_setting(arg));
         let likeness = |known: &&str| strsim::jaro_winkler(name, known);
         let nearest = known
-            .filter_map(Arg::get_long)
+            .flat_map(names_of)
             .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
         let remedy = match nearest.filter(|known| likeness(known) > 0.7) {
             Some(nearest) => format!("the nearest is {nearest}"),

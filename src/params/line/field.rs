@@ -16,7 +16,7 @@ params! {
         ///
         /// More give longer strokes and lose small forms; 0 shows every facet.
         passes: u32 = 3,
-            flag: "--passes", form: "N",
+            flag: "--passes", alias: Some("field-passes"), form: "N",
             valid: 0.0..=MAX_FIELD_PASSES as f32, useful: even(0.0, MAX_FIELD_PASSES as f64);
         /// How far around, in pixels of a quarter of the picture's size.
         ///
@@ -25,7 +25,7 @@ params! {
         /// small forms. With a [reference height](crate::params::ShapeParams::reference_height) it counts pixels of the
         /// reference.
         radius_px: f32 = 6.0,
-            flag: "--smoothing", form: "PX", unit: Unit::Pixels, valid: 1.0..=64.0, useful: even(1.0, 16.0);
+            flag: "--smoothing", alias: Some("field-radius"), form: "PX", unit: Unit::Pixels, valid: 1.0..=64.0, useful: even(1.0, 16.0);
         /// Pixels of the picture along the side of one pixel of the field.
         ///
         /// 4 makes it of a quarter of the picture's size. Less takes longer; the radius stays what it is in the picture.
