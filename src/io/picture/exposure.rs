@@ -29,9 +29,15 @@ impl Brightness {
     pub(crate) fn add(&mut self, color: &ColorPlanes, mask: &Mask, rows: Range<usize>) {
         let last = self.0.len() - 1;
         let step = |x: usize, y: usize| {
-            let brightest = color.at(x, y).into_iter().fold(0.0, f32::max);
-            let above = (STEPS * brightest.log2()).ceil().max(0.0);
-            brightest.is_finite().then_some((above as usize).min(last))
+            let color = color.at(x, y);
+            let brightest = color.into_iter().fold(0.0, f32::max);
+            // Most is no brighter than 1, and needs no logarithm.
+            let above = match brightest > 1.0 {
+                true => (STEPS * brightest.log2()).ceil(),
+                false => 0.0,
+            };
+            let has_meaning = color.iter().all(|v| v.is_finite());
+            has_meaning.then_some((above as usize).min(last))
         };
         let count = |mut counts: Vec<u64>, y: usize| {
             let pixels = mask.runs(y).flatten();

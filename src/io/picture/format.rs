@@ -1,9 +1,7 @@
 //! What is written: a picture, its format, and how its values are encoded.
 
-use super::codes::straight;
-use super::white::{Bright, Display, Whites};
+use super::white::{Display, Shown, Whites};
 use crate::frame::{ColorPlanes, Mask, Plane};
-use crate::io::photo::max_code;
 use std::ops::Range;
 use std::path::Path;
 
@@ -74,33 +72,13 @@ impl<'a> Picture<'a> {
     }
 
     /// How light is brought to a display, where it is and that changes it.
-    pub(super) fn display(&self) -> Option<&Display<'a>> {
+    pub(super) fn shown(&self) -> Option<Shown<'a>> {
         let is_shown = self.transform == ViewTransform::Srgb;
-        Some(&self.display).filter(|display| is_shown && !display.is_plain())
+        self.display.shown().filter(|_| is_shown)
     }
 
     /// How many pixels of these rows are white, where `mask` has a surface.
     pub(crate) fn whites(&self, mask: &Mask, rows: Range<usize>) -> Whites {
-        let before = match self.display.bright {
-            Bright::ChangedFrom(before) => Some(before),
-            _ => None,
-        };
-        let plain = Display {
-            bright: Bright::Clipped,
-            ..self.display
-        };
-        let shown = |x: usize, y: usize| {
-            let alpha = self.alpha.map(|alpha| f64::from(alpha.at(x, y)));
-            let straight = |color| straight(color, alpha, max_code(8)).0;
-            let of = |color: &ColorPlanes, display: &Display| {
-                let color = straight(color.at(x, y).map(f64::from));
-                display.shown(color, [x, y], straight)
-            };
-            (
-                of(self.color, &self.display),
-                before.map(|before| of(before, &plain)),
-            )
-        };
-        Whites::count(shown, mask, rows)
+        Whites::count(self.color, self.alpha, &self.display, mask, rows)
     }
 }

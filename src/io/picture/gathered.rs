@@ -278,15 +278,15 @@ impl Part<'_> {
         stored: impl Fn(u16) -> T,
     ) {
         let (ColorPlanes { r, g, b }, max) = (self.picture.color, self.max);
-        let (transform, display) = (self.picture.transform, self.picture.display());
+        let (transform, shown) = (self.picture.transform, self.picture.shown());
         let color = r.row(y).iter().zip(g.row(y)).zip(b.row(y));
         let (pixels, _) = row.as_chunks_mut::<N>();
         for (x, (pixel, ((&r, &g), &b))) in pixels.iter_mut().zip(color).enumerate() {
             let color = [r, g, b].map(f64::from);
             let alpha = self.alpha.map(|a| f64::from(a.at(x, y)));
             let (mut color, stored_alpha) = straight(color, alpha, max);
-            if let Some(display) = display {
-                color = display.shown(color, [x, y], |color| straight(color, alpha, max).0);
+            if let Some(shown) = shown {
+                color = shown.pixel(color, [x, y], |color| straight(color, alpha, max).0);
             }
             let [r, g, b] = color.map(|v| code(v, transform, max));
             let alpha = stored_alpha.map_or(max as u16, |a| code(a, ViewTransform::None, max));

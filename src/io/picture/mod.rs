@@ -51,7 +51,7 @@ pub fn write_picture(
 /// If planes differ in size.
 pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
     let is_srgb = picture.transform == ViewTransform::Srgb;
-    if picture.alpha.is_none() && is_srgb && picture.display().is_none() {
+    if picture.alpha.is_none() && is_srgb && picture.shown().is_none() {
         return opaque_pixels(picture.color);
     }
     let part = Part {

@@ -1,6 +1,8 @@
 //! How light meets the white of a display.
 
-use crate::frame::{ColorPlanes, Mask};
+use super::codes::straight;
+use crate::frame::{ColorPlanes, Mask, Plane};
+use crate::io::photo::max_code;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -44,21 +46,35 @@ pub(crate) struct Whites {
     pub(crate) of: usize,
 }
 
-impl Display<'_> {
-    /// Whether it leaves all light as it is.
-    pub(super) fn is_plain(&self) -> bool {
-        self.exposure == 0.0 && matches!(self.bright, Bright::Clipped)
-    }
+/// A display, with what is the same for all pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shown<'a> {
+    /// The factor of its exposure.
+    gain: f64,
+    bright: Bright<'a>,
+}
 
+impl<'a> Display<'a> {
+    /// How light is brought to it; `None` where all is left as it is.
+    pub(super) fn shown(&self) -> Option<Shown<'a>> {
+        let is_plain = self.exposure == 0.0 && matches!(self.bright, Bright::Clipped);
+        (!is_plain).then(|| Shown {
+            gain: f64::from(self.exposure).exp2(),
+            bright: self.bright,
+        })
+    }
+}
+
+impl Shown<'_> {
     /// The colour of the pixel at `x`, `y` as it is to be shown: `straight` takes alpha from a colour.
     #[inline]
-    pub(super) fn shown(
+    pub(super) fn pixel(
         &self,
         color: [f64; 3],
         [x, y]: [usize; 2],
         straight: impl Fn([f64; 3]) -> [f64; 3],
     ) -> [f64; 3] {
-        let gain = f64::from(self.exposure).exp2();
+        let gain = self.gain;
         let color = color.map(|v| gain * v);
         let (color, knee) = match self.bright {
             Bright::Clipped => return color,
@@ -80,23 +96,43 @@ impl Display<'_> {
 }
 
 impl Whites {
-    /// Counts those of rows of a picture, where `mask` has a surface.
+    /// Counts those of rows of a picture, where `mask` has a surface: of `before`, as it was, and of what is shown.
     pub(super) fn count(
-        shown: impl Fn(usize, usize) -> ([f64; 3], Option<[f64; 3]>) + Sync,
+        color: &ColorPlanes,
+        alpha: Option<&Plane>,
+        display: &Display,
         mask: &Mask,
         rows: Range<usize>,
     ) -> Self {
-        let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
+        let before = match display.bright {
+            Bright::ChangedFrom(before) => Some(before),
+            _ => None,
+        };
+        let shown = display.shown();
+        let gain = display.exposure.exp2();
         let of_row = |y: usize| {
-            let pixels = mask.runs(y).flatten().map(|x| {
-                let (after, before) = shown(x, y);
-                Self {
-                    count: is_white(after),
-                    before: before.map_or(0, is_white),
-                    of: 1,
+            let mut whites = Self::default();
+            for x in mask.runs(y).flatten() {
+                let alpha = alpha.map(|alpha| f64::from(alpha.at(x, y)));
+                // What is no brighter than white by its largest channel is not made white.
+                let least = WHITE as f32 * alpha.map_or(1.0, |alpha| alpha as f32);
+                let may_be_white =
+                    |color: [f32; 3]| gain * color.into_iter().fold(0.0, f32::max) >= least;
+                let straight = |color| straight(color, alpha, max_code(8)).0;
+                let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
+                let of = |color: &ColorPlanes| color.at(x, y);
+                whites.of += 1;
+                if may_be_white(of(color)) {
+                    let color = straight(of(color).map(f64::from));
+                    whites.count +=
+                        is_white(shown.map_or(color, |shown| shown.pixel(color, [x, y], straight)));
                 }
-            });
-            pixels.fold(Self::default(), Self::with)
+                if let Some(before) = before.map(of).filter(|&before| may_be_white(before)) {
+                    let before = straight(before.map(f64::from));
+                    whites.before += is_white(before.map(|v| f64::from(gain) * v));
+                }
+            }
+            whites
         };
         rows.into_par_iter()
             .map(of_row)
@@ -128,10 +164,12 @@ fn largest(color: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Plane;
 
     fn shown(color: [f64; 3], exposure: f32, bright: Bright) -> [f64; 3] {
-        Display { exposure, bright }.shown(color, [0, 0], |color| color)
+        match (Display { exposure, bright }).shown() {
+            Some(shown) => shown.pixel(color, [0, 0], |color| color),
+            None => color,
+        }
     }
 
     fn picture(color: [f32; 3]) -> ColorPlanes {
