@@ -82,7 +82,7 @@ fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, RecipeText) {
     let matches = matches.unwrap_or_else(|error| error.exit());
     let (_, own) = matches.subcommand().expect("a command was parsed");
     let command = C::from_arg_matches(own).unwrap_or_else(|error| error.exit());
-    (command, RecipeText::of(&matches))
+    (command, RecipeText::of(&matches, invocation.kept()))
 }
 
 fn single<C: FrameCommand>(
@@ -187,7 +187,8 @@ fn sequence<C: FrameCommand>(
     if !samples.is_empty() {
         flags.push(Flag::new(SAMPLE_FRAMES, "none"));
     }
-    let (command, recipe) = command_of::<C>(&invocation.with(&flags));
+    let (command, _) = command_of::<C>(&invocation.with(&flags));
+    let recipe = recipe.choosing(flags);
     save_recipe(command.work(), &recipe.with(&Chosen::default()))?;
     if let Some(code) = stop::asked() {
         return Ok(code);

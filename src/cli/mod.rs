@@ -73,7 +73,9 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::View(args) => view(args, typed),
         Command::Run(args) => {
             let recipe = Recipe::read(&args.recipe)?;
-            run_typed(&typed.of_recipe(&recipe, &args.rest)?)
+            let typed = typed.of_recipe(&recipe, &args.rest)?;
+            typed.note().into_iter().for_each(message::say);
+            run_typed(&typed)
         }
     }
 }

@@ -154,7 +154,8 @@ pub(crate) struct RecipeArgs {
     /// The recipe: a TOML file, or the name of a preset.
     #[arg(value_name = "RECIPE")]
     pub(crate) recipe: PathBuf,
-    /// IN, -o OUT and other arguments of the recipe's command; they go before its settings.
+    /// IN, -o OUT and other arguments of the recipe's command; they go before its settings. With --keep-levels what it
+    /// holds as chosen is taken for other frames too.
     #[arg(
         value_name = "ARGUMENT",
         trailing_var_arg = true,

@@ -2,9 +2,10 @@
 
 use super::commands::{Cli, command_named, long, typed_ids};
 use super::flags::Flag;
-use super::recipe::Recipe;
+use super::recipe::{KEEP_LEVELS, Recipe, frames_of};
 use crate::error::Result;
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
+use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -14,6 +15,10 @@ pub(crate) struct Invocation {
     words: Vec<OsString>,
     /// The recipe that some of them come from.
     recipe: Option<PathBuf>,
+    /// Those of them that the recipe holds as chosen for the same frames.
+    kept: Vec<Flag>,
+    /// What is said of others.
+    note: Option<String>,
 }
 
 /// What was typed, as clap understands it.
@@ -27,6 +32,8 @@ impl Invocation {
         Self {
             words: words.into_iter().collect(),
             recipe: None,
+            kept: Vec::new(),
+            note: None,
         }
     }
 
@@ -35,21 +42,34 @@ impl Invocation {
         self.recipe.as_deref()
     }
 
+    /// What a recipe chose for these frames, and was taken from it.
+    pub(crate) fn kept(&self) -> &[Flag] {
+        &self.kept
+    }
+
+    /// What the user should know of its recipe.
+    pub(crate) fn note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+
     pub(crate) fn parse(&self) -> std::result::Result<Parsed, clap::Error> {
         let matches = Cli::command().try_get_matches_from(&self.words)?;
         let cli = Cli::from_arg_matches(&matches)?;
         Ok(Parsed { cli, matches })
     }
 
-    /// The command that `recipe` stands for: its settings, then `rest`, which has the last word.
+    /// The command that `recipe` stands for: its settings, then `rest`, which has the last word. What it holds as chosen
+    /// is taken for frames of the same name, and for others with `--keep-levels`.
     ///
     /// # Errors
     /// [`crate::Error::Recipe`] for settings that the command does not take.
     pub(crate) fn of_recipe(&self, recipe: &Recipe, rest: &[OsString]) -> Result<Self> {
         let mut command = command_named(&recipe.command);
         command.build();
-        let typed = given_in(&command, rest);
-        let overruled = |flag: &Flag| {
+        let keeps = rest.iter().any(|word| word == KEEP_LEVELS);
+        let rest: Vec<_> = rest.iter().filter(|word| *word != KEEP_LEVELS).collect();
+        let Given { typed, input } = given_in(&command, &rest);
+        let overruled = |flag: &&Flag| {
             let arg = long(&command, flag.name());
             arg.is_some_and(|arg| {
                 let rivals = command.get_arg_conflicts_with(arg);
@@ -57,19 +77,33 @@ impl Invocation {
                 typed.contains(arg.get_id().as_str()) || ids.any(|id| typed.contains(id))
             })
         };
-        let settings = recipe.flags(&command)?;
-        let kept = settings.iter().filter(|flag| !overruled(flag));
+        let (settings, chosen) = (recipe.flags(&command)?, recipe.chosen(&command)?);
+        let same = recipe.frames().is_some() && recipe.frames() == input.as_deref();
+        let takes_chosen = same || keeps;
+        let kept = chosen
+            .iter()
+            .filter(|flag| takes_chosen && !overruled(flag));
+        let kept: Vec<Flag> = kept.cloned().collect();
+        let is_left = !takes_chosen && !chosen.is_empty() && !typed.contains("quiet");
+        let note = is_left.then(|| {
+            let (path, of) = (recipe.path.display(), recipe.frames().unwrap_or("others"));
+            format!("{path}: what was chosen for {of} is chosen anew; {KEEP_LEVELS} takes it")
+        });
         let start = [
             self.words.first().cloned().unwrap_or_default(),
             recipe.command.clone().into(),
         ];
+        let settings = settings.iter().filter(|flag| !overruled(flag));
+        let flags = settings.chain(&kept).map(Flag::word);
         Ok(Self {
             recipe: Some(recipe.path.clone()),
             words: start
                 .into_iter()
-                .chain(kept.map(Flag::word))
-                .chain(rest.iter().cloned())
+                .chain(flags)
+                .chain(rest.into_iter().cloned())
                 .collect(),
+            kept,
+            note,
         })
     }
 
@@ -81,6 +115,8 @@ impl Invocation {
         let (before, after) = self.words.split_at(end.unwrap_or(self.words.len()));
         Self {
             recipe: self.recipe.clone(),
+            kept: self.kept.clone(),
+            note: None,
             words: before
                 .iter()
                 .cloned()
@@ -91,13 +127,25 @@ impl Invocation {
     }
 }
 
-/// The ids of the arguments in `words`, as far as they can be understood alone.
-fn given_in(command: &Command, words: &[OsString]) -> std::collections::BTreeSet<String> {
+/// What words of a command line say, as far as they can be understood alone.
+#[derive(Default)]
+struct Given {
+    /// The ids of their arguments.
+    typed: BTreeSet<String>,
+    /// What the frames of the input are called.
+    input: Option<String>,
+}
+
+fn given_in(command: &Command, words: &[&OsString]) -> Given {
     let name = OsString::from(command.get_name());
     let lenient = command.clone().ignore_errors(true);
-    let matches = lenient.try_get_matches_from(std::iter::once(&name).chain(words));
-    match matches {
-        Ok(matches) => typed_ids(&matches).map(String::from).collect(),
-        Err(_) => Default::default(),
+    let words = std::iter::once(&name).chain(words.iter().copied());
+    let Ok(matches) = lenient.try_get_matches_from(words) else {
+        return Given::default();
+    };
+    let input = matches.get_raw("input").and_then(Iterator::last);
+    Given {
+        typed: typed_ids(&matches).map(String::from).collect(),
+        input: input.map(|input| frames_of(Path::new(input))),
     }
 }

@@ -115,6 +115,55 @@ fn the_recipe_is_recorded_in_the_output() {
 }
 
 #[test]
+fn what_was_chosen_is_for_the_same_frames() {
+    let desk = desk(1..=3);
+    let here = desk.path();
+    fs::rename(here.join("in.0003.exr"), here.join("other.exr")).unwrap();
+    relievo(
+        here,
+        "enhance in.0001.exr --scaling 1.5 -o a.png --save-recipe look.toml",
+    )
+    .ended(0);
+    let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
+    let (look, chosen) = recipe.split_once("[chosen]\n").unwrap();
+    assert!(
+        !look.contains("level") && !look.contains("normal"),
+        "{look}"
+    );
+    assert!(
+        chosen.contains("frames = \"in.#.exr\"") && chosen.contains("normal-space = "),
+        "{chosen}"
+    );
+    let picture = |words: &str| {
+        let said = relievo(here, &format!("{words} -o out.png")).ended(0);
+        (bytes(here, "out.png"), said)
+    };
+    let level = |name: &str| {
+        let line = chosen
+            .lines()
+            .find_map(|line| line.strip_prefix(&format!("{name} = ")));
+        format!("--{name} {}", line.unwrap())
+    };
+    let levels = ["curvature-gain", "white-level"].map(level).join(" ");
+    // With the levels of the first frame, and with its own.
+    let [other, second] = ["other.exr", "in.0002.exr"].map(|input| {
+        let enhanced = format!("enhance {input} --scaling 1.5");
+        let both = [format!("{enhanced} {levels}"), enhanced].map(|words| picture(&words).0);
+        assert!(both[0] != both[1], "{input}");
+        both
+    });
+    // Another file chooses anew, and says so; the same frames do not.
+    let (made, said) = picture("run look.toml other.exr");
+    assert!(made == other[1] && said.contains("--keep-levels"), "{said}");
+    let (made, said) = picture("run look.toml other.exr --keep-levels");
+    assert!(
+        made == other[0] && !said.contains("--keep-levels"),
+        "{said}"
+    );
+    assert!(picture("run look.toml in.0002.exr").0 == second[0]);
+}
+
+#[test]
 fn the_schema_knows_every_setting() {
     let desk = tempfile::tempdir().unwrap();
     let schema = relievo(desk.path(), "schema").done().stdout;

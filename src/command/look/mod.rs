@@ -161,7 +161,7 @@ impl Look {
     /// The recipe of the look, with what was chosen where it leaves that open.
     fn recipe(&self, input: &Path, chosen: &Chosen) -> std::result::Result<String, Said> {
         let parsed = self.parse(input)?;
-        Ok(RecipeText::of(&parsed.matches).with(chosen))
+        Ok(RecipeText::of(&parsed.matches, &[]).with(chosen))
     }
 
     /// The command line that makes the same of `input`, quoted for a shell.

@@ -10,9 +10,17 @@ pub(crate) use schema::schema;
 pub(crate) use write::RecipeText;
 
 use clap::{Arg, ArgAction};
+use std::path::Path;
 
 /// Version of the recipes that this program writes, and the newest it reads.
 const VERSION: i64 = 1;
+
+/// The table of a recipe that holds what was chosen automatically, and the name in it of the frames that it is for.
+const CHOSEN: &str = "chosen";
+const FRAMES: &str = "frames";
+
+/// The flag that takes what a recipe chose for other frames.
+pub(crate) const KEEP_LEVELS: &str = "--keep-levels";
 
 /// The flag that says which frames choose for all: none do where a recipe holds what they chose.
 pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
@@ -42,4 +50,42 @@ pub(super) fn is_switch(arg: &Arg) -> bool {
 /// Whether it may be given again, for another value.
 pub(super) fn is_repeatable(arg: &Arg) -> bool {
     matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none()
+}
+
+/// What the frames of a sequence are called alike: the name of a file with `#` for its last number.
+pub(super) fn frames_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    // `%04d` stands for a number, and so does a row of `#`.
+    let is_number = |c: char| c.is_ascii_digit() || c == '#';
+    let Some(last) = name.rfind(is_number) else {
+        return name.into();
+    };
+    let from = name[..=last].trim_end_matches(is_number).len();
+    match name[..from].strip_suffix('%') {
+        _ if name[from..].starts_with('#') || !name[last + 1..].starts_with('d') => {
+            format!("{}#{}", &name[..from], &name[last + 1..])
+        }
+        Some(before) => format!("{before}#{}", &name[last + 2..]),
+        None => format!("{}#{}", &name[..from], &name[last + 1..]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_of_a_sequence_are_called_alike() {
+        for name in [
+            "a/shot.0012.exr",
+            "shot.####.exr",
+            "b/shot.%04d.exr",
+            "shot.7.exr",
+        ] {
+            assert_eq!(frames_of(Path::new(name)), "shot.#.exr", "{name}");
+        }
+        assert_eq!(frames_of(Path::new("bust.exr")), "bust.exr");
+        assert_eq!(frames_of(Path::new("v2_head.exr")), "v#_head.exr");
+        assert_eq!(frames_of(Path::new("..")), "");
+    }
 }

@@ -1,7 +1,7 @@
 //! From TOML to flags.
 
 use super::presets::preset;
-use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
+use super::{CHOSEN, COMMANDS, FRAMES, VERSION, is_repeatable, is_setting, is_switch};
 use crate::command::commands::{command_named, long, names_of};
 use crate::command::flags::Flag;
 use crate::error::{Error, Result};
@@ -20,6 +20,9 @@ pub struct Recipe {
     pub(in crate::command) path: PathBuf,
     pub(in crate::command) command: String,
     settings: Table,
+    /// What was chosen automatically, and the frames that it is for.
+    chosen: Table,
+    frames: Option<String>,
 }
 
 impl Recipe {
@@ -82,19 +85,53 @@ impl Recipe {
                 return Err(bad(path, "names no command", &remedy));
             }
         };
+        let mut chosen = match settings.remove(CHOSEN) {
+            None => Table::new(),
+            Some(Value::Table(chosen)) => chosen,
+            Some(_) => {
+                let found = format!("{CHOSEN} is no table");
+                return Err(bad(
+                    path,
+                    &found,
+                    &format!("write [{CHOSEN}] after all settings"),
+                ));
+            }
+        };
+        let frames = match chosen.remove(FRAMES) {
+            Some(Value::String(frames)) => Some(frames),
+            _ => None,
+        };
         let recipe = Self {
             path: path.into(),
             command,
             settings,
+            chosen,
+            frames,
         };
-        recipe.flags(&command_named(&recipe.command))?;
+        let command = command_named(&recipe.command);
+        recipe.flags(&command)?;
+        recipe.flags_in(&recipe.chosen, &command)?;
         Ok(recipe)
     }
 
     /// The settings as flags of `command`.
     pub(in crate::command) fn flags(&self, command: &Command) -> Result<Vec<Flag>> {
+        self.flags_in(&self.settings, command)
+    }
+
+    /// What was chosen automatically, as flags of `command`.
+    pub(in crate::command) fn chosen(&self, command: &Command) -> Result<Vec<Flag>> {
+        self.flags_in(&self.chosen, command)
+    }
+
+    /// The frames that it was chosen for, as [`frames_of`] names them.
+    pub(in crate::command) fn frames(&self) -> Option<&str> {
+        self.frames.as_deref()
+    }
+
+    fn flags_in(&self, table: &Table, command: &Command) -> Result<Vec<Flag>> {
         let mut flags = Vec::new();
-        for (name, value) in &self.settings {
+        for (name, value) in table {
             let arg = long(command, name).filter(|arg| is_setting(arg));
             let arg = arg.ok_or_else(|| self.unknown(name, command))?;
             flags.extend(self.flags_of(arg, name, value)?);

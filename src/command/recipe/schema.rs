@@ -1,6 +1,6 @@
 //! The JSON schema of recipes, from the table of parameters and the other flags.
 
-use super::{COMMANDS, VERSION, is_repeatable, is_setting, is_switch};
+use super::{CHOSEN, COMMANDS, FRAMES, VERSION, is_repeatable, is_setting, is_switch};
 use crate::command::commands::command_named;
 use crate::params::{Kind, Many, Param, param};
 use clap::{Arg, Command};
@@ -24,7 +24,24 @@ fn of_command(command: &Command) -> Value {
     properties.insert("version".into(), json!({ "const": VERSION }));
     properties.insert("command".into(), json!({ "const": command.get_name() }));
     let settings = command.get_arguments().filter(|arg| is_setting(arg));
-    properties.extend(settings.filter_map(|arg| Some((arg.get_long()?.into(), of_setting(arg)))));
+    let settings = settings.filter_map(|arg| Some((arg.get_long()?.into(), of_setting(arg))));
+    let settings: Map<String, Value> = settings.collect();
+    let mut chosen = settings.clone();
+    let frames = "the frames that it is for, by the name of their files, `#` for the number";
+    chosen.insert(
+        FRAMES.into(),
+        json!({ "type": "string", "description": frames }),
+    );
+    properties.extend(settings);
+    properties.insert(
+        CHOSEN.into(),
+        json!({
+            "type": "object",
+            "description": "what was chosen automatically, and is taken for the same frames alone",
+            "properties": chosen,
+            "additionalProperties": false,
+        }),
+    );
     json!({
         "type": "object",
         "title": command.get_name(),

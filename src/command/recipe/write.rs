@@ -1,11 +1,12 @@
 //! From flags to TOML.
 
-use super::{VERSION, is_repeatable, is_setting, is_switch};
+use super::{CHOSEN, FRAMES, VERSION, frames_of, is_repeatable, is_setting, is_switch};
 use crate::command::chosen::Chosen;
 use crate::command::commands::{command_named, long, typed_ids};
 use crate::command::flags::Flag;
 use clap::{Arg, ArgMatches};
 use std::collections::BTreeMap;
+use std::path::Path;
 use toml::Value;
 
 /// The settings of a command line, to be written with what was chosen.
@@ -13,48 +14,82 @@ use toml::Value;
 pub(crate) struct RecipeText {
     command: String,
     settings: BTreeMap<String, Value>,
+    /// The frames that what was chosen is for, by the name of their files.
+    frames: String,
+    /// What was chosen for all of them.
+    chosen: Vec<Flag>,
 }
 
 impl RecipeText {
-    /// The settings that were typed for the command of `matches`.
-    pub(crate) fn of(matches: &ArgMatches) -> Self {
+    /// The settings that were typed for the command of `matches`. Those of `kept`, which another recipe had chosen, stay
+    /// apart.
+    pub(crate) fn of(matches: &ArgMatches, kept: &[Flag]) -> Self {
         let (name, matches) = matches.subcommand().expect("a command was parsed");
         let command = command_named(name);
         let typed: Vec<&str> = typed_ids(matches).collect();
+        let is_kept = |name: &str| kept.iter().any(|flag| flag.name() == name);
         let args = command.get_arguments();
         let args = args.filter(|arg| is_setting(arg) && typed.contains(&arg.get_id().as_str()));
         let settings = args.map(|arg| {
             let name = arg.get_long().expect("a setting has a name");
             (name.to_string(), value(arg, matches))
         });
+        let input = matches.get_raw("input").and_then(Iterator::last);
         Self {
-            settings: settings.collect(),
+            settings: settings.filter(|(name, _)| !is_kept(name)).collect(),
             command: name.to_string(),
+            frames: input
+                .map(|input| frames_of(Path::new(input)))
+                .unwrap_or_default(),
+            chosen: kept.to_vec(),
         }
     }
 
-    /// The recipe with what was `chosen` in place of what was left open.
+    /// The same with what was chosen for all frames besides.
+    pub(crate) fn choosing(mut self, chosen: Vec<Flag>) -> Self {
+        self.chosen.extend(chosen);
+        self
+    }
+
+    /// The recipe, and apart from it what was `chosen` for these frames where it leaves that open.
     pub(crate) fn with(&self, chosen: &Chosen) -> String {
-        let command = command_named(&self.command);
-        let mut settings = self.settings.clone();
-        let flags = chosen.flags();
-        for flags in flags.chunk_by(|a, b| a.name() == b.name()) {
-            let name = flags[0].name();
-            let Some(arg) = long(&command, name).filter(|arg| is_setting(arg)) else {
-                continue;
-            };
-            let mut values = flags.iter().filter_map(Flag::value).map(typed_value);
-            let value = match is_repeatable(arg) {
-                true => Value::Array(values.collect()),
-                false => values.next_back().unwrap_or(Value::Boolean(true)),
-            };
-            settings.insert(name.to_string(), value);
-        }
         let mut text = format!("version = {VERSION}\ncommand = \"{}\"\n", self.command);
-        for (name, value) in &settings {
+        for (name, value) in &self.settings {
+            text.push_str(&format!("{name} = {value}\n"));
+        }
+        let chosen = self.chosen_values(chosen);
+        if !chosen.is_empty() {
+            let frames = Value::String(self.frames.clone());
+            text.push_str(&format!("\n[{CHOSEN}]\n{FRAMES} = {frames}\n"));
+        }
+        for (name, value) in chosen {
             text.push_str(&format!("{name} = {value}\n"));
         }
         text
+    }
+
+    /// What was chosen, by the names of settings that were not typed.
+    fn chosen_values(&self, chosen: &Chosen) -> BTreeMap<String, Value> {
+        let command = command_named(&self.command);
+        let mut found = BTreeMap::new();
+        let of_frame = chosen.flags();
+        // What was chosen for all has the last word.
+        for flags in [&of_frame, &self.chosen] {
+            for flags in flags.chunk_by(|a, b| a.name() == b.name()) {
+                let name = flags[0].name();
+                let arg = long(&command, name).filter(|arg| is_setting(arg));
+                let Some(arg) = arg.filter(|_| !self.settings.contains_key(name)) else {
+                    continue;
+                };
+                let mut values = flags.iter().filter_map(Flag::value).map(typed_value);
+                let value = match is_repeatable(arg) {
+                    true => Value::Array(values.collect()),
+                    false => values.next_back().unwrap_or(Value::Boolean(true)),
+                };
+                found.insert(name.to_string(), value);
+            }
+        }
+        found
     }
 }
 
