@@ -19,17 +19,17 @@ pub(crate) struct RoleArgs {
     /// Normals: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     normal: Option<String>,
-    /// Depth: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    /// Depth: a layer of IN or a file; none leaves it out.
+    #[arg(long, value_name = "NAME|FILE|none")]
     depth: Option<String>,
-    /// World-space positions: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    /// World-space positions: a layer of IN or a file; none leaves it out.
+    #[arg(long, value_name = "NAME|FILE|none")]
     position: Option<String>,
     /// The picture to be enhanced: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     color: Option<String>,
-    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out.
+    #[arg(long, value_name = "NAME|FILE|none")]
     occlusion: Option<String>,
     /// How far each pixel is diffused, from 0, all detail, to 1, as far as asked for: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]

@@ -1,7 +1,7 @@
 //! The layers that a frame is made of: where they are, and what was read of them.
 
 use super::colorspace::ColorSpace;
-use super::inputs::{Inputs, Needs};
+use super::inputs::{Inputs, NONE, Needs};
 use super::light_layers::LightSources;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
@@ -13,7 +13,8 @@ use std::rc::Rc;
 
 /// Silhouettes come from one map: an occlusion map that was asked for spares the depth.
 pub(super) fn only_occlusion(inputs: &Inputs) -> bool {
-    inputs.occlusion.is_some() && inputs.depth.is_none()
+    let occlusion = inputs.occlusion.as_deref();
+    occlusion.is_some_and(|name| name != NONE) && inputs.depth.is_none()
 }
 
 /// The sources of all roles that this run reads.

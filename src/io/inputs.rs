@@ -7,10 +7,13 @@ use glam::Vec3;
 use std::ops::Range;
 use std::path::PathBuf;
 
+/// The name of no layer: a role called so is left out, where no layer and no file is called so.
+pub const NONE: &str = "none";
+
 /// Which files and layers a frame is made of, and how they are to be read.
 ///
-/// A role that is `None` is found by its layer's name; one that is named is a layer of the picture
-/// or, where no layer is called so, another file.
+/// A role that is `None` is found by its layer's name or numbers; one that is named is a layer of the picture
+/// or, where no layer is called so, another file; [`NONE`] leaves it out, but for normals.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Inputs {
     /// The picture: an EXR with its layers, or a photo.

@@ -343,13 +343,18 @@ fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
     })
 }
 
-/// What the name of a layer implies, or else the renderer of its file; with who says so.
-pub(super) fn hint(layer: &str, file: &ExrFile) -> (Hint, String) {
+/// What the name of a layer implies, or its words of a `space`, or else the renderer of its file; with who says so.
+pub(super) fn hint(layer: &str, space: Option<NormalSpace>, file: &ExrFile) -> (Hint, String) {
     let word = key(last_word(layer));
     if let Some((name, hint)) = IMPLIED.iter().find(|(name, _)| *name == word) {
         return (*hint, format!("by its name, {name}"));
     }
-    match renderer(file) {
+    let renderer = renderer(file);
+    if space.is_some() {
+        let depth = renderer.and_then(|renderer| renderer.hint.depth);
+        return (Hint { space, depth }, format!("by its name, {word}"));
+    }
+    match renderer {
         Some(renderer) => (renderer.hint, format!("as {} writes it", renderer.name)),
         None => (Hint::default(), String::new()),
     }

@@ -6,12 +6,38 @@ use super::inputs::{Inputs, NormalEncoding};
 use super::normal_encoding::judge_encoding;
 use super::opened::Opened;
 use super::roles::Role;
+use super::sources::Chosen;
 use crate::frame::{Mask, Vector3Planes};
 
 /// Conclusions and warnings gathered while loading.
 pub(super) struct Notes {
     pub(super) findings: Vec<Finding>,
     pub(super) warnings: Vec<String>,
+}
+
+/// Most characters of a line of evidence and of the flag that goes with it.
+const LINE: usize = 80;
+
+/// Why a layer was chosen, and as many of the others as the line has room for beside the `flag`.
+fn evidence(chosen: &Chosen, flag: &str) -> String {
+    let Chosen { why, others } = chosen;
+    let Some(first) = others.first() else {
+        return why.clone();
+    };
+    let all = format!("{why}; or {}", others.join(", "));
+    let (some, few) = match others.len() - 1 {
+        0 => (None, format!("{why}; or one other")),
+        more => (
+            Some(format!("{why}; or {first}, {more} more")),
+            format!("{why}; or {} others", more + 1),
+        ),
+    };
+    let fits = |text: &String| text.chars().count() + flag.chars().count() <= LINE;
+    [Some(all), some]
+        .into_iter()
+        .flatten()
+        .find(fits)
+        .unwrap_or(few)
 }
 
 impl Notes {
@@ -22,7 +48,10 @@ impl Notes {
             .map(|source| Finding {
                 subject: source.role.name(),
                 conclusion: source.label().into(),
-                evidence: format!("from {}", source.file.path().display()),
+                evidence: match &source.chosen {
+                    Some(chosen) => evidence(chosen, &source.flag()),
+                    None => format!("from {}", source.file.path().display()),
+                },
                 flag: source.flag(),
             })
             .collect();

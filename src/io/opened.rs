@@ -1,13 +1,15 @@
 //! Input files whose header has been read, and the files that go with them.
 
 use super::exr::{self, ExrFile, Limits};
+use super::nearest;
+use super::numbers::{NUMBERED, Told, tell};
 use super::open::open_input;
 use super::photo::StoredPhoto;
-use super::roles::{self, Layer};
+use super::roles::{self, Layer, Role};
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::Window;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -21,6 +23,8 @@ pub(super) enum Opened {
         /// All views, and the one whose layers are used.
         views: Vec<String>,
         view: Option<String>,
+        /// The roles that numbers tell, once somebody has asked.
+        told: OnceCell<Vec<Told>>,
         companions: Companions,
     },
     Photo {
@@ -102,6 +106,7 @@ impl Opened {
             layers,
             views: all,
             view,
+            told: OnceCell::new(),
             companions,
         }))
     }
@@ -125,6 +130,35 @@ impl Opened {
         };
         companions.keep(path, &file);
         Ok(file)
+    }
+
+    /// The layer that plays `role` by its numbers, where none does by its name.
+    pub(super) fn told(&self, role: Role) -> Option<&Told> {
+        match self {
+            Self::Exr {
+                file, layers, told, ..
+            } if NUMBERED.contains(&role) => {
+                let told = told.get_or_init(|| tell(file, layers));
+                told.iter().find(|told| told.role == role)
+            }
+            _ => None,
+        }
+    }
+
+    /// The layer that may be meant for `role`, for messages.
+    pub(super) fn nearest(&self, role: Role) -> Option<&str> {
+        match self {
+            Self::Exr { layers, .. } => nearest::nearest(layers, role),
+            Self::Photo { .. } => None,
+        }
+    }
+
+    /// The layer whose name is most like `name`, for messages.
+    pub(super) fn alike(&self, name: &str) -> Option<&str> {
+        match self {
+            Self::Exr { layers, .. } => nearest::alike(layers, name),
+            Self::Photo { .. } => None,
+        }
     }
 
     pub(super) fn path(&self) -> &Path {

@@ -1,10 +1,11 @@
-//! Which layer plays which role, found from its name.
+//! Which layer plays which role, found from its name: first from the table of names, then from its words.
 //!
 //! A channel is `layer.component`; the layer's own last word, without view-layer prefix, case or
 //! punctuation, is looked up in one table. So `ViewLayer.Depth.Z`, `depth.V` and plain `Z` are all
 //! depth, while `ViewLayer.Normal.Z` is a component of the normal.
 
 use super::names::{self, Arity, RULES, last_word};
+use super::words::{Said, said};
 
 pub use super::names::Role;
 
@@ -81,6 +82,28 @@ fn split_component(channel: &str) -> (&str, String) {
 }
 
 impl Layer {
+    /// What the words of its name say.
+    pub(super) fn said(&self) -> Said {
+        said(&self.name, self.view.as_deref())
+    }
+
+    /// Whether its name means a role, by the table of names or by its words.
+    pub(crate) fn means_something(&self) -> bool {
+        self.is_listed() || self.said().role.is_some()
+    }
+
+    /// Whether its name is one letter, which may mean anything: `c` is a picture to some.
+    pub(super) fn is_letter(&self) -> bool {
+        self.key().len() == 1
+    }
+
+    /// Whether the table of names knows it.
+    pub(crate) fn is_listed(&self) -> bool {
+        let key = self.key();
+        let mut rules = RULES.iter();
+        rules.any(|(_, _, names)| names.contains(&key.as_str()))
+    }
+
     /// The word the table knows the layer by: the last of its name that is not its view.
     fn key(&self) -> String {
         let is_view = |word: &&str| {
@@ -123,8 +146,13 @@ impl Layer {
     }
 }
 
-/// The layer that plays `role`, by the table's order of preference, then the file's.
+/// The layer that plays `role` by its name, else the best by the words of its name.
 pub(crate) fn find(layers: &[Layer], role: Role) -> Option<Match> {
+    by_name(layers, role).or_else(|| by_words(layers, role).into_iter().next())
+}
+
+/// The layer that plays `role`, by the table's order of preference, then the file's.
+pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
     let mut names = role.names().iter();
     names
         .find_map(|name| {
@@ -141,20 +169,36 @@ pub(crate) fn find(layers: &[Layer], role: Role) -> Option<Match> {
         .or_else(|| in_first_part(layers, role))
 }
 
+/// The layers whose words give them `role` where the table does not know their names, the best first.
+pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
+    let mut found: Vec<_> = layers
+        .iter()
+        .filter(|layer| !layer.is_listed())
+        .filter_map(|layer| {
+            let said = layer.said();
+            let plays = said.role == Some(role);
+            layer
+                .matched(role)
+                .filter(|_| plays)
+                .map(|m| (said.rank, m))
+        })
+        .collect();
+    found.sort_by_key(|(rank, _)| *rank);
+    found.into_iter().map(|(_, found)| found).collect()
+}
+
 /// Colour or depth of a first part called anything ("main", "subimage00"), whose channels have no
 /// names of their own: what nameless channels are, unless the part's name means something else.
 fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
-    let mut rules = RULES.iter();
     let layer = layers.iter().find(|layer| layer.part == 0 && layer.bare)?;
-    let key = layer.key();
     let has = |name: &str| layer.components.iter().any(|(c, _)| c == name);
     let plays = match role {
         Role::Color => ["r", "g", "b"].into_iter().all(has),
         Role::Depth => has("z") && !has("x"),
         _ => false,
     };
-    let means_something = rules.any(|(_, _, names)| names.contains(&key.as_str()));
-    layer.matched(role).filter(|_| plays && !means_something)
+    let is_other = layer.means_something();
+    layer.matched(role).filter(|_| plays && !is_other)
 }
 
 /// The layer that a user called `name`: its full name, else its last word, in any case.

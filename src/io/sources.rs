@@ -2,12 +2,14 @@
 
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType};
+use super::inputs::NONE;
 use super::names::{self, Hint};
 use super::open::is_picture_name;
 use super::opened::Opened;
 use super::photo::{Meaning, StoredPhoto, max_code};
 use super::role_planes::RolePlanes;
-use super::roles::{self, Match, Role};
+use super::roles::{self, Layer, Match, Role};
+use super::words::said;
 use crate::error::{Error, Result};
 use crate::frame::Window;
 use std::ops::Range;
@@ -21,6 +23,16 @@ pub(super) struct RoleSource {
     pub(super) file: Rc<Opened>,
     /// The layer of an EXR; a photo is one layer.
     layer: Option<Match>,
+    /// Why it was chosen, where neither the table of names nor a flag names it, and the other layers that could be.
+    pub(super) chosen: Option<Chosen>,
+}
+
+/// Why a layer was chosen for its role.
+#[derive(Clone)]
+pub(super) struct Chosen {
+    pub(super) why: String,
+    /// Names of the other layers that could play the role, the best first.
+    pub(super) others: Vec<String>,
 }
 
 impl RoleSource {
@@ -38,6 +50,9 @@ impl RoleSource {
         }
         let path = Path::new(name);
         if !path.exists() {
+            if name == NONE && role != Role::Normal {
+                return Ok(None);
+            }
             return Err(no_such_layer(role, name, main));
         }
         let file = main.open_companion(path)?;
@@ -48,15 +63,23 @@ impl RoleSource {
 
     fn by_role(role: Role, file: &Rc<Opened>) -> Option<Self> {
         match file.as_ref() {
-            Opened::Exr { layers, .. } => roles::find(layers, role).map(|layer| Self {
-                role,
-                file: file.clone(),
-                layer: Some(layer),
-            }),
+            Opened::Exr { layers, .. } => {
+                let (layer, chosen) = match roles::by_name(layers, role) {
+                    Some(layer) => (layer, None),
+                    None => by_words_or_numbers(role, layers, file)?,
+                };
+                Some(Self {
+                    role,
+                    file: file.clone(),
+                    layer: Some(layer),
+                    chosen,
+                })
+            }
             Opened::Photo { .. } if role == Role::Color => Some(Self {
                 role,
                 file: file.clone(),
                 layer: None,
+                chosen: None,
             }),
             Opened::Photo { .. } => None,
         }
@@ -77,6 +100,7 @@ impl RoleSource {
             role,
             file: file.clone(),
             layer,
+            chosen: None,
         })
     }
 
@@ -89,6 +113,7 @@ impl RoleSource {
             role,
             file: main.clone(),
             layer: Some(layer),
+            chosen: None,
         })
     }
 
@@ -142,7 +167,11 @@ impl RoleSource {
     /// What the name of its layer, or the file's renderer, implies of it; with who says so.
     pub(super) fn hint(&self) -> (Hint, String) {
         match (self.file.as_ref(), &self.layer) {
-            (Opened::Exr { file, .. }, Some(layer)) => names::hint(&layer.layer, file),
+            (Opened::Exr { file, .. }, Some(layer)) => {
+                let space = || said(&layer.layer, None).space;
+                let space = (self.role == Role::Normal).then(space).flatten();
+                names::hint(&layer.layer, space, file)
+            }
             _ => (Hint::default(), String::new()),
         }
     }
@@ -229,6 +258,28 @@ impl RoleSource {
     }
 }
 
+/// The layer that plays `role` where the table of names knows none.
+fn by_words_or_numbers(
+    role: Role,
+    layers: &[Layer],
+    file: &Opened,
+) -> Option<(Match, Option<Chosen>)> {
+    let mut by_words = roles::by_words(layers, role).into_iter();
+    if let Some(layer) = by_words.next() {
+        let chosen = Chosen {
+            why: "by the words of its name".into(),
+            others: by_words.map(|other| other.layer).collect(),
+        };
+        return Some((layer, Some(chosen)));
+    }
+    let told = file.told(role)?;
+    let chosen = Chosen {
+        why: format!("by numbers: {}", told.why),
+        others: told.others.clone(),
+    };
+    Some((told.found.clone(), Some(chosen)))
+}
+
 /// The error of a `file` without a layer for `role`; `flag` names one.
 pub(super) fn missing(file: &Opened, role: Role, flag: &str) -> Error {
     Error::MissingAov {
@@ -238,11 +289,18 @@ pub(super) fn missing(file: &Opened, role: Role, flag: &str) -> Error {
             role.name(),
             file.found("a photo")
         ),
-        remedy: format!("name one with {flag}"),
+        remedy: match file.nearest(role) {
+            Some(layer) => format!("did you mean {layer}? name one with {flag}"),
+            None => format!("name one with {flag}"),
+        },
     }
 }
 
 fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
+    let meant = match file.alike(name) {
+        Some(layer) => format!("did you mean {layer}? "),
+        None => String::new(),
+    };
     let (role, found) = (role.name(), file.found("no layers"));
     let found = match is_picture_name(Path::new(name)) {
         true => format!("{name} is no file, and no layer either (found {found})"),
@@ -251,7 +309,7 @@ fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
     Error::MissingAov {
         path: file.path().to_path_buf(),
         found,
-        remedy: format!("give --{role} a layer with the right channels, or a file"),
+        remedy: format!("{meant}give --{role} a layer with the right channels, or a file"),
     }
 }
 

@@ -1,8 +1,9 @@
-//! What is in a file, for `inspect`: headers and names, no pixels.
+//! What is in a file, for `inspect`: headers and names, and pixels only where names tell no roles.
 
-use super::exr::SampleType;
+use super::exr::{ExrFile, SampleType};
+use super::numbers::NUMBERED;
 use super::opened::{Opened, layers_of};
-use super::roles;
+use super::roles::{self, Match, Role};
 use crate::error::Result;
 use crate::frame::Window;
 use serde::Serialize;
@@ -21,7 +22,7 @@ pub struct Survey {
     pub view: Option<String>,
     /// The parts of an EXR; a photo has one.
     pub parts: Vec<PartSurvey>,
-    /// Which layer plays which role, by name.
+    /// Which layer plays which role, by name, or by numbers where no name says so.
     pub roles: Vec<RoleSurvey>,
 }
 
@@ -53,20 +54,21 @@ pub struct LayerSurvey {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RoleSurvey {
     /// The role.
-    pub role: roles::Role,
+    pub role: Role,
     /// The layer's name; empty for bare channels.
     pub layer: String,
     /// Full names of its channels, in the order of the role's components.
     pub channels: Vec<String>,
 }
 
-/// Looks into the file at `path` without reading its pixels. Roles are those of the layers of `view`,
+/// Looks into the file at `path`; pixels are read only where layers have names that mean nothing. Roles are those of the layers of `view`,
 /// or of the default one.
 ///
 /// # Errors
 /// Any [`crate::Error`] of opening it.
 pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
-    Ok(match Opened::open_view(path, view)?.as_ref() {
+    let opened = Opened::open_view(path, view)?;
+    Ok(match opened.as_ref() {
         Opened::Exr {
             file,
             layers,
@@ -83,24 +85,35 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
                 let parts = 0..file.parts.len();
                 parts.map(|part| part_survey(file, &all, part)).collect()
             },
-            roles: roles::assign(layers)
-                .into_iter()
-                .map(|(role, found)| RoleSurvey {
-                    role,
-                    channels: found
-                        .channels
-                        .iter()
-                        .map(|&channel| file.parts[found.part].channels[channel].name.clone())
-                        .collect(),
-                    layer: found.layer,
-                })
-                .collect(),
+            roles: {
+                let named = roles::assign(layers);
+                let is_open = |role: &Role| named.iter().all(|(own, _)| own != role);
+                let told = NUMBERED.into_iter().filter(is_open);
+                let told = told.filter_map(|role| Some((role, opened.told(role)?.found.clone())));
+                let told: Vec<_> = told.collect();
+                let mut all: Vec<_> = named.into_iter().chain(told).collect();
+                all.sort_by_key(|(role, _)| *role);
+                all.into_iter()
+                    .map(|(role, found)| role_survey(file, role, found))
+                    .collect()
+            },
         },
         Opened::Photo { photo, .. } => photo_survey(photo),
     })
 }
 
-fn part_survey(file: &super::exr::ExrFile, layers: &[roles::Layer], index: usize) -> PartSurvey {
+fn role_survey(file: &ExrFile, role: Role, found: Match) -> RoleSurvey {
+    let channels = found.channels.iter();
+    RoleSurvey {
+        role,
+        channels: channels
+            .map(|&channel| file.parts[found.part].channels[channel].name.clone())
+            .collect(),
+        layer: found.layer,
+    }
+}
+
+fn part_survey(file: &ExrFile, layers: &[roles::Layer], index: usize) -> PartSurvey {
     let part = &file.parts[index];
     let of_part = layers.iter().filter(|layer| layer.part == index);
     PartSurvey {
@@ -155,7 +168,7 @@ fn photo_survey(photo: &super::photo::StoredPhoto) -> Survey {
             }],
         }],
         roles: vec![RoleSurvey {
-            role: roles::Role::Color,
+            role: Role::Color,
             layer: String::new(),
             channels: grey_or_color.iter().map(|c| (*c).to_string()).collect(),
         }],

@@ -14,6 +14,7 @@ mod exr;
 mod hatch;
 mod invariance;
 mod io;
+mod layer_names;
 mod light_layers;
 mod live;
 mod normal_rays;

@@ -1,0 +1,51 @@
+//! The layer that somebody may have meant.
+
+use super::roles::{Layer, Role};
+
+/// Likeness from which on a name may have been meant, 0..1.
+const ALIKE: f64 = 0.8;
+
+/// The layer with the channels of `role` whose name comes nearest to those that mean it.
+pub(super) fn nearest(layers: &[Layer], role: Role) -> Option<&str> {
+    // Names of a letter or two are like many.
+    let names: Vec<&str> = role
+        .names()
+        .iter()
+        .copied()
+        .filter(|n| n.len() > 2)
+        .collect();
+    let likeness_of_word = |word: &String| {
+        let likeness = names.iter().map(|name| strsim::jaro_winkler(word, name));
+        likeness.fold(0.0, f64::max)
+    };
+    let likeness = |layer: &Layer| {
+        let words = layer.said().words;
+        words.iter().map(likeness_of_word).fold(0.0, f64::max)
+    };
+    let able = layers
+        .iter()
+        .filter(|layer| !layer.is_listed() && layer.matched(role).is_some());
+    best(able.map(|layer| (layer, likeness(layer))))
+}
+
+/// The layer whose name is most like `name`.
+pub(super) fn alike<'a>(layers: &'a [Layer], name: &str) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    let likeness = |layer: &Layer| {
+        let own = layer.name.to_lowercase();
+        let last = own.rsplit('.').next().unwrap_or(&own);
+        strsim::jaro_winkler(&own, &name).max(strsim::jaro_winkler(last, &name))
+    };
+    best(layers.iter().map(|layer| (layer, likeness(layer))))
+}
+
+/// The first of the likest layers, if it is like enough and has a name.
+fn best<'a>(layers: impl Iterator<Item = (&'a Layer, f64)>) -> Option<&'a str> {
+    let mut best: Option<(&Layer, f64)> = None;
+    for (layer, likeness) in layers.filter(|(layer, _)| !layer.name.is_empty()) {
+        if likeness >= ALIKE && best.is_none_or(|(_, most)| likeness > most) {
+            best = Some((layer, likeness));
+        }
+    }
+    best.map(|(layer, _)| layer.name.as_str())
+}

@@ -1,0 +1,213 @@
+//! Which layers hold normals, positions and depth by their numbers, where no name says so: normals are of unit length, as they
+//! are or encoded as 0..1, and the others are of the surface that the normals are of.
+
+use super::exr::{ExrFile, SampleType};
+use super::roles::{self, Layer, Match, Role};
+use super::samples_of_layers::{Sampled, samples};
+use super::step_fit::{Points, misfit};
+use nalgebra::Vector3;
+
+/// The roles that numbers tell.
+pub(super) const NUMBERED: [Role; 3] = [Role::Normal, Role::Depth, Role::Position];
+
+/// Most layers that are looked at.
+const MOST_LAYERS: usize = 32;
+/// A length this near to 1 is that of a unit vector: rounding to 8 bits moves it by 0.01.
+const UNIT: f64 = 0.025;
+/// Share of the covered pixels that must be unit vectors: filters shorten those at edges.
+const UNIT_SHARE: f64 = 0.5;
+/// Share of the covered pixels that may be longer: nothing lengthens normals but lossy compression.
+const LONGER_SHARE: f64 = 0.02;
+/// Length of the mean of unit vectors from which on all are as one, and tell nothing.
+const ALIKE: f64 = 0.9999;
+/// Share of the unit vectors that must not lie along an axis, as the colours of masks do.
+const OFF_AXIS_SHARE: f64 = 0.05;
+/// Fewest covered pixels that tell anything.
+const FEWEST: usize = 16;
+/// A misfit up to this is that of one surface.
+const AGREES: f64 = 0.1;
+/// How much better than depth along the view axis other depth must fit to be taken for better.
+const USUAL: f64 = 2.0;
+
+/// A role told by numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Told {
+    pub(super) role: Role,
+    pub(super) found: Match,
+    /// What tells it.
+    pub(super) why: String,
+    /// Names of the other layers that could play it, the best first.
+    pub(super) others: Vec<String>,
+}
+
+/// How vectors hold unit normals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Encoding {
+    Signed,
+    Unsigned,
+}
+
+impl Encoding {
+    /// The unit normal that `stored` holds, if it holds one.
+    fn unit(self, stored: Vector3<f64>) -> Option<Vector3<f64>> {
+        let v = self.decoded(stored);
+        ((v.norm() - 1.0).abs() < UNIT).then(|| v.normalize())
+    }
+
+    fn decoded(self, stored: Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Signed => stored,
+            Self::Unsigned => 2.0 * stored - Vector3::repeat(1.0),
+        }
+    }
+}
+
+/// A layer of normals.
+struct Normals {
+    sampled: Sampled,
+    encoding: Encoding,
+    /// Share of the covered pixels that hold a unit vector, 0..1.
+    share: f64,
+}
+
+/// The roles of layers whose names mean nothing, as far as no name gives them. What cannot be read tells nothing.
+pub(super) fn tell(file: &ExrFile, layers: &[Layer]) -> Vec<Told> {
+    let picture = roles::find(layers, Role::Color);
+    let is_float = |layer: &&Layer| {
+        let part = &file.parts[layer.part];
+        let mut channels = layer.components.iter();
+        channels.all(|&(_, channel)| part.channels[channel].sample_type != SampleType::Uint)
+    };
+    let is_picture = |layer: &Layer| picture.is_some() && layer.matched(Role::Color) == picture;
+    let means_nothing = |layer: &Layer| !layer.means_something() && !layer.said().is_excluded;
+    let open: Vec<&Layer> = layers
+        .iter()
+        .filter(|layer| layer.is_letter() || means_nothing(layer) && !is_picture(layer))
+        .filter(is_float)
+        .take(MOST_LAYERS)
+        .collect();
+    let mut told = Vec::new();
+    let mut vectors = of_layers(file, &open, Role::Position);
+    let normals = match roles::find(layers, Role::Normal) {
+        Some(_) if open.is_empty() => None,
+        Some(found) => {
+            // A second layer of normals holds no positions, though its steps are square to normals too.
+            vectors.retain(|sampled| encoding_of(sampled).is_none());
+            samples(file, &[found]).into_iter().find_map(normals_of)
+        }
+        None => told_normals(&mut vectors, &mut told),
+    };
+    let Some(normals) = normals else {
+        return told;
+    };
+    if roles::find(layers, Role::Position).is_none() {
+        told.extend(best(
+            &normals,
+            Role::Position,
+            vectors,
+            &[Points::Positions],
+        ));
+    }
+    if roles::find(layers, Role::Depth).is_none() {
+        let kinds = [Points::Depth, Points::InverseDepth, Points::ParallelDepth];
+        let scalars: Vec<_> = open
+            .iter()
+            .copied()
+            .filter(|layer| layer.matched(Role::Position).is_none())
+            .collect();
+        let scalars = of_layers(file, &scalars, Role::Depth);
+        told.extend(best(&normals, Role::Depth, scalars, &kinds));
+    }
+    told
+}
+
+/// Samples of those layers that have the channels of `role`.
+fn of_layers(file: &ExrFile, layers: &[&Layer], role: Role) -> Vec<Sampled> {
+    let found: Vec<Match> = layers.iter().filter_map(|l| l.matched(role)).collect();
+    samples(file, &found)
+}
+
+/// Takes the layers of normals out of `vectors`; the best of them is told.
+fn told_normals(vectors: &mut Vec<Sampled>, told: &mut Vec<Told>) -> Option<Normals> {
+    let (mut found, mut rest) = (Vec::new(), Vec::new());
+    for sampled in vectors.drain(..) {
+        match encoding_of(&sampled) {
+            Some((encoding, share)) => found.push(Normals {
+                sampled,
+                encoding,
+                share,
+            }),
+            None => rest.push(sampled),
+        }
+    }
+    *vectors = rest;
+    found.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let mut found = found.into_iter();
+    let best = found.next()?;
+    told.push(Told {
+        role: Role::Normal,
+        found: best.sampled.found.clone(),
+        why: format!("{:.0} % are of unit length", 100.0 * best.share),
+        others: found.map(|normals| normals.sampled.found.layer).collect(),
+    });
+    Some(best)
+}
+
+fn normals_of(sampled: Sampled) -> Option<Normals> {
+    let (encoding, share) = encoding_of(&sampled)?;
+    Some(Normals {
+        sampled,
+        encoding,
+        share,
+    })
+}
+
+/// How the vectors are unit normals, and the share of those that are; none where they are not.
+fn encoding_of(sampled: &Sampled) -> Option<(Encoding, f64)> {
+    let stored: Vec<_> = sampled
+        .vectors()
+        .filter(|v| *v != Vector3::zeros())
+        .collect();
+    let is_positive = stored.iter().all(|v| v.min() >= 0.0 && v.max() < 1.01);
+    let share = |encoding: Encoding| {
+        let lengths = || stored.iter().map(|v| encoding.decoded(*v).norm());
+        let covered = lengths().filter(|length| *length > UNIT).count() as f64;
+        let longer = lengths().filter(|length| *length > 1.0 + UNIT).count() as f64;
+        let unit: Vec<_> = stored.iter().filter_map(|v| encoding.unit(*v)).collect();
+        let count = unit.len() as f64;
+        let oblique = unit.iter().filter(|v| v.amax() < 1.0 - UNIT).count() as f64;
+        let mean = unit.iter().sum::<Vector3<f64>>() / count.max(1.0);
+        let tells = unit.len() >= FEWEST
+            && count >= UNIT_SHARE * covered
+            && longer <= LONGER_SHARE * covered
+            && oblique >= OFF_AXIS_SHARE * count
+            && mean.norm() < ALIKE;
+        tells.then(|| (encoding, count / covered))
+    };
+    share(Encoding::Signed).or_else(|| share(Encoding::Unsigned).filter(|_| is_positive))
+}
+
+/// The layer whose points, of one of the `kinds`, the usual one first, are best those of the surface that `normals` are of.
+fn best(normals: &Normals, role: Role, layers: Vec<Sampled>, kinds: &[Points]) -> Option<Told> {
+    let mut found: Vec<(f64, Match)> = Vec::new();
+    for layer in layers {
+        let normal = |stored| normals.encoding.unit(stored);
+        let fits = kinds.iter().enumerate().filter_map(|(i, kind)| {
+            let misfit = misfit(&normals.sampled, normal, &layer, *kind)?;
+            Some(if i == 0 { misfit } else { USUAL * misfit })
+        });
+        let least = fits.min_by(f64::total_cmp);
+        if let Some(least) = least.filter(|least| *least <= AGREES) {
+            found.push((least, layer.found));
+        }
+    }
+    found.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let mut found = found.into_iter();
+    let (_, layer) = found.next()?;
+    Some(Told {
+        role,
+        found: layer,
+        why: "they fit the normals".into(),
+        others: found.map(|(_, other)| other.layer).collect(),
+    })
+}
