@@ -198,6 +198,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     notes.on_coverage(&mask);
     let view = source.turn_to_view(needs, &mut normal, &mask, &layers)?;
     notes.findings.extend(view.findings);
+    notes.warnings.extend(view.warnings);
     let depth_is_half = source.depth_is_half(&layers);
     if let Some(depth) = source.depth_of_positions(&layers, view.camera.as_ref(), &mut mask) {
         layers.depth = Some(depth);

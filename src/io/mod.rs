@@ -12,6 +12,7 @@ mod finding;
 mod footprint;
 mod frame_sources;
 pub mod inputs;
+mod integrability;
 mod light_layers;
 mod load;
 mod names;

@@ -3,6 +3,7 @@
 use super::camera::{CAMERA, CameraSearch, FoundCamera};
 use super::finding::Finding;
 use super::inputs::{Flip, Inputs};
+use super::integrability::Curl;
 use super::names::Hint;
 use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
 use super::surface::Surface;
@@ -30,6 +31,7 @@ pub(super) struct View {
     /// How the stored normals were read.
     pub(super) normals: NormalReading,
     pub(super) findings: Vec<Finding>,
+    pub(super) warnings: Vec<String>,
 }
 
 /// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn
@@ -64,9 +66,13 @@ pub(super) fn turn_to_view(
     reading.take(hint);
     let is_recovered = search.has_recovered;
     let mut findings = search.findings;
-    let normals = reading.settled(inputs, surface, &findings)?;
+    let mut normals = reading.settled(inputs, surface, &findings)?;
     if normals.space == NormalSpace::World && camera.is_none() {
         return Err(no_camera(inputs, &reading.reason, &findings));
+    }
+    let mut warnings = Vec::new();
+    if reading.leaves_y_open(normals, inputs) && surface.mask.count() > 0 {
+        warnings.extend(reading.settle_y(&mut normals, Curl::of(normal, surface.mask)));
     }
     findings.push(reading.finding(normals, inputs));
     normals.turn(normal, camera.as_ref());
@@ -76,6 +82,7 @@ pub(super) fn turn_to_view(
         camera,
         normals,
         findings,
+        warnings,
     })
 }
 
@@ -282,6 +289,32 @@ impl Reading {
         })
     }
 
+    /// Whether neither flags nor depth nor positions show which way y points.
+    fn leaves_y_open(&self, normals: NormalReading, inputs: &Inputs) -> bool {
+        let evidence = &self.evidence;
+        let judged_by_depth =
+            evidence.slope_reversed_deg.is_some() || evidence.shape_world_deg.is_some();
+        normals.space == NormalSpace::View
+            && inputs.normal_flip.is_none()
+            && !judged_by_depth
+            && !self.is_given
+    }
+
+    /// Turns y round where the curl of the slopes shows that it points down; a warning where they do not show it.
+    fn settle_y(&mut self, normals: &mut NormalReading, curl: Curl) -> Option<String> {
+        let why = curl.reason();
+        self.reason = format!("{}; {why}", self.reason);
+        let points_down = curl.y_points_down();
+        normals.flip.y |= points_down == Some(true);
+        let is_open = points_down.is_none() && !curl.is_flat();
+        is_open.then(|| {
+            format!(
+                "normals: {why}; taken to point up (OpenGL): say --normal-flip y if green points down (DirectX), else \
+                 --normal-flip none"
+            )
+        })
+    }
+
     /// The finding on it.
     fn finding(&self, normals: NormalReading, inputs: &Inputs) -> Finding {
         let name = match normals.space {
@@ -289,19 +322,6 @@ impl Reading {
             NormalSpace::View => "view",
         };
         let flip = inputs.normal_flip.unwrap_or_default().and(normals.flip);
-        let evidence = &self.evidence;
-        let judged_by_depth =
-            evidence.slope_reversed_deg.is_some() || evidence.shape_world_deg.is_some();
-        let y_is_open = normals.space == NormalSpace::View
-            && inputs.normal_flip.is_none()
-            && !judged_by_depth
-            && !self.is_given;
-        let open = match y_is_open {
-            true => {
-                "; without depth nothing tells whether y points up, as it does not in DirectX maps"
-            }
-            false => "",
-        };
         let (conclusion, flag) = match flip {
             Flip::NONE => (name.into(), format!("--normal-space {name}")),
             axes => (
@@ -312,7 +332,7 @@ impl Reading {
         Finding {
             subject: "normal space".into(),
             conclusion,
-            evidence: format!("{}{open}", self.reason),
+            evidence: self.reason.clone(),
             flag,
         }
     }

@@ -878,6 +878,11 @@ fn flipping_an_axis_undoes_a_flipped_map() {
     let undone = tablet(&desk, &flipped, "undone.png", &["--normal-flip", "y"]);
     let (most, differ) = difference(&plain, &wrong);
     assert!(most > 20.0 && differ > 0.1, "{most}, {differ}");
+    // Without the flag the slopes tell: their curl is a thirtieth of that with y turned. A flag has the last word.
+    let told = tablet(&desk, &flipped, "told.png", &[]);
+    assert!(difference(&plain, &told).0 < 1.5);
+    let kept = tablet(&desk, &flipped, "kept.png", &["--normal-flip", "none"]);
+    assert!(difference(&wrong, &kept).0 < 1.5);
     let (most, differ) = difference(&plain, &undone);
     assert!(most < 1.5 && differ < 0.001, "{most}, {differ}");
 }
