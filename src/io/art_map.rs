@@ -1,7 +1,7 @@
 //! Reading a custom tonal art map: a folder of pictures of strokes.
 
 use super::environment::{color_size, read_color};
-use super::open::is_picture_name;
+use super::picture::is_picture_name;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE};
 use std::fs;

@@ -1,6 +1,5 @@
 //! Opening inputs: ordinary files alone, and never waiting for one.
 
-use super::picture::PictureFormat;
 use crate::error::{Error, Result};
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read};
@@ -43,12 +42,6 @@ pub(crate) fn read_text(path: &Path, most: u64) -> Result<String> {
         }
     };
     read().map_err(Error::io(path, "read"))
-}
-
-/// Whether a name ends as those of pictures do.
-pub(crate) fn is_picture_name(path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default();
-    extension.eq_ignore_ascii_case("exr") || PictureFormat::of_path(path).is_some()
 }
 
 fn what_it_is(data: &Metadata) -> &'static str {

@@ -36,6 +36,12 @@ impl PictureFormat {
     }
 }
 
+/// Whether a name ends as those of pictures that are read do.
+pub(crate) fn is_picture_name(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    extension.eq_ignore_ascii_case("exr") || PictureFormat::of_path(path).is_some()
+}
+
 /// How linear values become stored ones in integer formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ViewTransform {

@@ -8,6 +8,7 @@ mod print;
 mod white;
 
 pub(crate) use exposure::Brightness;
+pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
 pub(crate) use white::Whites;
