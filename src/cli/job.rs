@@ -326,7 +326,7 @@ impl<'a> Job<'a> {
         if is_linear || picture.transform != ViewTransform::Srgb {
             return Whites::default();
         }
-        picture.whites(mask, rows)
+        Whites::of(picture, mask, rows)
     }
 
     /// Writes through `write` where there is anything to be written, and says what was done.

@@ -1,8 +1,7 @@
 //! What is written: a picture, its format, and how its values are encoded.
 
-use super::white::{Display, Shown, Whites};
-use crate::frame::{ColorPlanes, Mask, Plane};
-use std::ops::Range;
+use super::display::{Display, Shown};
+use crate::frame::{ColorPlanes, Plane};
 use std::path::Path;
 
 /// The kinds of pictures that are written.
@@ -81,10 +80,5 @@ impl<'a> Picture<'a> {
     pub(super) fn shown(&self) -> Option<Shown<'a>> {
         let is_shown = self.transform == ViewTransform::Srgb;
         self.display.shown().filter(|_| is_shown)
-    }
-
-    /// How many pixels of these rows are white, where `mask` has a surface.
-    pub(crate) fn whites(&self, mask: &Mask, rows: Range<usize>) -> Whites {
-        Whites::count(self.color, self.alpha, &self.display, mask, rows)
     }
 }

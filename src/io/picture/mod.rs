@@ -1,18 +1,19 @@
 //! Writing pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
 
 mod codes;
+mod display;
 mod exposure;
 mod format;
 mod gathered;
 mod print;
-mod white;
+mod whites;
 
+pub use display::{Bright, Display};
 pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
-pub(crate) use white::Whites;
-pub use white::{Bright, Display};
+pub(crate) use whites::Whites;
 
 use super::photo::max_code;
 use crate::error::Result;

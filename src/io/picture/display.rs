@@ -1,17 +1,13 @@
-//! How light meets the white of a display.
+//! How light is brought to the range of a display.
 
-use super::codes::straight;
-use crate::frame::{ColorPlanes, Mask, Plane};
-use crate::io::photo::max_code;
-use rayon::prelude::*;
-use std::ops::Range;
+use crate::frame::ColorPlanes;
 
 /// From this value on light is compressed: 0.906 of what a display shows by the sRGB curve.
 const KNEE: f64 = 0.8;
 
 /// From this value on light is white in eight bits: the sRGB curve is at 254.5/255 there,
 /// ((0.99804 + 0.055) / 1.055)^2.4 = 0.99555. What is compressed stays below.
-const WHITE: f64 = 0.9955;
+pub(super) const WHITE: f64 = 0.9955;
 
 /// How linear light is brought to the range of a display.
 #[derive(Debug, Clone, Copy, Default)]
@@ -33,17 +29,6 @@ pub enum Bright<'a> {
     /// This picture, of the same primaries and alpha, is cut off at white, and what became of it changes what is left by
     /// the same factors: so shape shows in what was too bright, too. What is brighter than before is compressed.
     ChangedFrom(&'a ColorPlanes),
-}
-
-/// How many pixels are white in some channel, of so many that show a surface.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Whites {
-    /// In the picture.
-    pub(crate) count: usize,
-    /// In the picture before it was changed, where there is one.
-    pub(crate) before: usize,
-    /// All that show a surface.
-    pub(crate) of: usize,
 }
 
 /// A display, with what is the same for all pixels.
@@ -95,60 +80,6 @@ impl Shown<'_> {
     }
 }
 
-impl Whites {
-    /// Counts those of rows of a picture, where `mask` has a surface: of `before`, as it was, and of what is shown.
-    pub(super) fn count(
-        color: &ColorPlanes,
-        alpha: Option<&Plane>,
-        display: &Display,
-        mask: &Mask,
-        rows: Range<usize>,
-    ) -> Self {
-        let before = match display.bright {
-            Bright::ChangedFrom(before) => Some(before),
-            _ => None,
-        };
-        let shown = display.shown();
-        let gain = display.exposure.exp2();
-        let of_row = |y: usize| {
-            let mut whites = Self::default();
-            for x in mask.runs(y).flatten() {
-                let alpha = alpha.map(|alpha| f64::from(alpha.at(x, y)));
-                // What is no brighter than white by its largest channel is not made white.
-                let least = WHITE as f32 * alpha.map_or(1.0, |alpha| alpha as f32);
-                let may_be_white =
-                    |color: [f32; 3]| gain * color.into_iter().fold(0.0, f32::max) >= least;
-                let straight = |color| straight(color, alpha, max_code(8)).0;
-                let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
-                let of = |color: &ColorPlanes| color.at(x, y);
-                whites.of += 1;
-                if may_be_white(of(color)) {
-                    let color = straight(of(color).map(f64::from));
-                    whites.count +=
-                        is_white(shown.map_or(color, |shown| shown.pixel(color, [x, y], straight)));
-                }
-                if let Some(before) = before.map(of).filter(|&before| may_be_white(before)) {
-                    let before = straight(before.map(f64::from));
-                    whites.before += is_white(before.map(|v| f64::from(gain) * v));
-                }
-            }
-            whites
-        };
-        rows.into_par_iter()
-            .map(of_row)
-            .reduce(Self::default, Self::with)
-    }
-
-    /// Both together.
-    pub(crate) fn with(self, other: Self) -> Self {
-        Self {
-            count: self.count + other.count,
-            before: self.before + other.before,
-            of: self.of + other.of,
-        }
-    }
-}
-
 /// Brightness `m` above the knee, so that it stays below white: a hyperbola whose slope at the knee is 1.
 fn compressed(m: f64, knee: f64) -> f64 {
     let room = WHITE - knee;
@@ -157,13 +88,14 @@ fn compressed(m: f64, knee: f64) -> f64 {
 }
 
 /// The largest channel; 0 where none is above it.
-fn largest(color: [f64; 3]) -> f64 {
+pub(super) fn largest(color: [f64; 3]) -> f64 {
     color.into_iter().fold(0.0, f64::max)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Plane;
 
     fn shown(color: [f64; 3], exposure: f32, bright: Bright) -> [f64; 3] {
         match (Display { exposure, bright }).shown() {
