@@ -290,7 +290,9 @@ fn photos_are_pictures_and_serve_as_normal_maps() {
     };
     let right = enhanced("NormalGL", &[]);
     let flipped = mean_apart(&right, &enhanced("NormalDX", &["--normal-flip", "y"]));
-    let wrong = mean_apart(&right, &enhanced("NormalDX", &[]));
+    let told = mean_apart(&right, &enhanced("NormalDX", &[]));
+    assert_eq!(told, flipped, "the curl of its slopes tells it");
+    let wrong = mean_apart(&right, &enhanced("NormalDX", &["--normal-flip", "none"]));
     assert!(
         10.0 * flipped < wrong,
         "{flipped} flipped, {wrong} as it is"

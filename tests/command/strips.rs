@@ -157,8 +157,8 @@ fn the_least_memory_that_is_named_works_and_less_does_not() {
     for work in [
         "enhance in.exr -o out.exr",
         "enhance in.exr -o out.exr --scale 20",
-        "shape in8.jpg --normal n8.png -o out.png",
-        "hatch in8.jpg --normal n8.png -o out.png",
+        "shape in8.jpg --normal n8.png --normal-flip none -o out.png",
+        "hatch in8.jpg --normal n8.png --normal-flip none -o out.png",
     ] {
         let within = |mib: u64| relievo(here, &format!("{work} --max-memory {mib}M"));
         let said = within(40).ended(1);
