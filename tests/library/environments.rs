@@ -183,8 +183,11 @@ fn pictures_are_read_as_light() {
             let [r, ..] = map.radiance([0.3, -0.4, 0.8]);
             // A step of 8-bit sRGB at 0.25 is 0.004.
             assert!((r - 0.25).abs() < 3e-3, "{name}, {width}x{height}: {r}");
-            let sphere = read_lit_sphere(&path).unwrap();
-            assert!((sphere.color([0.9, 0.3])[1] - 0.25).abs() < 3e-3);
+            // Twice as wide as high, it is surroundings and no picture of a ball.
+            if width != 2 * height {
+                let sphere = read_lit_sphere(&path).unwrap();
+                assert!((sphere.color([0.9, 0.3])[1] - 0.25).abs() < 3e-3);
+            }
         }
     }
 }

@@ -258,7 +258,7 @@ fn occlusion_is_scaled_as_ambient_light() {
         enhance(
             &input,
             &output,
-            &[&VIEW[..], &["--explain"], flags].concat(),
+            &[&VIEW[..], &["--explain", "-v"], flags].concat(),
         )
         .done()
     };
