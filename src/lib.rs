@@ -73,6 +73,8 @@
 //!   <https://doi.org/10.1145/508530.508537>
 //! - **\[FS\]** R. W. Floyd, L. Steinberg: *An Adaptive Algorithm for Spatial Greyscale*. Proceedings of the Society
 //!   for Information Display 17(2), 1976.
+//! - **\[CM\]** J. Friedman, A. C. Jones: *Fully Automatic ID Mattes with Support for Motion Blur and Transparency*.
+//!   SIGGRAPH 2015 posters. <https://github.com/Psyop/Cryptomatte>
 //! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 

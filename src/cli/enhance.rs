@@ -12,6 +12,7 @@ use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::engine::{self, Engine};
 use crate::error::Result;
+use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::exr::OutputChannel;
 use crate::plan::Plan;
@@ -55,7 +56,8 @@ impl FrameCommand for EnhanceArgs {
         work.warnings(&loaded)
             .iter()
             .for_each(|text| job.warn(text));
-        let outcome = job.execute(engine, &plan, &loaded.frame, engine::Inputs::default())?;
+        let mut outcome = job.execute(engine, &plan, &loaded.frame, engine::Inputs::default())?;
+        job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,
             plan,
@@ -75,6 +77,10 @@ struct Enhancement<'a> {
 }
 
 impl StripWork for Enhancement<'_> {
+    fn finish(&self, strip: &Frame, outcome: &mut Outcome) {
+        self.args.work.mix(strip, outcome);
+    }
+
     fn runner(&self) -> &Runner {
         self.runner
     }

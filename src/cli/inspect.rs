@@ -7,7 +7,9 @@ use crate::command::commands::InspectArgs;
 use crate::command::enhance::dark_rims;
 use crate::error::{Error, Result};
 use crate::io::inputs::{Inputs, LightInputs};
-use crate::io::{self, Finding, InputFiles, Loaded, Needs, PartSurvey, Survey, frame_bytes};
+use crate::io::{
+    self, Finding, InputFiles, Loaded, Needs, ObjectSurvey, PartSurvey, Survey, frame_bytes,
+};
 use crate::params::ScalingParams;
 use serde::Serialize;
 use std::path::Path;
@@ -19,6 +21,7 @@ const EVERYTHING: Needs = Needs {
     albedo: false,
     projection: true,
     motion: false,
+    strength: false,
 };
 
 /// Most memory that is taken to look into a file.
@@ -147,6 +150,10 @@ fn lines(inspection: &Inspection) -> Vec<String> {
         let channels = role.channels.join(" ");
         format!("    {:<20} {channels}", role.role.name())
     }));
+    if !survey.objects.is_empty() {
+        lines.push("  objects".into());
+        lines.extend(survey.objects.iter().flat_map(object_lines));
+    }
     lines.push("  conclusions".into());
     for finding in findings {
         let Finding {
@@ -162,6 +169,28 @@ fn lines(inspection: &Inspection) -> Vec<String> {
     lines.extend(warnings.map(|warning| format!("    warning: {warning}")));
     let problem = problem.iter();
     lines.extend(problem.map(|problem| format!("    cannot be used as it stands: {problem}")));
+    lines
+}
+
+/// The names in one layer of Cryptomatte, as many in a line as fit.
+fn object_lines(survey: &ObjectSurvey) -> Vec<String> {
+    const WIDTH: usize = 100;
+    let mut lines = vec![format!("    {}", survey.layer)];
+    let mut line = String::new();
+    for name in &survey.names {
+        if !line.is_empty() && line.len() + name.len() + 2 > WIDTH - 6 {
+            lines.push(format!("      {line},"));
+            line.clear();
+        }
+        let space = if line.is_empty() { "" } else { ", " };
+        line += space;
+        line += name;
+    }
+    let last = match survey.names.is_empty() {
+        true => "(no manifest names them)",
+        false => &line,
+    };
+    lines.push(format!("      {last}"));
     lines
 }
 

@@ -7,6 +7,7 @@ use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::enhance::dark_rims;
+use crate::command::output::MadePicture;
 use crate::command::relight::{illumination, lit, needs, specular_scene};
 use crate::command::relight_args::RelightArgs;
 use crate::engine::cpu::Runner;
@@ -14,7 +15,7 @@ use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::engine::{self, Engine};
 use crate::error::Result;
-use crate::frame::SpecularScene;
+use crate::frame::{Frame, SpecularScene};
 use crate::io::Loaded;
 use crate::io::exr::OutputChannel;
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
@@ -88,14 +89,15 @@ impl FrameCommand for RelightArgs {
         }
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let outcome = job.execute(&kit.engine, &plan, &loaded.frame, work.inputs())?;
+        let mut outcome = job.execute(&kit.engine, &plan, &loaded.frame, work.inputs())?;
+        job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,
             plan,
             outcome,
             read,
         };
-        let chosen = job.write_color(&done, lit(&done.outcome))?;
+        let chosen = job.write_color(&done, work.lit(&done.loaded.frame, &done.outcome))?;
         kit.engine.recycle(done.outcome);
         Ok(chosen)
     }
@@ -109,7 +111,17 @@ struct Relight<'a> {
     scene: Option<SpecularScene>,
 }
 
+impl Relight<'_> {
+    fn lit<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> MadePicture<'a> {
+        lit(frame, outcome, self.args.work.flags.params.mix)
+    }
+}
+
 impl StripWork for Relight<'_> {
+    fn finish(&self, strip: &Frame, outcome: &mut Outcome) {
+        self.args.work.mix(strip, outcome);
+    }
+
     fn runner(&self) -> &Runner {
         self.kit.engine.cpu_runner()
     }
@@ -135,10 +147,10 @@ impl StripWork for Relight<'_> {
         strip: &'a Loaded,
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
-        job.color_channels(strip, lit(outcome).color)
+        job.color_channels(strip, self.lit(&strip.frame, outcome).color)
     }
 
-    fn shown<'a>(&self, _strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
-        Shown::Made(lit(outcome))
+    fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
+        Shown::Made(self.lit(&strip.frame, outcome))
     }
 }

@@ -14,7 +14,7 @@ use crate::engine::guard::not_finite;
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::Strips;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Plane, Window};
+use crate::frame::{Frame, HOLE_REACH, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
@@ -49,6 +49,9 @@ pub(super) trait StripWork {
     fn inputs(&self) -> engine::Inputs<'_> {
         engine::Inputs::default()
     }
+
+    /// What is done to all that was made of a strip, pixel by pixel.
+    fn finish(&self, _strip: &Frame, _outcome: &mut Outcome) {}
 
     /// What is written of a strip to an EXR.
     fn channels<'a>(
@@ -255,7 +258,7 @@ pub(super) fn make<W: StripWork>(
         inputs,
         needs,
         whole,
-        strips: strips_of(job, cost, plan.reach())?,
+        strips: strips_of(job, cost, plan.reach() + HOLE_REACH)?,
         work,
         found: StripChoice::default(),
         timings: RefCell::new(Timings::of_window(whole)),
@@ -312,7 +315,9 @@ fn exposure<W: StripWork>(
 
 /// What comes of a strip.
 fn run<W: StripWork>(work: &W, plan: &Plan, strip: &Frame) -> Result<Outcome> {
-    work.runner().execute(plan, strip, work.inputs())
+    let mut outcome = work.runner().execute(plan, strip, work.inputs())?;
+    work.finish(strip, &mut outcome);
+    Ok(outcome)
 }
 
 /// The middle of the picture, which tells how its layers are to be read: as many rows as fit.

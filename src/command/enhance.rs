@@ -29,6 +29,7 @@ impl EnhanceArgs {
         inputs.light = Some(self.light.inputs(&self.work.flags.params, frame));
         let needs = Needs {
             color: true,
+            strength: true,
             projection: self.work.flags.params.shape.foreshortening != 0.0,
             ..Needs::default()
         };

@@ -1,10 +1,12 @@
 //! What an output path stands for, and the picture that a display is given.
 
 use super::args::{OutputArgs, WorkArgs};
+use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::io::colorspace::{Chromaticities, converted, rec709_from};
 use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat, ViewTransform};
+use crate::light::mixing::mix;
 use crate::params::{DisplayParams, Exposure, Highlights};
 use std::borrow::Cow;
 use std::path::Path;
@@ -100,6 +102,14 @@ impl OutputArgs {
 }
 
 impl WorkArgs {
+    /// Takes as much of the picture that was made of `frame` as is asked for, everywhere and for each pixel.
+    pub(crate) fn mix(&self, frame: &Frame, outcome: &mut Outcome) {
+        if let Some(made) = &mut outcome.color {
+            let (before, strength) = (frame.color.as_ref(), frame.strength.as_ref());
+            mix(made, before, strength, self.flags.params.mix);
+        }
+    }
+
     /// What was made of a frame, with the primaries of its file, as a display is given it, in 8 bits; `chosen` is the
     /// exposure where that was left open.
     pub(crate) fn displayed<'a>(

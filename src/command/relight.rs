@@ -20,11 +20,13 @@ use crate::plan::{Available, LightKinds, Plan};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The picture that light makes.
-pub(crate) fn lit(outcome: &Outcome) -> MadePicture<'_> {
+/// The picture that light makes; it goes on from the frame's own where only a `share` of it is taken, or is taken in
+/// places.
+pub(crate) fn lit<'a>(frame: &'a Frame, outcome: &'a Outcome, share: f32) -> MadePicture<'a> {
+    let is_mixed = share != 1.0 || frame.strength.is_some();
     MadePicture {
         color: outcome.color.as_ref().expect("light makes a picture"),
-        before: None,
+        before: frame.color.as_ref().filter(|_| is_mixed),
     }
 }
 
@@ -118,6 +120,7 @@ pub(crate) fn needs(
         albedo: !own_color && illumination.lit_spheres.is_empty(),
         projection: foreshortening != 0.0 || near || !diffuse,
         motion: false,
+        strength: true,
     }
 }
 

@@ -34,9 +34,17 @@ pub(crate) struct RoleArgs {
     /// How far each pixel is diffused, from 0, all detail, to 1, as far as asked for: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     importance: Option<String>,
-    /// Coverage, a surface where above one half: a layer of IN or a file.
+    /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is found in all of the picture,
+    /// and what is drawn or measured is so where the mask is above one half.
     #[arg(long, value_name = "NAME|FILE")]
     mask: Option<String>,
+    /// Only this object, by its name in Cryptomatte, * and ? for any letters, or its number in an index pass; !NAME
+    /// leaves one out. May be given several times.
+    #[arg(long = "object", value_name = "NAME")]
+    objects: Vec<String>,
+    /// Where a surface is seen, above one half: a layer of IN or a file. Elsewhere normals have no meaning.
+    #[arg(long, value_name = "NAME|FILE")]
+    coverage: Option<String>,
     /// Space of the normals.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(NORMAL_SPACES))]
     normal_space: Given<NormalSpace>,
@@ -139,6 +147,8 @@ impl RoleArgs {
             importance: self.importance.clone(),
             motion: None,
             mask: self.mask.clone(),
+            objects: self.objects.clone(),
+            coverage: self.coverage.clone(),
             camera: self.camera.clone(),
             normal_space: self.normal_space.0,
             normal_encoding: self.normal_encoding.0,
@@ -161,6 +171,7 @@ impl RoleArgs {
             &mut self.occlusion,
             &mut self.importance,
             &mut self.mask,
+            &mut self.coverage,
         ];
         for own in named.into_iter().flatten() {
             *own = name(own);
@@ -182,6 +193,7 @@ impl RoleArgs {
             &self.occlusion,
             &self.importance,
             &self.mask,
+            &self.coverage,
         ];
         let named = named
             .into_iter()

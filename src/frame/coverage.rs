@@ -1,6 +1,7 @@
 //! Where a surface was seen: backgrounds and missing samples become the mask, and nothing else.
 
 use super::depth::{HALF_INFINITY, is_distance, to_distances};
+use super::holes::fill;
 use super::normals::{MIN_LENGTH, normalise};
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
@@ -26,18 +27,28 @@ pub(crate) fn of_normals(
     }))
 }
 
+/// Where a surface was seen.
+pub(crate) struct Covered {
+    pub(crate) mask: Mask,
+    /// The lengths that the normals had.
+    pub(crate) lengths: Plane,
+    /// How many samples of depth were missing and are filled.
+    pub(crate) filled: usize,
+}
+
 /// Finds where a surface was seen, and makes normals and depth there what a frame holds: unit normals, and values that
-/// grow with distance; both 0 elsewhere. Depth of which it is not known what was stored is taken as it is. Returns the
-/// mask and the lengths that the normals had.
+/// grow with distance; both 0 elsewhere. Depth of which it is not known what was stored is taken as it is; single samples of
+/// it that are missing are filled.
 pub(crate) fn cover(
     normal: &mut Vector3Planes,
     mut depth: Option<(&mut Plane, Option<StoredDepth>)>,
     alpha: Option<&Plane>,
     mask: Option<&Plane>,
-) -> (Mask, Plane) {
+) -> Covered {
     if let Some((depth, Some(stored))) = &mut depth {
         to_distances(depth, *stored);
     }
+    let filled = depth.as_mut().map(|(depth, _)| fill(depth, normal));
     let stored = depth.as_ref().and_then(|(_, stored)| *stored);
     let depth_shows_coverage = depth.is_some() && stored.is_none_or(StoredDepth::shows_coverage);
     // Alpha decides only where nothing else does.
@@ -48,7 +59,11 @@ pub(crate) fn cover(
         blank_outside(depth, &mask);
     }
     let lengths = normalise(normal, mask.plane());
-    (mask, lengths)
+    Covered {
+        mask,
+        lengths,
+        filled: filled.unwrap_or(0),
+    }
 }
 
 /// Takes from the mask where depth is no distance, and makes depth 0 outside it: no NaN and no sentinel travels on.

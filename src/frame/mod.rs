@@ -5,6 +5,7 @@ mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
 mod enlarged;
+mod holes;
 mod light_layers;
 mod mask;
 mod motion;
@@ -23,6 +24,7 @@ pub(crate) use builder::PIXEL_ASPECTS;
 #[doc(inline)]
 pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
+pub(crate) use holes::HOLE_REACH;
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
@@ -69,6 +71,8 @@ pub struct Frame {
     pub occlusion: Option<Plane>,
     /// How far each pixel is diffused, as a share, 0..1, of what is asked for.
     pub importance: Option<Plane>,
+    /// How much of what is made is taken, 0..1, where it is said; shape is found in all of the frame.
+    pub strength: Option<Plane>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
     /// Colour of the surface itself, scene-linear, where a layer or file holds it.
@@ -119,6 +123,7 @@ impl Frame {
             depth: None,
             occlusion: None,
             importance: None,
+            strength: None,
             color: None,
             albedo: None,
             alpha: None,
@@ -159,6 +164,7 @@ impl Frame {
             depth: self.depth.as_ref().map(plane),
             occlusion: self.occlusion.as_ref().map(plane),
             importance: self.importance.as_ref().map(plane),
+            strength: self.strength.as_ref().map(plane),
             color: self.color.as_ref().map(colors),
             albedo: self.albedo.as_ref().map(colors),
             alpha: self.alpha.as_ref().map(plane),

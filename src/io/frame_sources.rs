@@ -3,6 +3,7 @@
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs};
 use super::light_layers::LightSources;
+use super::objects::refuse_numbers;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
@@ -66,7 +67,11 @@ impl FrameSources {
             let by_name = || RoleSource::resolve(Role::DiffuseColor, None, main);
             roles.extend(albedo.map_or_else(by_name, |albedo| Ok(Some(albedo)))?);
         }
+        if let Some(name) = &inputs.mask {
+            refuse_numbers(name, main)?;
+        }
         roles.extend(find(Role::Mask, &inputs.mask)?);
+        roles.extend(find(Role::Coverage, &inputs.coverage)?);
         if needs.motion {
             roles.extend(find(Role::Motion, &inputs.motion)?);
         }

@@ -37,8 +37,13 @@ pub struct Inputs {
     /// Motion since the frame before, in pixels, y up, as previous minus current; read only where
     /// [`Needs`] ask for it.
     pub motion: Option<String>,
-    /// Coverage: a surface was seen where it is above one half.
+    /// How much of what is made is taken, 0..1, where [`Needs`] ask for it; else coverage as below.
     pub mask: Option<String>,
+    /// Objects whose shares of a pixel are how much is taken, by their names in Cryptomatte, with `*` and `?` for any
+    /// letters, or by their numbers; a `!` before a name leaves an object out. All where there are none.
+    pub objects: Vec<String>,
+    /// Coverage: a surface was seen where it is above one half.
+    pub coverage: Option<String>,
     /// A camera file.
     pub camera: Option<PathBuf>,
     /// The space of the normals; `None` decides from the data.
@@ -74,6 +79,8 @@ pub struct Needs {
     pub projection: bool,
     /// Motion since the frame before, where there is any.
     pub motion: bool,
+    /// How much of what is made is taken, where a mask or objects say so; else they are coverage.
+    pub strength: bool,
 }
 
 /// A camera that need not be looked for.

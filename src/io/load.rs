@@ -9,13 +9,14 @@ use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
 use super::notes::Notes;
+use super::objects;
 use super::opened::{Holding, Opened};
 use super::roles::Role;
 use super::sources::RoleSource;
 use super::surface::Surface;
 use super::view::{View, turn_to_view};
 use crate::error::Result;
-use crate::frame::coverage;
+use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
 use crate::frame::{
@@ -190,12 +191,22 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     normals::decode(&mut normal, encoding, given_flip);
     let mut layers = Layers::of(&mut planes);
     notes.warnings.append(&mut planes.warnings);
+    let strength = source.strength(planes.scalar(Role::Mask))?;
+    if let Some(strength) = &strength {
+        notes.on_strength(strength, inputs.rows.is_some());
+    }
+    let strength = layers.take_strength(strength, needs);
     let sense = source.depth_sense(&normal, &layers)?;
     let stored = sense.as_ref().map(|(stored, _)| *stored);
     let depth = layers.depth.as_mut().map(|depth| (depth, stored));
-    let (alpha, own_mask) = (layers.alpha.as_ref(), layers.mask.as_ref());
-    let (mut mask, lengths) = coverage::cover(&mut normal, depth, alpha, own_mask);
+    let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());
+    let Covered {
+        mut mask,
+        lengths,
+        filled,
+    } = coverage::cover(&mut normal, depth, alpha, covered);
     notes.on_coverage(&mask);
+    notes.on_filled(filled, &mask);
     let view = source.turn_to_view(needs, &mut normal, &mask, &layers)?;
     notes.findings.extend(view.findings);
     notes.warnings.extend(view.warnings);
@@ -217,6 +228,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         depth: layers.depth,
         occlusion: occlusion.or_else(|| coverage::varying(layers.alpha.as_ref())),
         importance: planes.scalar(Role::Importance),
+        strength,
         color: layers.color,
         albedo: layers.albedo,
         alpha: layers.alpha,
@@ -226,6 +238,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         ..Frame::of_normals(normal, mask)
     };
     let stored = settle_depth_kind(&mut frame, sense, depth_is_half, &mut notes);
+    notes.on_steps(&frame);
     Ok(Loaded {
         motion: planes.motion(),
         findings: notes.findings,
@@ -270,7 +283,7 @@ struct Layers {
     albedo: Option<ColorPlanes>,
     depth: Option<Plane>,
     position: Option<Vector3Planes>,
-    mask: Option<Plane>,
+    coverage: Option<Plane>,
 }
 
 impl Layers {
@@ -283,9 +296,29 @@ impl Layers {
             albedo: albedos.find_map(|role| planes.color(role).0),
             depth: planes.scalar(Role::Depth),
             position: planes.vector(Role::Position),
-            mask: planes.scalar(Role::Mask),
+            coverage: planes.scalar(Role::Coverage),
         }
     }
+
+    /// How much of what is made is taken, where that is asked for; else it is coverage too.
+    fn take_strength(&mut self, strength: Option<Plane>, needs: Needs) -> Option<Plane> {
+        let strength = strength?;
+        if needs.strength {
+            return Some(strength);
+        }
+        self.coverage = Some(match self.coverage.take() {
+            Some(covered) => smaller(covered, &strength),
+            None => strength,
+        });
+        None
+    }
+}
+
+/// The smaller of the samples of two planes.
+fn smaller(mut plane: Plane, other: &Plane) -> Plane {
+    let samples = plane.samples_mut().iter_mut().zip(other.samples());
+    samples.for_each(|(sample, other)| *sample = sample.min(*other));
+    plane
 }
 
 /// Where a frame is read from, and the pixels that are read.
@@ -316,6 +349,26 @@ impl FrameSource<'_> {
         }
     }
 
+    /// How much of what is made is taken, 0..1: the share of objects, times the mask.
+    fn strength(&self, mask: Option<Plane>) -> Result<Option<Plane>> {
+        let chosen = &self.inputs.objects;
+        let objects = match chosen.is_empty() {
+            true => None,
+            false => Some(objects::covered(chosen, self.main, self.data_window)?),
+        };
+        // What is no number changes nothing.
+        let mask =
+            mask.map(|mask| mask.map(|share| if share > 0.0 { share.min(1.0) } else { 0.0 }));
+        Ok(match (mask, objects) {
+            (Some(mut mask), Some(objects)) => {
+                let samples = mask.samples_mut().iter_mut().zip(objects.samples());
+                samples.for_each(|(share, object)| *share *= object);
+                Some(mask)
+            }
+            (mask, objects) => mask.or(objects),
+        })
+    }
+
     /// What is known of depth before it is compared with the frame.
     fn depth_sense(&self, normal: &Vector3Planes, layers: &Layers) -> Result<Sense> {
         let raw = match (self.inputs.depth_kind, &layers.depth) {
@@ -330,7 +383,7 @@ impl FrameSource<'_> {
             normal,
             surface: self.surface(&full, layers, None),
             alpha: layers.alpha.as_ref(),
-            mask: layers.mask.as_ref(),
+            mask: layers.coverage.as_ref(),
         };
         let source = self.sources.get(Role::Depth);
         judge_sense(&evidence, source.map(RoleSource::hint).unwrap_or_default())

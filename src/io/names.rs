@@ -66,6 +66,7 @@ roles! {
     Occlusion: Color = "ambientocclusion" "ao" "occlusion";
     // Only flags name these.
     Mask: Color =;
+    Coverage: Color =;
     SpecularMask: Color =;
     Importance: Color = "importance";
     DiffuseDirect: Color = "diffusedirect" "diffdir" "directdiffuse" "diffuselighting";

@@ -39,6 +39,15 @@ pub(super) fn alike<'a>(layers: &'a [Layer], name: &str) -> Option<&'a str> {
     best(layers.iter().map(|layer| (layer, likeness(layer))))
 }
 
+/// The name that is most like `name`, if one is like enough.
+pub(super) fn likest<'a>(names: &[&'a str], name: &str) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    let likeness = |own: &str| strsim::jaro_winkler(&own.to_lowercase(), &name);
+    let names = names.iter().map(|own| (likeness(own), *own));
+    let able = names.filter(|(likeness, _)| *likeness >= ALIKE);
+    able.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, own)| own)
+}
+
 /// The first of the likest layers, if it is like enough and has a name.
 fn best<'a>(layers: impl Iterator<Item = (&'a Layer, f64)>) -> Option<&'a str> {
     let mut best: Option<(&Layer, f64)> = None;

@@ -7,7 +7,8 @@ use super::normal_encoding::judge_encoding;
 use super::opened::Opened;
 use super::roles::Role;
 use super::sources::Chosen;
-use crate::frame::{Mask, Vector3Planes};
+use crate::frame::{Frame, Mask, Plane, Vector3Planes};
+use rayon::prelude::*;
 
 /// Conclusions and warnings gathered while loading.
 pub(super) struct Notes {
@@ -38,6 +39,32 @@ fn evidence(chosen: &Chosen, flag: &str) -> String {
         .flatten()
         .find(fits)
         .unwrap_or(few)
+}
+
+/// Up to this share of samples of depth that were missing is not worth a word, percent.
+const FEW_HOLES_PERCENT: f64 = 0.1;
+
+/// From this share of a surface at steps of depth on, they are no outlines of things.
+const MANY_STEPS: f64 = 0.15;
+
+/// Neighbours whose depths differ by a larger factor lie on two surfaces.
+const STEP: f32 = 1.1;
+
+/// The share of covered pixels at which depth steps to the next one to the right or below.
+fn share_at_steps(depth: &Plane, mask: &Mask) -> f64 {
+    let is_step = |a: f32, b: f32| a > STEP * b || b > STEP * a;
+    let steps_in_row = |y: usize| {
+        let (row, covered) = (depth.row(y), mask.row(y));
+        let below = (y + 1 < depth.height()).then(|| (depth.row(y + 1), mask.row(y + 1)));
+        let at_step = |x: usize| {
+            let right = x + 1 < row.len() && covered[x + 1] && is_step(row[x], row[x + 1]);
+            let below = below.is_some_and(|(next, covers)| covers[x] && is_step(row[x], next[x]));
+            right || below
+        };
+        mask.span(y).filter(|&x| covered[x] && at_step(x)).count()
+    };
+    let steps: usize = (0..depth.height()).into_par_iter().map(steps_in_row).sum();
+    steps as f64 / mask.count().max(1) as f64
 }
 
 impl Notes {
@@ -74,6 +101,38 @@ impl Notes {
         if mask.count() == 0 {
             self.warnings
                 .push("no pixel shows a surface: nothing to do".into());
+        }
+    }
+
+    /// Says how many samples of depth were filled.
+    pub(super) fn on_filled(&mut self, filled: usize, mask: &Mask) {
+        let share = 100.0 * filled as f64 / mask.count().max(1) as f64;
+        if share > FEW_HOLES_PERCENT {
+            self.warnings.push(format!(
+                "depth lacked {filled} samples inside surfaces ({share:.1} %), as fog or glass leaves it: they are filled"
+            ));
+        }
+    }
+
+    /// Says where so much of a surface lies at steps of depth that little of it is left.
+    pub(super) fn on_steps(&mut self, frame: &Frame) {
+        let Some(depth) = &frame.depth else {
+            return;
+        };
+        let share = share_at_steps(depth, &frame.mask);
+        if share > MANY_STEPS {
+            self.warnings.push(format!(
+                "{:.0} % of the surface lies at steps of depth, and is taken for silhouettes: try --depth none",
+                100.0 * share
+            ));
+        }
+    }
+
+    /// Says where nothing of a picture is chosen.
+    pub(super) fn on_strength(&mut self, strength: &Plane, is_part: bool) {
+        if !is_part && strength.samples().iter().all(|&share| share == 0.0) {
+            self.warnings
+                .push("nothing of what is chosen is in the picture: it stays as it is".into());
         }
     }
 

@@ -10,7 +10,7 @@ use super::roles::Role;
 use super::sources::{RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
-use crate::frame::coverage;
+use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::{depth_of_positions, is_distance, to_distances};
 use crate::frame::normals::{decode, turn_to_view};
 use crate::frame::{
@@ -289,7 +289,7 @@ impl Layer<'_> {
         let conventions = self.loaded.conventions;
         let encoding = judge_encoding(&normal);
         decode(&mut normal, encoding, conventions.normal_flip);
-        let (mask, _) = coverage::cover(&mut normal, Some((depth, None)), None, None);
+        let Covered { mask, .. } = coverage::cover(&mut normal, Some((depth, None)), None, None);
         turn_to_view(&mut normal, conventions.normal_space, &self.camera);
         (mask, normal)
     }

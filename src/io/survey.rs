@@ -2,6 +2,7 @@
 
 use super::exr::{ExrFile, SampleType};
 use super::numbers::NUMBERED;
+use super::objects;
 use super::opened::{Opened, layers_of};
 use super::roles::{self, Match, Role};
 use crate::error::Result;
@@ -24,6 +25,17 @@ pub struct Survey {
     pub parts: Vec<PartSurvey>,
     /// Which layer plays which role, by name, or by numbers where no name says so.
     pub roles: Vec<RoleSurvey>,
+    /// The objects that Cryptomatte names, layer by layer.
+    pub objects: Vec<ObjectSurvey>,
+}
+
+/// A layer of Cryptomatte.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObjectSurvey {
+    /// Its name.
+    pub layer: String,
+    /// Names of its objects; none where they are in no manifest.
+    pub names: Vec<String>,
 }
 
 /// One part of a file.
@@ -80,6 +92,10 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
             pixel_aspect: file.pixel_aspect,
             views: views.clone(),
             view: view.clone(),
+            objects: objects::names(file)
+                .into_iter()
+                .map(|(layer, names)| ObjectSurvey { layer, names })
+                .collect(),
             parts: {
                 let all = layers_of(file);
                 let parts = 0..file.parts.len();
@@ -167,6 +183,7 @@ fn photo_survey(photo: &super::photo::StoredPhoto) -> Survey {
                 sample_type,
             }],
         }],
+        objects: Vec::new(),
         roles: vec![RoleSurvey {
             role: Role::Color,
             layer: String::new(),

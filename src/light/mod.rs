@@ -14,6 +14,7 @@ pub mod light_warping;
 pub mod lights;
 pub mod lit_sphere;
 pub mod median_cut;
+pub(crate) mod mixing;
 pub(crate) mod prepared_environment;
 pub mod radiance_scaling;
 pub(crate) mod relight;

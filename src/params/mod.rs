@@ -79,6 +79,9 @@ params! {
             valid: range::ANGLES_DEG, useful: table::even(-180.0, 180.0);
         /// How the surface is lit.
         relight: RelightParams;
+        /// How much of the change is taken, and of the picture as it was the rest: 0 leaves it as it is.
+        mix: f32 = 1.0,
+            flag: "--mix", form: "SHARE", valid: 0.0..=1.0, useful: table::even(0.0, 1.0), group: Group::Display;
         /// How pictures are brought to a display.
         display: DisplayParams;
         /// How what mirrors and lenses show is searched for.

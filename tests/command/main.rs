@@ -14,6 +14,7 @@ mod inputs;
 mod moving_strokes;
 mod names;
 mod numbers;
+mod objects;
 mod outputs;
 mod photos;
 mod readme;

@@ -4,7 +4,7 @@ use super::FrameBuilder;
 use super::light::{colors, colors_of, finite};
 use super::samples::{Name, Samples, bad};
 use crate::error::Result;
-use crate::frame::coverage::{self, cover};
+use crate::frame::coverage::{self, Covered, cover};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
@@ -41,7 +41,9 @@ impl FrameBuilder<'_> {
         let (mut depth, mut depth_kind) = self.stored_depth()?;
         let own_mask = self.scalar("mask", &self.mask)?;
         let stored_depth = self.depth.as_ref().map(|(_, stored)| *stored);
-        let (mut mask, lengths) = cover(
+        let Covered {
+            mut mask, lengths, ..
+        } = cover(
             &mut normal,
             depth.as_mut().map(|depth| (depth, stored_depth)),
             alpha.as_ref(),

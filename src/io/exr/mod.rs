@@ -108,6 +108,18 @@ impl ExrFile {
         })
     }
 
+    /// The strings among the attributes of all parts whose names begin with `prefix`, whole, by the rest of their names.
+    pub(in crate::io) fn strings(&self, prefix: &str) -> Vec<(String, String)> {
+        let all = self.header.parts.iter().flat_map(|part| part.iter());
+        let strings = all.filter(|attribute| attribute.kind == b"string");
+        let named = strings.filter_map(|attribute| {
+            let name = attributes::text_of_bytes(&attribute.name);
+            let rest = name.strip_prefix(prefix)?.to_owned();
+            Some((rest, attributes::text_of_bytes(&attribute.value)))
+        });
+        named.collect()
+    }
+
     /// All channels of all parts, in order.
     pub fn channel_ids(&self) -> impl Iterator<Item = ChannelId> {
         let parts = self.parts.iter().enumerate();

@@ -35,6 +35,7 @@ fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>)
         depth: Some(seen.map(|depth| depth.unwrap_or(0.0))),
         occlusion: None,
         importance: None,
+        strength: None,
         color: Some(ColorPlanes {
             r: flat(tone),
             g: flat(tone),

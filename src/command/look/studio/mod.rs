@@ -281,8 +281,19 @@ impl ViewSession {
                 let color = args.printed(drawing);
                 Pixels::of(&args.on_a_page(&color, frame.pixel_aspect))
             }
-            (Command::Enhance(_), _) => self.shown(enhance::made(frame, outcome), work),
-            (_, _) => self.shown(relight::lit(outcome), work),
+            (command, _) => {
+                let mut outcome = Outcome {
+                    color: outcome.color.clone(),
+                    ..Outcome::default()
+                };
+                work.mix(frame, &mut outcome);
+                let share = work.flags.params.mix;
+                let made = match command {
+                    Command::Enhance(_) => enhance::made(frame, &outcome),
+                    _ => relight::lit(frame, &outcome, share),
+                };
+                self.shown(made, work)
+            }
         })
     }
 

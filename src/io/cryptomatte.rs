@@ -1,0 +1,179 @@
+//! Cryptomatte: how much of a pixel each named object covers ([CM], specification 1.2).
+//!
+//! A layer called `X` keeps its samples in channels `X00.R`, `X00.G`, `X00.B`, `X00.A`, `X01.R` and so on: pairs of an
+//! object's number and its share of the pixel, 0..1, the largest share first. The number is the hash of the object's
+//! name as the bits of a float; the manifest, in the header or in a file beside the picture, says which name has which.
+
+use super::exr::{ChannelId, ExrFile};
+use crate::frame::{Plane, Window};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What attributes of Cryptomatte begin with.
+const PREFIX: &str = "cryptomatte/";
+
+/// Most bytes of a manifest in a file of its own.
+const MOST_OF_A_MANIFEST: u64 = 64 << 20;
+
+/// One layer of Cryptomatte: by object, by material, by asset.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Cryptomatte {
+    /// Its name, as `ViewLayer.CryptoObject`.
+    pub(super) layer: String,
+    /// Names of objects with their numbers.
+    pub(super) manifest: BTreeMap<String, u32>,
+    /// The channels of numbers and of shares, rank by rank.
+    ranks: Vec<[ChannelId; 2]>,
+}
+
+/// All layers of Cryptomatte that a file declares and has channels of.
+pub(super) fn layers(file: &ExrFile) -> Vec<Cryptomatte> {
+    let mut declared: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+    for (name, text) in file.strings(PREFIX) {
+        if let Some((id, what)) = name.split_once('/') {
+            let own = declared.entry(id.to_owned()).or_default();
+            own.entry(what.to_owned()).or_insert(text);
+        }
+    }
+    let layers = declared.values().filter_map(|declared| {
+        let layer = declared.get("name")?.clone();
+        let ranks = ranks(file, &layer);
+        let has_ranks = !ranks.is_empty();
+        has_ranks.then(|| Cryptomatte {
+            manifest: manifest(declared, &file.path).unwrap_or_default(),
+            layer,
+            ranks,
+        })
+    });
+    layers.collect()
+}
+
+/// Names and numbers of a layer's objects, from the header or the file that it names; `None` where there are none, or
+/// they cannot be read.
+fn manifest(declared: &BTreeMap<String, String>, picture: &Path) -> Option<BTreeMap<String, u32>> {
+    let text = match (declared.get("manifest"), declared.get("manif_file")) {
+        (Some(text), _) => text.clone(),
+        (None, Some(name)) => {
+            let path = picture.parent()?.join(Path::new(name).file_name()?);
+            let is_small = std::fs::metadata(&path).ok()?.len() <= MOST_OF_A_MANIFEST;
+            std::fs::read_to_string(path).ok().filter(|_| is_small)?
+        }
+        (None, None) => return None,
+    };
+    let numbers: BTreeMap<String, String> = serde_json::from_str(&text).ok()?;
+    let numbers = numbers.into_iter();
+    let numbers = numbers.filter_map(|(name, hex)| Some((name, parsed(&hex)?)));
+    Some(numbers.collect())
+}
+
+fn parsed(hex: &str) -> Option<u32> {
+    u32::from_str_radix(hex, 16).ok()
+}
+
+/// The channels of `layer`, rank by rank; those of a part that lacks one of a pair are left out.
+fn ranks(file: &ExrFile, layer: &str) -> Vec<[ChannelId; 2]> {
+    let mut found: BTreeMap<(u32, usize), ChannelId> = BTreeMap::new();
+    for id in file.channel_ids() {
+        let name = &file.parts[id.part].channels[id.channel].name;
+        if let Some(place) = place(name, layer) {
+            found.entry(place).or_insert(id);
+        }
+    }
+    let pairs = found
+        .iter()
+        .filter(|((_, component), _)| component % 2 == 0);
+    let pairs = pairs.filter_map(|(&(level, component), &number)| {
+        let share = *found.get(&(level, component + 1))?;
+        (share.part == number.part).then_some([number, share])
+    });
+    pairs.collect()
+}
+
+/// The number of the layer of channels and the component, 0 to 3, of a channel that is one of `layer`.
+fn place(channel: &str, layer: &str) -> Option<(u32, usize)> {
+    let (level, component) = channel.strip_prefix(layer)?.split_once('.')?;
+    let is_number = !level.is_empty() && level.bytes().all(|b| b.is_ascii_digit());
+    let component = match component.to_ascii_lowercase().as_str() {
+        "r" | "red" => 0,
+        "g" | "green" => 1,
+        "b" | "blue" => 2,
+        "a" | "alpha" => 3,
+        _ => return None,
+    };
+    is_number.then(|| Some((level.parse().ok()?, component)))?
+}
+
+impl Cryptomatte {
+    /// Whether a layer called `name` is one of those that hold its samples.
+    pub(super) fn holds(&self, name: &str) -> bool {
+        place(&format!("{name}.r"), &self.layer).is_some()
+    }
+
+    /// The pixels that its channels hold.
+    pub(super) fn window(&self, file: &ExrFile) -> Window {
+        file.parts[self.ranks[0][0].part].window
+    }
+
+    /// All of its channels.
+    pub(super) fn channels(&self) -> Vec<ChannelId> {
+        self.ranks.iter().flatten().copied().collect()
+    }
+
+    /// The channel that a lossy compression has altered, if there is one: numbers must be kept bit for bit.
+    pub(super) fn spoilt<'f>(&self, file: &'f ExrFile) -> Option<&'f str> {
+        let spoilt = |id: &&[ChannelId; 2]| file.parts[id[0].part].is_lossy(id[0].channel);
+        let [number, _] = self.ranks.iter().find(spoilt)?;
+        Some(&file.parts[number.part].channels[number.channel].name)
+    }
+}
+
+/// How much of each pixel objects with these `numbers` cover, 0..1, from planes as [`Cryptomatte::channels`] names them.
+pub(super) fn coverage(planes: &[Plane], numbers: &[u32]) -> Plane {
+    let (ranks, _) = planes.as_chunks::<2>();
+    let [first, _] = &ranks[0];
+    let mut covered = Plane::filled(first.width(), first.height(), 0.0);
+    for [number, share] in ranks {
+        let samples = number.samples().iter().zip(share.samples());
+        for (sum, (number, share)) in covered.samples_mut().iter_mut().zip(samples) {
+            // What is no number is no share either.
+            if *share > 0.0 && numbers.contains(&number.to_bits()) {
+                *sum = (*sum + share).min(1.0);
+            }
+        }
+    }
+    covered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_are_those_of_a_layer_and_its_number() {
+        let layer = "ViewLayer.CryptoObject";
+        assert_eq!(place("ViewLayer.CryptoObject00.r", layer), Some((0, 0)));
+        assert_eq!(place("ViewLayer.CryptoObject02.A", layer), Some((2, 3)));
+        assert_eq!(place("ViewLayer.CryptoObject.r", layer), None);
+        assert_eq!(place("ViewLayer.CryptoObjects00.r", layer), None);
+        assert_eq!(place("ViewLayer.CryptoObject00.z", layer), None);
+    }
+
+    #[test]
+    fn shares_of_all_ranks_are_summed_and_what_is_no_number_is_none() {
+        let plane = |samples: [f32; 3]| Plane::from_samples(3, 1, samples.to_vec());
+        let [a, b] = [f32::from_bits(0x3f12_3456), f32::from_bits(0x4098_7654)];
+        let planes = [
+            plane([a, b, a]),
+            plane([0.5, 0.75, f32::NAN]),
+            plane([b, a, 0.0]),
+            plane([0.25, 0.25, 1.0]),
+        ];
+        let of = |numbers: &[f32]| {
+            let numbers: Vec<u32> = numbers.iter().map(|n| n.to_bits()).collect();
+            coverage(&planes, &numbers).into_samples()
+        };
+        assert_eq!(of(&[a]), [0.5, 0.25, 0.0]);
+        assert_eq!(of(&[a, b]), [0.75, 1.0, 0.0]);
+        assert_eq!(of(&[]), [0.0; 3]);
+    }
+}

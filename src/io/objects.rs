@@ -1,0 +1,256 @@
+//! Objects of a picture by their names or numbers: how much of each pixel those that are chosen cover.
+
+use super::cryptomatte::{self, Cryptomatte, coverage};
+use super::exr::{ChannelId, ExrFile};
+use super::nearest;
+use super::opened::Opened;
+use super::roles::{Layer, Match, Role, by_name};
+use crate::error::{Error, Result};
+use crate::frame::{Plane, Window};
+use std::path::Path;
+use wildmatch::WildMatch;
+
+/// How many names a message lists.
+const LISTED: usize = 8;
+
+/// What was chosen: names with `*` and `?` for any letters, or numbers of objects or materials; those after a `!` are left
+/// out.
+struct Choice<'a> {
+    wanted: Vec<&'a str>,
+    unwanted: Vec<&'a str>,
+}
+
+/// How a picture tells its objects apart.
+enum Told<'a> {
+    /// By the numbers of these objects.
+    Names(&'a Cryptomatte, Vec<u32>),
+    /// By a pass that holds a number for each pixel.
+    Index(Match, f32),
+}
+
+/// The layers of Cryptomatte, with the names of their objects.
+pub(super) fn names(file: &ExrFile) -> Vec<(String, Vec<String>)> {
+    let layers = cryptomatte::layers(file).into_iter();
+    layers
+        .map(|layer| (layer.layer, layer.manifest.into_keys().collect()))
+        .collect()
+}
+
+/// Refuses a layer for a mask that holds the numbers of objects.
+///
+/// # Errors
+/// [`Error::Unsupported`] for a layer of Cryptomatte or an index pass.
+pub(super) fn refuse_numbers(name: &str, main: &Opened) -> Result<()> {
+    let Opened::Exr { file, layers, .. } = main else {
+        return Ok(());
+    };
+    let is_hashed = cryptomatte::layers(file)
+        .iter()
+        .any(|layer| layer.holds(name));
+    let indices = [Role::ObjectIndex, Role::MaterialIndex];
+    let mut indices = indices.iter().filter_map(|&role| by_name(layers, role));
+    let is_index = indices.any(|index| index.layer == name);
+    match is_hashed || is_index {
+        true => Err(Error::Unsupported {
+            path: file.path.clone(),
+            found: format!("{name} holds numbers of objects, and no coverage"),
+            remedy: "choose objects by name with --object NAME".into(),
+        }),
+        false => Ok(()),
+    }
+}
+
+/// How much of each pixel of `window` the objects cover that are chosen, 0..1.
+///
+/// # Errors
+/// Any [`Error`] of reading; [`Error::MissingAov`] for a picture that tells no objects apart, or has none of this name.
+pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Result<Plane> {
+    let choice = Choice::of(chosen);
+    let Opened::Exr { file, layers, .. } = main else {
+        return Err(untold(main.path()));
+    };
+    let hashed = cryptomatte::layers(file);
+    let find = |names: &[&str]| -> Result<Vec<Vec<Told>>> {
+        let found = names.iter().map(|name| told(name, file, layers, &hashed));
+        found.collect()
+    };
+    let (wanted, unwanted) = (find(&choice.wanted)?, find(&choice.unwanted)?);
+    let sum = |told: &[Vec<Told>], but: &[Vec<Told>]| summed(told, but, file, &hashed, window);
+    let mut covered = match wanted.is_empty() {
+        true => Plane::filled(window.width(), window.height(), 1.0),
+        false => sum(&wanted, &unwanted)?,
+    };
+    if !unwanted.is_empty() {
+        let without = sum(&unwanted, &[])?;
+        let samples = covered.samples_mut().iter_mut();
+        // Of objects by material and by name it is not known how they overlap: as little is left out as may be.
+        samples
+            .zip(without.samples())
+            .for_each(|(share, without)| *share = share.min(1.0 - without));
+    }
+    Ok(covered)
+}
+
+impl<'a> Choice<'a> {
+    fn of(chosen: &'a [String]) -> Self {
+        let (unwanted, wanted) = chosen
+            .iter()
+            .map(String::as_str)
+            .partition(|name| name.starts_with('!'));
+        let unwanted: Vec<&str> = unwanted;
+        Self {
+            wanted,
+            unwanted: unwanted.iter().map(|name| &name[1..]).collect(),
+        }
+    }
+}
+
+/// Where the objects of this name are.
+fn told<'a>(
+    name: &str,
+    file: &ExrFile,
+    layers: &[Layer],
+    hashed: &'a [Cryptomatte],
+) -> Result<Vec<Told<'a>>> {
+    let pattern = WildMatch::new(name);
+    let names = hashed.iter().filter_map(|layer| {
+        let objects = layer.manifest.iter();
+        let numbers: Vec<u32> = objects
+            .filter(|(name, _)| pattern.matches(name))
+            .map(|(_, number)| *number)
+            .collect();
+        (!numbers.is_empty()).then_some(Told::Names(layer, numbers))
+    });
+    let mut found: Vec<Told> = names.collect();
+    if found.is_empty()
+        && let Ok(number) = name.parse::<u16>()
+    {
+        let index = by_name(layers, Role::ObjectIndex);
+        let index = index.or_else(|| by_name(layers, Role::MaterialIndex));
+        found.extend(index.map(|index| Told::Index(index, number.into())));
+    }
+    match found.is_empty() {
+        true => Err(unknown(name, file, layers, hashed)),
+        false => Ok(found),
+    }
+}
+
+/// The numbers of objects in this layer that were found.
+fn numbers<'a>(told: &'a [Vec<Told>], layer: &Cryptomatte) -> impl Iterator<Item = u32> + 'a {
+    let layer = std::ptr::from_ref(layer);
+    let own = told.iter().flatten().filter_map(move |told| match told {
+        Told::Names(own, numbers) if std::ptr::eq(*own, layer) => Some(numbers),
+        _ => None,
+    });
+    own.flatten().copied()
+}
+
+/// The shares of all that was found, `but` what was found of the same layer: a sum in each, and of layers the largest.
+fn summed(
+    told: &[Vec<Told>],
+    but: &[Vec<Told>],
+    file: &ExrFile,
+    hashed: &[Cryptomatte],
+    window: Window,
+) -> Result<Plane> {
+    let mut covered = Plane::filled(window.width(), window.height(), 0.0);
+    let mut take = |plane: &Plane, own: Window| {
+        let moved = plane.moved(own, window, 0.0);
+        let samples = covered.samples_mut().iter_mut();
+        samples
+            .zip(moved.samples())
+            .for_each(|(largest, &share)| *largest = share.max(*largest));
+    };
+    for layer in hashed {
+        let without: Vec<u32> = numbers(but, layer).collect();
+        let numbers: Vec<u32> = numbers(told, layer)
+            .filter(|number| !without.contains(number))
+            .collect();
+        if numbers.is_empty() {
+            continue;
+        }
+        if let Some(channel) = layer.spoilt(file) {
+            return Err(Error::Unsupported {
+                path: file.path.clone(),
+                found: format!("{channel} has been altered by a lossy compression"),
+                remedy: "render Cryptomatte with ZIP compression".into(),
+            });
+        }
+        let (planes, own) = read(file, &layer.channels(), layer.window(file), window)?;
+        take(&coverage(&planes, &numbers), own);
+    }
+    for told in told.iter().flatten() {
+        if let Told::Index(index, number) = told {
+            let channel = ChannelId {
+                part: index.part,
+                channel: index.channels[0],
+            };
+            let stored = file.parts[index.part].window;
+            let (planes, own) = read(file, &[channel], stored, window)?;
+            let is_it = |stored: f32| f32::from((stored - number).abs() < 0.5);
+            take(&planes[0].map(is_it), own);
+        }
+    }
+    Ok(covered)
+}
+
+/// Channels of a part that holds `stored`, as far as it has the rows of `window`, and the window that they hold.
+fn read(
+    file: &ExrFile,
+    channels: &[ChannelId],
+    stored: Window,
+    window: Window,
+) -> Result<(Vec<Plane>, Window)> {
+    let y0 = window.y0.clamp(stored.y0, stored.y1);
+    let y1 = window.y1.clamp(y0, stored.y1);
+    let row = |y: i32| (y - stored.y0) as usize;
+    let planes = file.read_rows(channels, row(y0)..row(y1))?;
+    Ok((planes, Window { y0, y1, ..stored }))
+}
+
+fn untold(path: &Path) -> Error {
+    Error::MissingAov {
+        path: path.to_path_buf(),
+        found: "has no Cryptomatte and no pass of object indices".into(),
+        remedy: "render either of them, or name a mask with --mask LAYER or --mask FILE".into(),
+    }
+}
+
+fn unknown(name: &str, file: &ExrFile, layers: &[Layer], hashed: &[Cryptomatte]) -> Error {
+    let all: Vec<&str> = hashed
+        .iter()
+        .flat_map(|layer| layer.manifest.keys().map(String::as_str))
+        .collect();
+    let index = [Role::ObjectIndex, Role::MaterialIndex];
+    let has_index = index.iter().any(|&role| by_name(layers, role).is_some());
+    if hashed.is_empty() && !has_index {
+        return untold(&file.path);
+    }
+    let found = match (all.is_empty(), has_index) {
+        (false, _) => format!("no object called {name} (found {})", listed(&all)),
+        (true, true) => format!("no object called {name}: its passes hold numbers"),
+        (true, false) => "has Cryptomatte, and no manifest that names its objects".into(),
+    };
+    let remedy = match (nearest::likest(&all, name), all.is_empty(), has_index) {
+        (Some(meant), ..) => format!("did you mean {meant}? * stands for any letters"),
+        (None, false, _) => "give one of them; * stands for any letters".into(),
+        (None, true, true) => "give the number of an object, as in --object 2".into(),
+        (None, true, false) => {
+            "render it with its manifest, or name a mask with --mask LAYER or --mask FILE".into()
+        }
+    };
+    Error::MissingAov {
+        path: file.path.clone(),
+        found,
+        remedy,
+    }
+}
+
+/// The first of these names, and how many more there are.
+fn listed(names: &[&str]) -> String {
+    let first = names[..names.len().min(LISTED)].join(", ");
+    match names.len().saturating_sub(LISTED) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
+}

@@ -1,0 +1,71 @@
+//! How much of what was made of a picture is taken.
+
+use crate::frame::{ColorPlanes, Plane};
+use rayon::prelude::*;
+
+/// Takes `share`, 0..1, of what was made, or as much of that as `strength`, 0..1, says for each pixel, and of the picture
+/// as it was `before` the rest: nothing where there was none.
+///
+/// Colours are linear and premultiplied. Where all is taken, or nothing, samples keep their bits.
+pub(crate) fn mix(
+    made: &mut ColorPlanes,
+    before: Option<&ColorPlanes>,
+    strength: Option<&Plane>,
+    share: f32,
+) {
+    if strength.is_none() && share == 1.0 {
+        return;
+    }
+    let before = before.map(|before| [&before.r, &before.g, &before.b]);
+    let planes = [&mut made.r, &mut made.g, &mut made.b].into_iter();
+    for (channel, plane) in planes.enumerate() {
+        let width = plane.width().max(1);
+        let rows = plane.samples_mut().par_chunks_mut(width).enumerate();
+        rows.for_each(|(y, row)| {
+            for (x, sample) in row.iter_mut().enumerate() {
+                let taken = share * strength.map_or(1.0, |strength| strength.at(x, y));
+                let was = before.map_or(0.0, |planes| planes[channel].at(x, y));
+                if taken != 1.0 {
+                    *sample = was + taken * (*sample - was);
+                }
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(samples: [f32; 4]) -> ColorPlanes {
+        ColorPlanes::grey(Plane::from_samples(4, 1, samples.to_vec()))
+    }
+
+    #[test]
+    fn as_much_is_taken_as_is_asked_for() {
+        let before = picture([0.1, 0.2, 0.3, 1e30]);
+        let strength = Plane::from_samples(4, 1, vec![0.0, 0.5, 1.0, 0.0]);
+        let mixed = |strength, share| {
+            let mut made = picture([0.7, 0.6, 0.9, 2.0]);
+            mix(&mut made, Some(&before), strength, share);
+            made.g.samples().to_vec()
+        };
+        assert_eq!(mixed(None, 1.0), [0.7, 0.6, 0.9, 2.0]);
+        assert_eq!(mixed(None, 0.0), [0.1, 0.2, 0.3, 1e30]);
+        // 0.2 and half of the way to 0.6.
+        assert_eq!(
+            mixed(Some(&strength), 1.0),
+            [0.1, 0.2 + 0.5 * (0.6 - 0.2), 0.9, 1e30]
+        );
+        let half = mixed(Some(&strength), 0.5);
+        assert_eq!(half[..2], [0.1, 0.2 + 0.25 * (0.6 - 0.2)]);
+        assert!((half[2] - 0.6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn of_no_picture_nothing_is_left() {
+        let mut made = picture([1.0; 4]);
+        mix(&mut made, None, None, 0.25);
+        assert_eq!(made.r.samples(), [0.25; 4]);
+    }
+}

@@ -1,0 +1,147 @@
+//! One object of a picture, a mask, and a share of the change.
+
+use crate::common::exr::{Part, channel};
+use crate::common::program::{fixture, relievo};
+use relievo::frame::Plane;
+use std::path::Path;
+
+/// What `relievo enhance` of the hazy render, or of `input`, makes of red, half floats.
+fn red(desk: &Path, input: &str, flags: &str) -> Plane {
+    let words = format!("enhance {input} --layers results -q -o out.exr {flags}");
+    relievo(desk, &words).done();
+    channel(&desk.join("out.exr"), "R")
+}
+
+/// The share of each pixel that the head covers, from the samples themselves.
+fn head(haze: &str) -> Plane {
+    // The hash that Blender wrote into the manifest for the name: {"Head":"05777012"}.
+    let number = f32::from_bits(0x0577_7012);
+    let stored = |level: usize, c: char| {
+        channel(
+            Path::new(haze),
+            &format!("ViewLayer.CryptoObject0{level}.{c}"),
+        )
+    };
+    let ranks = [(0, 'r', 'g'), (0, 'b', 'a'), (1, 'r', 'g'), (1, 'b', 'a')];
+    let ranks = ranks.map(|(level, id, share)| (stored(level, id), stored(level, share)));
+    Plane::from_fn(ranks[0].0.width(), ranks[0].0.height(), |x, y| {
+        let shares = ranks.iter().map(|(id, share)| match id.at(x, y) == number {
+            true => share.at(x, y),
+            false => 0.0,
+        });
+        shares.sum()
+    })
+}
+
+#[test]
+fn an_object_is_changed_by_its_share_of_each_pixel_as_in_the_whole() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr").display().to_string();
+    let before = channel(Path::new(&haze), "ViewLayer.Combined.R");
+    let whole = red(desk.path(), &haze, "");
+    let of_head = red(desk.path(), &haze, "--object Head");
+    let of_rest = red(desk.path(), &haze, "--object !Head");
+    let half = red(desk.path(), &haze, "--object H*d --mix 0.5");
+    let share = head(&haze);
+    let mut changed = 0;
+    for y in 0..share.height() {
+        for x in 0..share.width() {
+            let at = |plane: &Plane| plane.at(x, y);
+            let change = at(&whole) - at(&before);
+            // Three values are rounded to half floats, each by 2^-11 of itself at the most.
+            let bound = 1.5 * (at(&whole) + 2.0 * at(&before)).abs() / 2048.0 + 1e-6;
+            let wanted = |made: &Plane, share: f32| {
+                let error = at(made) - at(&before) - share * change;
+                assert!(error.abs() <= bound, "at {x}, {y}: {error} of {bound}");
+            };
+            wanted(&of_head, at(&share));
+            wanted(&of_rest, 1.0 - at(&share));
+            wanted(&half, 0.5 * at(&share));
+            changed += usize::from(at(&share) > 0.5 && change.abs() > 0.05 * at(&before));
+        }
+    }
+    // Of some 12,000 pixels of the head a good part is changed by more than a twentieth.
+    assert!(changed > 2000, "{changed}");
+}
+
+#[test]
+fn a_mask_is_a_strength_and_coverage_is_not() {
+    let desk = tempfile::tempdir().unwrap();
+    let gears = fixture("gears.exr").display().to_string();
+    let shape = red(desk.path(), &gears, "");
+    let (width, height) = (shape.width(), shape.height());
+    let before = red(desk.path(), &gears, "--mix 0");
+    let left = Plane::from_fn(width, height, |x, _| match x {
+        0..100 => 1.0,
+        100..200 => 0.25,
+        _ => 0.0,
+    });
+    Part::of([("mask.Y", &left)]).write(&desk.path().join("mask.exr"));
+    let made = red(desk.path(), &gears, "--mask mask.exr");
+    for y in 0..height {
+        let rows = [&made, &shape, &before].map(|plane| plane.row(y));
+        // What is chosen for the whole is chosen with a mask: where all is taken no bit differs.
+        assert_eq!(rows[0][..100], rows[1][..100]);
+        assert_eq!(rows[0][200..], rows[2][200..]);
+        for x in 100..200 {
+            let [made, all, none] = rows.map(|row| row[x]);
+            let error = made - none - 0.25 * (all - none);
+            assert!(error.abs() <= (made + all + none) / 2048.0, "{error}");
+        }
+    }
+    // Where nothing is covered there is no shape: beside it the picture comes out otherwise.
+    let covered = red(desk.path(), &gears, "--coverage mask.exr");
+    assert!((0..height).any(|y| covered.row(y)[..100] != shape.row(y)[..100]));
+    assert!((0..height).all(|y| covered.row(y)[101..] == before.row(y)[101..]));
+}
+
+#[test]
+fn objects_that_are_not_there_are_refused_with_those_that_are() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr").display().to_string();
+    let refused = |input: &str, flags: &str| {
+        let line = relievo(desk.path(), &format!("enhance {input} -o out.png {flags}"));
+        line.refused(1)
+    };
+    let line = refused(&haze, "--object head");
+    assert!(
+        line.contains("no object called head (found Block, Floor, Fog, Head, Ring, Wall)"),
+        "{line}"
+    );
+    assert!(line.contains("did you mean Head?"), "{line}");
+    let gears = fixture("gears.exr").display().to_string();
+    assert!(refused(&gears, "--object Head").contains("no Cryptomatte"));
+    let line = refused(&haze, "--mask ViewLayer.CryptoObject00");
+    assert!(line.contains("--object NAME"), "{line}");
+    let said = relievo(desk.path(), &format!("inspect {haze}"))
+        .done()
+        .stdout;
+    assert!(
+        said.contains("Block, Floor, Fog, Head, Ring, Wall"),
+        "{said}"
+    );
+}
+
+#[test]
+fn depth_that_fog_lacks_is_filled_and_said() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr").display().to_string();
+    let words = format!("shape {haze} --layers results -o shape.exr");
+    let said = relievo(desk.path(), &words).done().stderr;
+    assert!(said.contains("samples inside surfaces"), "{said}");
+    let silhouette = channel(&desk.path().join("shape.exr"), "weights.silhouette");
+    let share = head(&haze);
+    let (mut inside, mut missing, mut edges) = (0, 0, 0);
+    let depth = channel(Path::new(&haze), "ViewLayer.Depth.Z");
+    for (i, &share) in share.samples().iter().enumerate() {
+        // Fog takes up to a quarter of the head's own pixels.
+        if share > 0.6 {
+            inside += 1;
+            missing += usize::from(depth.samples()[i] > 1e9);
+            edges += usize::from(silhouette.samples()[i] > 0.5);
+        }
+    }
+    // Every missing sample made silhouettes of itself and its neighbours: three fifths of the head.
+    assert!(missing * 8 > inside, "{missing} of {inside}");
+    assert!(edges * 5 < inside, "{edges} of {inside}");
+}
