@@ -496,15 +496,18 @@ fn depth_that_is_no_distance_is_left_out_and_no_other() {
         (1e3, true),
         (1e6, true),
     ];
-    let mut render = Render::new(2 * cases.len() + 1, 7);
+    // Three columns wide: single samples that are missing are filled.
+    let mut render = Render::new(4 * cases.len() + 1, 7);
     let depth = render.depth.as_mut().unwrap();
     for (i, (value, _)) in cases.iter().enumerate() {
-        depth.row_mut(3)[2 * i + 1] = *value;
+        (0..7).for_each(|y| depth.row_mut(y)[4 * i + 1..][..3].fill(*value));
     }
     let frame = render.through_a_file(Stored::Float).frame;
     for (i, (value, covered)) in cases.iter().enumerate() {
-        assert_eq!(frame.mask.at(2 * i + 1, 3), *covered, "{value}");
-        assert!(frame.mask.at(2 * i, 3), "the neighbour of {value}");
+        for x in 1..4 {
+            assert_eq!(frame.mask.at(4 * i + x, 3), *covered, "{value}");
+        }
+        assert!(frame.mask.at(4 * i, 3), "the neighbour of {value}");
     }
     assert_clean(&frame, "depths in one frame");
 

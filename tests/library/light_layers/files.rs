@@ -58,7 +58,7 @@ fn file(desk: &Path, name: &str, layers: &[(&str, &ColorPlanes)]) -> PathBuf {
     path
 }
 
-const VIEW: [&str; 4] = ["--normal-space", "view", "--mask", "mask"];
+const VIEW: [&str; 4] = ["--normal-space", "view", "--coverage", "mask"];
 
 #[test]
 fn lobes_are_found_by_name_and_told_of() {
