@@ -316,7 +316,7 @@ fn page<'a>(frame: &Frame, drawing: &'a Drawing, strokes: &StrokeParams) -> svg:
         display_window: frame.display_window,
         data_window: frame.data_window,
         pixel_aspect: frame.pixel_aspect,
-        dpi: strokes.dpi,
+        dpi: strokes.print_dpi(),
         dots: drawing
             .dots
             .iter()

@@ -33,6 +33,8 @@ pub(crate) struct WorkArgs {
     #[command(flatten)]
     pub(crate) output: OutputArgs,
     #[command(flatten)]
+    _print: Section<{ Group::Print as u8 }>,
+    #[command(flatten)]
     pub(crate) sequence: SequenceArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
@@ -136,6 +138,9 @@ pub(crate) struct OutputArgs {
     /// Pictures: from scene-linear to display.
     #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
     pub(super) view_transform: ViewTransform,
+    /// JPEG: quality, 1 to 100; 95 where not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub(crate) quality: Option<u8>,
     /// Refuse to replace a file.
     #[arg(long, conflicts_with = "force")]
     pub(crate) no_clobber: bool,

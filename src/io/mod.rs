@@ -6,6 +6,7 @@ pub mod colorspace;
 mod depth;
 mod depth_sense;
 pub mod environment;
+mod exif;
 pub mod exr;
 mod fence;
 mod finding;

@@ -2,6 +2,7 @@
 
 use super::decoder::{image_error, max_code, with_decoder};
 use super::header::{PhotoHeader, Samples, turned};
+use super::kept::Kept;
 use super::rows::each_row;
 use crate::error::Result;
 use crate::frame::Plane;
@@ -97,6 +98,14 @@ impl StoredPhoto {
             );
         }
         Ok(())
+    }
+
+    /// What a picture made of it keeps.
+    ///
+    /// # Errors
+    /// Those of opening the file.
+    pub(in crate::io) fn kept(&self) -> Result<Kept> {
+        Kept::of(&self.header)
     }
 
     /// Lets go of the samples; they are decoded anew where they are asked for again.
