@@ -26,6 +26,10 @@ impl FrameCommand for WorkArgs {
         self
     }
 
+    fn work_mut(&mut self) -> &mut WorkArgs {
+        self
+    }
+
     fn files(&self, _frame: Option<i32>) -> Vec<PathBuf> {
         Vec::new()
     }

@@ -24,6 +24,10 @@ pub(crate) struct WorkArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
+    /// More of them, each made on its own, to the folder that -o names or to a name with {name}: there, and in the names
+    /// of all files that go with them, it stands for the name of each.
+    #[arg(value_name = "MORE")]
+    pub(crate) more: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) roles: RoleArgs,
     #[command(flatten)]
@@ -117,7 +121,7 @@ impl WorkArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputArgs {
-    /// File to write: .exr .png .jpg .tif .hdr. Without it --save-recipe writes what would be done.
+    /// File to write: .exr .png .jpg .tif .hdr, or a folder for a PNG of each input. Without it --save-recipe writes what would be done.
     #[arg(
         short = 'o',
         long,

@@ -1,6 +1,6 @@
 //! What pictures keep of the photo they are made of, and what they say of themselves.
 
-use super::inputs::{bytes, write_planes};
+use super::inputs::write_planes;
 use crate::common::program::relievo;
 use image::{ImageDecoder, ImageReader};
 use relievo::frame::Plane;
@@ -68,6 +68,11 @@ fn jfif(dpi: u16) -> (u8, Vec<u8>) {
 fn write_normals(path: &Path, [width, height]: [usize; 2]) {
     let planes = [0.5, 0.5, 1.0].map(|v| Plane::filled(width, height, v));
     write_planes(path, planes, None, 8, ViewTransform::None);
+}
+
+/// All bytes of a file.
+fn bytes(here: &Path, name: &str) -> Vec<u8> {
+    fs::read(here.join(name)).unwrap()
 }
 
 fn decoder(path: &Path) -> impl ImageDecoder + use<> {
@@ -189,4 +194,53 @@ fn quality_is_of_jpegs_alone() {
         "{said}"
     );
     relievo(here, "enhance in.jpg --normal n.png -o out.jpg --quality 0").refused(2);
+}
+
+#[test]
+fn several_pictures_are_each_made_on_their_own() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    // One lies, the other stands, and the third has no normals.
+    for (name, orientation) in [("a", 1), ("b", 6), ("c", 1)] {
+        write_photo(&here.join(format!("{name}.jpg")), &[exif(orientation)]);
+    }
+    write_normals(&here.join("a_n.png"), STORED);
+    write_normals(&here.join("b_n.png"), [48, 64]);
+    let all = "enhance a.jpg c.jpg b.jpg --normal {name}_n.png -q";
+    let said = relievo(here, &format!("{all} -o made/new")).error(3);
+    assert!(said.contains("c_n.png"), "{said}");
+    relievo(here, "enhance b.jpg --normal b_n.png -q -o b.png").done();
+    let made = fs::read_dir(here.join("made/new")).unwrap();
+    let mut made: Vec<_> = made.map(|file| file.unwrap().file_name()).collect();
+    made.sort();
+    assert_eq!(made, ["a.png", "b.png"]);
+    let one = Photo::read(&here.join("b.png")).unwrap();
+    assert_eq!(Photo::read(&here.join("made/new/b.png")).unwrap(), one);
+    // Names of one's own, and one file for all, or one that two would write.
+    relievo(
+        here,
+        "enhance a.jpg --normal {name}_n.png -q -o {name}_e.jpg",
+    )
+    .done();
+    assert!(here.join("a_e.jpg").exists());
+    for (words, expected) in [
+        (
+            "enhance a.jpg b.jpg --normal {name}_n.png -o x.png",
+            "{name}",
+        ),
+        (
+            "enhance a.jpg ./a.jpg --normal {name}_n.png -o made",
+            "of another",
+        ),
+        (
+            "enhance a.jpg b.jpg --normal {name}_n.png -o {name}_n.png",
+            "is the input",
+        ),
+    ] {
+        let said = relievo(here, words).refused(2);
+        assert!(said.contains(expected), "{said}");
+    }
+    assert!(!here.join("x.png").exists());
+    // All fail.
+    relievo(here, "enhance c.jpg d.jpg --normal {name}_n.png -q -o made").ended(1);
 }
