@@ -25,6 +25,10 @@ impl FrameCommand for EnhanceArgs {
         &self.work
     }
 
+    fn work_mut(&mut self) -> &mut WorkArgs {
+        &mut self.work
+    }
+
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
         self.light.files(frame).collect()
     }

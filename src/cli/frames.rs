@@ -31,6 +31,8 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
 
     fn work(&self) -> &WorkArgs;
 
+    fn work_mut(&mut self) -> &mut WorkArgs;
+
     /// Files that only this command reads, of one frame of a sequence.
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf>;
 
@@ -66,7 +68,7 @@ pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
     );
     on_threads(threads, || {
         caught(&input, || match command.work().frames()? {
-            None => single(&command, recipe, invocation),
+            None => single(&command, &recipe, invocation),
             Some(frames) => {
                 let frames = frames.to_vec();
                 sequence(command, recipe, invocation, &frames)
@@ -76,7 +78,7 @@ pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
 }
 
 /// The command as parsed before, and its settings.
-fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, RecipeText) {
+pub(super) fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, RecipeText) {
     let parsed = invocation.parse();
     let matches = parsed.map(|parsed| parsed.matches);
     let matches = matches.unwrap_or_else(|error| error.exit());
@@ -87,24 +89,33 @@ fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, RecipeText) {
 
 fn single<C: FrameCommand>(
     command: &C,
-    recipe: RecipeText,
+    recipe: &RecipeText,
     invocation: &Invocation,
 ) -> Result<i32> {
     stop::mind_signals(First::Drop);
+    one(command, recipe, invocation).map(|()| 0)
+}
+
+/// Makes one picture.
+pub(super) fn one<C: FrameCommand>(
+    command: &C,
+    recipe: &RecipeText,
+    invocation: &Invocation,
+) -> Result<()> {
     let work = command.work();
     check(command, invocation.recipe(), &[None], work)?;
     files::sweep(work, &mut BTreeSet::new());
     let kit = command.prepare()?;
     let log = RunLog::default();
-    let job = Job::new(work.clone(), &log, &recipe);
+    let job = Job::new(work.clone(), &log, recipe);
     let chosen = command.make(&kit, &job)?;
-    save_recipe(work, &recipe.with(&chosen))?;
-    Ok(0)
+    save_recipe(work, &recipe.with(&chosen))
 }
 
 /// Refuses arguments of `command` that do not hold up.
 pub(super) fn validate<C: FrameCommand>(command: &C) -> Result<()> {
     command.work().flags.validate()?;
+    command.work().output.refuse_idle_quality()?;
     command.validate()
 }
 
@@ -116,44 +127,49 @@ fn check<C: FrameCommand>(
     first: &WorkArgs,
 ) -> Result<()> {
     validate(command)?;
-    refuse_collisions(command, recipe, frames)?;
+    let frames = frames.iter().map(|&frame| (command, frame));
+    refuse_collisions(frames, recipe)?;
     files::check_outputs(first)
 }
 
-/// Checks all `frames` at once, `None` being a single picture: no output may be an input of any frame, `recipe` included,
-/// or another output.
+/// Checks all pictures at once, each by its command and, in a sequence, its number: no output may be an input of any,
+/// `recipe` included, or another output.
 ///
 /// # Errors
 /// [`Error::BadParameter`] naming the first output that is.
-fn refuse_collisions<C: FrameCommand>(
-    command: &C,
+pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
+    pictures: impl Iterator<Item = (&'a C, Option<i32>)>,
     recipe: Option<&Path>,
-    frames: &[Option<i32>],
 ) -> Result<()> {
     let mut known = Files::default();
     recipe.into_iter().for_each(|path| known.reads(path));
-    let folder = command.folder();
-    folder.into_iter().for_each(|path| known.reads_all_in(path));
-    let works = frames.iter().map(|&frame| match frame {
-        Some(number) => (frame, command.work().of_frame(number)),
-        None => (frame, command.work().clone()),
-    });
-    let works: Vec<_> = works.collect();
-    for (frame, work) in &works {
-        let of_command = command.files(*frame);
+    let mut works = Vec::new();
+    for (command, frame) in pictures {
+        let folder = command.folder();
+        folder.into_iter().for_each(|path| known.reads_all_in(path));
+        let work = match frame {
+            Some(number) => command.work().of_frame(number),
+            None => command.work().clone(),
+        };
+        let of_command = command.files(frame);
         for path in work.roles.files(&work.input).iter().chain(&of_command) {
             known.reads(path);
         }
+        works.push(work);
     }
-    for (_, work) in &works {
+    for work in &works {
         for (name, path) in files::outputs_of_frame(work) {
             known.writes(name, path)?;
         }
     }
-    match &command.work().run.save_recipe {
-        Some(path) => known.writes("--save-recipe", path),
-        None => Ok(()),
-    }
+    let mut recipes: Vec<_> = works
+        .iter()
+        .filter_map(|w| w.run.save_recipe.as_ref())
+        .collect();
+    // All frames of a sequence have one.
+    recipes.dedup();
+    let mut recipes = recipes.into_iter();
+    recipes.try_for_each(|path| known.writes("--save-recipe", path))
 }
 
 fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
@@ -377,6 +393,10 @@ mod tests {
 
         fn work(&self) -> &WorkArgs {
             &self.0
+        }
+
+        fn work_mut(&mut self) -> &mut WorkArgs {
+            &mut self.0
         }
 
         fn files(&self, _: Option<i32>) -> Vec<PathBuf> {

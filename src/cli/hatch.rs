@@ -58,6 +58,10 @@ impl FrameCommand for HatchArgs {
         &self.relight.work
     }
 
+    fn work_mut(&mut self) -> &mut WorkArgs {
+        &mut self.relight.work
+    }
+
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
         let motion = frame.and_then(|frame| self.motion.of_frame(frame));
         let motion = motion.map(PathBuf::from).filter(|path| path.exists());
@@ -316,7 +320,7 @@ fn page<'a>(frame: &Frame, drawing: &'a Drawing, strokes: &StrokeParams) -> svg:
         display_window: frame.display_window,
         data_window: frame.data_window,
         pixel_aspect: frame.pixel_aspect,
-        dpi: strokes.dpi,
+        dpi: strokes.print_dpi(),
         dots: drawing
             .dots
             .iter()

@@ -15,7 +15,7 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
-use crate::io::picture::{Picture, PictureFormat, ViewTransform, Whites, write_picture};
+use crate::io::picture::{Picture, PictureFormat, ViewTransform, Whites, write_picture_as};
 use crate::io::svg;
 use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::Plan;
@@ -204,8 +204,9 @@ impl<'a> Job<'a> {
                 let displayed = self.displayed(loaded, made, exposure);
                 let picture = displayed.picture();
                 let chosen = done.chosen().exposed(exposure);
+                let settings = self.recipe(&chosen);
                 self.write(done, chosen, |output| {
-                    self.write_picture_to(output, done, &picture)?;
+                    self.write_picture_to(output, done, &picture, settings)?;
                     Ok(self.whites(&picture, mask, 0..mask.height()))
                 })
             }
@@ -238,19 +239,29 @@ impl<'a> Job<'a> {
 
     /// Writes colours to a display file and ends the frame.
     pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
+        let settings = self.recipe(&done.chosen());
         self.write(done, done.chosen(), |output| {
-            self.write_picture_to(output, done, picture)?;
+            self.write_picture_to(output, done, picture, settings)?;
             Ok(Whites::default())
         })
     }
 
-    fn write_picture_to(&self, output: ReadyOutput, done: &Done, picture: &Picture) -> Result<()> {
+    fn write_picture_to(
+        &self,
+        output: ReadyOutput,
+        done: &Done,
+        picture: &Picture,
+        settings: String,
+    ) -> Result<()> {
         self.guard(done, &picture.planes())?;
         let ReadyOutput { path, replace } = output;
         let Kind::Picture(format) = Kind::of(path)? else {
             unreachable!("layers go to an EXR")
         };
-        write_atomically(path, replace, |w| write_picture(w, path, format, picture))
+        let encoding = self.work.output.encoding(&done.loaded, settings)?;
+        write_atomically(path, replace, |w| {
+            write_picture_as(w, path, format, picture, &encoding)
+        })
     }
 
     /// Writes planes to an EXR and ends the frame.

@@ -1,5 +1,6 @@
 //! The command line: arguments in, files and messages out.
 
+mod batch;
 mod enhance;
 mod files;
 mod frames;
@@ -36,7 +37,7 @@ use std::ffi::OsString;
 use window::view;
 
 /// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused, 3 some frames of a
-/// sequence failed, 130 and 143 stopped by a signal.
+/// sequence, or some of several pictures, failed, 130 and 143 stopped by a signal.
 pub fn run() -> i32 {
     run_words(std::env::args_os())
 }
@@ -66,10 +67,10 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::Inspect(args) => inspect::run(args).map(|()| 0),
         Command::Report(args) => report::run(args).map(|()| 0),
         Command::Schema => message::json(&recipe::schema()).map(|()| 0),
-        Command::Shape(_) => frames::run::<WorkArgs>(typed),
-        Command::Enhance(_) => frames::run::<EnhanceArgs>(typed),
-        Command::Relight(_) => frames::run::<RelightArgs>(typed),
-        Command::Hatch(_) => frames::run::<HatchArgs>(typed),
+        Command::Shape(_) => batch::run::<WorkArgs>(typed),
+        Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
+        Command::Relight(_) => batch::run::<RelightArgs>(typed),
+        Command::Hatch(_) => batch::run::<HatchArgs>(typed),
         Command::View(args) => view(args, typed),
         Command::Run(args) => {
             let recipe = Recipe::read(&args.recipe)?;

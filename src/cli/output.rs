@@ -6,6 +6,7 @@ use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
 use crate::io::output::{Replace, write_atomically};
+use crate::io::picture::Encoding;
 use std::io::{Seek, Write};
 use std::path::Path;
 
@@ -53,6 +54,20 @@ impl OutputArgs {
         }
     }
 
+    /// How a picture made of `loaded` by this recipe is written.
+    pub(super) fn encoding(&self, loaded: &Loaded, recipe: String) -> Result<Encoding> {
+        let mut kept = loaded.kept()?;
+        // Colours that were turned to other primaries are no longer those of the profile.
+        kept.profile = kept.profile.filter(|_| loaded.chromaticities.is_none());
+        let plain = Encoding::default();
+        Ok(Encoding {
+            quality: self.quality.unwrap_or(plain.quality),
+            software: Some(software()),
+            settings: Some(recipe),
+            kept,
+        })
+    }
+
     /// The part that our results make, of the pixels `window`.
     pub(super) fn part(
         &self,
@@ -61,7 +76,6 @@ impl OutputArgs {
         channels: Vec<(String, OutputType)>,
         recipe: String,
     ) -> PartDescription {
-        let software = format!("relievo {}", env!("CARGO_PKG_VERSION"));
         PartDescription {
             name: PART.into(),
             data_window: window,
@@ -69,7 +83,7 @@ impl OutputArgs {
             pixel_aspect: loaded.frame.pixel_aspect,
             channels,
             attributes: vec![
-                ("software".into(), software),
+                ("software".into(), software()),
                 (RECIPE_ATTRIBUTE.into(), recipe),
             ],
             chromaticities: loaded.chromaticities,
@@ -147,6 +161,11 @@ impl OutputArgs {
             )
         })
     }
+}
+
+/// What files say that they were made by.
+fn software() -> String {
+    format!("relievo {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// Colour planes as channels, with alpha where the picture has one.

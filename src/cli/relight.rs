@@ -36,6 +36,10 @@ impl FrameCommand for RelightArgs {
         &self.work
     }
 
+    fn work_mut(&mut self) -> &mut WorkArgs {
+        &mut self.work
+    }
+
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
         RelightArgs::files(self, frame)
     }

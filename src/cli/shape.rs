@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType};
+use crate::io::picture::Picture;
 use crate::plan::{Goal, Plan};
 use crate::product::Product;
 use std::path::PathBuf;
@@ -22,6 +23,10 @@ impl FrameCommand for WorkArgs {
     type Kit = Engine;
 
     fn work(&self) -> &WorkArgs {
+        self
+    }
+
+    fn work_mut(&mut self) -> &mut WorkArgs {
         self
     }
 
@@ -92,8 +97,11 @@ impl StripWork for Description<'_> {
         descriptor_channels(&strip.frame, outcome, stored.unwrap_or(OutputType::Float))
     }
 
-    fn shown<'a>(&self, _strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
-        Shown::Display(display(outcome))
+    fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
+        Shown::Display(Picture {
+            dpi: self.args.dpi(&strip.frame),
+            ..display(outcome)
+        })
     }
 }
 
@@ -102,7 +110,12 @@ impl Description<'_> {
         if self.goal == Goal::Layers {
             return job.write_exr(done, &self.channels(job, &done.loaded, &done.outcome));
         }
-        job.write_picture(done, &display(&done.outcome))
+        let dpi = self.args.dpi(&done.loaded.frame);
+        let picture = Picture {
+            dpi,
+            ..display(&done.outcome)
+        };
+        job.write_picture(done, &picture)
     }
 }
 

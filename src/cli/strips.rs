@@ -18,7 +18,7 @@ use crate::frame::{Frame, HOLE_REACH, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
-use crate::io::picture::{Brightness, Gathered, Picture, Whites};
+use crate::io::picture::{Brightness, Encoding, Gathered, Picture, Whites};
 use crate::io::{InputFiles, Loaded, Needs, surroundings_bytes};
 use crate::plan::Plan;
 use std::cell::RefCell;
@@ -275,7 +275,11 @@ pub(super) fn make<W: StripWork>(
     let chosen = chosen.exposed(exposure);
     job.write_output(&chosen, |output| {
         let whites = match gathered {
-            Some(gathered) => write_gathered(&source, job, output, gathered, exposure)?,
+            Some(gathered) => {
+                let settings = job.recipe(&chosen);
+                let encoding = job.work.output.encoding(&sample, settings)?;
+                write_gathered(&source, job, output, (gathered, &encoding), exposure)?
+            }
             None => {
                 let channels = work.channels(job, &sample, &outcome);
                 let recipe = job.recipe(&chosen);
@@ -411,7 +415,7 @@ fn write_gathered<W: StripWork>(
     source: &Source<W>,
     job: &Job,
     ReadyOutput { path, replace }: ReadyOutput,
-    mut gathered: Gathered,
+    (mut gathered, encoding): (Gathered, &Encoding),
     exposure: Option<f32>,
 ) -> Result<Whites> {
     let mut whites = Whites::default();
@@ -430,7 +434,7 @@ fn write_gathered<W: StripWork>(
     })?;
     source.files.release();
     source.timed("write", || {
-        write_atomically(path, replace, |w| gathered.write(w, path))
+        write_atomically(path, replace, |w| gathered.write(w, path, encoding))
     })?;
     Ok(whites)
 }

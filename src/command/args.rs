@@ -24,6 +24,10 @@ pub(crate) struct WorkArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
+    /// More of them, each made on its own, to the folder that -o names or to a name with {name}: there, and in the names
+    /// of all files that go with them, it stands for the name of each.
+    #[arg(value_name = "MORE")]
+    pub(crate) more: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) roles: RoleArgs,
     #[command(flatten)]
@@ -32,6 +36,8 @@ pub(crate) struct WorkArgs {
     _shape: Section<{ Group::Shape as u8 }>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+    #[command(flatten)]
+    _print: Section<{ Group::Print as u8 }>,
     #[command(flatten)]
     pub(crate) sequence: SequenceArgs,
     #[command(flatten)]
@@ -115,7 +121,7 @@ impl WorkArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputArgs {
-    /// File to write: .exr .png .jpg .tif .hdr. Without it --save-recipe writes what would be done.
+    /// File to write: .exr .png .jpg .tif .hdr, or a folder for a PNG of each input. Without it --save-recipe writes what would be done.
     #[arg(
         short = 'o',
         long,
@@ -136,6 +142,9 @@ pub(crate) struct OutputArgs {
     /// Pictures: from scene-linear to display.
     #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
     pub(super) view_transform: ViewTransform,
+    /// JPEG: quality, 1 to 100; 95 where not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub(crate) quality: Option<u8>,
     /// Refuse to replace a file.
     #[arg(long, conflicts_with = "force")]
     pub(crate) no_clobber: bool,

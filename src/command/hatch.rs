@@ -106,7 +106,7 @@ impl HatchArgs {
 
     /// Pixels per inch of the print's height.
     pub(crate) fn dpi(&self) -> f32 {
-        self.params().strokes.dpi
+        self.params().strokes.print_dpi()
     }
 
     /// A drawing on its paper, as a picture shows it.
@@ -129,7 +129,8 @@ impl HatchArgs {
     pub(crate) fn on_a_page<'a>(&self, color: &'a ColorPlanes, pixel_aspect: f32) -> Picture<'a> {
         let work = &self.relight.work;
         let is_bilevel = self.params().strokes.ink == Ink::Bilevel;
-        let is_for_print = is_bilevel || work.flags.params.size.is_some();
+        let has_size = work.flags.params.size.is_some() || self.params().strokes.dpi.is_some();
+        let is_for_print = is_bilevel || has_size;
         Picture {
             color,
             alpha: None,

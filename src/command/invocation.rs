@@ -1,5 +1,6 @@
 //! A command line in the making: what was typed, what a recipe adds, and what was chosen for a whole sequence.
 
+use super::batch::NAME;
 use super::commands::{Cli, command_named, long, typed_ids};
 use super::flags::Flag;
 use super::recipe::{KEEP_LEVELS, Recipe, frames_of};
@@ -105,6 +106,18 @@ impl Invocation {
             kept,
             note,
         })
+    }
+
+    /// The same with the name of a picture where its place is.
+    pub(crate) fn named(&self, name: &str) -> Self {
+        let named = |word: &OsString| match word.to_str() {
+            Some(text) => text.replace(NAME, name).into(),
+            None => word.clone(),
+        };
+        Self {
+            words: self.words.iter().map(named).collect(),
+            ..self.clone()
+        }
     }
 
     /// The same with `flags`, as far as the command knows them; they overrule what stands there.

@@ -1,6 +1,7 @@
 //! What a command is asked for: arguments, recipes, and the plan they make for a frame.
 
 pub(crate) mod args;
+pub(crate) mod batch;
 pub(crate) mod chosen;
 pub(crate) mod commands;
 pub(crate) mod enhance;

@@ -64,6 +64,7 @@ pub(crate) struct Displayed<'a> {
     before: Option<Cow<'a, ColorPlanes>>,
     alpha: Option<&'a Plane>,
     pub(crate) bits: u8,
+    dpi: Option<[f32; 2]>,
     transform: ViewTransform,
     exposure: f32,
     highlights: Highlights,
@@ -81,7 +82,7 @@ impl Displayed<'_> {
             alpha: self.alpha,
             grey: false,
             bits: self.bits,
-            dpi: None,
+            dpi: self.dpi,
             transform: self.transform,
             display: Display {
                 exposure: self.exposure,
@@ -99,6 +100,24 @@ impl OutputArgs {
             None => Ok(Kind::Picture(PictureFormat::Png)),
         }
     }
+
+    /// Refuses a quality where there is no JPEG to have it.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] naming the output.
+    pub(crate) fn refuse_idle_quality(&self) -> Result<()> {
+        let Some(path) = self.output.as_deref().filter(|_| self.quality.is_some()) else {
+            return Ok(());
+        };
+        match PictureFormat::of_path(path) {
+            Some(PictureFormat::Jpeg) => Ok(()),
+            _ => Err(Error::BadParameter {
+                name: "--quality",
+                found: format!("is of JPEG alone, and {} is none", path.display()),
+                remedy: "write a .jpg or leave it out".into(),
+            }),
+        }
+    }
 }
 
 impl WorkArgs {
@@ -108,6 +127,12 @@ impl WorkArgs {
             let (before, strength) = (frame.color.as_ref(), frame.strength.as_ref());
             mix(made, before, strength, self.flags.params.mix);
         }
+    }
+
+    /// Pixels per inch that were given, across and down.
+    pub(crate) fn dpi(&self, frame: &Frame) -> Option<[f32; 2]> {
+        let dpi = self.flags.params.line.strokes.dpi?;
+        Some([dpi / frame.pixel_aspect, dpi])
     }
 
     /// What was made of a frame, with the primaries of its file, as a display is given it, in 8 bits; `chosen` is the
@@ -139,6 +164,7 @@ impl WorkArgs {
             before: made.before.map(turned),
             alpha: frame.alpha.as_ref(),
             bits: 8,
+            dpi: self.dpi(frame),
             transform,
             exposure,
             highlights,

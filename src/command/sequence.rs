@@ -70,6 +70,11 @@ impl FromStr for Samples {
 }
 
 impl FramesArg {
+    /// Whether frames were listed.
+    pub(super) fn is_given(&self) -> bool {
+        self.frames.is_some()
+    }
+
     /// The frames that were listed.
     #[cfg(feature = "view")]
     pub(super) fn numbers(&self) -> Option<Vec<i32>> {

@@ -85,10 +85,11 @@ impl FrameSources {
     ///
     /// # Errors
     /// [`Error::SizeMismatch`] where other windows cannot be brought to it: those of photos, and of files made
-    /// for other display windows.
+    /// for other display windows. [`Error::Unsupported`] for normals that may have been made before the picture was turned.
     pub(super) fn common_window(&self, light: &LightSources) -> Result<Window> {
         let expected = self.get(Role::Color).unwrap_or(&self.roles[0]);
         let window = expected.window();
+        refuse_unlike_orientations(&self.roles[0], expected)?;
         for source in self.roles.iter().chain(light.sources()) {
             let overlaps = source.display() == expected.display()
                 && source.window().common(&window).is_some()
@@ -136,6 +137,31 @@ impl FrameSources {
     pub(super) fn get(&self, role: Role) -> Option<&RoleSource> {
         self.roles.iter().find(|s| s.role == role)
     }
+}
+
+/// Refuses normals of which it is not known whether they are turned as the picture is: those without the orientation of a
+/// photo that has one, of the size that it is stored in; and those with one of their own, whose vectors would have to turn.
+fn refuse_unlike_orientations(normal: &RoleSource, picture: &RoleSource) -> Result<()> {
+    let orientation = |source: &RoleSource| source.photo()?.header.turned_from();
+    let [width, height] = [normal.window().width(), normal.window().height()];
+    let found = match (orientation(normal), orientation(picture)) {
+        (Some((_, number)), _) => format!("has orientation {number}, and normals are not turned"),
+        (None, Some((stored, number))) if stored == [width, height] => format!(
+            "is {width}x{height} and has no orientation, but {} is stored as {}x{} with orientation {number}, upright {}x{}: \
+             which way these normals go is not known",
+            picture.file.path().display(),
+            stored[0],
+            stored[1],
+            picture.window().width(),
+            picture.window().height(),
+        ),
+        _ => return Ok(()),
+    };
+    Err(Error::Unsupported {
+        path: normal.file.path().to_path_buf(),
+        found,
+        remedy: "save both upright, their pixels turned and without orientation".into(),
+    })
 }
 
 /// The planes as read, taken out role by role.

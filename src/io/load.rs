@@ -11,6 +11,7 @@ use super::light_layers::LightSources;
 use super::notes::Notes;
 use super::objects;
 use super::opened::{Holding, Opened};
+use super::photo::Kept;
 use super::roles::Role;
 use super::sources::RoleSource;
 use super::surface::Surface;
@@ -58,6 +59,17 @@ impl Loaded {
         match self.main.as_ref() {
             Opened::Exr { file, .. } => Some(file),
             Opened::Photo { .. } => None,
+        }
+    }
+
+    /// What a picture made of a photo keeps of it; of an EXR nothing.
+    ///
+    /// # Errors
+    /// Those of reading the file.
+    pub fn kept(&self) -> Result<Kept> {
+        match self.main.as_ref() {
+            Opened::Exr { .. } => Ok(Kept::default()),
+            Opened::Photo { photo, .. } => photo.kept(),
         }
     }
 

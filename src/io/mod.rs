@@ -7,6 +7,7 @@ mod cryptomatte;
 mod depth;
 mod depth_sense;
 pub mod environment;
+mod exif;
 pub mod exr;
 mod fence;
 mod finding;

@@ -132,6 +132,8 @@ pub enum Group {
     WhiteLevels,
     /// How pictures are brought to a display.
     Display,
+    /// How large a picture is on paper.
+    Print,
     /// What the surface is made of.
     Material,
     /// What mirrors and lenses show.
@@ -156,6 +158,7 @@ impl Group {
             Self::Warping => "Light warping",
             Self::Scaling | Self::WhiteLevels => "Radiance scaling",
             Self::Display => "Display",
+            Self::Print => "Output",
             Self::Material => "Material",
             Self::Specular => "Mirrors and lenses",
             Self::Tone => "Tone",

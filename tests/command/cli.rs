@@ -692,9 +692,9 @@ fn misuse_is_one_line_and_exit_code_2() {
     }
     // No flag is like it: nothing is said of values that begin with dashes.
     let line = desk
-        .run("enhance", &gears, "a.png", &["--dpi", "3"])
+        .run("enhance", &gears, "a.png", &["--zoom", "3"])
         .refused(2);
-    assert!(line.contains("--dpi") && !line.contains("tip"), "{line}");
+    assert!(line.contains("--zoom") && !line.contains("tip"), "{line}");
     assert!(relievo(["enhance"]).refused(2).contains("--output"));
     assert!(relievo(["enchant"]).refused(2).contains("enchant"));
     assert!(relievo(["inspect"]).refused(2).contains("<FILE>"));

@@ -5,6 +5,7 @@ use relievo::frame::{ColorPlanes, Plane};
 use relievo::io::output::{Replace, write_atomically};
 use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
 use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
 /// Writes frame `number`: bumps under a light of this luminance, `size` pixels on a side.
@@ -73,6 +74,16 @@ pub(crate) fn desk(numbers: std::ops::RangeInclusive<i32>) -> tempfile::TempDir 
     desk
 }
 
+/// The bytes of a file; of a PNG those that it shows: the others say by which settings it was made.
 pub(crate) fn bytes(directory: &Path, name: &str) -> Vec<u8> {
-    fs::read(directory.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    let file = fs::read(directory.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    shown(&file).unwrap_or(file)
+}
+
+/// The samples of a PNG.
+fn shown(file: &[u8]) -> Option<Vec<u8>> {
+    let mut reader = png::Decoder::new(Cursor::new(file)).read_info().ok()?;
+    let mut samples = vec![0; reader.output_buffer_size()?];
+    reader.next_frame(&mut samples).ok()?;
+    Some(samples)
 }

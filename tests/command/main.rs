@@ -11,6 +11,7 @@ mod corpus;
 mod dependencies;
 mod hatch;
 mod inputs;
+mod kept;
 mod moving_strokes;
 mod names;
 mod numbers;

@@ -2,6 +2,7 @@
 
 use super::decoder::{unsupported, with_decoder};
 use crate::error::{Error, Result};
+use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -9,8 +10,11 @@ use std::path::{Path, PathBuf};
 /// The header of a picture.
 pub(in crate::io) struct PhotoHeader {
     pub(in crate::io) path: PathBuf,
+    /// Columns and rows as it is looked at: turned by its orientation.
     pub(in crate::io) width: usize,
     pub(in crate::io) height: usize,
+    /// How its pixels are turned from the way they are stored.
+    pub(super) orientation: Orientation,
     /// Bits per sample: 8, 16 or 32.
     pub(in crate::io) bits: u8,
     /// Whether samples are floating point, and linear.
@@ -30,9 +34,12 @@ pub(super) enum Samples<'a> {
 impl PhotoHeader {
     /// Reads the header of the picture at `path`; its kind is recognised by content, not by name.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        with_decoder(path, |decoder, format| {
+        with_decoder(path, |mut decoder, format| {
             let color = decoder.color_type();
-            let (width, height) = decoder.dimensions();
+            // A tag that cannot be read is no reason to refuse the picture.
+            let upright = Orientation::NoTransforms;
+            let orientation = decoder.orientation().unwrap_or(upright);
+            let (width, height) = turned(orientation, decoder.dimensions());
             let bits = 8 * (color.bytes_per_pixel() / color.channel_count());
             if ![8, 16, 32].contains(&bits) {
                 return Err(unsupported(path, "has samples of an unknown kind"));
@@ -41,6 +48,7 @@ impl PhotoHeader {
                 path: path.to_path_buf(),
                 width: width as usize,
                 height: height as usize,
+                orientation,
                 bits,
                 is_float: bits == 32,
                 format,
@@ -62,6 +70,13 @@ impl PhotoHeader {
         usize::from(self.color.channel_count())
     }
 
+    /// Columns and rows as they are stored, and the number by which EXIF calls the orientation, where pixels are turned.
+    pub(in crate::io) fn turned_from(&self) -> Option<([usize; 2], u8)> {
+        let (width, height) = turned(self.orientation, (self.width, self.height));
+        let is_turned = self.orientation != Orientation::NoTransforms;
+        is_turned.then(|| ([width, height], self.orientation.to_exif()))
+    }
+
     /// Bytes that all its samples take.
     pub(in crate::io) fn bytes(&self) -> u64 {
         let pixels = self.width as u64 * self.height as u64;
@@ -71,17 +86,23 @@ impl PhotoHeader {
     /// The refusal of a picture whose samples can only be decoded whole.
     pub(super) fn too_large(&self, most_bytes: u64) -> Error {
         let mib = |bytes: u64| bytes.div_ceil(1 << 20);
+        let (kind, remedy) = match self.turned_from() {
+            Some(_) => ("one that its orientation turns", "save it upright as PNG"),
+            None => (
+                "a picture of this kind",
+                "save it as PNG without interlacing",
+            ),
+        };
         Error::Unsupported {
             path: self.path.clone(),
             found: format!(
-                "is {}x{} and takes {} MiB, of which {} may be held; a picture of this kind is decoded whole",
+                "is {}x{} and takes {} MiB, of which {} may be held; {kind} is decoded whole",
                 self.width,
                 self.height,
                 mib(self.bytes()),
                 most_bytes >> 20,
             ),
-            remedy: "allow more memory, make it smaller, or save it as PNG without interlacing or OpenEXR"
-                .into(),
+            remedy: format!("allow more memory, make it smaller, or {remedy} or OpenEXR"),
         }
     }
 
@@ -90,6 +111,17 @@ impl PhotoHeader {
             path: self.path.clone(),
             found: "has changed while it was read".into(),
         }
+    }
+}
+
+/// Columns and rows after the pixels were turned, or before: sides change places both ways.
+pub(super) fn turned<T>(orientation: Orientation, (width, height): (T, T)) -> (T, T) {
+    match orientation {
+        Orientation::Rotate90
+        | Orientation::Rotate270
+        | Orientation::Rotate90FlipH
+        | Orientation::Rotate270FlipH => (height, width),
+        _ => (width, height),
     }
 }
 

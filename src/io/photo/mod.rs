@@ -1,19 +1,21 @@
 //! Reading pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
 //!
 //! A picture is read as its stored values, and made linear only when asked: a photograph is, a normal
-//! map or a mask is not. The orientation tag that cameras write is not obeyed, so that a photograph
-//! and the normal map made from it, which has no such tag, keep the same pixels. Colour profiles are
-//! not read either: integer pictures are taken as sRGB, floating-point ones as linear.
+//! map or a mask is not. The orientation tag that cameras write is obeyed: pixels are turned as they
+//! are decoded, and all else sees a picture that stands upright. Colour profiles are not applied:
+//! integer pictures are taken as sRGB, floating-point ones as linear.
 //!
 //! Opening a picture reads its header alone. Its pixels are decoded when they are first asked for, and
 //! held as they are stored, a byte for a sample of 8 bits.
 
 mod decoder;
 mod header;
+mod kept;
 mod rows;
 mod stored;
 
 pub(super) use decoder::{max_code, one_line, unsupported};
+pub use kept::Kept;
 pub(super) use stored::{Meaning, StoredPhoto};
 
 use crate::error::Result;

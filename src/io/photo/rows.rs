@@ -25,6 +25,8 @@ pub(super) fn each_row(
     take: &mut Take,
 ) -> Result<()> {
     within_fence(&photo.path, || match photo.format {
+        // Rows as it is looked at are no rows of the file.
+        _ if photo.turned_from().is_some() => Err(photo.too_large(most_bytes)),
         ImageFormat::Png => png_rows(photo, rows, most_bytes, take),
         ImageFormat::Hdr => hdr_rows(photo, rows, take),
         _ => Err(photo.too_large(most_bytes)),

@@ -1,7 +1,8 @@
 //! A picture whose header has been read, and its samples as they are stored.
 
 use super::decoder::{image_error, max_code, with_decoder};
-use super::header::{PhotoHeader, Samples};
+use super::header::{PhotoHeader, Samples, turned};
+use super::kept::Kept;
 use super::rows::each_row;
 use crate::error::Result;
 use crate::frame::Plane;
@@ -99,6 +100,14 @@ impl StoredPhoto {
         Ok(())
     }
 
+    /// What a picture made of it keeps.
+    ///
+    /// # Errors
+    /// Those of opening the file.
+    pub(in crate::io) fn kept(&self) -> Result<Kept> {
+        Kept::of(&self.header)
+    }
+
     /// Lets go of the samples; they are decoded anew where they are asked for again.
     pub(in crate::io) fn release(&self) {
         self.image.take();
@@ -109,11 +118,16 @@ impl StoredPhoto {
         if self.image.borrow().is_none() {
             let image = with_decoder(&self.header.path, |decoder, _| {
                 // The file may have been written anew since its header was read.
-                let size = (self.header.width as u32, self.header.height as u32);
+                let orientation = self.header.orientation;
+                let (width, height) = turned(orientation, (self.header.width, self.header.height));
+                let size = (width as u32, height as u32);
                 if (decoder.dimensions(), decoder.color_type()) != (size, self.header.color) {
                     return Err(self.header.has_changed());
                 }
-                DynamicImage::from_decoder(decoder).map_err(image_error(&self.header.path))
+                let image = DynamicImage::from_decoder(decoder);
+                let mut image = image.map_err(image_error(&self.header.path))?;
+                image.apply_orientation(orientation);
+                Ok(image)
             })?;
             self.image.replace(Some(image));
         }

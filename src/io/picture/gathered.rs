@@ -1,8 +1,9 @@
 //! Samples as picture files hold them, gathered by rows and encoded at once.
 
 use super::codes::{code, straight};
+use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
-use super::print::{self, Printed};
+use super::stored::{self, Stored};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane};
 use crate::io::photo::{max_code, one_line, unsupported};
@@ -12,9 +13,6 @@ use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::Path;
-
-/// Quality of written JPEG files, of 100.
-const JPEG_QUALITY: u8 = 95;
 
 /// A picture of which the stored samples are gathered, some rows at a time, before it is written.
 #[derive(Debug, Clone)]
@@ -27,6 +25,8 @@ pub(crate) struct Gathered {
     bits: u8,
     dpi: Option<[f32; 2]>,
     grey: bool,
+    /// Whether its colours are those of a photo, or of light: a colour profile fits them.
+    is_photo: bool,
     /// Whether alpha was 1 everywhere so far.
     is_opaque: bool,
     samples: Samples,
@@ -73,6 +73,7 @@ impl Gathered {
             bits,
             dpi: part.dpi,
             grey: part.grey,
+            is_photo: !part.grey && part.transform == ViewTransform::Srgb,
             is_opaque: true,
             samples,
         }
@@ -152,11 +153,16 @@ impl Gathered {
     ///
     /// # Panics
     /// If rows are missing.
-    pub(crate) fn write(mut self, w: &mut (impl Write + Seek), target: &Path) -> Result<()> {
+    pub(crate) fn write(
+        mut self,
+        w: &mut (impl Write + Seek),
+        target: &Path,
+        encoding: &Encoding,
+    ) -> Result<()> {
         if self.channels == 4 && self.is_opaque {
             self.drop_alpha();
         }
-        self.encode(w).map_err(|error| match error {
+        self.encode(w, encoding).map_err(|error| match error {
             ImageError::IoError(source) => Error::io(target, "write")(source),
             other => unsupported(
                 target,
@@ -176,7 +182,7 @@ impl Gathered {
         self.channels = kept;
     }
 
-    fn encode(&self, w: &mut (impl Write + Seek)) -> ImageResult<()> {
+    fn encode(&self, w: &mut (impl Write + Seek), encoding: &Encoding) -> ImageResult<()> {
         let [width, height] = self.size;
         let (bytes, kind) = match (&self.samples, self.channels) {
             (Samples::Float(pixels), _) => {
@@ -189,31 +195,42 @@ impl Gathered {
             (Samples::Wide(samples), 4) => (samples.as_flattened(), ExtendedColorType::Rgba16),
             (Samples::Wide(samples), _) => (samples.as_flattened(), ExtendedColorType::Rgb16),
         };
-        let (width, height) = (width as u32, height as u32);
-        let printed = Printed {
-            size: [width, height],
+        let stored = Stored {
+            size: [width as u32, height as u32],
             channels: self.channels,
             bits: self.bits,
-            dpi: self.dpi,
+            dpi: self.dpi.or_else(|| encoding.dpi(width)),
+            profile: encoding.profile().filter(|_| self.is_photo),
             samples: bytes,
         };
-        let is_printed = self.bits == 1 || self.dpi.is_some();
         match self.format {
-            PictureFormat::Png if is_printed => print::write_png(w, &printed),
-            PictureFormat::Tiff if is_printed => print::write_tiff(w, &printed),
-            PictureFormat::Jpeg => {
-                let mut encoder = JpegEncoder::new_with_quality(w, JPEG_QUALITY);
-                if let Some(dpi) = self.dpi {
-                    encoder.set_pixel_density(density(dpi));
-                }
-                encoder.write_image(bytes, width, height, kind)
-            }
-            PictureFormat::Tiff => {
-                image::codecs::tiff::TiffEncoder::new(w).write_image(bytes, width, height, kind)
-            }
-            _ => image::codecs::png::PngEncoder::new(w).write_image(bytes, width, height, kind),
+            PictureFormat::Tiff => stored::write_tiff(w, &stored, encoding),
+            PictureFormat::Jpeg => write_jpeg(w, &stored, kind, encoding),
+            _ => stored::write_png(w, &stored, encoding),
         }
     }
+}
+
+fn write_jpeg(
+    w: &mut impl Write,
+    picture: &Stored,
+    kind: ExtendedColorType,
+    encoding: &Encoding,
+) -> ImageResult<()> {
+    let [width, height] = picture.size;
+    let mut encoder = JpegEncoder::new_with_quality(w, encoding.quality);
+    if let Some(dpi) = picture.dpi {
+        encoder.set_pixel_density(density(dpi));
+    }
+    if let Some(profile) = picture.profile {
+        let set = encoder.set_icc_profile(profile.to_vec());
+        set.map_err(ImageError::Unsupported)?;
+    }
+    if let Some(exif) = encoding.exif_of_jpeg(picture.dpi) {
+        let set = encoder.set_exif_metadata(exif);
+        set.map_err(ImageError::Unsupported)?;
+    }
+    encoder.write_image(picture.samples, width, height, kind)
 }
 
 /// Pixels per inch as a JPEG has them.

@@ -2,13 +2,15 @@
 
 mod codes;
 mod display;
+mod encoding;
 mod exposure;
 mod format;
 mod gathered;
-mod print;
+mod stored;
 mod whites;
 
 pub use display::{Bright, Display};
+pub use encoding::Encoding;
 pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
@@ -24,11 +26,7 @@ use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::path::Path;
 
-/// Writes a picture. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
-///
-/// Where alpha is stored, colour is divided by it. A pixel whose alpha would be stored as 0 although
-/// it has colour (a glow over nothing) gets the alpha that just holds that colour. An alpha of 1
-/// everywhere is left out.
+/// Writes a picture that says nothing of itself, as [`write_picture_as`] does.
 ///
 /// # Errors
 /// Any [`Error`] of writing.
@@ -41,10 +39,31 @@ pub fn write_picture(
     format: PictureFormat,
     picture: &Picture,
 ) -> Result<()> {
+    write_picture_as(w, target, format, picture, &Encoding::default())
+}
+
+/// Writes a picture. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
+///
+/// Where alpha is stored, colour is divided by it. A pixel whose alpha would be stored as 0 although
+/// it has colour (a glow over nothing) gets the alpha that just holds that colour. An alpha of 1
+/// everywhere is left out.
+///
+/// # Errors
+/// Any [`Error`] of writing.
+///
+/// # Panics
+/// If planes differ in size, `bits` is none of 1, 8 and 16, or it is 1 of a picture in colour or with alpha.
+pub fn write_picture_as(
+    w: &mut (impl Write + Seek),
+    target: &Path,
+    format: PictureFormat,
+    picture: &Picture,
+    encoding: &Encoding,
+) -> Result<()> {
     let size = [picture.color.r.width(), picture.color.r.height()];
     let mut gathered = Gathered::new(format, size, picture);
     gathered.push(picture, 0..size[1]);
-    gathered.write(w, target)
+    gathered.write(w, target, encoding)
 }
 
 /// Red, green, blue and alpha of each pixel in 8 bits: what a PNG of them would hold, opaque where there is no alpha.

@@ -1,10 +1,10 @@
 //! Strokes: how each is drawn, and how directions are cut into partitions.
 
 use crate::error::{Error, Result};
-use crate::params::Param;
 use crate::params::range::in_range;
 use crate::params::table::{Choice, Kind, Unit, even};
 use crate::params::value::{Value, finite};
+use crate::params::{Group, Param};
 use serde::Serialize;
 
 /// What strokes are drawn with.
@@ -230,8 +230,10 @@ params! {
         ///
         /// Small strokes melt into grey; large ones no longer follow the form.
         scale: StrokeScale = StrokeScale::Auto, flag: "--stroke-scale", form: "S|MMmm|auto", valid: 0.05..=1000.0;
-        /// Pixels per inch of the printed drawing, for sizes in millimetres.
-        dpi: f32 = 300.0, flag: "--dpi", form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0;
+        /// Pixels per inch of the print, which PNG, JPEG and TIFF say too: 300 for drawings where not given, and what the
+        /// photo says for other pictures.
+        dpi: Option<f32> = None,
+            flag: "--dpi", form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0, group: Group::Print;
         /// Width of a stroke pressed hard, in pixels at scale 1; the style's own where not given.
         width_px: Option<f32> = None,
             flag: "--stroke-width", form: "PX", unit: Unit::Pixels, valid: 0.05..=100.0, useful: even(0.2, 10.0);
@@ -357,6 +359,11 @@ impl StrokeParams {
         size_px / SIZE_OF_LINES_PX
     }
 
+    /// Pixels per inch of the drawing on paper.
+    pub fn print_dpi(&self) -> f32 {
+        self.dpi.unwrap_or(DPI)
+    }
+
     /// Output pixels for one at scale 1, in a picture of which `resolution_factor` pixels stand for one of
     /// the reference.
     pub fn factor(&self, resolution_factor: f32) -> f32 {
@@ -364,7 +371,7 @@ impl StrokeParams {
         match self.scale {
             StrokeScale::Auto => 1.0,
             StrokeScale::Factor(factor) => factor * resolution_factor,
-            StrokeScale::Millimetres(mm) => mm / MM_PER_INCH * self.dpi / width,
+            StrokeScale::Millimetres(mm) => mm / MM_PER_INCH * self.print_dpi() / width,
         }
     }
 
@@ -397,3 +404,6 @@ impl StrokeParams {
 }
 
 pub(super) const MM_PER_INCH: f32 = 25.4;
+
+/// Pixels per inch of drawings for which none are given.
+const DPI: f32 = 300.0;

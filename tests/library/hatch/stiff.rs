@@ -110,7 +110,7 @@ fn settings_out_of_range_are_refused_by_name() {
         |l| l.strokes.scale = StrokeScale::Millimetres(f32::NAN),
         "--stroke-scale",
     );
-    refused(|l| l.strokes.dpi = -1.0, "--dpi");
+    refused(|l| l.strokes.dpi = Some(-1.0), "--dpi");
     refused(|l| l.strokes.wobble = Some(2.0), "--wobble");
     refused(|l| l.tone.black_point = 1.0, "--black-point");
     refused(|l| l.tone.gamma = f32::NAN, "--tone-gamma");

@@ -225,7 +225,7 @@ fn strokes_of_any_size_and_number_keep_their_tone() {
 fn millimetres_are_those_of_the_print() {
     let params = StrokeParams {
         scale: StrokeScale::Millimetres(0.254),
-        dpi: 600.0,
+        dpi: Some(600.0),
         ..StrokeParams::default()
     };
     // 0.254 mm are a hundredth of an inch: 6 pixels of 600, whatever the reference height.

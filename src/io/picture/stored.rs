@@ -1,16 +1,20 @@
-//! PNG and TIFF for print: of one bit per pixel, or with their resolution, neither of which `image` writes.
+//! PNG and TIFF with their resolution and what else they say of themselves, and of one bit per pixel: `image` writes
+//! neither.
 
+use super::encoding::{Encoding, ascii};
+use crate::io::exif::thousandths;
 use fax::encoder::Encoder;
 use fax::{Color, VecWriter};
 use image::error::{EncodingError, ImageFormatHint};
 use image::{ImageError, ImageFormat, ImageResult};
+use std::borrow::Cow;
 use std::io::{Seek, Write};
-use tiff::TiffError;
-use tiff::encoder::{Rational, TiffEncoder};
+use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, Tag};
+use tiff::{TiffError, TiffResult};
 
 /// A picture as it is stored.
-pub(super) struct Printed<'a> {
+pub(super) struct Stored<'a> {
     /// Columns and rows.
     pub(super) size: [u32; 2],
     /// Samples of a pixel: 1, 3, or 4 with alpha.
@@ -19,6 +23,8 @@ pub(super) struct Printed<'a> {
     pub(super) bits: u8,
     /// Pixels per inch, across and down.
     pub(super) dpi: Option<[f32; 2]>,
+    /// The ICC profile of its colours.
+    pub(super) profile: Option<&'a [u8]>,
     /// Samples, those of 16 bits in this machine's order of bytes, those of 1 bit a byte each, 1 white.
     pub(super) samples: &'a [u8],
 }
@@ -26,9 +32,20 @@ pub(super) struct Printed<'a> {
 const METRES_PER_INCH: f32 = 0.0254;
 
 /// Writes a PNG.
-pub(super) fn write_png(w: &mut impl Write, picture: &Printed) -> ImageResult<()> {
+pub(super) fn write_png(
+    w: &mut impl Write,
+    picture: &Stored,
+    encoding: &Encoding,
+) -> ImageResult<()> {
     let [width, height] = picture.size;
-    let mut encoder = png::Encoder::new(w, width, height);
+    let mut info = png::Info::with_size(width, height);
+    info.icc_profile = picture.profile.map(Cow::Borrowed);
+    info.exif_metadata = encoding.exif_of_png(picture.dpi).map(Cow::Owned);
+    let mut encoder = png::Encoder::with_info(w, info).map_err(png_error)?;
+    for (keyword, text) in texts(encoding) {
+        let added = encoder.add_text_chunk(keyword.into(), text);
+        added.map_err(png_error)?;
+    }
     encoder.set_color(match picture.channels {
         1 => png::ColorType::Grayscale,
         4 => png::ColorType::Rgba,
@@ -44,9 +61,10 @@ pub(super) fn write_png(w: &mut impl Write, picture: &Printed) -> ImageResult<()
         let unit = png::Unit::Meter;
         png::PixelDimensions { xppu, yppu, unit }
     }));
-    if picture.bits == 1 {
+    match picture.bits {
         // Differences of bytes of eight pixels are no easier to compress.
-        encoder.set_filter(png::Filter::NoFilter);
+        1 => encoder.set_filter(png::Filter::NoFilter),
+        _ => encoder.set_compression(png::Compression::Fast),
     }
     let mut writer = encoder.write_header().map_err(png_error)?;
     let written = match picture.bits {
@@ -61,8 +79,18 @@ pub(super) fn write_png(w: &mut impl Write, picture: &Printed) -> ImageResult<()
     written.and_then(|()| writer.finish()).map_err(png_error)
 }
 
+/// What a PNG says in words, by their keywords.
+fn texts(encoding: &Encoding) -> impl Iterator<Item = (&'static str, String)> {
+    let texts = [
+        ("Software", &encoding.software),
+        ("Description", &encoding.settings),
+    ];
+    let texts = texts.into_iter();
+    texts.filter_map(|(keyword, text)| Some((keyword, ascii(text.as_deref()?))))
+}
+
 /// Eight pixels to a byte, the first the highest bit; every row begins with a byte of its own.
-fn packed(picture: &Printed) -> Vec<u8> {
+fn packed(picture: &Stored) -> Vec<u8> {
     let width = picture.size[0].max(1) as usize;
     let byte = |pixels: &[u8]| {
         let bits = pixels.iter().enumerate();
@@ -73,7 +101,11 @@ fn packed(picture: &Printed) -> Vec<u8> {
 }
 
 /// Writes a TIFF: pictures of one bit by CCITT Group 4, others as they are.
-pub(super) fn write_tiff(w: &mut (impl Write + Seek), picture: &Printed) -> ImageResult<()> {
+pub(super) fn write_tiff(
+    w: &mut (impl Write + Seek),
+    picture: &Stored,
+    encoding: &Encoding,
+) -> ImageResult<()> {
     let [width, height] = picture.size;
     let group_4 = match picture.bits {
         1 => Some(group_4(picture)?),
@@ -82,54 +114,96 @@ pub(super) fn write_tiff(w: &mut (impl Write + Seek), picture: &Printed) -> Imag
     let write = || {
         let mut encoder = TiffEncoder::new(w)?;
         let mut file = encoder.image_directory()?;
-        let (samples, compression) = match &group_4 {
-            Some(samples) => (&samples[..], CompressionMethod::Fax4),
-            None => (picture.samples, CompressionMethod::None),
+        let (samples, compression, rows) = match &group_4 {
+            Some(samples) => (&samples[..], CompressionMethod::Fax4, height),
+            None => {
+                let samples = picture.samples;
+                let rows = rows_per_strip(samples.len(), height);
+                (samples, CompressionMethod::None, rows)
+            }
         };
         let meaning = match (picture.bits, picture.channels) {
             (1, _) => PhotometricInterpretation::WhiteIsZero,
             (_, 1) => PhotometricInterpretation::BlackIsZero,
             _ => PhotometricInterpretation::RGB,
         };
-        let offset = u32::try_from(file.write_data(samples)?)?;
+        let strip = match rows == height {
+            true => samples.len(),
+            false => samples.len() / height as usize * rows as usize,
+        };
+        let strips: Vec<_> = samples.chunks(strip.max(1)).collect();
+        let mut offsets = Vec::new();
+        for strip in &strips {
+            offsets.push(u32::try_from(file.write_data(*strip)?)?);
+        }
+        let lengths: Vec<_> = strips.iter().map(|strip| strip.len() as u32).collect();
         file.write_tag(Tag::ImageWidth, width)?;
         file.write_tag(Tag::ImageLength, height)?;
         let bits = vec![u16::from(picture.bits); picture.channels];
         file.write_tag(Tag::BitsPerSample, &bits[..])?;
         file.write_tag(Tag::Compression, compression.to_u16())?;
         file.write_tag(Tag::PhotometricInterpretation, meaning.to_u16())?;
-        file.write_tag(Tag::StripOffsets, offset)?;
+        file.write_tag(Tag::StripOffsets, &offsets[..])?;
         file.write_tag(Tag::SamplesPerPixel, picture.channels as u16)?;
-        file.write_tag(Tag::RowsPerStrip, height)?;
-        file.write_tag(Tag::StripByteCounts, u32::try_from(samples.len())?)?;
+        file.write_tag(Tag::RowsPerStrip, rows)?;
+        file.write_tag(Tag::StripByteCounts, &lengths[..])?;
         if picture.channels == 4 {
             file.write_tag(Tag::ExtraSamples, STRAIGHT_ALPHA)?;
         }
-        if let Some([across, down]) = picture.dpi {
-            file.write_tag(Tag::XResolution, thousandths(across))?;
-            file.write_tag(Tag::YResolution, thousandths(down))?;
-            file.write_tag(Tag::ResolutionUnit, ResolutionUnit::Inch.to_u16())?;
-        }
+        write_tags(&mut file, picture, encoding)?;
         file.finish()
     };
     write().map_err(tiff_error)
 }
 
+/// Rows of a strip of about [`STRIP_BYTES`], of a picture of so many bytes and rows.
+fn rows_per_strip(bytes: usize, height: u32) -> u32 {
+    let row = (bytes / height.max(1) as usize).max(1);
+    ((STRIP_BYTES / row) as u32).clamp(1, height.max(1))
+}
+
+/// Bytes of a strip, which readers hold at once.
+const STRIP_BYTES: usize = 1 << 20;
+
+/// What a TIFF says beside its pixels.
+fn write_tags<W: Write + Seek>(
+    file: &mut DirectoryEncoder<W, TiffKindStandard>,
+    picture: &Stored,
+    encoding: &Encoding,
+) -> TiffResult<()> {
+    if let Some([across, down]) = picture.dpi {
+        file.write_tag(Tag::XResolution, rational(across))?;
+        file.write_tag(Tag::YResolution, rational(down))?;
+        file.write_tag(Tag::ResolutionUnit, ResolutionUnit::Inch.to_u16())?;
+    }
+    let texts = [
+        (Tag::Software, &encoding.software),
+        (Tag::ImageDescription, &encoding.settings),
+    ];
+    for (tag, text) in texts {
+        if let Some(text) = text {
+            file.write_tag(tag, ascii(text).as_str())?;
+        }
+    }
+    if let Some(profile) = picture.profile {
+        file.write_tag(Tag::IccProfile, profile)?;
+    }
+    Ok(())
+}
+
 /// The tag's word for alpha that colour is not multiplied by.
 const STRAIGHT_ALPHA: u16 = 2;
 
-fn thousandths(dpi: f32) -> Rational {
-    Rational {
-        n: (dpi * 1000.0).round() as u32,
-        d: 1000,
-    }
+fn rational(dpi: f32) -> Rational {
+    let [n, d] = thousandths(dpi);
+    Rational { n, d }
 }
 
 /// Wider rows overflow the encoder's numbers.
 const WIDEST: u32 = i16::MAX as u32;
 
 /// Black and white as CCITT Group 4 (ITU-T T.6) has them.
-fn group_4(picture: &Printed) -> ImageResult<Vec<u8>> {
+fn group_4(picture: &Stored) -> ImageResult<Vec<u8>> {
     let width = picture.size[0];
     if width > WIDEST {
         let reason = format!("a bilevel TIFF is up to {WIDEST} pixels wide; write a .png");
@@ -295,14 +369,16 @@ mod tests {
     #[test]
     fn what_group_4_does_not_hold_is_refused() {
         let samples = vec![1; WIDEST as usize + 1];
-        let picture = Printed {
+        let picture = Stored {
             size: [WIDEST + 1, 1],
             channels: 1,
             bits: 1,
             dpi: None,
+            profile: None,
             samples: &samples,
         };
-        let refused = write_tiff(&mut Cursor::new(Vec::new()), &picture).unwrap_err();
+        let refused =
+            write_tiff(&mut Cursor::new(Vec::new()), &picture, &Encoding::default()).unwrap_err();
         assert!(refused.to_string().contains("write a .png"), "{refused}");
     }
 }

@@ -1,0 +1,106 @@
+//! Several pictures on one command line that are no sequence, and the names of what is made of them.
+
+use super::args::WorkArgs;
+use super::output::Kind;
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// What stands in names of files for the name of each picture, without its folder and extension.
+pub(crate) const NAME: &str = "{name}";
+
+/// Several pictures, and the folder that all that is made of them goes to, if it is no name of its own for each.
+#[derive(Debug, Clone)]
+pub(crate) struct Batch {
+    inputs: Vec<PathBuf>,
+    folder: Option<PathBuf>,
+}
+
+impl Batch {
+    /// The pictures, in their order.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.inputs.iter().map(PathBuf::as_path)
+    }
+
+    /// What stands for [`NAME`] in the names that go with `input`.
+    pub(crate) fn name_of(input: &Path) -> String {
+        let stem = input.file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+
+    /// Makes `work` that of `input` alone.
+    pub(crate) fn give(&self, input: &Path, work: &mut WorkArgs) {
+        work.input = input.to_path_buf();
+        work.more.clear();
+        if let Some(folder) = &self.folder {
+            let mut name = input.file_stem().unwrap_or_default().to_os_string();
+            name.push(".png");
+            work.output.output = Some(folder.join(name));
+        }
+    }
+}
+
+impl WorkArgs {
+    /// The pictures of the command line, where they are several or go to a folder.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for files that would be of all pictures, and for frames besides.
+    pub(crate) fn batch(&self) -> Result<Option<Batch>> {
+        let output = self.output.output.as_deref();
+        let folder = output.filter(|output| self.is_folder(output));
+        let has_name = |path: &Path| path.to_string_lossy().contains(NAME);
+        let is_sequence = self.sequence.frames.is_given();
+        let is_named = folder.is_some() || output.is_some_and(has_name);
+        if self.more.is_empty() && (is_sequence || !is_named) {
+            return Ok(None);
+        }
+        let files = [
+            ("-o", output.filter(|_| folder.is_none())),
+            ("--timings", self.run.timings.as_deref()),
+            ("--save-recipe", self.run.save_recipe.as_deref()),
+        ];
+        let one_for_all = |(name, path): (_, Option<&Path>)| {
+            let path = path.filter(|path| !has_name(path))?;
+            Some((name, path.to_path_buf()))
+        };
+        match files.into_iter().find_map(one_for_all) {
+            Some((name, path)) => return Err(self.one_for_all(name, &path)),
+            None if is_sequence => {
+                return Err(Error::BadParameter {
+                    name: "--frames",
+                    found: "does not go with several pictures".into(),
+                    remedy: "give one input with #### for its numbers, or leave it out".into(),
+                });
+            }
+            None => {}
+        }
+        let first = std::iter::once(&self.input);
+        Ok(Some(Batch {
+            inputs: first.chain(&self.more).cloned().collect(),
+            folder: folder.map(Path::to_path_buf),
+        }))
+    }
+
+    /// Whether an output is a folder: it is called so, or has no extension and is there, or is for several pictures.
+    fn is_folder(&self, output: &Path) -> bool {
+        let text = output.to_string_lossy();
+        let is_called_so = text.ends_with(std::path::is_separator);
+        let may_be_one = output.extension().is_none() && !text.contains(NAME);
+        is_called_so || may_be_one && (output.is_dir() || !self.more.is_empty())
+    }
+
+    /// The refusal of one file for all pictures. One of them may have been meant as the output.
+    fn one_for_all(&self, name: &'static str, path: &Path) -> Error {
+        let is_stray = |path: &&PathBuf| !path.exists() && Kind::of(path).is_ok();
+        let stray = self.more.iter().find(is_stray).map(|path| path.display());
+        let folder = if name == "-o" { "a folder, or " } else { "" };
+        let several = format!("give {folder}a name with {NAME} for theirs");
+        Error::BadParameter {
+            name,
+            found: format!("{} is one file for all pictures", path.display()),
+            remedy: match stray {
+                Some(stray) => format!("{several}; to write {stray}, give -o {stray}"),
+                None => several,
+            },
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! The first directory of an EXIF block, where a camera says what a picture is.
+//!
+//! A block is a TIFF without pixels: the order of its bytes, the place of its first directory, and directories of entries
+//! whose longer values lie elsewhere in the block. What is said anew is added at its end, so that all that is not
+//! understood keeps its place.
+
+/// An entry: its tag, the kind and number of its values, and these or their place in the block.
+#[derive(Debug, Clone, PartialEq)]
+struct Entry {
+    tag: u16,
+    kind: u16,
+    count: u32,
+    value: [u8; 4],
+}
+
+/// An EXIF block.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Exif {
+    bytes: Vec<u8>,
+    is_big_endian: bool,
+    entries: Vec<Entry>,
+}
+
+/// Tags of the first directory.
+const DESCRIPTION: u16 = 0x010e;
+const ORIENTATION: u16 = 0x0112;
+const RESOLUTIONS: [u16; 2] = [0x011a, 0x011b];
+const RESOLUTION_UNIT: u16 = 0x0128;
+const SOFTWARE: u16 = 0x0131;
+
+/// Kinds of values.
+const TEXT: u16 = 2;
+const SHORT: u16 = 3;
+const RATIONAL: u16 = 5;
+
+/// Resolution units.
+const INCH: u16 = 2;
+const CENTIMETRE: u16 = 3;
+
+/// Centimetres in an inch.
+pub(super) const CM_PER_INCH: f32 = 2.54;
+
+/// Bytes of an entry.
+const ENTRY_BYTES: usize = 12;
+
+impl Default for Exif {
+    /// A block that says nothing.
+    fn default() -> Self {
+        Self {
+            bytes: b"MM\0*\0\0\0\0".to_vec(),
+            is_big_endian: true,
+            entries: Vec::new(),
+        }
+    }
+}
+
+impl Exif {
+    /// The block in `bytes`, from the order of its bytes on; `None` where they are none.
+    pub(super) fn read(bytes: &[u8]) -> Option<Self> {
+        let is_big_endian = match bytes.get(..4)? {
+            b"MM\0*" => true,
+            b"II*\0" => false,
+            _ => return None,
+        };
+        let mut exif = Self {
+            bytes: bytes.to_vec(),
+            is_big_endian,
+            entries: Vec::new(),
+        };
+        let at = exif.long(bytes.get(4..8)?) as usize;
+        let count = exif.short(bytes.get(at..)?.get(..2)?);
+        let entries = bytes.get(at + 2..)?;
+        let entries = entries.get(..usize::from(count) * ENTRY_BYTES)?;
+        let entries = entries.as_chunks::<ENTRY_BYTES>().0.iter();
+        exif.entries = entries
+            .map(|entry| Entry {
+                tag: exif.short(&entry[..2]),
+                kind: exif.short(&entry[2..4]),
+                count: exif.long(&entry[4..8]),
+                value: [entry[8], entry[9], entry[10], entry[11]],
+            })
+            .collect();
+        Some(exif)
+    }
+
+    /// Pixels per inch, across and down.
+    pub(super) fn dpi(&self) -> Option<[f32; 2]> {
+        let unit = self.get(RESOLUTION_UNIT, SHORT, 1);
+        let per_inch = match unit.map(|unit| self.short(&unit.value)) {
+            None | Some(INCH) => 1.0,
+            Some(CENTIMETRE) => CM_PER_INCH,
+            Some(_) => return None,
+        };
+        let [across, down] = RESOLUTIONS.map(|tag| Some(self.rational(tag)? * per_inch));
+        Some([across?, down?])
+    }
+
+    /// What the picture is said to show.
+    pub(super) fn description(&self) -> Option<String> {
+        let entry = self.entries.iter().find(|entry| entry.tag == DESCRIPTION)?;
+        let length = entry.count as usize;
+        let text = match length {
+            ..=4 => &entry.value[..length],
+            _ => {
+                let at = self.long(&entry.value) as usize;
+                self.bytes.get(at..)?.get(..length)?
+            }
+        };
+        let text = String::from_utf8_lossy(text);
+        let text = text.trim_matches(|c: char| c == '\0' || c.is_whitespace());
+        (entry.kind == TEXT && !text.is_empty()).then(|| text.to_string())
+    }
+
+    /// Says that pixels are stored as they are looked at, where anything else is said.
+    pub(super) fn set_upright(&mut self) {
+        if self.entries.iter().any(|entry| entry.tag == ORIENTATION) {
+            self.set_short(ORIENTATION, 1);
+        }
+    }
+
+    pub(super) fn set_dpi(&mut self, dpi: [f32; 2]) {
+        for (tag, dpi) in RESOLUTIONS.into_iter().zip(dpi) {
+            let [n, d] = thousandths(dpi).map(|number| self.of_long(number));
+            self.set(tag, RATIONAL, 1, &[n, d].concat());
+        }
+        self.set_short(RESOLUTION_UNIT, INCH);
+    }
+
+    pub(super) fn set_software(&mut self, text: &str) {
+        self.set_text(SOFTWARE, text);
+    }
+
+    pub(super) fn set_description(&mut self, text: &str) {
+        self.set_text(DESCRIPTION, text);
+    }
+
+    /// The block with what was set. A small picture in it is left out: it shows what the large one was.
+    pub(super) fn into_bytes(mut self) -> Vec<u8> {
+        self.entries.sort_by_key(|entry| entry.tag);
+        self.align();
+        let at = self.of_long(self.bytes.len() as u32);
+        let mut directory = self.of_short(self.entries.len() as u16).to_vec();
+        for entry in &self.entries {
+            directory.extend(self.of_short(entry.tag));
+            directory.extend(self.of_short(entry.kind));
+            directory.extend(self.of_long(entry.count));
+            directory.extend(entry.value);
+        }
+        // No other directory follows.
+        directory.extend([0; 4]);
+        self.bytes[4..8].copy_from_slice(&at);
+        self.bytes.extend(directory);
+        self.bytes
+    }
+
+    fn get(&self, tag: u16, kind: u16, count: u32) -> Option<&Entry> {
+        let mut entries = self.entries.iter();
+        entries.find(|entry| (entry.tag, entry.kind, entry.count) == (tag, kind, count))
+    }
+
+    fn rational(&self, tag: u16) -> Option<f32> {
+        let at = self.long(&self.get(tag, RATIONAL, 1)?.value) as usize;
+        let value = self.bytes.get(at..)?.get(..8)?;
+        Some(self.long(&value[..4]) as f32 / self.long(&value[4..]) as f32)
+    }
+
+    fn set_text(&mut self, tag: u16, text: &str) {
+        let text = [text.as_bytes(), &[0]].concat();
+        self.set(tag, TEXT, text.len() as u32, &text);
+    }
+
+    fn set_short(&mut self, tag: u16, number: u16) {
+        let number = self.of_short(number);
+        self.set(tag, SHORT, 1, &number);
+    }
+
+    /// Sets `count` values of an entry: those of up to four bytes in their place, others at the end of the block.
+    fn set(&mut self, tag: u16, kind: u16, count: u32, values: &[u8]) {
+        let mut value = [0; 4];
+        if let Some(place) = value.get_mut(..values.len()) {
+            place.copy_from_slice(values);
+        } else {
+            self.align();
+            value = self.of_long(self.bytes.len() as u32);
+            self.bytes.extend(values);
+        }
+        let entry = Entry {
+            tag,
+            kind,
+            count,
+            value,
+        };
+        self.entries.retain(|entry| entry.tag != tag);
+        self.entries.push(entry);
+    }
+
+    /// Values begin at even places.
+    fn align(&mut self) {
+        if !self.bytes.len().is_multiple_of(2) {
+            self.bytes.push(0);
+        }
+    }
+
+    fn short(&self, bytes: &[u8]) -> u16 {
+        let bytes = [bytes[0], bytes[1]];
+        match self.is_big_endian {
+            true => u16::from_be_bytes(bytes),
+            false => u16::from_le_bytes(bytes),
+        }
+    }
+
+    fn long(&self, bytes: &[u8]) -> u32 {
+        let bytes = [bytes[0], bytes[1], bytes[2], bytes[3]];
+        match self.is_big_endian {
+            true => u32::from_be_bytes(bytes),
+            false => u32::from_le_bytes(bytes),
+        }
+    }
+
+    fn of_short(&self, number: u16) -> [u8; 2] {
+        match self.is_big_endian {
+            true => number.to_be_bytes(),
+            false => number.to_le_bytes(),
+        }
+    }
+
+    fn of_long(&self, number: u32) -> [u8; 4] {
+        match self.is_big_endian {
+            true => number.to_be_bytes(),
+            false => number.to_le_bytes(),
+        }
+    }
+}
+
+/// A resolution as a fraction: above and below the line.
+pub(super) fn thousandths(dpi: f32) -> [u32; 2] {
+    [(dpi * 1000.0).round() as u32, 1000]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_said_anew_is_read_back_and_all_else_keeps_its_place() {
+        // Little-endian; the directory at 8 has three entries: orientation (0x112, a short) 6, artist (0x13b, a text of 6
+        // bytes) at 50, and 0x8769, the place of another directory, which is not understood; then none follows.
+        let mut block = b"II*\0\x08\0\0\0\x03\0".to_vec();
+        block.extend(b"\x12\x01\x03\0\x01\0\0\0\x06\0\0\0");
+        block.extend(b"\x3b\x01\x02\0\x06\0\0\0\x32\0\0\0");
+        block.extend(b"\x69\x87\x04\0\x01\0\0\0\x38\0\0\0");
+        block.extend(b"\0\0\0\0Marie\0");
+        let mut exif = Exif::read(&block).unwrap();
+        assert_eq!((exif.dpi(), exif.description()), (None, None));
+        exif.set_upright();
+        exif.set_dpi([72.5, 300.0]);
+        exif.set_software("program 1");
+        exif.set_description("a = 1\nb = 2");
+        let written = exif.into_bytes();
+        assert_eq!(written[8..block.len()], block[8..]);
+        let read = Exif::read(&written).unwrap();
+        assert_eq!(read.dpi(), Some([72.5, 300.0]));
+        assert_eq!(read.description().as_deref(), Some("a = 1\nb = 2"));
+        let of = |tag| {
+            let found = read.entries.iter().find(|entry| entry.tag == tag);
+            found.map(|entry| entry.value).unwrap()
+        };
+        assert_eq!(of(ORIENTATION), [1, 0, 0, 0]);
+        assert_eq!((of(0x13b), of(0x8769)), ([50, 0, 0, 0], [56, 0, 0, 0]));
+        let tags: Vec<u16> = read.entries.iter().map(|entry| entry.tag).collect();
+        assert!(tags.is_sorted() && tags.len() == 8, "{tags:x?}");
+    }
+
+    #[test]
+    fn what_is_no_block_or_ends_too_early_says_nothing() {
+        let mut exif = Exif::default();
+        exif.set_dpi([300.0; 2]);
+        exif.set_description("long enough to lie elsewhere");
+        let whole = exif.into_bytes();
+        for end in 0..whole.len() {
+            let exif = Exif::read(&whole[..end]);
+            assert!(exif.is_none_or(|exif| exif.entries.len() == 4), "{end}");
+        }
+        // A place beyond the block, and a denominator of 0.
+        let mut far = whole.clone();
+        far[4..8].fill(255);
+        assert_eq!(Exif::read(&far), None);
+        assert_eq!(Exif::read(b"no block at all"), None);
+    }
+}

@@ -1,0 +1,101 @@
+//! How the file of a picture is encoded, and what it says beside its pixels.
+
+use crate::io::exif::Exif;
+use crate::io::photo::Kept;
+
+/// How the file of a picture is encoded, and what it says beside its pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Encoding {
+    /// Quality of a JPEG, 1 to 100.
+    pub quality: u8,
+    /// The program that made it.
+    pub software: Option<String>,
+    /// The settings it was made by. PNG, JPEG and TIFF hold them as their description.
+    pub settings: Option<String>,
+    /// What it keeps of the photo that it was made of: PNG and JPEG all of it, TIFF all but what the camera said.
+    pub kept: Kept,
+}
+
+impl Default for Encoding {
+    fn default() -> Self {
+        Self {
+            quality: 95,
+            software: None,
+            settings: None,
+            kept: Kept::default(),
+        }
+    }
+}
+
+/// Longest EXIF block of a JPEG: a segment of 65,535 bytes, less its length and name.
+const LONGEST_IN_JPEG: usize = 65_535 - 8;
+
+impl Encoding {
+    /// The resolution of a picture that is so many columns wide, in pixels per inch: on paper it is as large as the photo.
+    pub(super) fn dpi(&self, width: usize) -> Option<[f32; 2]> {
+        let times = width as f32 / self.kept.width.max(1) as f32;
+        Some(self.kept.dpi?.map(|dpi| dpi * times))
+    }
+
+    /// The colour profile that was kept, where it is one of red, green and blue.
+    pub(super) fn profile(&self) -> Option<&[u8]> {
+        // The space of its colours is named after 16 bytes.
+        let profile = self.kept.profile.as_deref()?;
+        (profile.get(16..20)? == b"RGB ").then_some(profile)
+    }
+
+    /// The EXIF block of a JPEG, which holds its settings too: without what a camera said, or without these, where it would
+    /// be too long.
+    pub(super) fn exif_of_jpeg(&self, dpi: Option<[f32; 2]>) -> Option<Vec<u8>> {
+        if (&self.software, &self.settings, &self.kept.exif) == (&None, &None, &None) {
+            return None;
+        }
+        let fresh = Exif::default;
+        let settings = self.settings.as_deref();
+        let tries = [
+            (self.kept_exif().unwrap_or_else(fresh), settings),
+            (fresh(), settings),
+            (fresh(), None),
+        ];
+        let mut blocks = tries.into_iter().map(|(mut exif, settings)| {
+            let described = [exif.description(), settings.map(ascii)];
+            let described: Vec<_> = described.into_iter().flatten().collect();
+            if settings.is_some() {
+                exif.set_description(&described.join("\n\n"));
+            }
+            self.said(exif, dpi)
+        });
+        blocks.find(|block| block.len() <= LONGEST_IN_JPEG)
+    }
+
+    /// The EXIF block of a PNG: that of the photo, if it has one.
+    pub(super) fn exif_of_png(&self, dpi: Option<[f32; 2]>) -> Option<Vec<u8>> {
+        self.kept_exif().map(|exif| self.said(exif, dpi))
+    }
+
+    fn kept_exif(&self) -> Option<Exif> {
+        Exif::read(self.kept.exif.as_deref()?)
+    }
+
+    /// The block with what is true of this picture.
+    fn said(&self, mut exif: Exif, dpi: Option<[f32; 2]>) -> Vec<u8> {
+        exif.set_upright();
+        if let Some(dpi) = dpi {
+            exif.set_dpi(dpi);
+        }
+        if let Some(software) = &self.software {
+            exif.set_software(&ascii(software));
+        }
+        exif.into_bytes()
+    }
+}
+
+/// A text that all formats hold: letters beyond ASCII are spelled as TOML spells them.
+pub(super) fn ascii(text: &str) -> String {
+    let spelled = |c: char| match c {
+        '\0' => String::new(),
+        _ if c.is_ascii() => c.into(),
+        _ => format!("\\U{:08X}", u32::from(c)),
+    };
+    text.chars().map(spelled).collect()
+}
