@@ -285,7 +285,7 @@ impl HatchArgs {
                 sample_type,
             }));
         }
-        job.write_exr(done, &channels)
+        job.write_exr(done, channels)
     }
 }
 

@@ -197,7 +197,7 @@ impl<'a> Job<'a> {
     pub(super) fn write_color(&self, done: &Done, made: MadePicture) -> Result<Chosen> {
         let loaded = &done.loaded;
         match self.work.output.kind()? {
-            Kind::Exr => self.write_exr(done, &self.color_channels(loaded, made.color)),
+            Kind::Exr => self.write_exr(done, self.color_channels(loaded, made.color)),
             Kind::Picture(_) => {
                 let mask = &loaded.frame.mask;
                 let exposure = made.exposure(&self.work.flags.params.display, mask);
@@ -265,13 +265,14 @@ impl<'a> Job<'a> {
     }
 
     /// Writes planes to an EXR and ends the frame.
-    pub(super) fn write_exr(&self, done: &Done, channels: &[OutputChannel]) -> Result<Chosen> {
+    pub(super) fn write_exr(&self, done: &Done, channels: Vec<OutputChannel>) -> Result<Chosen> {
+        let channels = self.work.output.picked(channels)?;
         self.write(done, done.chosen(), |output| {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
             self.guard(done, &results)?;
             let recipe = self.recipe(&done.chosen());
             let args = &self.work.output;
-            for warning in args.write_exr(output, &done.loaded, channels, recipe)? {
+            for warning in args.write_exr(output, &done.loaded, &channels, recipe)? {
                 self.say_once("warning", &warning, true);
             }
             Ok(Whites::default())

@@ -5,10 +5,12 @@ use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
+use crate::io::likest;
 use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::Encoding;
 use std::io::{Seek, Write};
 use std::path::Path;
+use wildmatch::WildMatch;
 
 /// Name of the part that holds our results, and of the layer that holds the enhanced picture in it.
 const PART: &str = "relievo";
@@ -66,6 +68,30 @@ impl OutputArgs {
             settings: Some(recipe),
             kept,
         })
+    }
+
+    /// Those of our channels that were asked for: by their names, or those of their layers or components.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for a name that no channel has.
+    pub(super) fn picked<'a>(
+        &self,
+        mut channels: Vec<OutputChannel<'a>>,
+    ) -> Result<Vec<OutputChannel<'a>>> {
+        if self.write.is_empty() {
+            return Ok(channels);
+        }
+        let is_it = |wanted: &str, channel: &OutputChannel| {
+            let wanted = WildMatch::new(wanted);
+            names_of(&channel.name).any(|name| wanted.matches(name))
+        };
+        for wanted in &self.write {
+            if !channels.iter().any(|channel| is_it(wanted, channel)) {
+                return Err(no_such_channel(wanted, &channels));
+            }
+        }
+        channels.retain(|channel| self.write.iter().any(|wanted| is_it(wanted, channel)));
+        Ok(channels)
     }
 
     /// The part that our results make, of the pixels `window`.
@@ -160,6 +186,25 @@ impl OutputArgs {
                 "{count} {samples} too large for half floats and clamped; keep them with --depth-of-output float{lossless}"
             )
         })
+    }
+}
+
+/// What a channel may be picked by: its name, its layer, and its component.
+fn names_of(channel: &str) -> impl Iterator<Item = &str> {
+    let parts = channel.rsplit_once('.').map(<[&str; 2]>::from);
+    std::iter::once(channel).chain(parts.into_iter().flatten())
+}
+
+fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {
+    let all: Vec<&str> = channels.iter().map(|channel| &*channel.name).collect();
+    let every: Vec<&str> = all.iter().flat_map(|name| names_of(name)).collect();
+    Error::BadParameter {
+        name: "--write",
+        found: format!("no channel called {wanted} (there are {})", all.join(", ")),
+        remedy: match likest(&every, wanted) {
+            Some(meant) => format!("did you mean {meant}?"),
+            None => "give their names, or those of their layers".into(),
+        },
     }
 }
 

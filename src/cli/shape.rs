@@ -108,7 +108,7 @@ impl StripWork for Description<'_> {
 impl Description<'_> {
     fn write(&self, job: &Job, done: &Done) -> Result<Chosen> {
         if self.goal == Goal::Layers {
-            return job.write_exr(done, &self.channels(job, &done.loaded, &done.outcome));
+            return job.write_exr(done, self.channels(job, &done.loaded, &done.outcome));
         }
         let dpi = self.args.dpi(&done.loaded.frame);
         let picture = Picture {

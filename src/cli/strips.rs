@@ -281,7 +281,10 @@ pub(super) fn make<W: StripWork>(
                 write_gathered(&source, job, output, (gathered, &encoding), exposure)?
             }
             None => {
-                let channels = work.channels(job, &sample, &outcome);
+                let channels = job
+                    .work
+                    .output
+                    .picked(work.channels(job, &sample, &outcome))?;
                 let recipe = job.recipe(&chosen);
                 write_exr(&source, job, output, (&sample, &channels), recipe)?;
                 Whites::default()
@@ -399,7 +402,7 @@ fn write_exr<W: StripWork>(
         let (mut writer, warnings) = args.part_writer(sample, w, path, &part)?;
         warnings.iter().for_each(|warning| job.warn(warning));
         each_made(source, job, |(plan, strip, outcome), rows| {
-            let channels = source.work.channels(job, strip, outcome);
+            let channels = args.picked(source.work.channels(job, strip, outcome))?;
             let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
             job.refuse(not_finite(plan, &strip.frame, outcome, &planes))?;
             writer.push(&planes, rows)

@@ -133,6 +133,10 @@ pub(crate) struct OutputArgs {
     /// see no other; or write the results alone.
     #[arg(long, value_name = "WHAT", default_value = "keep")]
     pub(crate) layers: LayersArg,
+    /// EXR: only these of our layers or channels, as in kappa,curvature.mean; * and ? stand for any letters. All where not
+    /// given.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) write: Vec<String>,
     /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
     #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(crate) compression: OutputCompression,

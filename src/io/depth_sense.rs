@@ -99,11 +99,13 @@ pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
         covered: &covered,
         raw: &raw,
     };
-    let toward = matches!(
-        hinted,
-        Some(StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne)
-    );
-    let (way, why, camera) = judged.way(toward)?;
+    let implied = match hinted {
+        Some(StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne) => Some(Way::Toward),
+        Some(_) => Some(Way::Away),
+        // Beyond 1 it was not mapped, and distances are what most programs write.
+        None => (!range.is_unit()).then_some(Way::Away),
+    };
+    let (way, why, camera) = judged.way(implied)?;
     Ok(match way {
         Some(Way::Toward) => {
             let stored = match hinted {
@@ -172,9 +174,13 @@ impl Judged<'_> {
 
     /// Which way depth goes, why, and the camera that was found for it.
     ///
-    /// Depth that falls beside normals with x reversed leans as depth that rises beside normals with y reversed:
-    /// where it comes to that, `toward` is what the name implies.
-    fn way(&self, toward: bool) -> crate::Result<(Option<Way>, &'static str, Option<Camera>)> {
+    /// Depth that falls beside normals with x reversed leans as depth that rises beside normals with y reversed, and the
+    /// other way round. Where it comes to that, the way is the `implied` one; where none is, y is taken to be reversed, as
+    /// in all that DirectX uses, and hardly anything reverses x.
+    fn way(
+        &self,
+        implied: Option<Way>,
+    ) -> crate::Result<(Option<Way>, &'static str, Option<Camera>)> {
         let way_of = |angle: f64| match angle {
             a if a <= AGREES_DEG => Some(Way::Away),
             a if a >= 180.0 - AGREES_DEG => Some(Way::Toward),
@@ -189,14 +195,11 @@ impl Judged<'_> {
         let unaided = evidence(None);
         let faces = unaided.facing_view.max(unaided.facing_view_flipped) >= FACES;
         let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
-        let reversed = [x, y].map(way_of);
-        let implied = match toward {
-            true => Way::Toward,
-            false => Way::Away,
-        };
+        let reversed = [y, x].map(way_of);
+        let is_implied = |way: &Way| implied == Some(*way);
         let view = way_of(as_is)
-            .or(reversed.into_iter().flatten().find(|way| *way == implied))
-            .or(reversed.into_iter().find_map(|way| way))
+            .or(reversed.into_iter().flatten().find(is_implied))
+            .or(reversed.into_iter().flatten().next())
             .filter(|_| faces);
         if view.is_some() {
             return Ok((view, "the normals lean toward what is far", None));

@@ -55,6 +55,7 @@ pub(crate) use footprint::frame_bytes;
 pub use inputs::Needs;
 pub(crate) use load::InputFiles;
 pub use load::{Loaded, load};
+pub(crate) use nearest::likest;
 pub use specular::{SpecularInputs, load_specular};
 pub(crate) use surroundings::surroundings_bytes;
 pub use survey::{LayerSurvey, ObjectSurvey, PartSurvey, RoleSurvey, Survey, survey};

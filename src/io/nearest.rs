@@ -40,7 +40,7 @@ pub(super) fn alike<'a>(layers: &'a [Layer], name: &str) -> Option<&'a str> {
 }
 
 /// The name that is most like `name`, if one is like enough.
-pub(super) fn likest<'a>(names: &[&'a str], name: &str) -> Option<&'a str> {
+pub(crate) fn likest<'a>(names: &[&'a str], name: &str) -> Option<&'a str> {
     let name = name.to_lowercase();
     let likeness = |own: &str| strsim::jaro_winkler(&own.to_lowercase(), &name);
     let names = names.iter().map(|own| (likeness(own), *own));

@@ -234,6 +234,33 @@ fn results_alone_hold_the_same_layers() {
 }
 
 #[test]
+fn of_the_results_those_are_written_that_are_picked() {
+    let desk = Desk::new();
+    let gears = fixture("gears.exr");
+    let all = open(&desk.make("shape", &gears, "all.exr", &["--layers", "results"]));
+    let picks = ["--layers", "results", "--write", "kappa,normal,weights.c*"];
+    let picked = open(&desk.make("shape", &gears, "picked.exr", &picks));
+    let expected = [
+        "curvature.kappa",
+        "normal.x",
+        "normal.y",
+        "normal.z",
+        "weights.conductance",
+        "weights.crease",
+    ];
+    assert_eq!(names(&picked, 0), expected);
+    for name in expected {
+        assert!(
+            bits(&plane(&picked, 0, name)) == bits(&plane(&all, 0, name)),
+            "{name}"
+        );
+    }
+    let misspelt = ["--write", "curvature.kapa"];
+    let line = desk.run("shape", &gears, "none.exr", &misspelt).refused(2);
+    assert!(line.contains("did you mean curvature.kappa?"), "{line}");
+}
+
+#[test]
 fn several_scales_are_layers_named_after_them() {
     let desk = Desk::new();
     let gears = fixture("gears.exr");

@@ -25,6 +25,7 @@ fn strips_are_the_whole_bit_for_bit() {
         ),
         ("idle", "enhance --scaling 0"),
         ("layers", "shape --layers results"),
+        ("picked", "shape --layers results --write kappa,normal"),
         (
             "scales",
             "shape --scale 2,3 --layers results --depth-of-output half",

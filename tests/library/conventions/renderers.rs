@@ -446,6 +446,15 @@ fn files() -> Vec<File> {
             read_as(World, Relative, HALF_DEG + DEPTH_DEG)),
         file("DirectX", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 0.0, PLANAR)),
             flipped('y', read_as(View, Planar, ENCODED_HALF_DEG))),
+        // Maps of a game's tools: depth in shades of grey either way round, which no name tells.
+        file("DirectX, white near", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 0.0, vray)),
+            flipped('y', read_as(View, NormalizedNearIsOne, ENCODED_HALF_DEG))),
+        file("DirectX, white far", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 1.0, corona)),
+            flipped('y', read_as(View, WhiteFar, ENCODED_HALF_DEG))),
+        file("OpenGL, white near", ("normal", RGB, Half), SAME, Some((&["Z"], Float, 0.0, vray)),
+            read_as(View, NormalizedNearIsOne, HALF_DEG)),
+        file("OpenGL, white far", ("normal", RGB, Half), SAME, Some((&["Z"], Float, 1.0, corona)),
+            read_as(View, WhiteFar, HALF_DEG)),
     ]
 }
 
@@ -514,5 +523,5 @@ fn unreal() {
 
 #[test]
 fn directx() {
-    check(&["DirectX"], 1);
+    check(&["DirectX", "OpenGL"], 5);
 }
