@@ -9,7 +9,7 @@ use super::camera::{CameraSearch, recover_camera_from_depth};
 use super::depth::off_tangents;
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
-use super::normal_space::judge_normal_space;
+use super::normal_space::{is_reversed, judge_normal_space};
 use super::surface::Surface;
 use crate::frame::coverage;
 use crate::frame::depth::{is_distance, to_distances};
@@ -197,7 +197,10 @@ impl Judged<'_> {
         let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
         let reversed = [y, x].map(way_of);
         let is_implied = |way: &Way| implied == Some(*way);
-        let view = way_of(as_is)
+        // Half a picture of floor leans with depth whichever way one of the axes goes.
+        let off = |angle: f64| angle.min(180.0 - angle);
+        let as_is = way_of(as_is).filter(|_| !is_reversed(off(as_is), off(y)));
+        let view = as_is
             .or(reversed.into_iter().flatten().find(is_implied))
             .or(reversed.into_iter().flatten().next())
             .filter(|_| faces);

@@ -54,6 +54,8 @@ const REVERSED: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], 
 /// leans the same way with x reversed.
 const REVERSED_DEG: (f64, f64) = (10.0, 25.0);
 const REVERSED_SHARE: f64 = 0.5;
+/// So they do from the first on as they are where it falls to less than this share: nothing else fits as well.
+const SURELY_REVERSED: (f64, f64) = (4.0, 0.2);
 
 /// What the normals turned out to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -410,13 +412,20 @@ fn concluded(e: &NormalSpaceEvidence) -> Concluded {
         })
 }
 
+/// Whether mean angles to the slope of depth, in degrees, as the axes are and with some turned round, show that they are
+/// reversed.
+pub(super) fn is_reversed(as_is: f64, turned: f64) -> bool {
+    let (least, share) = SURELY_REVERSED;
+    let surely = as_is > least && turned < share * as_is;
+    let (least, most) = REVERSED_DEG;
+    surely || (as_is > least && turned < most && turned < REVERSED_SHARE * as_is)
+}
+
 /// View space with x or y the wrong way round, where depth shows it.
 fn by_reversed_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let angles = e.slope_reversed_deg?;
     let best = (1..4).min_by(|&a, &b| angles[a].total_cmp(&angles[b]))?;
-    let shows = angles[0] > REVERSED_DEG.0
-        && angles[best] < REVERSED_DEG.1
-        && angles[best] < REVERSED_SHARE * angles[0];
+    let shows = is_reversed(angles[0], angles[best]);
     let world_holds = e.slope_world_deg.is_some_and(|deg| deg < angles[best]);
     let (share, (toward, _)) = better_view(e);
     let [x, y] = REVERSED[best];
