@@ -115,7 +115,7 @@ pub(super) fn one<C: FrameCommand>(
 /// Refuses arguments of `command` that do not hold up.
 pub(super) fn validate<C: FrameCommand>(command: &C) -> Result<()> {
     command.work().flags.validate()?;
-    command.work().output.refuse_idle_quality()?;
+    command.work().output.refuse_idle()?;
     command.validate()
 }
 

@@ -101,22 +101,30 @@ impl OutputArgs {
         }
     }
 
-    /// Refuses a quality where there is no JPEG to have it.
+    /// Refuses a quality where there is no JPEG to have it, and channels that are picked where there is no EXR.
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming the output.
-    pub(crate) fn refuse_idle_quality(&self) -> Result<()> {
-        let Some(path) = self.output.as_deref().filter(|_| self.quality.is_some()) else {
+    pub(crate) fn refuse_idle(&self) -> Result<()> {
+        let Some(path) = &self.output else {
             return Ok(());
         };
-        match PictureFormat::of_path(path) {
-            Some(PictureFormat::Jpeg) => Ok(()),
-            _ => Err(Error::BadParameter {
-                name: "--quality",
-                found: format!("is of JPEG alone, and {} is none", path.display()),
-                remedy: "write a .jpg or leave it out".into(),
-            }),
+        let is_jpeg = PictureFormat::of_path(path) == Some(PictureFormat::Jpeg);
+        let is_exr = Kind::of(path).is_ok_and(|kind| kind == Kind::Exr);
+        let of = |name, format: &str, extension: &str| {
+            Err(Error::BadParameter {
+                name,
+                found: format!("is of {format} alone, and {} is none", path.display()),
+                remedy: format!("write a {extension} or leave it out"),
+            })
+        };
+        if self.quality.is_some() && !is_jpeg {
+            return of("--quality", "JPEG", ".jpg");
         }
+        if !self.write.is_empty() && !is_exr {
+            return of("--write", "EXR", ".exr");
+        }
+        Ok(())
     }
 }
 

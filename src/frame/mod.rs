@@ -71,7 +71,8 @@ pub struct Frame {
     pub occlusion: Option<Plane>,
     /// How far each pixel is diffused, as a share, 0..1, of what is asked for.
     pub importance: Option<Plane>,
-    /// How much of what is made is taken, 0..1, where it is said; shape is found in all of the frame.
+    /// How much of a picture made of the frame is to be taken, 0..1, where it is said: for whoever mixes it with the frame's
+    /// own, as the command line does. Engines make the whole.
     pub strength: Option<Plane>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,

@@ -5,6 +5,7 @@
 //! name as the bits of a float; the manifest, in the header or in a file beside the picture, says which name has which.
 
 use super::exr::{ChannelId, ExrFile};
+use super::open::read_text;
 use crate::frame::{Plane, Window};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -55,8 +56,7 @@ fn manifest(declared: &BTreeMap<String, String>, picture: &Path) -> Option<BTree
         (Some(text), _) => text.clone(),
         (None, Some(name)) => {
             let path = picture.parent()?.join(Path::new(name).file_name()?);
-            let is_small = std::fs::metadata(&path).ok()?.len() <= MOST_OF_A_MANIFEST;
-            std::fs::read_to_string(path).ok().filter(|_| is_small)?
+            read_text(&path, MOST_OF_A_MANIFEST).ok()?
         }
         (None, None) => return None,
     };

@@ -4,6 +4,8 @@
 //! whose longer values lie elsewhere in the block. What is said anew is added at its end, so that all that is not
 //! understood keeps its place.
 
+use crate::params::MM_PER_INCH;
+
 /// An entry: its tag, the kind and number of its values, and these or their place in the block.
 #[derive(Debug, Clone, PartialEq)]
 struct Entry {
@@ -36,9 +38,6 @@ const RATIONAL: u16 = 5;
 /// Resolution units.
 const INCH: u16 = 2;
 const CENTIMETRE: u16 = 3;
-
-/// Centimetres in an inch.
-pub(super) const CM_PER_INCH: f32 = 2.54;
 
 /// Bytes of an entry.
 const ENTRY_BYTES: usize = 12;
@@ -88,7 +87,7 @@ impl Exif {
         let unit = self.get(RESOLUTION_UNIT, SHORT, 1);
         let per_inch = match unit.map(|unit| self.short(&unit.value)) {
             None | Some(INCH) => 1.0,
-            Some(CENTIMETRE) => CM_PER_INCH,
+            Some(CENTIMETRE) => MM_PER_INCH / 10.0,
             Some(_) => return None,
         };
         let [across, down] = RESOLUTIONS.map(|tag| Some(self.rational(tag)? * per_inch));

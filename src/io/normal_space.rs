@@ -54,7 +54,7 @@ const REVERSED: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], 
 /// leans the same way with x reversed.
 const REVERSED_DEG: (f64, f64) = (10.0, 25.0);
 const REVERSED_SHARE: f64 = 0.5;
-/// So they do from the first on as they are where it falls to less than this share: nothing else fits as well.
+/// They also do where that angle is above the first and falls to less than this share of it: no other reading fits as well.
 const SURELY_REVERSED: (f64, f64) = (4.0, 0.2);
 
 /// What the normals turned out to be.

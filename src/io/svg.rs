@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::frame::Window;
 use crate::io::pen_way::{Drawn, in_the_air, pen_way};
 use crate::line::contours::polyline::thinned;
+use crate::params::MM_PER_INCH;
 use glam::Vec2;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -42,8 +43,6 @@ const MOST_LEFT_OUT: usize = 64;
 
 /// Widths of a group over those of the one before.
 const WIDTH_STEP: f32 = 1.2;
-
-const MM_PER_INCH: f32 = 25.4;
 
 /// Writes `drawing` to `file`, called `path` in errors.
 ///

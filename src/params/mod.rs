@@ -37,7 +37,7 @@ pub use line::{
     Levels, LineLevels, LineParams, PaperSize, Plotter, Stroke, StrokeDirections, StrokeParams,
     StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
-pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
+pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS, MM_PER_INCH};
 pub(crate) use range::in_range;
 pub(crate) use relight::{AUTO_SAMPLES, MAX_LIGHTS};
 pub use relight::{

@@ -258,6 +258,10 @@ fn of_the_results_those_are_written_that_are_picked() {
     let misspelt = ["--write", "curvature.kapa"];
     let line = desk.run("shape", &gears, "none.exr", &misspelt).refused(2);
     assert!(line.contains("did you mean curvature.kappa?"), "{line}");
+    let line = desk
+        .run("shape", &gears, "none.png", &["--write", "kappa"])
+        .refused(2);
+    assert!(line.contains("--write is of EXR alone"), "{line}");
 }
 
 #[test]

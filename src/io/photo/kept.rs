@@ -3,8 +3,9 @@
 use super::decoder::with_decoder;
 use super::header::PhotoHeader;
 use crate::error::{Error, Result};
-use crate::io::exif::{CM_PER_INCH, Exif};
+use crate::io::exif::Exif;
 use crate::io::open::open_input;
+use crate::params::MM_PER_INCH;
 use image::metadata::Orientation;
 use image::{ImageDecoder, ImageFormat};
 use std::io::{BufReader, Read};
@@ -30,8 +31,6 @@ const RESOLUTIONS: RangeInclusive<f32> = 1.0..=10_000.0;
 
 /// Longest colour profile that is kept, in bytes.
 const MAX_PROFILE: usize = 1 << 24;
-
-const METRES_PER_INCH: f32 = 0.0254;
 
 impl Kept {
     /// What is kept of the photo of this header. What cannot be read of it is left out.
@@ -81,7 +80,7 @@ fn jfif_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
     }
     let per_inch = match start[13] {
         1 => 1.0,
-        2 => CM_PER_INCH,
+        2 => MM_PER_INCH / 10.0,
         _ => return Ok(None),
     };
     let dpi = [14, 16].map(|at| u16::from_be_bytes([start[at], start[at + 1]]));
@@ -94,7 +93,7 @@ fn png_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
     };
     let dims = reader.info().pixel_dims;
     let dims = dims.filter(|dims| dims.unit == png::Unit::Meter);
-    Ok(dims.map(|dims| [dims.xppu, dims.yppu].map(|dpm| dpm as f32 * METRES_PER_INCH)))
+    Ok(dims.map(|dims| [dims.xppu, dims.yppu].map(|dpm| dpm as f32 * MM_PER_INCH / 1000.0)))
 }
 
 fn tiff_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
@@ -105,7 +104,7 @@ fn tiff_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
     let unit = value(Tag::ResolutionUnit).and_then(|unit| unit.into_u16().ok());
     let per_inch = match unit {
         None | Some(2) => 1.0,
-        Some(3) => CM_PER_INCH,
+        Some(3) => MM_PER_INCH / 10.0,
         Some(_) => return Ok(None),
     };
     let mut dpi = |tag| match value(tag)? {

@@ -3,6 +3,7 @@
 
 use super::encoding::{Encoding, ascii};
 use crate::io::exif::thousandths;
+use crate::params::MM_PER_INCH;
 use fax::encoder::Encoder;
 use fax::{Color, VecWriter};
 use image::error::{EncodingError, ImageFormatHint};
@@ -28,8 +29,6 @@ pub(super) struct Stored<'a> {
     /// Samples, those of 16 bits in this machine's order of bytes, those of 1 bit a byte each, 1 white.
     pub(super) samples: &'a [u8],
 }
-
-const METRES_PER_INCH: f32 = 0.0254;
 
 /// Writes a PNG.
 pub(super) fn write_png(
@@ -57,7 +56,7 @@ pub(super) fn write_png(
         _ => png::BitDepth::Sixteen,
     });
     encoder.set_pixel_dims(picture.dpi.map(|dpi| {
-        let [xppu, yppu] = dpi.map(|dpi| (dpi / METRES_PER_INCH).round() as u32);
+        let [xppu, yppu] = dpi.map(|dpi| (1000.0 * dpi / MM_PER_INCH).round() as u32);
         let unit = png::Unit::Meter;
         png::PixelDimensions { xppu, yppu, unit }
     }));
@@ -279,8 +278,12 @@ mod tests {
             transform: ViewTransform::Srgb,
             display: Display::default(),
         };
+        encoded(format, &picture)
+    }
+
+    fn encoded(format: PictureFormat, picture: &Picture) -> Vec<u8> {
         let mut file = Cursor::new(Vec::new());
-        write_picture(&mut file, Path::new("test"), format, &picture).unwrap();
+        write_picture(&mut file, Path::new("test"), format, picture).unwrap();
         file.into_inner()
     }
 
@@ -357,9 +360,7 @@ mod tests {
                         transform: ViewTransform::Srgb,
                         display: Display::default(),
                     };
-                    let mut file = Cursor::new(Vec::new());
-                    write_picture(&mut file, Path::new("test"), format, &picture).unwrap();
-                    read(&file.into_inner())
+                    read(&encoded(format, &picture))
                 };
                 assert_eq!(of(Some([300.0; 2])), of(None), "{format:?} {bits}");
             }

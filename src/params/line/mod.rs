@@ -18,8 +18,8 @@ pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
 pub use levels::{Levels, LineLevels, ToneLevels};
 pub use print::PaperSize;
-pub(crate) use strokes::MAX_LEVELS;
 pub use strokes::{AtEdges, Enlargement, Ink, Plotter, Stroke, StrokeParams, StrokeScale, Style};
+pub(crate) use strokes::{MAX_LEVELS, MM_PER_INCH};
 pub use tone::{Background, ToneParams, ToneSource};
 
 params! {

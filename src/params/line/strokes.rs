@@ -403,7 +403,7 @@ impl StrokeParams {
     }
 }
 
-pub(super) const MM_PER_INCH: f32 = 25.4;
+pub(crate) const MM_PER_INCH: f32 = 25.4;
 
 /// Pixels per inch of drawings for which none are given.
 const DPI: f32 = 300.0;
