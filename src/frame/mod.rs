@@ -18,6 +18,7 @@ mod space;
 mod specular;
 mod steps;
 mod surroundings;
+mod unrounded;
 mod window;
 
 pub(crate) use builder::PIXEL_ASPECTS;
@@ -42,6 +43,7 @@ pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use specular::SpecularScene;
 pub(crate) use steps::{SURFACE_JUMP, step_between};
 pub use surroundings::{Surroundings, map_direction};
+pub(crate) use unrounded::{UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, unround};
 pub use window::Window;
 
 use std::collections::BTreeMap;

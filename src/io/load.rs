@@ -101,7 +101,7 @@ pub(crate) struct InputFiles {
 pub(crate) struct Extent {
     /// The pixels that it has.
     pub window: Window,
-    /// Bytes that its photos take while they are held, decoded.
+    /// Bytes that its photos take while they are held, decoded, and their rounding is undone.
     pub photo_bytes: u64,
 }
 
@@ -156,7 +156,11 @@ impl InputFiles {
         photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
         Ok(Extent {
             window: sources.common_window(&light)?,
-            photo_bytes: photos.into_iter().map(|photo| photo.header.bytes()).sum(),
+            photo_bytes: photos
+                .into_iter()
+                .map(|photo| photo.header.bytes())
+                .sum::<u64>()
+                + sources.roles[0].unrounding_bytes(),
         })
     }
 

@@ -11,7 +11,9 @@ use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
-use crate::frame::Window;
+use crate::frame::{
+    UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround,
+};
 use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
@@ -244,6 +246,17 @@ impl RoleSource {
         }
     }
 
+    /// Bytes that it takes to undo the rounding of its vectors, where rows of them are read.
+    pub(super) fn unrounding_bytes(&self) -> u64 {
+        match self.file.as_ref() {
+            Opened::Photo { photo, .. } if has_coarse_vectors(photo) => {
+                let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
+                (rows * photo.header.width * UNROUNDING_BYTES) as u64
+            }
+            _ => 0,
+        }
+    }
+
     fn channel_ids(&self) -> Vec<ChannelId> {
         let Some(layer) = &self.layer else {
             return Vec::new();
@@ -390,10 +403,37 @@ fn photo_planes(
         true => Meaning::Linear,
         false => Meaning::Stored,
     };
+    if role == Role::Normal && has_coarse_vectors(photo) {
+        return unrounded_vectors(photo, window);
+    }
     let planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
     let mut read = RolePlanes::of_photo(photo, planes, window);
     if role.is_color() {
         read.premultiply();
     }
+    Ok(read)
+}
+
+/// Whether a photo holds vectors in codes of 8 bits.
+fn has_coarse_vectors(photo: &StoredPhoto) -> bool {
+    photo.header.bits == 8 && photo.header.color_channels() == 3
+}
+
+/// The vectors of a photo without the steps of their codes.
+fn unrounded_vectors(photo: &StoredPhoto, window: Window) -> Result<RolePlanes> {
+    let [first, last] = [window.y0, window.y1].map(|y| y as usize);
+    let first = first.saturating_sub(UNROUNDING_REACH) / UNROUNDING_PHASE * UNROUNDING_PHASE;
+    let last = (last + UNROUNDING_REACH).min(photo.header.height);
+    let planes = photo.planes(first..last, Meaning::Stored)?;
+    let taken = Window {
+        y0: first as i32,
+        y1: last as i32,
+        ..window
+    };
+    let mut read = RolePlanes::of_photo(photo, planes, taken);
+    let mut vectors = Vector3Planes::of(read.planes);
+    unround(&mut vectors, 0.5 / max_code(photo.header.bits) as f32);
+    read.planes = vec![vectors.x, vectors.y, vectors.z];
+    read.fit_to(Role::Normal, window);
     Ok(read)
 }

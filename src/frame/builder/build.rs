@@ -8,7 +8,7 @@ use crate::frame::coverage::{self, Covered, cover};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
-    Window, normals,
+    Window, normals, unround,
 };
 use glam::DMat3;
 use std::ops::RangeInclusive;
@@ -37,6 +37,9 @@ impl FrameBuilder<'_> {
         let [x, y, z] = self.vector("normals", &stored.samples, &[3, 4])?;
         let mut normal = Vector3Planes { x, y, z };
         normals::decode(&mut normal, stored.encoding, stored.flip);
+        if stored.samples.is_coarse() {
+            unround(&mut normal, stored.samples.rounding);
+        }
         let (color, alpha) = self.picture()?;
         let (mut depth, mut depth_kind) = self.stored_depth()?;
         let own_mask = self.scalar("mask", &self.mask)?;

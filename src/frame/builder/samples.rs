@@ -132,6 +132,11 @@ impl<'a> Samples<'a> {
         !self.is_integer && self.rounding > 0.0
     }
 
+    /// Whether they are integers of 8 bits.
+    pub(super) fn is_coarse(&self) -> bool {
+        self.is_integer && self.rounding == <u8 as stored::Stored>::ROUNDING
+    }
+
     /// Refuses integers where linear light is wanted.
     pub(super) fn refuse_integers(&self, name: Name) -> Result<()> {
         if !self.is_integer {
