@@ -180,7 +180,16 @@ impl<'a> Job<'a> {
         inputs: engine::Inputs,
     ) -> Result<Outcome> {
         let warn = |text: &str| self.warn(text);
-        engine.execute(plan, frame, inputs, &Run::new().warn(&warn))
+        let outcome = engine.execute(plan, frame, inputs, &Run::new().warn(&warn))?;
+        self.note_gain(plan, outcome.gain);
+        Ok(outcome)
+    }
+
+    /// Says where normals are too coarse for the gain that their shape asks for.
+    pub(super) fn note_gain(&self, plan: &Plan, gain: Option<f32>) {
+        if plan.holds_gain(gain) {
+            self.warn(&message::held_gain(plan.most_gain()));
+        }
     }
 
     /// Prints the plan, where asked to.

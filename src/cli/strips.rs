@@ -264,6 +264,7 @@ pub(super) fn make<W: StripWork>(
         timings: RefCell::new(Timings::of_window(whole)),
     };
     source.found = choose(&source, job, &plan)?;
+    job.note_gain(&plan, source.found.gain);
     let plan = work.plan(&sample, &source.found)?;
     let outcome = run(work, &plan, &sample.frame)?;
     let chosen = read.with(&source.found, outcome.environment_gain);

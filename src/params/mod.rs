@@ -45,6 +45,7 @@ pub use relight::{
     WarpBy, WarpingParams,
 };
 pub use run::{RunOptions, TileSize};
+pub(crate) use shape::COARSE_ROUNDING;
 pub(crate) use shape::check_scales;
 pub use shape::{Scale, ShapeParams, SoftThreshold, Solver};
 pub use specular::{Bend, SearchParams, SpecularParams};

@@ -318,7 +318,7 @@ pub(crate) fn check_scales(count: usize) -> Result<()> {
 }
 
 /// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
-const COARSE_ROUNDING: f32 = 1e-3;
+pub(crate) const COARSE_ROUNDING: f32 = 1e-3;
 
 /// The first step over coarse normals, and the last over any that are not exact. On 8-bit ellipsoids of
 /// 32, 64, 128 and 256 px the 95th percentile of the directions' error is 7, 5, 8, 27 degrees at 4 px alone,

@@ -56,7 +56,9 @@ impl StripSearch {
         let relighting = plan.relighting.as_ref();
         let estimates_albedo = relighting.is_some_and(|r| r.albedo == Albedo::Estimate);
         let search = Self {
-            gain: plan.chooses_gain().then(|| GainSearch::new(size, factor)),
+            gain: plan
+                .chooses_gain()
+                .then(|| GainSearch::new(size, factor, plan.most_gain())),
             white: (chosen_for(plan) == Some(Subject::Picture))
                 .then(|| PercentileSearch::new(WHITE_PERCENT)),
             terms: Vec::new(),
@@ -139,7 +141,7 @@ impl StripSearch {
         if self.ended >= PERCENTILE_LOOKS {
             return;
         }
-        let gain = self.gain.iter_mut().map(|search| &mut search.0);
+        let gain = self.gain.iter_mut().map(|gain| &mut gain.search);
         let terms = self.terms.iter_mut().map(|(_, search)| search);
         gain.chain(&mut self.white)
             .chain(terms)

@@ -48,6 +48,7 @@ impl Runner {
         let gain = plan.chooses_gain().then(|| Search::Gain {
             size: [frame.mask.width(), frame.mask.height()],
             factor: plan.resolution_factor as f32,
+            most: plan.most_gain(),
         });
         let is_open =
             chosen_for(plan) == Some(Subject::Picture) && known_white_level(plan, frame).is_none();

@@ -3,35 +3,42 @@
 use crate::engine::cpu::percentile::{PercentileSearch, percentile};
 use crate::frame::{ColorPlanes, Mask, Plane, luminance};
 pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
-use crate::shape::auto_levels::{CURVATURE_PERCENT, MAX_GAIN, flat_curvature, typical_exponent};
+use crate::shape::auto_levels::{CURVATURE_PERCENT, flat_curvature, typical_exponent};
 use std::ops::Range;
 
 /// The gain that maps the 80th percentile of |trace| to 0.35, over what is curved, edges left out.
 ///
-/// The trace is `factor` times what it is per pixel of the plane.
-pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32) -> f32 {
-    let mut search = GainSearch::new([trace.width(), trace.height()], factor);
+/// The trace is `factor` times what it is per pixel of the plane; the gain is `most` at the most.
+pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32, most: f32) -> f32 {
+    let mut search = GainSearch::new([trace.width(), trace.height()], factor, most);
     let rows = 0..trace.height();
     search.add(rows.clone(), trace, conductance);
-    search.0.narrow();
+    search.search.narrow();
     search.add(rows, trace, conductance);
     search.gain()
 }
 
 /// A search for the gain in a picture that comes some rows at a time, all of them twice.
 #[derive(Debug, Clone)]
-pub(crate) struct GainSearch(pub(crate) PercentileSearch, f32);
+pub(crate) struct GainSearch {
+    pub(crate) search: PercentileSearch,
+    flat: f32,
+    most: f32,
+}
 
 impl GainSearch {
-    /// For a picture of this size, whose trace is `factor` times what it is per pixel.
-    pub(crate) fn new(size: [usize; 2], factor: f32) -> Self {
-        let flat = flat_curvature(size, factor);
-        Self(PercentileSearch::new(CURVATURE_PERCENT), flat)
+    /// For a picture of this size, whose trace is `factor` times what it is per pixel, and a gain of `most` at the most.
+    pub(crate) fn new(size: [usize; 2], factor: f32, most: f32) -> Self {
+        Self {
+            search: PercentileSearch::new(CURVATURE_PERCENT),
+            flat: flat_curvature(size, factor),
+            most,
+        }
     }
 
     pub(crate) fn add(&mut self, rows: Range<usize>, trace: &Plane, conductance: &Plane) {
-        let flat = self.1;
-        self.0.add(rows, |y| {
+        let flat = self.flat;
+        self.search.add(rows, |y| {
             let samples = trace.row(y).iter().zip(conductance.row(y));
             samples
                 .filter(|&(_, &c)| c > 0.5)
@@ -41,9 +48,9 @@ impl GainSearch {
     }
 
     pub(crate) fn gain(&self) -> f32 {
-        match self.0.found() {
-            Some(typical) if typical > 0.0 => (typical_exponent() / typical).min(MAX_GAIN),
-            _ => MAX_GAIN,
+        match self.search.found() {
+            Some(typical) if typical > 0.0 => (typical_exponent() / typical).min(self.most),
+            _ => self.most,
         }
     }
 }
@@ -85,6 +92,7 @@ pub(crate) fn white_of(percentile: Option<f32>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::auto_levels::most_gain;
 
     #[test]
     fn the_gain_brings_typical_curvature_to_its_target() {
@@ -94,16 +102,43 @@ mod tests {
             1..10 => -0.05,
             _ => 1e-5,
         });
-        let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0), 1.0);
+        let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0), 1.0, 200.0);
         assert!(((gain * 0.05).tanh() - 0.35).abs() < 1e-6);
         // A plane: rounding noise is not blown up without end.
         assert_eq!(
-            curvature_gain(&Plane::filled(4, 4, 1e-9), &Plane::filled(4, 4, 1.0), 1.0),
-            MAX_GAIN
+            curvature_gain(
+                &Plane::filled(4, 4, 1e-9),
+                &Plane::filled(4, 4, 1.0),
+                1.0,
+                200.0
+            ),
+            200.0
         );
         // Told per pixel of a reference a fifth as high, the bumps have a fifth of the gain; what was too
         // flat to count still is.
-        let fifth = curvature_gain(&trace.map(|t| 5.0 * t), &Plane::filled(100, 1, 1.0), 5.0);
+        let fifth = curvature_gain(
+            &trace.map(|t| 5.0 * t),
+            &Plane::filled(100, 1, 1.0),
+            5.0,
+            200.0,
+        );
         assert!((5.0 * fifth / gain - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn steps_of_coarse_normals_stay_out_of_sight() {
+        // Of 2/255 through a Gaussian of 4.472 pixels a ridge of 7.0e-4 is left: tanh(143 * 7.0e-4) = 0.1.
+        let at_8_bits = most_gain(1.0 / 255.0, 4.472, 1.0);
+        assert!((at_8_bits - 142.9).abs() < 0.1, "{at_8_bits}");
+        // Measured in pixels of a reference a third as high, the ridge is three times as high.
+        assert!((most_gain(1.0 / 255.0, 4.472, 3.0) - 47.6).abs() < 0.1);
+        // Half floats are told apart by no step that is seen.
+        assert_eq!(most_gain(1.0 / 4096.0, 1.0, 1.0), 200.0);
+        assert_eq!(most_gain(0.0, 0.0, 1.0), 200.0);
+        let flat = Plane::filled(4, 4, 1e-9);
+        assert_eq!(
+            curvature_gain(&flat, &Plane::filled(4, 4, 1.0), 1.0, 30.0),
+            30.0
+        );
     }
 }

@@ -8,11 +8,11 @@ use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::{F32, U32};
+use crate::engine::gpu::wgsl::Number::U32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::plan::Plan;
 use crate::shape::auto_levels::{
-    CURVATURE_PERCENT, MAX_GAIN, WHITE_PERCENT, flat_curvature, typical_exponent,
+    CURVATURE_PERCENT, WHITE_PERCENT, flat_curvature, typical_exponent,
 };
 use std::ops::Range;
 
@@ -46,6 +46,8 @@ uniforms! {
         share_of: u32,
         /// What the gain times the percentile of curvature is to be.
         target_times: f32,
+        /// The greatest gain that is chosen.
+        most_gain: f32,
     }
 }
 
@@ -80,8 +82,7 @@ pub(crate) static NARROW: Kernel = Kernel::new::<NarrowParams, NarrowBuffers>(
             "narrow.wgsl",
             [
                 ("SEARCH_INVOCATIONS", U32(SEARCH_INVOCATIONS)),
-                ("SEARCH_BINS", U32(SEARCH_BINS)),
-                ("MAX_GAIN", F32(MAX_GAIN))
+                ("SEARCH_BINS", U32(SEARCH_BINS))
             ]
         ),
     ],
@@ -96,8 +97,13 @@ const MEDIAN_PERCENT: u32 = 50;
 /// What is searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Search {
-    /// The gain of the curvature mapping, in a picture of this size whose curvature is told by this factor.
-    Gain { size: [usize; 2], factor: f32 },
+    /// The gain of the curvature mapping, in a picture of this size whose curvature is told by this factor, and the
+    /// greatest that is chosen.
+    Gain {
+        size: [usize; 2],
+        factor: f32,
+        most: f32,
+    },
     /// The white level, by these weights of luminance.
     White([f32; 3]),
     /// The white level of a term of the light, from its luminance.
@@ -158,7 +164,7 @@ impl Searching {
     ) {
         let [width, height] = self.size(run);
         let (least, weights) = match self.search {
-            Search::Gain { size, factor } => (flat_curvature(size, factor), [0.0; 3]),
+            Search::Gain { size, factor, .. } => (flat_curvature(size, factor), [0.0; 3]),
             Search::White(weights) => (0.0, weights),
             Search::TermWhite | Search::Depth(_) => (0.0, [0.0; 3]),
         };
@@ -207,10 +213,10 @@ impl Searching {
 
     /// Ends pass number `pass`; the last one puts what it chooses into its place in `chosen`.
     pub(crate) fn narrow(&self, run: &mut Run, pass: u32, chosen: &wgpu::Buffer) {
-        let (percent, is_gain) = match self.search {
-            Search::Gain { .. } => (CURVATURE_PERCENT, true),
-            Search::White(_) | Search::TermWhite => (WHITE_PERCENT, false),
-            Search::Depth(_) => (MEDIAN_PERCENT, false),
+        let (percent, most_gain) = match self.search {
+            Search::Gain { most, .. } => (CURVATURE_PERCENT, Some(most)),
+            Search::White(_) | Search::TermWhite => (WHITE_PERCENT, None),
+            Search::Depth(_) => (MEDIAN_PERCENT, None),
         };
         let params = NarrowParams {
             is_first: u32::from(pass == 0),
@@ -218,10 +224,11 @@ impl Searching {
             share: percent,
             share_of: 100,
             target_times: typical_exponent(),
+            most_gain: most_gain.unwrap_or(0.0),
         };
         run.recorder.dispatch(
             self.stage(),
-            (&NARROW, &[("IS_GAIN", is_gain)]),
+            (&NARROW, &[("IS_GAIN", most_gain.is_some())]),
             &params,
             &NarrowBuffers {
                 bins: &self.bins,
@@ -269,7 +276,8 @@ impl Run<'_> {
         if plan.chooses_gain() {
             let size = self.surface.size.map(|side| side as usize);
             let factor = plan.resolution_factor as f32;
-            let search = Searching::new(self, Search::Gain { size, factor });
+            let most = plan.most_gain();
+            let search = Searching::new(self, Search::Gain { size, factor, most });
             let chosen = self.chosen.clone();
             search.choose(self, shape.of_gain(), &chosen);
         }

@@ -5,6 +5,8 @@ pub(crate) mod cpu;
 pub(crate) mod gpu;
 pub(crate) mod stage;
 
+use crate::params::COARSE_ROUNDING;
+
 /// Percentage of the surface whose curvature the gain leaves below [`TYPICAL_KAPPA`].
 pub(crate) const CURVATURE_PERCENT: u32 = 80;
 
@@ -14,7 +16,13 @@ const TYPICAL_KAPPA: f32 = 0.35;
 /// Gains past this would draw the rounding of half-float normals (5e-4 per pixel) as relief. It holds at
 /// every factor of resolution: diffusion that counts f times as many pixels lowers noise by f^2, more
 /// than the factor raises it.
-pub(crate) const MAX_GAIN: f32 = 200.0;
+const MAX_GAIN: f32 = 200.0;
+
+/// Mapped curvature up to which the steps between codes of 8 bits may show.
+const STEP_KAPPA: f32 = 0.1;
+
+/// The sigma of a Gaussian as high in its middle as a central difference makes a step.
+const SIGMA_OF_DIFFERENCE_PX: f32 = 0.8;
 
 /// Percentage of the surface that the white level leaves below it.
 pub(crate) const WHITE_PERCENT: u32 = 98;
@@ -22,6 +30,18 @@ pub(crate) const WHITE_PERCENT: u32 = 98;
 /// Surfaces that turn by less than this many radians over the whole picture are flat to the eye and
 /// have no say: a room is mostly walls. An angle, it is the same at every resolution.
 const FLAT_TURN: f32 = 0.25;
+
+/// The greatest gain that is chosen, for normals rounded by up to `rounding` and a trace, `factor` times what it is per
+/// pixel, of slopes that were diffused as by a Gaussian of `sigma_px`.
+///
+/// What is left of a step between two codes is a ridge of curvature 2 rounding / (sqrt(2 pi) sigma).
+pub(crate) fn most_gain(rounding: f32, sigma_px: f32, factor: f32) -> f32 {
+    if rounding <= COARSE_ROUNDING {
+        return MAX_GAIN;
+    }
+    let width = std::f32::consts::TAU.sqrt() * sigma_px.max(SIGMA_OF_DIFFERENCE_PX);
+    (STEP_KAPPA * width / (2.0 * rounding * factor)).min(MAX_GAIN)
+}
 
 /// What the gain times typical curvature is.
 pub(crate) fn typical_exponent() -> f32 {

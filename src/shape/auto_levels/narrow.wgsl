@@ -14,9 +14,9 @@ var<workgroup> sums: array<u32, SEARCH_INVOCATIONS>;
 
 fn choose(is_found: bool, value: f32) {
     if IS_GAIN {
-        chosen[GAIN] = MAX_GAIN;
+        chosen[GAIN] = params.most_gain;
         if is_found && value > 0.0 {
-            chosen[GAIN] = min(params.target_times / value, MAX_GAIN);
+            chosen[GAIN] = min(params.target_times / value, params.most_gain);
         }
     } else {
         chosen[WHITE] = 1.0;

@@ -1,11 +1,11 @@
 //! The gain of the curvature mapping: chosen from the whole frame, or given.
 
 use crate::engine::cpu::run::Run;
-use crate::params::Adaptive;
+use crate::params::{Adaptive, COARSE_ROUNDING};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use crate::shape::auto_levels::cpu;
+use crate::shape::auto_levels::{cpu, most_gain};
 use crate::shape::curvature::stage::trace_of_gradient;
 
 /// The gain of the curvature mapping.
@@ -37,6 +37,24 @@ impl Plan {
     pub(crate) fn chooses_gain(&self) -> bool {
         self.wants_curvature() && self.scaling.curvature_gain == Adaptive::Auto
     }
+
+    /// The greatest gain that is chosen.
+    pub(crate) fn most_gain(&self) -> f32 {
+        let factor = self.resolution_factor;
+        let sigma_px = self.shape.scale_px() * factor;
+        most_gain(
+            self.available.normal_rounding,
+            sigma_px as f32,
+            factor as f32,
+        )
+    }
+
+    /// Whether a gain was chosen that is smaller than the curvature asks for, as coarse normals would show their steps.
+    pub(crate) fn holds_gain(&self, gain: Option<f32>) -> bool {
+        self.chooses_gain()
+            && self.available.normal_rounding > COARSE_ROUNDING
+            && gain == Some(self.most_gain())
+    }
 }
 
 pub(crate) fn choose_gain(run: &mut Run) {
@@ -66,12 +84,12 @@ fn gain_of_frame(run: &mut Run) -> f32 {
     // The bits of a trace depend on what it is made of.
     let made_of = (own.is_some(), plan.relighting.is_some());
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
-    let factor = plan.resolution_factor as f32;
+    let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());
     let gain = run.copied_or(
         &key,
         |kept| &mut kept.gain,
         AUTO_GAIN.name,
-        || cpu::curvature_gain(trace, conductance, factor),
+        || cpu::curvature_gain(trace, conductance, factor, most),
     );
     (run.outcome.shape, run.trace) = (shape, own);
     gain
