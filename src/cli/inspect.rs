@@ -22,6 +22,7 @@ const EVERYTHING: Needs = Needs {
     projection: true,
     motion: false,
     strength: false,
+    confidence: false,
 };
 
 /// Most memory that is taken to look into a file.

@@ -134,7 +134,13 @@ fn descriptor_channels<'a>(
         .more_scales
         .iter()
         .flat_map(ScaleShape::channels);
-    let channels = normals.into_iter().chain(first).chain(more);
+    let confidence = frame.confidence.as_ref();
+    let confidence = confidence.map(|plane| ("weights.confidence".to_string(), plane));
+    let channels = normals
+        .into_iter()
+        .chain(confidence)
+        .chain(first)
+        .chain(more);
     let channels = channels.map(|(name, plane)| OutputChannel {
         name,
         plane,

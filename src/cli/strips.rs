@@ -14,7 +14,7 @@ use crate::engine::guard::not_finite;
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::Strips;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, HOLE_REACH, Plane, Window};
+use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
@@ -258,7 +258,7 @@ pub(super) fn make<W: StripWork>(
         inputs,
         needs,
         whole,
-        strips: strips_of(job, cost, plan.reach() + HOLE_REACH)?,
+        strips: strips_of(job, cost, plan.reach() + HOLE_REACH + CONFIDENCE_REACH)?,
         work,
         found: StripChoice::default(),
         timings: RefCell::new(Timings::of_window(whole)),

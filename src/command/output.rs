@@ -132,8 +132,13 @@ impl WorkArgs {
     /// Takes as much of the picture that was made of `frame` as is asked for, everywhere and for each pixel.
     pub(crate) fn mix(&self, frame: &Frame, outcome: &mut Outcome) {
         if let Some(made) = &mut outcome.color {
-            let (before, strength) = (frame.color.as_ref(), frame.strength.as_ref());
-            mix(made, before, strength, self.flags.params.mix);
+            let params = &self.flags.params;
+            let before = frame.color.as_ref();
+            mix(made, before, frame.strength.as_ref(), params.mix);
+            if let Some(confidence) = &frame.confidence {
+                let kept = confidence.map(|confidence| 1.0 - params.blur_fade * (1.0 - confidence));
+                mix(made, before, Some(&kept), 1.0);
+            }
         }
     }
 

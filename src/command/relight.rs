@@ -121,6 +121,7 @@ pub(crate) fn needs(
         projection: foreshortening != 0.0 || near || !diffuse,
         motion: false,
         strength: true,
+        confidence: false,
     }
 }
 

@@ -32,6 +32,7 @@ impl WorkArgs {
     pub(crate) fn reading(&self, goal: Goal, frame: Option<i32>) -> (Inputs, Needs) {
         let needs = Needs {
             projection: self.flags.params.shape.foreshortening != 0.0 || goal == Goal::Layers,
+            confidence: goal == Goal::Layers,
             ..Needs::default()
         };
         (self.inputs(frame), needs)

@@ -1,6 +1,7 @@
 //! The data that every stage takes: planes, the mask, windows, the camera.
 
 mod builder;
+mod confidence;
 mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
@@ -24,6 +25,8 @@ mod window;
 pub(crate) use builder::PIXEL_ASPECTS;
 #[doc(inline)]
 pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
+pub(crate) use confidence::CONFIDENCE_REACH;
+pub use confidence::confidence;
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
 pub(crate) use holes::HOLE_REACH;
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
@@ -67,6 +70,9 @@ pub struct Frame {
     /// Length of the normals before they were made unit length: below 1 where a filter mixed unlike
     /// normals. `None` where nothing was filtered.
     pub normal_length: Option<Plane>,
+    /// How far what each pixel holds is that of one surface, 0..1: less out of focus, in motion, in fur or fog; for whoever mixes a picture made of the frame with the frame's own there, as the command line does.
+    /// `None` where it is 1 everywhere, or was not asked for.
+    pub confidence: Option<Plane>,
     /// Distance from the viewer, positive, in scene units; [`Source::depth_kind`] says along what.
     pub depth: Option<Plane>,
     /// Alpha or ambient occlusion, 0..1, that stands in for depth when silhouettes are sought.
@@ -123,6 +129,7 @@ impl Frame {
             mask,
             normal,
             normal_length: None,
+            confidence: None,
             depth: None,
             occlusion: None,
             importance: None,
@@ -164,6 +171,7 @@ impl Frame {
                 z: plane(&self.normal.z),
             },
             normal_length: self.normal_length.as_ref().map(plane),
+            confidence: self.confidence.as_ref().map(plane),
             depth: self.depth.as_ref().map(plane),
             occlusion: self.occlusion.as_ref().map(plane),
             importance: self.importance.as_ref().map(plane),

@@ -1,7 +1,7 @@
 //! What a user may say about the inputs; everything left out is found from names and data.
 
 use super::colorspace::ColorSpace;
-use crate::frame::{Camera, NormalSpace};
+use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};
 pub use crate::frame::{Flip, NormalEncoding, StoredDepth};
 use glam::Vec3;
 use std::ops::Range;
@@ -79,8 +79,20 @@ pub struct Needs {
     pub projection: bool,
     /// Motion since the frame before, where there is any.
     pub motion: bool,
-    /// How much of what is made is taken, where a mask or objects say so; else they are coverage.
+    /// How much of what is made is taken, where a mask or objects say so; else they are coverage. How far what
+    /// pixels hold is that of one surface, where any is not.
     pub strength: bool,
+    /// How far what pixels hold is that of one surface, also where all is.
+    pub confidence: bool,
+}
+
+impl Needs {
+    /// How far what pixels of a frame hold is that of one surface, as it is needed.
+    pub(super) fn confidence(&self, frame: &Frame) -> Option<Plane> {
+        let found = (self.strength || self.confidence).then(|| confidence(frame));
+        let full = || Plane::filled(frame.mask.width(), frame.mask.height(), 1.0);
+        found.flatten().or_else(|| self.confidence.then(full))
+    }
 }
 
 /// A camera that need not be looked for.

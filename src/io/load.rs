@@ -254,6 +254,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         ..Frame::of_normals(normal, mask)
     };
     let stored = settle_depth_kind(&mut frame, sense, depth_is_half, &mut notes);
+    frame.confidence = needs.confidence(&frame);
     notes.on_steps(&frame);
     Ok(Loaded {
         motion: planes.motion(),

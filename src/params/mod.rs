@@ -83,6 +83,10 @@ params! {
         /// How much of the change is taken, and of the picture as it was the rest: 0 leaves it as it is.
         mix: f32 = 1.0,
             flag: "--mix", form: "SHARE", valid: 0.0..=1.0, useful: table::even(0.0, 1.0), group: Group::Display;
+        /// How much the change fades where pixels are means over several surfaces: out of focus, in motion, in fur and
+        /// fog. 0 makes no difference between them and others.
+        blur_fade: f32 = 1.0,
+            flag: "--blur-fade", form: "SHARE", valid: 0.0..=1.0, useful: table::even(0.0, 1.0), group: Group::Display;
         /// How pictures are brought to a display.
         display: DisplayParams;
         /// How what mirrors and lenses show is searched for.

@@ -151,6 +151,7 @@ pub fn poisoned(frame: &Frame, poison: f32) -> Frame {
             z: spoil(&frame.normal.z),
         },
         normal_length: frame.normal_length.as_ref().map(spoil),
+        confidence: frame.confidence.clone(),
         depth: frame.depth.as_ref().map(spoil),
         ..frame.clone()
     }
@@ -272,6 +273,7 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
             mask: Mask::new(self.plane(frame.mask.plane())),
             normal: self.vectors(&frame.normal),
             normal_length: frame.normal_length.as_ref().map(plane),
+            confidence: frame.confidence.as_ref().map(plane),
             depth: frame.depth.as_ref().map(plane),
             occlusion: frame.occlusion.as_ref().map(plane),
             importance: frame.importance.as_ref().map(plane),

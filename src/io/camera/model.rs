@@ -8,6 +8,7 @@
 
 use super::samples::{Sample, quantile};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
+use std::collections::BTreeMap;
 
 /// Turn 3, shift 2, logarithm of the scale 1, convergence 1, principal point 2.
 const PARAMETERS: usize = 9;
@@ -23,6 +24,10 @@ const TRIM: f64 = 3.0;
 const HUBER: f64 = 1.5;
 /// Depths along the view, in units of the centroid's, below which a point counts as behind the eye.
 const NEAREST: f64 = 1e-6;
+
+/// Squares of the picture across its width over which residuals are averaged, and samples that a mean takes.
+const SQUARES_ACROSS: u32 = 8;
+const FEWEST_IN_SQUARE: usize = 16;
 
 /// The rotation nearest to `near`; `None` where it is singular or not finite.
 pub(super) fn orthonormal(near: &Matrix3<f64>) -> Option<Matrix3<f64>> {
@@ -115,6 +120,32 @@ impl Model {
     pub(super) fn median_error(&self, samples: &[Sample]) -> f64 {
         let mut errors: Vec<f64> = samples.iter().map(|s| self.error(s)).collect();
         quantile(&mut errors, 0.5)
+    }
+
+    /// Median over squares of the picture, so many of them across its `width`, of how far their samples are off in the mean:
+    /// a measure that samples scattered about their place do not move.
+    pub(super) fn mean_error(&self, samples: &[Sample], width: f64) -> f64 {
+        let side = width.max(1.0) / f64::from(SQUARES_ACROSS);
+        let mut squares: BTreeMap<[i64; 2], (Vector2<f64>, usize)> = BTreeMap::new();
+        for sample in samples {
+            let Some(residual) = self.residual(sample) else {
+                continue;
+            };
+            let square = [sample.seen.x, sample.seen.y].map(|at| (at / side).floor() as i64);
+            let (sum, count) = squares.entry(square).or_default();
+            *sum += residual;
+            *count += 1;
+        }
+        let means = squares
+            .values()
+            .filter(|(_, count)| *count >= FEWEST_IN_SQUARE);
+        let mut means: Vec<f64> = means
+            .map(|(sum, count)| sum.norm() / *count as f64)
+            .collect();
+        match means.is_empty() {
+            true => f64::INFINITY,
+            false => quantile(&mut means, 0.5),
+        }
     }
 
     /// Mean square error, each one counted up to `limit`, as a share of the limit's square: 0..1.

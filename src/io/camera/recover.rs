@@ -33,6 +33,10 @@ const LEAST_ERROR_PX: f64 = 0.01;
 const WORST_ROTATION_DEG: f64 = 1.0;
 /// Focal length less certain than this share is no answer where the points lie in a plane.
 const WORST_FOCAL: f64 = 0.1;
+/// Times what rounding explains up to which samples may scatter about the places that a camera sees.
+const MOST_SCATTER: f64 = 4.0;
+/// Share of what rounding explains up to which samples that scatter may lie beside those places in the mean.
+const LEAST_BESIDE: f64 = 0.5;
 /// A perspective that moves no sample by more than this many pixels is called parallel.
 const LEAST_PERSPECTIVE_PX: f64 = 0.02;
 /// A parameter counts as different from zero from this many standard errors on.
@@ -246,8 +250,14 @@ impl Fit {
         let rounding_px = samples.quantum / samples.spread * self.model.scale;
         let diagonal = (display.width() as f64).hypot(display.height() as f64);
         let limit = 1.0 + 0.002 * diagonal.min(2000.0) + rounding_px;
-        let explained = residual_px <= limit && 2 * self.kept.len() >= samples.list.len();
-        if explained {
+        // Out of focus and in motion positions lie about the place that the camera sees, not beside it.
+        let is_scatter = || {
+            let width = display.width() as f64;
+            residual_px <= MOST_SCATTER * limit
+                && self.model.mean_error(&samples.list, width) <= LEAST_BESIDE * limit
+        };
+        let half_kept = 2 * self.kept.len() >= samples.list.len();
+        if half_kept && (residual_px <= limit || is_scatter()) {
             Ok(())
         } else {
             Err(RecoveryFailure::NotACamera { residual_px })

@@ -32,6 +32,7 @@ fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>)
             z: flat(1.0),
         },
         normal_length: None,
+        confidence: None,
         depth: Some(seen.map(|depth| depth.unwrap_or(0.0))),
         occlusion: None,
         importance: None,

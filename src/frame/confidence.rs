@@ -1,0 +1,276 @@
+//! How far what a pixel holds is that of one surface.
+//!
+//! Out of focus, in motion, in fur and in fog a pixel's normal is a mean of unlike ones, and shorter than 1; its depth is that
+//! of whichever surface its first sample met. So it is at every outline, but there for a pixel or two: a pixel counts as mixed
+//! where a whole square of normals is short, or many depths around it stand alone.
+
+use super::{Frame, Mask, Plane, Vector3Planes};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Columns and rows on either side of a pixel in the square of normals that has to be mixed. Of 3x3 pixels sharp renders
+/// have some at corners of outlines, of 5x5 none.
+const NORMALS_REACH: usize = 2;
+
+/// Lengths of normals, as shares of those around, that stand for confidence 1 and 0. Of the sharp renders tried no square of 5x5 has all its lengths
+/// below 0.94; means of directions 41 degrees to either side have a length of 0.75.
+const LENGTHS: [f32; 2] = [0.93, 0.75];
+
+/// Columns and rows on either side of a pixel in the square whose longest normals its own is compared with: in fog all are
+/// short, by the share of their samples that met it.
+const FOG_REACH: usize = 8;
+
+/// What the mean over a square of unit normals lacks of length 1 where short ones do not count, and where they count in
+/// full: by a bend of 8 and of 20 degrees from one side to the other. Things near and far in fog differ in length alone.
+const SPREADS: [f32; 2] = [0.001, 0.005];
+
+/// Columns and rows on either side of a pixel in the square of depths.
+const DEPTHS_REACH: usize = 5;
+
+/// A depth stands alone if both its neighbours along a row or a column differ from it by more than this share.
+const ALONE: f32 = 0.1;
+
+/// Shares of depths that stand alone which stand for confidence 1 and 0. Of the sharp renders tried no square of 11x11 has
+/// more than 0.08 of them.
+const SHARES_ALONE: [f32; 2] = [0.1, 0.3];
+
+/// How many rows away a sample may be on which the confidence depends: means that the longest normals are of, squares found,
+/// pixels in them, and their mean; or a square, and the neighbours of its depths.
+pub(crate) const CONFIDENCE_REACH: usize = FOG_REACH + 4 * NORMALS_REACH;
+const _: () = assert!(CONFIDENCE_REACH >= DEPTHS_REACH + 1);
+
+/// How far what each pixel holds is that of one surface, 0..1, by the lengths that its normals had and by its depths;
+/// `None` where that is 1 everywhere, as in sharp frames.
+pub fn confidence(frame: &Frame) -> Option<Plane> {
+    let lengths = frame.normal_length.as_ref();
+    let of_normals = lengths.and_then(|lengths| of_normals(lengths, &frame.normal, &frame.mask));
+    let of_depths = frame
+        .depth
+        .as_ref()
+        .and_then(|depth| of_depths(depth, &frame.mask));
+    match (of_normals, of_depths) {
+        (Some(a), Some(b)) => Some(of_two(&a, &b, f32::min)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The confidence by the lengths that normals had before they were made unit length.
+fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Plane> {
+    let is_short = |length: &f32| *length < LENGTHS[0];
+    let squares = |lengths: &Plane| {
+        let longest = over_squares(lengths, NORMALS_REACH, f32::max);
+        longest
+            .samples()
+            .par_iter()
+            .any(is_short)
+            .then_some(longest)
+    };
+    // What shows nothing ends a square, as a long normal does.
+    let ended = each_row(lengths, |y, row| {
+        let lengths = lengths.row(y).iter().zip(mask.row(y));
+        for (sample, (&length, &covered)) in row.iter_mut().zip(lengths) {
+            *sample = if covered { length.min(1.0) } else { 1.0 };
+        }
+    });
+    squares(&ended)?;
+    let covered = mean_over_squares(&mask.plane().map(|c| f32::from(u8::from(c))), NORMALS_REACH);
+    let mean = |plane: &Plane| {
+        let sum = mean_over_squares(plane, NORMALS_REACH);
+        of_two(&sum, &covered, |sum, covered| {
+            sum / covered.max(f32::MIN_POSITIVE)
+        })
+    };
+    let around = over_squares(&mean(lengths), FOG_REACH, f32::max);
+    let compared = of_two(&ended, &around, |length, around| {
+        length / around.max(f32::MIN_POSITIVE)
+    });
+    let mixed = over_squares(&squares(&compared)?, NORMALS_REACH, f32::min);
+    let [x, y, z] = [&normal.x, &normal.y, &normal.z].map(mean);
+    let squared = of_two(&of_two(&x, &y, |x, y| x * x + y * y), &z, |sum, z| {
+        sum + z * z
+    });
+    let confidence = of_two(&mixed, &squared, |length, squared| {
+        let deficit = 1.0 - ramp(length, [LENGTHS[1], LENGTHS[0]]);
+        1.0 - deficit * ramp(1.0 - squared.sqrt(), SPREADS)
+    });
+    let is_mixed = confidence
+        .samples()
+        .par_iter()
+        .any(|&confidence| confidence < 1.0);
+    is_mixed.then(|| mean_over_squares(&confidence, NORMALS_REACH))
+}
+
+/// The confidence by depths that stand alone.
+fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
+    let last = [depth.width(), depth.height()].map(|length| length.saturating_sub(1));
+    let alone = each_row(depth, |y, row| {
+        let (here, covered) = (depth.row(y), mask.row(y));
+        for x in mask.span(y).filter(|&x| covered[x]) {
+            let across = (x > 0 && x < last[0] && covered[x - 1] && covered[x + 1])
+                .then(|| [here[x - 1], here[x + 1]]);
+            let down = (y > 0 && y < last[1] && mask.at(x, y - 1) && mask.at(x, y + 1))
+                .then(|| [depth.at(x, y - 1), depth.at(x, y + 1)]);
+            let is_alone = [across, down]
+                .into_iter()
+                .flatten()
+                .any(|n| stands_alone(here[x], n));
+            row[x] = f32::from(u8::from(is_alone));
+        }
+    });
+    let is_alone = |share: &f32| *share > SHARES_ALONE[0];
+    if !alone.samples().par_iter().any(is_alone) {
+        return None;
+    }
+    let share = mean_over_squares(&alone, DEPTHS_REACH);
+    let is_mixed = share.samples().par_iter().any(is_alone);
+    is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
+}
+
+/// Whether a depth differs from both its neighbours, and not as a steady slope does.
+fn stands_alone(depth: f32, [before, after]: [f32; 2]) -> bool {
+    let [to_before, to_after] = [before - depth, after - depth];
+    let bend = (to_before + to_after).abs();
+    to_before.abs().min(to_after.abs()) > ALONE * depth
+        && bend >= 0.5 * to_before.abs().max(to_after.abs())
+}
+
+/// 0 up to the first number, 1 from the second on.
+fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
+    ((value - from) / (to - from)).clamp(0.0, 1.0)
+}
+
+/// The least or the greatest sample of the square around each pixel, as far as it lies within the plane.
+fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
+    each_row(plane, |y, row| {
+        let mut column = plane.row(y).to_vec();
+        for other in around(y, reach, plane.height()) {
+            for (sample, &other) in column.iter_mut().zip(plane.row(other)) {
+                *sample = of(*sample, other);
+            }
+        }
+        for (x, sample) in row.iter_mut().enumerate() {
+            let square = &column[around(x, reach, column.len())];
+            *sample = square.iter().copied().fold(column[x], &of);
+        }
+    })
+}
+
+/// The mean of the square around each pixel, as far as it lies within the plane.
+fn mean_over_squares(plane: &Plane, reach: usize) -> Plane {
+    each_row(plane, |y, row| {
+        let mut column = vec![0.0; row.len()];
+        let rows = around(y, reach, plane.height());
+        for other in rows.clone() {
+            let samples = column.iter_mut().zip(plane.row(other));
+            samples.for_each(|(sum, sample)| *sum += sample);
+        }
+        for (x, sample) in row.iter_mut().enumerate() {
+            let square = &column[around(x, reach, column.len())];
+            *sample = square.iter().sum::<f32>() / (square.len() * rows.len()) as f32;
+        }
+    })
+}
+
+/// A plane of what is made of the samples of two.
+fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
+    each_row(a, |y, row| {
+        for (sample, (&a, &b)) in row.iter_mut().zip(a.row(y).iter().zip(b.row(y))) {
+            *sample = make(a, b);
+        }
+    })
+}
+
+/// What lies within a reach of a place on a line of this length.
+fn around(place: usize, reach: usize, length: usize) -> Range<usize> {
+    place.saturating_sub(reach)..(place + reach + 1).min(length)
+}
+
+/// A plane of the size of this one whose rows, of zeros, are made by `make`.
+fn each_row(like: &Plane, make: impl Fn(usize, &mut [f32]) + Sync) -> Plane {
+    let mut made = Plane::filled(like.width(), like.height(), 0.0);
+    let width = like.width().max(1);
+    let rows = made.samples_mut().par_chunks_mut(width).enumerate();
+    rows.for_each(|(y, row)| make(y, row));
+    made
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn lengths(width: usize, height: usize, length: impl Fn(usize, usize) -> f32) -> Plane {
+        Plane::from_fn(width, height, length)
+    }
+
+    /// Of normals that turn by so many degrees from column to column.
+    fn of(lengths: &Plane, turn_deg: f64) -> Option<Plane> {
+        let (width, height) = (lengths.width(), lengths.height());
+        let normal = Vector3Planes::from_fn(width, height, |x, _| {
+            let (sin, cos) = (turn_deg.to_radians() * x as f64).sin_cos();
+            DVec3::new(sin, 0.0, cos)
+        });
+        of_normals(lengths, &normal, &Mask::full(width, height))
+    }
+
+    #[test]
+    fn a_band_of_blur_is_told_from_outlines() {
+        // Two pixels of an outline, four at a corner, and a line of four: no square of five.
+        let outlines = lengths(40, 30, |x, y| match (x, y) {
+            (10 | 11, _) | (_, 14 | 15) | (20..=23, 3..=12) => 0.3,
+            _ => 1.0,
+        });
+        assert_eq!(of(&outlines, 8.0), None);
+        // A band of nine columns, its middle at a length of 0.75: half of the way from 0.9 to 0.6.
+        let band = lengths(
+            40,
+            30,
+            |x, _| if (15..24).contains(&x) { 0.75 } else { 1.0 },
+        );
+        let found = of(&band, 8.0).unwrap();
+        for x in 0..40 {
+            let expected = if (15..24).contains(&x) { 0.5 } else { 1.0 };
+            assert!((found.at(x, 15) - expected).abs() < 1e-6, "{x}");
+        }
+    }
+
+    #[test]
+    fn what_shows_nothing_is_not_mixed() {
+        let short = Plane::from_fn(24, 24, |x, _| if x < 12 { 0.2 } else { 1.0 });
+        let mask = Mask::new(Plane::from_fn(24, 24, |x, y| (x + y) % 4 != 0));
+        let normal = Vector3Planes::from_fn(24, 24, |x, _| match x % 2 {
+            0 => DVec3::X,
+            _ => DVec3::Z,
+        });
+        assert_eq!(of_normals(&short, &normal, &mask), None);
+        let found = of_normals(&short, &normal, &Mask::full(24, 24)).unwrap();
+        assert_eq!(found.at(6, 12), 0.0);
+        assert_eq!(of(&Plane::filled(1, 1, 0.0), 8.0), None);
+        assert_eq!(of(&Plane::filled(3, 1, 0.98), 8.0), None);
+    }
+
+    #[test]
+    fn depths_that_stand_alone_are_mixed_but_not_steps_slopes_and_wires() {
+        let of = |depth: &Plane| of_depths(depth, &Mask::full(depth.width(), depth.height()));
+        let scenes: [fn(usize, usize) -> f32; 3] = [
+            |x, y| if x + y < 40 { 5.0 } else { 9.0 },
+            |_, y| 100.0 / (1.0 + y as f32),
+            |x, y| if x == y { 5.0 } else { 9.0 },
+        ];
+        for scene in scenes {
+            assert_eq!(of(&Plane::from_fn(40, 40, scene)), None);
+        }
+        // Every second pixel of every second row shows what lies behind.
+        let every = Plane::from_fn(
+            40,
+            40,
+            |x, y| if x % 2 == 0 && y % 2 == 0 { 9.0 } else { 5.0 },
+        );
+        let found = of(&every).unwrap();
+        // 25, 30 or 36 of 121 pixels stand alone.
+        for (x, y, count) in [(19, 19, 25.0), (20, 19, 30.0), (20, 20, 36.0)] {
+            let expected = 1.0 - (count / 121.0 - 0.1) / 0.2;
+            assert!((found.at(x, y) - expected).abs() < 1e-5, "{x}, {y}");
+        }
+    }
+}
