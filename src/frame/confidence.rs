@@ -73,12 +73,10 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
         }
     });
     squares(&ended)?;
-    let covered = mean_over_squares(&mask.plane().map(|c| f32::from(u8::from(c))), NORMALS_REACH);
+    let covered = sum_over_squares(&mask.plane().map(|c| f32::from(u8::from(c))), NORMALS_REACH);
     let mean = |plane: &Plane| {
-        let sum = mean_over_squares(plane, NORMALS_REACH);
-        of_two(&sum, &covered, |sum, covered| {
-            sum / covered.max(f32::MIN_POSITIVE)
-        })
+        let sum = sum_over_squares(plane, NORMALS_REACH);
+        of_two(&sum, &covered, |sum, covered| sum / covered.max(1.0))
     };
     let around = over_squares(&mean(lengths), FOG_REACH, f32::max);
     let compared = of_two(&ended, &around, |length, around| {
@@ -89,15 +87,13 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     let squared = of_two(&of_two(&x, &y, |x, y| x * x + y * y), &z, |sum, z| {
         sum + z * z
     });
-    let confidence = of_two(&mixed, &squared, |length, squared| {
-        let deficit = 1.0 - ramp(length, [LENGTHS[1], LENGTHS[0]]);
-        1.0 - deficit * ramp(1.0 - squared.sqrt(), SPREADS)
+    let deficit = of_two(&mixed, &squared, |length, squared| {
+        let lack = 1.0 - ramp(length, [LENGTHS[1], LENGTHS[0]]);
+        lack * ramp(1.0 - squared.sqrt(), SPREADS)
     });
-    let is_mixed = confidence
-        .samples()
-        .par_iter()
-        .any(|&confidence| confidence < 1.0);
-    is_mixed.then(|| mean_over_squares(&confidence, NORMALS_REACH))
+    let is_mixed = deficit.samples().par_iter().any(|&deficit| deficit > 0.0);
+    // Without the corners of squares.
+    is_mixed.then(|| mean_over_squares(&deficit, NORMALS_REACH).map(|deficit| 1.0 - deficit))
 }
 
 /// The confidence by depths that stand alone.
@@ -155,18 +151,22 @@ fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync
     })
 }
 
-/// The mean of the square around each pixel, as far as it lies within the plane.
+/// The mean of the square around each pixel, 0 beyond the plane.
 fn mean_over_squares(plane: &Plane, reach: usize) -> Plane {
+    let side = (2 * reach + 1) as f32;
+    sum_over_squares(plane, reach).map(|sum| sum / (side * side))
+}
+
+/// The sum over the square around each pixel, as far as it lies within the plane.
+fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
     each_row(plane, |y, row| {
         let mut column = vec![0.0; row.len()];
-        let rows = around(y, reach, plane.height());
-        for other in rows.clone() {
+        for other in around(y, reach, plane.height()) {
             let samples = column.iter_mut().zip(plane.row(other));
             samples.for_each(|(sum, sample)| *sum += sample);
         }
         for (x, sample) in row.iter_mut().enumerate() {
-            let square = &column[around(x, reach, column.len())];
-            *sample = square.iter().sum::<f32>() / (square.len() * rows.len()) as f32;
+            *sample = column[around(x, reach, column.len())].iter().sum();
         }
     })
 }
@@ -221,17 +221,32 @@ mod tests {
             _ => 1.0,
         });
         assert_eq!(of(&outlines, 8.0), None);
-        // A band of nine columns, its middle at a length of 0.75: half of the way from 0.9 to 0.6.
-        let band = lengths(
-            40,
-            30,
-            |x, _| if (15..24).contains(&x) { 0.75 } else { 1.0 },
-        );
+        // A band of nine columns at a length of 0.84: half of the way from 0.93 to 0.75, a fifth of that for each column of
+        // the five around that is inside.
+        let band = lengths(40, 30, |x, _| match x {
+            15..24 => 0.84,
+            _ => 1.0,
+        });
         let found = of(&band, 8.0).unwrap();
         for x in 0..40 {
-            let expected = if (15..24).contains(&x) { 0.5 } else { 1.0 };
-            assert!((found.at(x, 15) - expected).abs() < 1e-6, "{x}");
+            let inside = (x.max(2) - 2..=x + 2)
+                .filter(|x| (15..24).contains(x))
+                .count();
+            let expected = 1.0 - 0.1 * inside as f32;
+            assert!((found.at(x, 15) - expected).abs() < 1e-5, "{x}");
         }
+        // In fog that takes a quarter of all samples, the same.
+        let in_fog = |lengths: &Plane| of(&lengths.map(|length| 0.75 * length), 8.0);
+        assert_eq!(in_fog(&outlines), None);
+        let fog = in_fog(&band).unwrap();
+        let difference = fog
+            .samples()
+            .iter()
+            .zip(found.samples())
+            .map(|(a, b)| (a - b).abs());
+        assert!(difference.fold(0.0, f32::max) < 1e-5);
+        // What is far in fog beside something near, both of them flat.
+        assert_eq!(of(&band, 0.0), None);
     }
 
     #[test]
@@ -254,22 +269,21 @@ mod tests {
         let of = |depth: &Plane| of_depths(depth, &Mask::full(depth.width(), depth.height()));
         let scenes: [fn(usize, usize) -> f32; 3] = [
             |x, y| if x + y < 40 { 5.0 } else { 9.0 },
-            |_, y| 100.0 / (1.0 + y as f32),
+            |_, y| 100.0 / (20.0 + y as f32),
             |x, y| if x == y { 5.0 } else { 9.0 },
         ];
         for scene in scenes {
             assert_eq!(of(&Plane::from_fn(40, 40, scene)), None);
         }
-        // Every second pixel of every second row shows what lies behind.
-        let every = Plane::from_fn(
-            40,
-            40,
-            |x, y| if x % 2 == 0 && y % 2 == 0 { 9.0 } else { 5.0 },
-        );
+        // Every third pixel of every third row shows what lies behind.
+        let every = Plane::from_fn(40, 40, |x, y| match (x % 3, y % 3) {
+            (0, 0) => 9.0,
+            _ => 5.0,
+        });
         let found = of(&every).unwrap();
-        // 25, 30 or 36 of 121 pixels stand alone.
-        for (x, y, count) in [(19, 19, 25.0), (20, 19, 30.0), (20, 20, 36.0)] {
-            let expected = 1.0 - (count / 121.0 - 0.1) / 0.2;
+        // Of eleven columns three or four have such pixels: 16, 12 or 9 of 121.
+        for (x, y, count) in [(19, 19, 16.0), (21, 19, 12.0), (21, 21, 9.0)] {
+            let expected = 1.0 - ((count / 121.0 - 0.1) / 0.2f32).max(0.0);
             assert!((found.at(x, y) - expected).abs() < 1e-5, "{x}, {y}");
         }
     }

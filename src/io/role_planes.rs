@@ -64,6 +64,7 @@ impl RolePlanes {
         for plane in self.planes.iter_mut().chain(&mut self.alpha) {
             *plane = plane.moved(self.window, window, outside);
         }
+        self.window = window;
     }
 
     /// A vector of three components; those of one plane are alike.

@@ -14,10 +14,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The layers that `shape` writes.
-const CONTRACT: [&str; 19] = [
+const CONTRACT: [&str; 20] = [
     "normal.x",
     "normal.y",
     "normal.z",
+    "weights.confidence",
     "weights.silhouette",
     "weights.crease",
     "weights.conductance",
@@ -246,6 +247,7 @@ fn of_the_results_those_are_written_that_are_picked() {
         "normal.y",
         "normal.z",
         "weights.conductance",
+        "weights.confidence",
         "weights.crease",
     ];
     assert_eq!(names(&picked, 0), expected);
@@ -351,7 +353,9 @@ fn the_layers_keep_to_their_ranges() {
         let plane = layer(name);
         assert!(plane.samples().iter().all(|v| v.is_finite()), "{name}");
         let used = plane.samples().iter().any(|&v| v != plane.at(0, 0));
-        assert!(used, "{name} is the same everywhere");
+        // The frame is sharp.
+        let same = name == "weights.confidence" && plane.at(0, 0) == 1.0;
+        assert!(used != same, "{name} is the same everywhere");
     }
     for name in CONTRACT.iter().filter(|name| name.starts_with("weights.")) {
         let plane = layer(name);

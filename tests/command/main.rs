@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod blur;
 mod cli;
 mod colors;
 mod conformance;

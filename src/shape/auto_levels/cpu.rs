@@ -127,11 +127,13 @@ mod tests {
 
     #[test]
     fn steps_of_coarse_normals_stay_out_of_sight() {
-        // Of 2/255 through a Gaussian of 4.472 pixels a ridge of 7.0e-4 is left: tanh(143 * 7.0e-4) = 0.1.
-        let at_8_bits = most_gain(1.0 / 255.0, 4.472, 1.0);
-        assert!((at_8_bits - 142.9).abs() < 0.1, "{at_8_bits}");
+        // A sixth of 2/255, differenced over two pixels, is a ridge of 6.5e-4: tanh(153 * 6.5e-4) = 0.1.
+        let at_8_bits = most_gain(1.0 / 255.0, 0.5, 1.0);
+        assert!((at_8_bits - 153.4).abs() < 0.1, "{at_8_bits}");
         // Measured in pixels of a reference a third as high, the ridge is three times as high.
-        assert!((most_gain(1.0 / 255.0, 4.472, 3.0) - 47.6).abs() < 0.1);
+        assert!((most_gain(1.0 / 255.0, 0.5, 3.0) - 51.1).abs() < 0.1);
+        // Diffused by two pixels it is a fifth as high.
+        assert_eq!(most_gain(1.0 / 255.0, 2.0, 1.0), 200.0);
         // Half floats are told apart by no step that is seen.
         assert_eq!(most_gain(1.0 / 4096.0, 1.0, 1.0), 200.0);
         assert_eq!(most_gain(0.0, 0.0, 1.0), 200.0);

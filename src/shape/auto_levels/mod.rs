@@ -16,10 +16,14 @@ const TYPICAL_KAPPA: f32 = 0.35;
 /// Gains past this would draw the rounding of half-float normals (5e-4 per pixel) as relief. It holds at
 /// every factor of resolution: diffusion that counts f times as many pixels lowers noise by f^2, more
 /// than the factor raises it.
-const MAX_GAIN: f32 = 200.0;
+pub(crate) const MAX_GAIN: f32 = 200.0;
 
 /// Mapped curvature up to which the steps between codes of 8 bits may show.
 const STEP_KAPPA: f32 = 0.1;
+
+/// What is left of such a step, at the most, after slopes in codes were smoothed: a sixth on domes of 1000 pixels' radius and
+/// more.
+const LEFT_OF_STEP: f32 = 1.0 / 6.0;
 
 /// The sigma of a Gaussian as high in its middle as a central difference makes a step.
 const SIGMA_OF_DIFFERENCE_PX: f32 = 0.8;
@@ -34,13 +38,13 @@ const FLAT_TURN: f32 = 0.25;
 /// The greatest gain that is chosen, for normals rounded by up to `rounding` and a trace, `factor` times what it is per
 /// pixel, of slopes that were diffused as by a Gaussian of `sigma_px`.
 ///
-/// What is left of a step between two codes is a ridge of curvature 2 rounding / (sqrt(2 pi) sigma).
+/// A step between two codes makes a ridge of curvature 2 rounding / (sqrt(2 pi) sigma).
 pub(crate) fn most_gain(rounding: f32, sigma_px: f32, factor: f32) -> f32 {
     if rounding <= COARSE_ROUNDING {
         return MAX_GAIN;
     }
     let width = std::f32::consts::TAU.sqrt() * sigma_px.max(SIGMA_OF_DIFFERENCE_PX);
-    (STEP_KAPPA * width / (2.0 * rounding * factor)).min(MAX_GAIN)
+    (STEP_KAPPA * width / (2.0 * LEFT_OF_STEP * rounding * factor)).min(MAX_GAIN)
 }
 
 /// What the gain times typical curvature is.

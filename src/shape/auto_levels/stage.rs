@@ -1,11 +1,11 @@
 //! The gain of the curvature mapping: chosen from the whole frame, or given.
 
 use crate::engine::cpu::run::Run;
-use crate::params::{Adaptive, COARSE_ROUNDING};
+use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use crate::shape::auto_levels::{cpu, most_gain};
+use crate::shape::auto_levels::{MAX_GAIN, cpu, most_gain};
 use crate::shape::curvature::stage::trace_of_gradient;
 
 /// The gain of the curvature mapping.
@@ -51,9 +51,7 @@ impl Plan {
 
     /// Whether a gain was chosen that is smaller than the curvature asks for, as coarse normals would show their steps.
     pub(crate) fn holds_gain(&self, gain: Option<f32>) -> bool {
-        self.chooses_gain()
-            && self.available.normal_rounding > COARSE_ROUNDING
-            && gain == Some(self.most_gain())
+        self.chooses_gain() && self.most_gain() < MAX_GAIN && gain == Some(self.most_gain())
     }
 }
 

@@ -1,0 +1,107 @@
+//! A render out of focus and in motion, and a map of 8 bits.
+
+use crate::common::exr::channel;
+use crate::common::program::{fixture, relievo};
+use image::{Rgb, RgbImage};
+use relievo::frame::Plane;
+use std::path::Path;
+
+/// A channel of what a command makes of the fixture `name`.
+fn made(desk: &Path, command: &str, name: &str, layer: &str) -> Plane {
+    let input = fixture(name).display().to_string();
+    let output = "--layers results -q -o out.exr";
+    let words = command.replacen(' ', &format!(" {input} {output} "), 1);
+    relievo(desk, &words).done();
+    channel(&desk.join("out.exr"), layer)
+}
+
+#[test]
+fn what_blur_mixes_fades_to_the_picture_as_it_was() {
+    let desk = tempfile::tempdir().unwrap();
+    let confidence = made(desk.path(), "shape ", "blur.exr", "weights.confidence");
+    // The rim of the wheel below its hub, which rolls before the floor, and the head's brow, which is in focus.
+    assert!(confidence.at(165, 134) < 0.2, "{}", confidence.at(165, 134));
+    assert_eq!(confidence.at(75, 70), 1.0);
+    let mixed = confidence.samples().iter().filter(|c| **c < 1.0).count();
+    let share = mixed as f64 / confidence.samples().len() as f64;
+    assert!((0.05..0.2).contains(&share), "{share}");
+
+    let before = channel(&fixture("blur.exr"), "ViewLayer.Combined.R");
+    for command in ["enhance ", "relight --light 135,40 "] {
+        let faded = made(desk.path(), command, "blur.exr", "R");
+        let full = made(
+            desk.path(),
+            &format!("{command}--blur-fade 0"),
+            "blur.exr",
+            "R",
+        );
+        let half = made(
+            desk.path(),
+            &format!("{command}--blur-fade 0.5"),
+            "blur.exr",
+            "R",
+        );
+        for (i, &was) in before.samples().iter().enumerate() {
+            let [full, faded, half] = [&full, &faded, &half].map(|plane| plane.samples()[i]);
+            let lost = 1.0 - confidence.samples()[i];
+            // Three values are rounded to half floats, each by 2^-11 of itself at the most.
+            let bound = 1.5 * (full + 2.0 * was).abs() / 2048.0 + 1e-6;
+            for (taken, made) in [(1.0 - lost, faded), (1.0 - 0.5 * lost, half)] {
+                let error = made - was - taken * (full - was);
+                assert!(
+                    error.abs() <= bound,
+                    "{command}pixel {i}: {error} of {bound}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn sharp_frames_keep_their_samples() {
+    let desk = tempfile::tempdir().unwrap();
+    for name in ["bust.exr", "gears.exr", "street.exr"] {
+        let confidence = made(desk.path(), "shape ", name, "weights.confidence");
+        assert!(confidence.samples().iter().all(|c| *c == 1.0), "{name}");
+        let [faded, full] = ["enhance ", "enhance --blur-fade 0"]
+            .map(|command| made(desk.path(), command, name, "G"));
+        assert_eq!(faded.samples(), full.samples(), "{name}");
+    }
+}
+
+#[test]
+fn a_soft_form_in_8_bits_has_no_rings() {
+    let desk = tempfile::tempdir().unwrap();
+    // A dome of radius 3000 px, whose normals turn by a code in 24 pixels: its curvature is the same everywhere.
+    let (size, radius) = (480, 3000.0);
+    let mut map = RgbImage::new(size, size);
+    for (x, y, pixel) in map.enumerate_pixels_mut() {
+        let [nx, ny] = [x, y].map(|i| (f64::from(i) + 0.5 - f64::from(size) / 2.0) / radius);
+        let nz = (1.0 - nx * nx - ny * ny).sqrt();
+        *pixel = Rgb([nx, -ny, nz].map(|n| ((0.5 * n + 0.5) * 255.0).round() as u8));
+    }
+    map.save(desk.path().join("map.png")).unwrap();
+    RgbImage::from_pixel(size, size, Rgb([128; 3]))
+        .save(desk.path().join("photo.png"))
+        .unwrap();
+    let shape = |flags: &str| {
+        let words =
+            "shape photo.png --normal map.png --normal-flip none --layers results -o out.exr";
+        relievo(desk.path(), &format!("{words} {flags}"))
+            .done()
+            .stderr
+    };
+    // So flat a form asks for a gain of more than 200. At the finest scale what may be left of a step would show at 153.
+    let held = shape("--scale 0.5");
+    assert!(
+        held.contains("held at 153") && held.contains("8 bits"),
+        "{held}"
+    );
+    assert!(!shape("").contains("held"));
+    let mean = channel(&desk.path().join("out.exr"), "curvature.mean");
+    // Convex is negative. A step of 2/255 every 24 pixels is a ridge 5 times as curved as the dome is, and nothing between.
+    let exact = -1.0 / radius as f32;
+    let inner = mean.rows_within(40..440, 40..440).flatten();
+    let square = inner.map(|mean| (mean / exact - 1.0).powi(2)).sum::<f32>() / 400f32.powi(2);
+    assert!(square.sqrt() < 0.1, "{}", square.sqrt());
+}
