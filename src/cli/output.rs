@@ -1,6 +1,7 @@
 //! From planes to the output file.
 
 use crate::command::args::{LayersArg, OutputArgs};
+use crate::command::layer_names::PART;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
@@ -11,9 +12,6 @@ use crate::io::picture::Encoding;
 use std::io::{Seek, Write};
 use std::path::Path;
 use wildmatch::WildMatch;
-
-/// Name of the part that holds our results, and of the layer that holds the enhanced picture in it.
-const PART: &str = "relievo";
 
 /// The attribute that holds the recipe.
 const RECIPE_ATTRIBUTE: &str = "relievo.recipe";
@@ -83,7 +81,9 @@ impl OutputArgs {
         }
         let is_it = |wanted: &str, channel: &OutputChannel| {
             let wanted = WildMatch::new(wanted);
+            let full = self.layer_names.of(&channel.name);
             names_of(&channel.name).any(|name| wanted.matches(name))
+                || names_of(&full).any(|name| wanted.matches(name))
         };
         for wanted in &self.write {
             if !channels.iter().any(|channel| is_it(wanted, channel)) {
@@ -102,6 +102,10 @@ impl OutputArgs {
         channels: Vec<(String, OutputType)>,
         recipe: String,
     ) -> PartDescription {
+        let named = channels.into_iter();
+        let channels = named
+            .map(|(name, kind)| (self.layer_names.of(&name), kind))
+            .collect();
         PartDescription {
             name: PART.into(),
             data_window: window,
@@ -189,10 +193,12 @@ impl OutputArgs {
     }
 }
 
-/// What a channel may be picked by: its name, its layer, and its component.
+/// What a channel may be picked by: its name, its layer, and each word of it.
 fn names_of(channel: &str) -> impl Iterator<Item = &str> {
-    let parts = channel.rsplit_once('.').map(<[&str; 2]>::from);
-    std::iter::once(channel).chain(parts.into_iter().flatten())
+    let layer = channel.rsplit_once('.').map(|(layer, _)| layer);
+    std::iter::once(channel)
+        .chain(layer)
+        .chain(channel.split('.'))
 }
 
 fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {

@@ -94,7 +94,7 @@ impl StripWork for Description<'_> {
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
         let stored = self.args.output.depth_of_output;
-        descriptor_channels(&strip.frame, outcome, stored.unwrap_or(OutputType::Float))
+        descriptor_channels(&strip.frame, outcome, stored.unwrap_or(OutputType::Half))
     }
 
     fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {

@@ -133,6 +133,10 @@ pub(crate) struct OutputArgs {
     /// see no other; or write the results alone.
     #[arg(long, value_name = "WHAT", default_value = "keep")]
     pub(crate) layers: LayersArg,
+    /// EXR: names of our layers: full ones, which Blender and others show, as in relievo.CurvatureKappa.V, or short ones,
+    /// as in curvature.kappa.
+    #[arg(long, value_name = "WHICH", default_value = "full")]
+    pub(crate) layer_names: LayerNames,
     /// EXR: only these of our layers or channels, as in kappa,curvature.mean; * and ? stand for any letters. All where not
     /// given.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -140,7 +144,7 @@ pub(crate) struct OutputArgs {
     /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
     #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(crate) compression: OutputCompression,
-    /// EXR: sample type; as the input where not given (float for descriptor layers and photos).
+    /// EXR: sample type; where not given a picture has that of the input, or float if that is a photo, and layers half.
     #[arg(long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
     /// Pictures: from scene-linear to display.
@@ -170,6 +174,12 @@ pub(crate) enum LayersArg {
     Keep,
     Channels,
     Results,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayerNames {
+    Full,
+    Short,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

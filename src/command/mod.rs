@@ -9,6 +9,7 @@ pub(crate) mod error_line;
 pub(crate) mod flags;
 pub(crate) mod hatch;
 pub(crate) mod invocation;
+pub(crate) mod layer_names;
 mod light_layers;
 pub(crate) mod line_args;
 #[cfg(feature = "view")]

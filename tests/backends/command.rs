@@ -31,7 +31,7 @@ fn channels(path: &Path) -> Vec<(String, Plane)> {
 
 /// The directions of the surface's own curvature among channels.
 fn directions(channels: &[(String, Plane)]) -> Vector2Planes {
-    let [x, y] = ["direction.x", "direction.y"].map(|wanted| {
+    let [x, y] = ["relievo.DirectionX.V", "relievo.DirectionY.V"].map(|wanted| {
         let found = channels.iter().find(|(name, _)| name == wanted);
         found.expect("shape writes directions").1.clone()
     });

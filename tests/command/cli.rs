@@ -2,6 +2,7 @@
 
 use crate::common::bits;
 use crate::common::exr::Part;
+use crate::common::exr::full;
 use crate::common::program::{self, Ran, fixture, run};
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
@@ -13,7 +14,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The layers that `shape` writes.
+/// The layers that `shape` writes, by their short names.
 const CONTRACT: [&str; 20] = [
     "normal.x",
     "normal.y",
@@ -92,7 +93,7 @@ fn plane(file: &ExrFile, part: usize, name: &str) -> Plane {
     let channels = &file.parts[part].channels;
     let channel = channels
         .iter()
-        .position(|c| c.name == name)
+        .position(|c| c.name == name || c.name == full(name))
         .unwrap_or_else(|| panic!("no {name} in part {part}"));
     let ids = [ChannelId { part, channel }];
     file.read_channels(&ids).unwrap().remove(0)
@@ -182,10 +183,15 @@ fn shape_appends_the_contracts_layers_and_keeps_the_rest() {
         let output = open(&desk.make("shape", &fixture(fixture_name), fixture_name, &[]));
 
         assert_eq!(output.parts.len(), 2);
-        let mut contract = CONTRACT;
+        let mut contract = CONTRACT.map(full);
         contract.sort_unstable();
         assert_eq!(output.parts[1].name.as_deref(), Some("relievo"));
         assert_eq!(names(&output, 1), contract);
+        let flags = ["--layer-names", "short", "--layers", "results"];
+        let short = open(&desk.make("shape", &fixture(fixture_name), "short.exr", &flags));
+        let mut contract = CONTRACT;
+        contract.sort_unstable();
+        assert_eq!(names(&short, 0), contract);
         assert_eq!(output.parts[1].window, input.parts[0].window);
         assert_eq!(output.display_window, input.display_window);
 
@@ -214,8 +220,10 @@ fn shape_appends_the_contracts_layers_and_keeps_the_rest() {
 fn results_alone_hold_the_same_layers() {
     let desk = Desk::new();
     let gears = fixture("gears.exr");
-    let beside = open(&desk.make("shape", &gears, "beside.exr", &[]));
-    let alone = open(&desk.make("shape", &gears, "alone.exr", &["--layers", "results"]));
+    let float = ["--depth-of-output", "float"];
+    let beside = open(&desk.make("shape", &gears, "beside.exr", &float));
+    let flags = [&float[..], &["--layers", "results"]].concat();
+    let alone = open(&desk.make("shape", &gears, "alone.exr", &flags));
     assert_eq!(alone.parts.len(), 1);
     assert_eq!(alone.parts[0].channels.len(), CONTRACT.len());
     for name in CONTRACT {
@@ -224,8 +232,7 @@ fn results_alone_hold_the_same_layers() {
             "{name}"
         );
     }
-    let half = ["--layers", "results", "--depth-of-output", "half"];
-    let half = open(&desk.make("shape", &gears, "half.exr", &half));
+    let half = open(&desk.make("shape", &gears, "half.exr", &["--layers", "results"]));
     let rounded = plane(&beside, 1, "curvature.kappa").map(|v| half::f16::from_f32(v).to_f32());
     assert_eq!(bits(&plane(&half, 0, "curvature.kappa")), bits(&rounded));
 
@@ -250,7 +257,15 @@ fn of_the_results_those_are_written_that_are_picked() {
         "weights.confidence",
         "weights.crease",
     ];
-    assert_eq!(names(&picked, 0), expected);
+    assert_eq!(names(&picked, 0), expected.map(full));
+    let named = [
+        "--layers",
+        "results",
+        "--write",
+        "CurvatureK*,relievo.Normal.x",
+    ];
+    let named = open(&desk.make("shape", &gears, "named.exr", &named));
+    assert_eq!(names(&named, 0), ["curvature.kappa", "normal.x"].map(full));
     for name in expected {
         assert!(
             bits(&plane(&picked, 0, name)) == bits(&plane(&all, 0, name)),
@@ -344,7 +359,8 @@ fn importance_keeps_detail_where_it_is_low() {
 fn the_layers_keep_to_their_ranges() {
     let desk = Desk::new();
     let bust = fixture("bust.exr");
-    let file = open(&desk.make("shape", &bust, "shape.exr", &["--layers", "results"]));
+    let flags = ["--layers", "results", "--depth-of-output", "float"];
+    let file = open(&desk.make("shape", &bust, "shape.exr", &flags));
     let covered = mask_of(&bust);
     let count = covered.iter().filter(|&&c| c).count();
     assert!(count > 10_000 && count < covered.len() / 2);

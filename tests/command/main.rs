@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod blender;
 mod blur;
 mod cli;
 mod colors;

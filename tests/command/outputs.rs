@@ -10,8 +10,24 @@ fn layers_go_beside_the_input_into_it_or_alone() {
     let desk = desk(1..=1);
     let here = desk.path();
     for (how, parts, channels) in [
-        ("keep", 2, &["relievo.B", "relievo.G", "relievo.R"][..]),
-        ("channels", 1, &["relievo.B", "relievo.G", "relievo.R"]),
+        (
+            "keep",
+            2,
+            &[
+                "relievo.Picture.B",
+                "relievo.Picture.G",
+                "relievo.Picture.R",
+            ][..],
+        ),
+        (
+            "channels",
+            1,
+            &[
+                "relievo.Picture.B",
+                "relievo.Picture.G",
+                "relievo.Picture.R",
+            ],
+        ),
         ("results", 1, &["B", "G", "R"]),
     ] {
         let words = format!("enhance in.0001.exr -o {how}.exr --layers {how} --compression zips");

@@ -187,10 +187,30 @@ pub fn write(path: &Path, display: Window, parts: &[Part]) {
     file.flush().unwrap();
 }
 
-/// The first channel called so, of any part.
+/// The full name of one of our channels: `relievo.CurvatureKappa.V` of `curvature.kappa`.
+pub fn full(short: &str) -> String {
+    let Some((layer, component)) = short.rsplit_once('.') else {
+        return short.into();
+    };
+    let capital = |word: &str| match word.split_at(1) {
+        (first, rest) if first.starts_with(char::is_numeric) => format!("_{first}{rest}"),
+        (first, rest) => first.to_uppercase() + rest,
+    };
+    match layer {
+        "relievo" => format!("relievo.Picture.{component}"),
+        "normal" => format!("relievo.Normal.{component}"),
+        _ => {
+            let words = layer.split('_').chain([component]);
+            format!("relievo.{}.V", words.map(capital).collect::<String>())
+        }
+    }
+}
+
+/// The first channel called so, or so in full, of any part.
 pub fn channel(path: &Path, name: &str) -> Plane {
     let file = ExrFile::open(path, &Limits::default()).unwrap();
-    let is_it = |id: &ChannelId| file.parts[id.part].channels[id.channel].name == name;
+    let names = [name.to_string(), full(name)];
+    let is_it = |id: &ChannelId| names.contains(&file.parts[id.part].channels[id.channel].name);
     let id = file.channel_ids().find(is_it);
     let id = id.unwrap_or_else(|| panic!("no {name} in {}", path.display()));
     file.read_channels(&[id]).unwrap().remove(0)
