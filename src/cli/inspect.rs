@@ -25,6 +25,9 @@ const EVERYTHING: Needs = Needs {
     confidence: false,
 };
 
+/// Most characters of a line.
+const WIDTH: usize = 100;
+
 /// Most memory that is taken to look into a file.
 const MOST_BYTES: u64 = 1 << 30;
 
@@ -170,12 +173,32 @@ fn lines(inspection: &Inspection) -> Vec<String> {
     lines.extend(warnings.map(|warning| format!("    warning: {warning}")));
     let problem = problem.iter();
     lines.extend(problem.map(|problem| format!("    cannot be used as it stands: {problem}")));
+    lines.iter().flat_map(|line| wrapped(line)).collect()
+}
+
+/// A line as several of at most [`WIDTH`] characters, those after the first further to the right; words stay whole.
+fn wrapped(line: &str) -> Vec<String> {
+    let margin = line.len() - line.trim_start().len();
+    let mut lines = vec![" ".repeat(margin)];
+    let mut spaces = 0;
+    for word in line[margin..].split(' ') {
+        if word.is_empty() {
+            spaces += 1;
+            continue;
+        }
+        let last = lines.last_mut().expect("begins with one");
+        let used = last.chars().count();
+        match used > margin && used + spaces + word.chars().count() > WIDTH {
+            true => lines.push(format!("{}{word}", " ".repeat(margin + 2))),
+            false => *last += &(" ".repeat(spaces) + word),
+        }
+        spaces = 1;
+    }
     lines
 }
 
 /// The names in one layer of Cryptomatte, as many in a line as fit.
 fn object_lines(survey: &ObjectSurvey) -> Vec<String> {
-    const WIDTH: usize = 100;
     let mut lines = vec![format!("    {}", survey.layer)];
     let mut line = String::new();
     for name in &survey.names {
@@ -208,4 +231,30 @@ fn part_lines(part: &PartSurvey) -> Vec<String> {
         format!("    {name:<32} {components:<8} {}", layer.sample_type)
     });
     std::iter::once(head).chain(layers).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_wrapped_and_short_ones_stay() {
+        let short = "    normal               ViewLayer.Normal  x";
+        assert_eq!(wrapped(short), [short]);
+        assert_eq!(wrapped(""), [""]);
+        // 4 + 16 words of 5 letters and 15 spaces are 99; the next word begins a line.
+        let long = format!("    {}", ["words"; 20].join(" "));
+        let [first, second] = &wrapped(&long)[..] else {
+            panic!("two lines of {long}");
+        };
+        assert_eq!(
+            (first.len(), second.as_str()),
+            (99, "      words words words words")
+        );
+        let whole = "x".repeat(150);
+        assert_eq!(
+            wrapped(&format!("  {whole} y")),
+            [format!("  {whole}"), "    y".into()]
+        );
+    }
 }

@@ -37,7 +37,7 @@ const SHARES_ALONE: [f32; 2] = [0.1, 0.3];
 /// How many rows away a sample may be on which the confidence depends: means that the longest normals are of, squares found,
 /// pixels in them, and their mean; or a square, and the neighbours of its depths.
 pub(crate) const CONFIDENCE_REACH: usize = FOG_REACH + 4 * NORMALS_REACH;
-const _: () = assert!(CONFIDENCE_REACH >= DEPTHS_REACH + 1);
+const _: () = assert!(CONFIDENCE_REACH > DEPTHS_REACH);
 
 /// How far what each pixel holds is that of one surface, 0..1, by the lengths that its normals had and by its depths;
 /// `None` where that is 1 everywhere, as in sharp frames.

@@ -202,7 +202,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     let mut normal = planes
         .vector(Role::Normal)
         .expect("normals are always resolved");
-    let encoding = notes.encoding(inputs, &sources, &normal);
+    let encoding = notes.encoding(inputs, &sources, &normal)?;
     let given_flip = inputs.normal_flip.unwrap_or_default();
     normals::decode(&mut normal, encoding, given_flip);
     let mut layers = Layers::of(&mut planes);

@@ -3,10 +3,11 @@
 use super::finding::Finding;
 use super::frame_sources::FrameSources;
 use super::inputs::{Inputs, NormalEncoding};
-use super::normal_encoding::judge_encoding;
+use super::normal_encoding::{judge_encoding, refuse_pictures};
 use super::opened::Opened;
 use super::roles::Role;
 use super::sources::Chosen;
+use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use rayon::prelude::*;
 
@@ -141,10 +142,14 @@ impl Notes {
         inputs: &Inputs,
         sources: &FrameSources,
         stored: &Vector3Planes,
-    ) -> NormalEncoding {
+    ) -> Result<NormalEncoding> {
         let integers = sources.get(Role::Normal).is_some_and(
             |source| matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.header.is_float),
         );
+        let is_judged = integers && inputs.normal_encoding.is_none() && inputs.rows.is_none();
+        if let (true, Some(source)) = (is_judged, sources.get(Role::Normal)) {
+            refuse_pictures(stored, source.file.path())?;
+        }
         let (encoding, evidence) = match inputs.normal_encoding {
             Some(encoding) => (encoding, "as given"),
             None if integers => (NormalEncoding::Unsigned, "stored as integers"),
@@ -160,6 +165,6 @@ impl Notes {
             evidence: evidence.into(),
             flag: format!("--normal-encoding {name}"),
         });
-        encoding
+        Ok(encoding)
     }
 }

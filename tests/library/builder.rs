@@ -460,7 +460,8 @@ fn integers_are_read_as_those_of_photos() {
     // The file's picture is read for its coverage; memory has none.
     built.color.clone_from(&read.frame.color);
     assert_same(&built, &read.frame);
-    // 16 bits and half floats say the same, to their precision.
+    // 16 bits and half floats say the same, to their precision, but that the steps of 8 bits are kept: the smoothest normals
+    // with these codes are up to half a step of 2/255 away.
     let wide: Vec<u16> = stored.iter().map(|&v| u16::from(v) * 257).collect();
     let half: Vec<f16> = stored
         .iter()
@@ -472,7 +473,8 @@ fn integers_are_read_as_those_of_photos() {
             .build()
             .unwrap();
         let (a, b) = (other.normal.x.samples(), built.normal.x.samples());
-        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-3));
+        let bound = 1.0 / 255.0 + 2e-3;
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < bound));
     }
 }
 

@@ -36,10 +36,11 @@ impl FrameBuilder<'_> {
         };
         let [x, y, z] = self.vector("normals", &stored.samples, &[3, 4])?;
         let mut normal = Vector3Planes { x, y, z };
-        normals::decode(&mut normal, stored.encoding, stored.flip);
         if stored.samples.is_coarse() {
-            unround(&mut normal, stored.samples.rounding);
+            // As stored they go from 0 to 1.
+            unround(&mut normal, 0.5 * stored.samples.rounding);
         }
+        normals::decode(&mut normal, stored.encoding, stored.flip);
         let (color, alpha) = self.picture()?;
         let (mut depth, mut depth_kind) = self.stored_depth()?;
         let own_mask = self.scalar("mask", &self.mask)?;
