@@ -31,11 +31,27 @@ const PASSES: [&str; 18] = [
     "DirectionViewY",
 ];
 
-/// What a program prints, if it is there.
-fn printed(program: &str, arguments: &[&str], files: &[String]) -> Option<String> {
-    let output = Command::new(program).args(arguments).args(files).output();
-    let ran = output.ok().filter(|ran| ran.status.success())?;
-    Some(String::from_utf8_lossy(&ran.stdout).into_owned())
+/// What a program prints of files; `None`, with a line, where `probe` shows that it is not installed.
+fn printed(program: &str, probe: &[&str], arguments: &[&str], files: &[String]) -> Option<String> {
+    let run = |arguments: &[&str], files: &[String]| {
+        Command::new(program)
+            .args(arguments)
+            .args(files)
+            .output()
+            .ok()
+    };
+    if !run(probe, &[]).is_some_and(|ran| ran.status.success()) {
+        eprintln!("skipped: {program} {} does not run here", probe.join(" "));
+        return None;
+    }
+    let ran = run(arguments, files).expect("it ran before");
+    let said = String::from_utf8_lossy(&ran.stdout).into_owned();
+    assert!(
+        ran.status.success(),
+        "{said}{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    Some(said)
 }
 
 /// The bust's shape in every way that its layers may go to a file.
@@ -99,17 +115,26 @@ fn blender_shows_all_layers_and_their_values() {
         &x,
         &y,
     ];
-    match printed("blender", &blender, &files) {
-        Some(said) => {
-            check(&said, &files);
-            let is_old = !said.contains("Blender 5");
-            assert_eq!(said.matches("value ").count() > 0, is_old);
-        }
-        None => eprintln!("skipped: there is no blender that runs here"),
-    }
-    match printed("python3", &[&script, "--", &x, &y], &files) {
-        Some(said) => check(&said, &files),
-        None => eprintln!("skipped: python3 has no module bpy"),
+    let python = [&script, "--", &x, &y];
+    let ran = [
+        printed("blender", &["--version"], &blender, &files),
+        printed("python3", &["-c", "import bpy"], &python, &files),
+    ];
+    for said in ran.into_iter().flatten() {
+        check(&said, &files);
+        // Before its fifth version values are read too, of every pass.
+        let values = said.matches("\nvalue ").count();
+        let is_old = said
+            .lines()
+            .any(|line| line == "version 3" || line == "version 4");
+        assert_eq!(
+            values,
+            if is_old {
+                PASSES.len() * files.len()
+            } else {
+                0
+            }
+        );
     }
 }
 
@@ -125,11 +150,13 @@ for file in sys.argv[1:]:
 ";
     let desk = tempfile::tempdir().unwrap();
     let files = written(desk.path());
-    let Some(said) = printed("python3", &["-c", script], &files) else {
-        eprintln!("skipped: python3 has no module OpenImageIO");
+    let probe = ["-c", "import OpenImageIO"];
+    let Some(said) = printed("python3", &probe, &["-c", script], &files) else {
         return;
     };
-    for said in said.split("file ").skip(1) {
+    let each: Vec<&str> = said.split("file ").skip(1).collect();
+    assert_eq!(each.len(), files.len());
+    for said in each {
         let layers: BTreeSet<&str> = lines(said, "pass")
             .filter_map(|name| name.strip_prefix("relievo.")?.rsplit_once('.'))
             .map(|(layer, _)| layer)

@@ -2,7 +2,7 @@
 
     blender -b --factory-startup -P show_layers.py -- X Y FILE...
 
-Or by the Python of the module `bpy`. Lines are `file FILE`, `pass NAME`, and `value NAME R G B`; X from the left, Y from the
+Or by the Python of the module `bpy`. Lines are `version N`, `file FILE`, `pass NAME`, and `value NAME R G B`; X from the left, Y from the
 bottom. The compositor of Blender 5 is made otherwise, and there passes are only named.
 """
 
@@ -21,10 +21,10 @@ def tree_of(scene):
     return scene.compositing_node_group
 
 
-def values(scene, tree, shown, x, y):
-    """What each output of the node `shown` holds at a pixel."""
+def values(tree, shown, x, y, folder):
+    """What each output of the node `shown` holds at a pixel, by way of files in a folder."""
     written = tree.nodes.new("CompositorNodeOutputFile")
-    written.base_path = tempfile.mkdtemp()
+    written.base_path = folder
     written.format.file_format, written.format.color_depth = "OPEN_EXR", "32"
     written.file_slots.clear()
     tree.nodes.new("CompositorNodeComposite")
@@ -40,6 +40,7 @@ def values(scene, tree, shown, x, y):
         print("value", name, *image.pixels[at : at + 3])
 
 
+print("version", bpy.app.version[0])
 x, y, *files = sys.argv[sys.argv.index("--") + 1 :]
 for file in files:
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -59,4 +60,5 @@ for file in files:
         scene.render.resolution_percentage = 100
         for name, value in zip(("resolution_x", "resolution_y"), (480, 360)):
             setattr(scene.render, name, value)
-        values(scene, tree, shown, int(x), int(y))
+        with tempfile.TemporaryDirectory() as folder:
+            values(tree, shown, int(x), int(y), folder)
