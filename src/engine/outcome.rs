@@ -1,5 +1,6 @@
 //! What a run gives: planes of the descriptor, a picture, a drawing, by name and by product.
 
+use crate::engine::slot::Slot;
 use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Window};
 use crate::line::contours::Contour;
 #[cfg(feature = "gpu")]
@@ -12,37 +13,83 @@ use crate::product::Product;
 use glam::Vec2;
 use std::time::Duration;
 
-/// The planes of the shape descriptor that a plan asked for, and those it needed on the way.
-///
-/// Curvature is per pixel; where a [reference height](crate::params::ShapeParams::reference_height) is
-/// given it is per pixel of the reference.
-#[derive(Debug, Clone, Default)]
-pub struct Shape {
+/// The products of the descriptor: the field that holds each, and what is kept of it for the next run of a frame.
+macro_rules! shape_products {
+    ($($(#[doc = $doc:literal])+ $product:ident: $field:ident of $planes:ty;)*) => {
+        /// The planes of the shape descriptor that a plan asked for, and those it needed on the way.
+        ///
+        /// Curvature is per pixel; where a [reference height](crate::params::ShapeParams::reference_height) is
+        /// given it is per pixel of the reference.
+        #[derive(Debug, Clone, Default)]
+        pub struct Shape {
+            $($(#[doc = $doc])+ pub $field: Option<$planes>,)*
+            /// Curvature at further scales.
+            pub more_scales: Vec<ScaleShape>,
+        }
+
+        impl Shape {
+            fn planes(&self, product: Product) -> Vec<&Plane> {
+                match product {
+                    $(Product::$product => self.$field.planes(),)*
+                    _ => Vec::new(),
+                }
+            }
+
+            fn planes_mut(&mut self, product: Product) -> Vec<&mut Plane> {
+                match product {
+                    $(Product::$product => self.$field.planes_mut(),)*
+                    _ => Vec::new(),
+                }
+            }
+
+            #[cfg(feature = "gpu")]
+            fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
+                match product {
+                    $(Product::$product => self.$field = Planes::of_planes(planes),)*
+                    _ => {}
+                }
+            }
+        }
+
+        /// Products of the descriptor that the next run of the same frame may use.
+        #[derive(Debug, Default)]
+        pub(crate) struct ShapeSlots {
+            $(pub(crate) $field: Slot<$planes>,)*
+        }
+
+        impl ShapeSlots {
+            /// Takes back what stages have asked for here; the rest is memory.
+            pub(crate) fn recycle(&mut self, shape: &mut Shape) {
+                $(self.$field.put_from(&mut shape.$field);)*
+            }
+        }
+    };
+}
+
+shape_products! {
     /// Silhouette weight, 0..1.
-    pub silhouette: Option<Plane>,
+    Silhouette: silhouette of Plane;
     /// Crease weight, 0..1.
-    pub crease: Option<Plane>,
+    Crease: crease of Plane;
     /// Conductance, 0..1; 0 outside the mask.
-    pub conductance: Option<Plane>,
+    Conductance: conductance of Plane;
     /// Depth gradient at the scale asked for, y up.
-    pub gradient: Option<Vector2Planes>,
+    Gradient: gradient of Vector2Planes;
     /// Trace of the Hessian, per pixel; convex is negative.
-    pub trace: Option<Plane>,
+    Trace: trace of Plane;
     /// Hessian of the height, per pixel, y up; convex is negative.
-    pub hessian: Option<SymmetricPlanes>,
+    Hessian: hessian of SymmetricPlanes;
     /// Principal and mean curvature, per pixel.
-    pub curvatures: Option<CurvaturePlanes>,
+    Curvature: curvatures of CurvaturePlanes;
     /// Mapped curvature, -1..1; **convex is positive**.
-    pub kappa: Option<Plane>,
-    /// Curvature at further scales.
-    pub more_scales: Vec<ScaleShape>,
+    MappedCurvature: kappa of Plane;
     /// Direction, in the picture, of the curvature of the surface itself that is larger in size: unit,
     /// x right, y up, equal to its opposite; 0 outside the mask. Where the surface has none it turns from that
     /// of its neighbours to a fixed one, within 96 pixels.
-    pub direction: Option<Vector2Planes>,
+    Direction: direction of Vector2Planes;
     /// Direction of the view-centred curvature (of the Hessian) larger in size, likewise; 0 where there
     /// is none.
-    pub direction_view: Option<Vector2Planes>,
+    ViewDirection: direction_view of Vector2Planes;
 }
 
 /// Curvature at one of several scales.
@@ -208,33 +255,20 @@ impl<P: Planes> Planes for Option<P> {
 
 /// The planes of a product, where it is at home: read, or to be changed.
 macro_rules! held {
-    ($outcome:ident, $product:ident, $planes:ident, $as_ref:ident) => {
+    ($outcome:ident, $product:ident, $planes:ident, $as_ref:ident) => {{
+        let drawing = $outcome.drawing.$as_ref();
         match $product {
-            Product::Silhouette => $outcome.shape.silhouette.$planes(),
-            Product::Crease => $outcome.shape.crease.$planes(),
-            Product::Conductance => $outcome.shape.conductance.$planes(),
-            Product::Gradient => $outcome.shape.gradient.$planes(),
-            Product::Trace => $outcome.shape.trace.$planes(),
-            Product::Hessian => $outcome.shape.hessian.$planes(),
-            Product::Curvature => $outcome.shape.curvatures.$planes(),
-            Product::MappedCurvature => $outcome.shape.kappa.$planes(),
-            Product::Direction => $outcome.shape.direction.$planes(),
-            Product::ViewDirection => $outcome.shape.direction_view.$planes(),
             Product::Picture => $outcome.color.$planes(),
-            Product::Strokes => {
-                let drawing = $outcome.drawing.$as_ref();
-                drawing.map_or_else(Vec::new, |drawing| drawing.hatching.$planes())
-            }
+            Product::Strokes => drawing.map_or_else(Vec::new, |drawing| drawing.hatching.$planes()),
             Product::Contours => {
-                let drawing = $outcome.drawing.$as_ref();
                 drawing.map_or_else(Vec::new, |drawing| drawing.contours.$planes())
             }
             Product::Interior => {
-                let drawing = $outcome.drawing.$as_ref();
                 drawing.map_or_else(Vec::new, |drawing| drawing.interior.$planes())
             }
+            of_shape => $outcome.shape.$planes(of_shape),
         }
-    };
+    }};
 }
 
 impl Outcome {
@@ -257,21 +291,11 @@ impl Outcome {
     /// Takes a product of the descriptor, or a picture, from planes that begin with its own.
     #[cfg(feature = "gpu")]
     pub(crate) fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
-        let shape = &mut self.shape;
         match product {
-            Product::Silhouette => shape.silhouette = Planes::of_planes(planes),
-            Product::Crease => shape.crease = Planes::of_planes(planes),
-            Product::Conductance => shape.conductance = Planes::of_planes(planes),
-            Product::Gradient => shape.gradient = Planes::of_planes(planes),
-            Product::Trace => shape.trace = Planes::of_planes(planes),
-            Product::Hessian => shape.hessian = Planes::of_planes(planes),
-            Product::Curvature => shape.curvatures = Planes::of_planes(planes),
-            Product::MappedCurvature => shape.kappa = Planes::of_planes(planes),
-            Product::Direction => shape.direction = Planes::of_planes(planes),
-            Product::ViewDirection => shape.direction_view = Planes::of_planes(planes),
             Product::Picture => self.color = Planes::of_planes(planes),
             // Drawings are put together with their lines.
             Product::Strokes | Product::Contours | Product::Interior => {}
+            of_shape => self.shape.put(of_shape, planes),
         }
     }
 

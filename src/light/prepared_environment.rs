@@ -62,10 +62,10 @@ struct Purpose {
 
 /// The environment of the last run, made ready.
 #[derive(Debug, Default)]
-pub(crate) struct EnvironmentCache(Mutex<Option<FrameCache>>);
+pub(crate) struct EnvironmentCache(Mutex<Option<LastEnvironment>>);
 
 #[derive(Debug)]
-struct FrameCache {
+struct LastEnvironment {
     environment: Arc<Environment>,
     purpose: Purpose,
     ready: Arc<PreparedEnvironment>,
@@ -95,7 +95,7 @@ impl EnvironmentCache {
         purpose: &Purpose,
         ready: &Arc<PreparedEnvironment>,
     ) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(FrameCache {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(LastEnvironment {
             environment: environment.clone(),
             purpose: purpose.clone(),
             ready: ready.clone(),

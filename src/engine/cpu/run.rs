@@ -1,10 +1,11 @@
 //! One frame on its way through the stages of a plan.
 
-use crate::engine::cpu::frame_cache::{FrameCache, Slot};
+use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::run::Watch;
+use crate::engine::slot::Slot;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::canvas::Canvas;

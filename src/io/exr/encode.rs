@@ -169,7 +169,7 @@ impl Encoder {
                             false => clamped.others += count,
                         }
                     }
-                    Source::FrameCache { before, bytes } => {
+                    Source::Carried { before, bytes } => {
                         let row = &strip.kept[y * kept_bytes..][..kept_bytes];
                         raw.extend_from_slice(&row[before * width..][..bytes * width]);
                     }

@@ -161,7 +161,7 @@ fn merged_channels(
     let mut before = 0;
     for (entry, channel) in entries.into_iter().zip(list) {
         let bytes = channel.sample_type.bytes_per_sample();
-        channels.push((entry.to_vec(), Source::FrameCache { before, bytes }));
+        channels.push((entry.to_vec(), Source::Carried { before, bytes }));
         before += bytes;
     }
     for i in sorted_channels(added)? {

@@ -127,7 +127,7 @@ pub(super) enum Source {
     /// The plane given with this index.
     Given(usize, OutputType),
     /// A channel of the part that is added to: bytes of a pixel before it, and its own.
-    FrameCache { before: usize, bytes: usize },
+    Carried { before: usize, bytes: usize },
 }
 
 /// A part whose header has been made.

@@ -53,7 +53,7 @@ fn follow_rays(run: &mut Run) {
     let key = plan.key(NORMAL_RAYS.name);
     let directions = run.kept_or(
         key,
-        |kept| &mut kept.rays,
+        |kept| &mut kept.shape.direction,
         NORMAL_RAYS.name,
         || cpu::directions(plan, frame, &conductance, memory),
     );

@@ -8,10 +8,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The directions on the surroundings of the last run: a sequence has the same ones all along.
 #[derive(Debug, Default)]
-pub(crate) struct DirectionCache(Mutex<Option<FrameCache>>);
+pub(crate) struct DirectionCache(Mutex<Option<LastDirections>>);
 
 #[derive(Debug)]
-struct FrameCache {
+struct LastDirections {
     surroundings: Arc<Surroundings>,
     directions: Arc<Vector3Planes>,
 }
@@ -26,7 +26,7 @@ impl DirectionCache {
             return kept.directions.clone();
         }
         let directions = Arc::new(directions(surroundings));
-        *kept = Some(FrameCache {
+        *kept = Some(LastDirections {
             surroundings: surroundings.clone(),
             directions: directions.clone(),
         });

@@ -143,7 +143,7 @@ pub(crate) fn trace_of_gradient(run: &mut Run) {
     let key = format!("{} {}", plan.key(DIFFUSION.name), plan.resolution_factor);
     let trace = run.kept_or(
         &key,
-        |kept| &mut kept.trace,
+        |kept| &mut kept.shape.trace,
         "trace",
         || {
             let trace = cpu::trace(gradient, conductance, mask, memory);
@@ -167,9 +167,9 @@ fn find_hessian(run: &mut Run) {
     let key = plan.key(HESSIAN.name);
     let with_trace = !plan.wants(Product::Curvature);
     let kept = |kept: &mut FrameCache| {
-        let hessian = kept.hessian.take(key);
+        let hessian = kept.shape.hessian.take(key);
         match with_trace {
-            true => hessian.zip(kept.trace.take(key).map(Some)),
+            true => hessian.zip(kept.shape.trace.take(key).map(Some)),
             false => hessian.map(|hessian| (hessian, None)),
         }
     };
@@ -192,7 +192,7 @@ fn find_curvatures(run: &mut Run) {
     let key = plan.key(CURVATURES.name);
     let curvatures = run.kept_or(
         key,
-        |kept| &mut kept.curvatures,
+        |kept| &mut kept.shape.curvatures,
         "curvatures",
         || cpu::curvatures(&hessian, mask, memory),
     );
@@ -206,7 +206,7 @@ fn find_directions(run: &mut Run) {
     let key = plan.key(DIRECTIONS.name);
     let directions = run.kept_or(
         key,
-        |kept| &mut kept.direction_view,
+        |kept| &mut kept.shape.direction_view,
         "directions",
         || cpu::directions(&hessian, mask, memory),
     );

@@ -55,7 +55,7 @@ fn diffuse(run: &mut Run) {
     let key = plan.key(DIFFUSION.name);
     let kept = run.kept.as_deref_mut();
     // Only the gradient at the first scale is kept.
-    let kept = kept.and_then(|kept| kept.gradient.take(key));
+    let kept = kept.and_then(|kept| kept.shape.gradient.take(key));
     if let Some(gradient) = kept.filter(|_| plan.more_px.is_empty()) {
         run.outcome.shape.gradient = Some(gradient);
         return;
