@@ -3,7 +3,7 @@
 use crate::frame::Plane;
 use crate::light::lights::Illumination;
 use crate::light::sum::lobe_error;
-use crate::plan::{EnvironmentUse, Relighting};
+use crate::plan::{EnvironmentUse, Plan};
 use crate::product::{Compared, Product};
 use glam::DVec2;
 use std::f64::consts::PI;
@@ -51,38 +51,45 @@ const COSINE_ERROR: f64 = 1.0 / (1 << 22) as f64;
 /// Error of an angle, in radians: that of the arc tangent, and of the direction it is the angle of.
 const ANGLE_ERROR: f64 = 4e-7 + COSINE_ERROR;
 
-/// The largest difference from the CPU of a picture in new light, relative to its largest value: that of
-/// [`Product::Picture`], but for light that turns a rounding into more.
-///
-/// A lobe with the exponent p is, at its brightest, p times as far off as the cosine that it is a power of; one with an
-/// exponent below 1 is, beside the terminator, as far off as that power of the rounding itself. A picture that is looked
-/// up is read a share of a pixel beside, which counts where neighbours are unlike. The step between two tones is 1.5
-/// over its softness times as steep as what it quantises; hard ones may put a pixel to the next tone.
-pub fn relit_tolerance(relighting: &Relighting, light: &Illumination) -> f64 {
-    let params = &relighting.params;
-    let lobe = lobe_error(&params.material, COSINE_ERROR);
-    let seen = match &light.environment {
-        Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
-            let [width, height] = [map.width(), map.height()].map(|n| n as f64);
-            (width / 2.0 + height) * ANGLE_ERROR / PI
-        }
-        _ => 0.0,
-    };
-    let spheres = light.lit_spheres.iter();
-    let painted = spheres.map(|sphere| sphere.size().iter().sum::<usize>() as f64 * COSINE_ERROR);
-    let smooth = [lobe, seen, painted.fold(0.0, f64::max)]
-        .into_iter()
-        .fold(Product::Picture.tolerance(), f64::max);
-    match params.tones() {
-        Some(tones) if tones.softness > 0.0 => smooth * (1.5 / f64::from(tones.softness)).max(1.0),
-        Some(_) => 1.0,
-        None => smooth,
+impl Plan {
+    /// The largest difference between backends of a picture in new light, relative to its largest value; `None` where
+    /// the plan relights nothing.
+    ///
+    /// It is that of [`Product::Picture`], except for light that amplifies a rounding. A lobe with the exponent p is, at
+    /// its brightest, p times as far off as the cosine that it is a power of; one with an exponent below 1 is, beside the
+    /// terminator, as far off as that power of the rounding itself. A picture that is looked up is read a fraction of a
+    /// pixel beside, which counts where neighbours differ. The step between two tones is 1.5 over its softness times as
+    /// steep as what it quantises; hard ones may move a pixel to the next tone.
+    pub fn relit_tolerance(&self, light: &Illumination) -> Option<f64> {
+        let relighting = self.relighting.as_ref()?;
+        let params = &relighting.params;
+        let lobe = lobe_error(&params.material, COSINE_ERROR);
+        let seen = match &light.environment {
+            Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
+                let [width, height] = [map.width(), map.height()].map(|n| n as f64);
+                (width / 2.0 + height) * ANGLE_ERROR / PI
+            }
+            _ => 0.0,
+        };
+        let spheres = light.lit_spheres.iter();
+        let painted =
+            spheres.map(|sphere| sphere.size().iter().sum::<usize>() as f64 * COSINE_ERROR);
+        let smooth = [lobe, seen, painted.fold(0.0, f64::max)]
+            .into_iter()
+            .fold(Product::Picture.tolerance(), f64::max);
+        Some(match params.tones() {
+            Some(tones) if tones.softness > 0.0 => {
+                smooth * (1.5 / f64::from(tones.softness)).max(1.0)
+            }
+            Some(_) => 1.0,
+            None => smooth,
+        })
     }
 }
 
 /// The largest difference between two planes, relative to the largest value of the second one, or to 1 where it has
 /// none. NaN agrees with NaN, and infinite values with themselves, alone.
-pub fn difference(found: &Plane, expected: &Plane) -> f64 {
+pub(crate) fn difference(found: &Plane, expected: &Plane) -> f64 {
     let sizes = expected.samples().iter().map(|value| value.abs());
     let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f32::max);
     let unit = if largest > 0.0 {

@@ -41,7 +41,7 @@ const _: () = assert!(CONFIDENCE_REACH > DEPTHS_REACH);
 
 /// How far what each pixel holds is that of one surface, 0..1, by the lengths that its normals had and by its depths;
 /// `None` where that is 1 everywhere, as in sharp frames.
-pub fn confidence(frame: &Frame) -> Option<Plane> {
+pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
     let lengths = frame.normal_length.as_ref();
     let of_normals = lengths.and_then(|lengths| of_normals(lengths, &frame.normal, &frame.mask));
     let of_depths = frame

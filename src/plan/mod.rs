@@ -7,7 +7,7 @@ pub(crate) mod resolve;
 pub(crate) mod stage;
 pub(crate) mod stages;
 
-pub(crate) use crate::light::enhancement::LightAvailable;
+pub use crate::light::enhancement::LightAvailable;
 pub use crate::light::relight::setting::{Albedo, LightKinds};
 pub(crate) use crate::light::relight::setting::{EnvironmentUse, Relighting};
 pub use crate::plan::available::Available;

@@ -23,34 +23,34 @@ pub enum Points {
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// How shape is found.
-    pub shape: ShapeParams,
+    pub(crate) shape: ShapeParams,
     /// How light is scaled.
-    pub scaling: ScalingParams,
+    pub(crate) scaling: ScalingParams,
     /// What of a picture is scaled, where its shape is brought out.
     pub(crate) enhancement: Option<Enhancement>,
     /// How the frame is lit anew, if it is.
-    pub relighting: Option<Relighting>,
+    pub(crate) relighting: Option<Relighting>,
     /// Whether the curvature display is the picture.
     pub(crate) display: bool,
     /// How the picture that was made is drawn, if it is.
-    pub drawing: Option<LineParams>,
+    pub(crate) drawing: Option<LineParams>,
     /// How many times as wide as at scale 1 its lines along edges are.
     pub(crate) line_scale: f32,
     /// Whether its tone is spread so that it shows the shape.
     pub(crate) shows_shape: bool,
     /// How specular pixels are traced, if they are.
-    pub specular: Option<SpecularParams>,
+    pub(crate) specular: Option<SpecularParams>,
     /// How the gradient is diffused.
-    pub sweeps: DiffusionSchedule,
+    pub(crate) sweeps: DiffusionSchedule,
     /// Sigmas of further scales, in pixels of the reference.
-    pub more_px: Vec<f32>,
+    pub(crate) more_px: Vec<f32>,
     /// How many pixels of the frame stand for one of the reference, in which curvature is measured; 1 without
     /// a [reference height](ShapeParams::reference_height).
     pub resolution_factor: f64,
     /// How the points of neighbouring pixels are found for directions of the surface's own curvature.
     pub points: Points,
     /// How many pixels away they are, at the least and at the most.
-    pub direction_steps_px: [usize; 2],
+    pub(crate) direction_steps_px: [usize; 2],
     /// What there is to make it of.
     pub(crate) available: Available,
     /// Why nothing is asked of shape, where that is so.

@@ -2,7 +2,6 @@
 
 use super::on_gpu;
 use crate::common::program::{Ran, fixture, program, run};
-use relievo::engine::difference;
 use relievo::frame::{Plane, Vector2Planes};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::product::Product;
@@ -66,7 +65,7 @@ fn the_program_writes_what_the_cpu_writes() {
                     assert!(apart < allowed, "{work}: {name} is off by {apart:e}");
                 // Directions leap where two curvatures are alike, or to their opposites, which are the same.
                 } else if !name.starts_with("relievo.Direction") {
-                    let apart = difference(found, expected);
+                    let apart = Product::Picture.apart(&[found], &[expected]);
                     assert!(apart < 2e-5, "{work}: {name} is off by {apart:e}");
                 }
             }

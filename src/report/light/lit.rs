@@ -18,7 +18,7 @@ use serde::Serialize;
 
 /// White of one material with gains of 1, no even light, and an environment as bright as it comes: a formula
 /// gives its picture.
-pub fn bare(material: Material, method: Method) -> RelightParams {
+pub(crate) fn bare(material: Material, method: Method) -> RelightParams {
     let base = RelightParams::default();
     RelightParams {
         method,
@@ -240,7 +240,7 @@ pub(crate) fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f
 }
 
 /// Up to `count` covered pixels, spread evenly in the order of rows.
-pub fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
+pub(crate) fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
     let step = mask.count().div_ceil(count.max(1)).max(1);
     covered(mask).skip(step / 2).step_by(step).collect()
 }

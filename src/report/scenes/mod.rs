@@ -4,10 +4,12 @@
 //! diffusion it gives the error of the whole method, grid and all, beside which the error of a solver is to be
 //! judged.
 
+pub(crate) mod environment;
 pub mod exact;
 pub mod frames;
 pub mod surfaces;
 
+pub use environment::environment;
 pub use exact::{Exact, ExactScene, ball_trace};
 pub use surfaces::Surface;
 
