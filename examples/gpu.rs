@@ -160,7 +160,7 @@ fn measure(
         if !expected.is_empty() {
             println!(
                 "  {product:?} {:.1e} apart",
-                product.apart(&found, &expected)
+                product.difference(&found, &expected)
             );
         }
     }

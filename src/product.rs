@@ -59,7 +59,7 @@ pub struct Shown {
 
 /// One product: its layer in a file, its numbers, and how far backends may be apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct ProductRow {
     /// The product.
     pub product: Product,
     /// Its name in reports.
@@ -88,8 +88,8 @@ const fn row(
     components: &'static [&'static str],
     unit: &'static str,
     tolerance: f64,
-) -> Row {
-    Row {
+) -> ProductRow {
+    ProductRow {
         product,
         name,
         layer,
@@ -102,7 +102,7 @@ const fn row(
     }
 }
 
-impl Row {
+impl ProductRow {
     const fn at_scales(self) -> Self {
         Self {
             at_scales: true,
@@ -127,7 +127,7 @@ const DIRECTION: &str = "unit, x right, y up; 0 for none";
 
 /// All products, in the order of their layers in a file.
 #[rustfmt::skip]
-static TABLE: [Row; 14] = [
+static TABLE: [ProductRow; 14] = [
     row(Product::Silhouette, "silhouette", Some("weights"), &["silhouette"], "0..1", 1e-5)
         .shown("Silhouette", "weights where depth jumps: 1 is white"),
     row(Product::Crease, "crease", Some("weights"), &["crease"], "0..1", 1e-5)
@@ -149,7 +149,7 @@ static TABLE: [Row; 14] = [
     row(Product::Interior, "interior", None, &["interior"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
 ];
 
-impl Row {
+impl ProductRow {
     /// Its name where its numbers stand, after its layer: `gradient`, `weights.crease`.
     pub fn label(&self) -> Option<String> {
         let layer = self.layer?;
@@ -172,7 +172,7 @@ impl Product {
     }
 
     /// What is known of it.
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static ProductRow {
         let row = &TABLE[self as usize];
         debug_assert!(
             row.product == self,

@@ -381,7 +381,7 @@ mod tests {
             let found = engine.execute(&plan, &frame, Inputs::default(), &run);
             let found = found.unwrap();
             for ((product, found), (_, expected)) in found.products().zip(expected.products()) {
-                assert_eq!(product.apart(&found, &expected), 0.0);
+                assert_eq!(product.difference(&found, &expected), 0.0);
             }
         }
         let said = said.into_inner().unwrap();
@@ -418,7 +418,7 @@ mod tests {
         let again = engine.execute(&plan, &frame, Inputs::default(), &Run::new());
         let (whole, again) = (whole.unwrap(), again.unwrap());
         for ((product, a), (_, b)) in whole.products().zip(again.products()) {
-            assert_eq!(product.apart(&a, &b), 0.0);
+            assert_eq!(product.difference(&a, &b), 0.0);
         }
     }
 

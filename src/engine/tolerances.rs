@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 impl Product {
     /// How far its planes are from the CPU's, as [it is compared](Compared); infinitely where there are fewer or more.
-    pub fn apart(self, found: &[&Plane], expected: &[&Plane]) -> f64 {
+    pub fn difference(self, found: &[&Plane], expected: &[&Plane]) -> f64 {
         if found.len() != expected.len() {
             return f64::INFINITY;
         }
@@ -25,13 +25,13 @@ impl Product {
         }
     }
 
-    /// The most that a layer may be [apart](Self::apart) from the CPU's.
+    /// The most that a layer may be [apart](Self::difference) from the CPU's.
     ///
     /// Kernels use the polynomials of the CPU, and devices round sums of products once or twice: 1e-5. A
     /// Chebyshev expansion adds up as many roundings as it has terms, and derivatives divide what is left of a
     /// difference.
     ///
-    /// Where strokes are looked up in their texture is told to 2^-12 texels four thousand pixels from the origin, and
+    /// Places in the texture of strokes are exact to 2^-12 texels four thousand pixels from the origin, and
     /// once or twice rounded; ink changes by a quarter per texel on average: 6e-5. A density whose rounding reaches
     /// the next entry of the response, 1.5e-3 away, is one in a thousand: 1.5e-6. Contours are as much again as their
     /// edges are apart, over the few pixels that are theirs.
@@ -129,7 +129,7 @@ const LEAP: f64 = 1.0 / 16.0;
 /// The mean difference between directions, over the pixels where either is one: the sine of the angle between both, which
 /// is the same for opposites, or by how much one is longer.
 ///
-/// Where a direction is told at all is a matter of comparisons with what is uncertain of it. A rounding that decides one
+/// Whether a pixel has a direction at all depends on comparisons with its uncertainty. A rounding that decides one
 /// makes of a pixel one that takes its neighbours' direction: the largest difference says little.
 pub(crate) fn direction_difference(found: [&Plane; 2], expected: [&Plane; 2]) -> f64 {
     fn vectors<'a>([x, y]: [&'a Plane; 2]) -> impl Iterator<Item = DVec2> + 'a {
@@ -163,7 +163,7 @@ mod tests {
         let expected = directions(&[[0.6, 0.8], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
         let apart = |second: [f32; 2], last: [f32; 2]| {
             let found = [[-0.6, -0.8], second, [0.0, 0.0], [0.0, 1.0], last];
-            Product::Direction.apart(&directions(&found).each_ref(), &expected.each_ref())
+            Product::Direction.difference(&directions(&found).each_ref(), &expected.each_ref())
         };
         assert!(apart([1.0, 0.0], [0.0, -1.0]) < 1e-7);
         // One of the four that are directions: by the sine of an angle, at right angles, none, no number, too long.

@@ -25,7 +25,7 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
-/// What the colours of a picture mean, where somebody says so.
+/// The primaries of a picture, where they were given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorSpace {
     /// Linear light of Rec. 709 primaries.

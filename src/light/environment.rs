@@ -252,7 +252,7 @@ pub(crate) fn equirectangular_position(
 mod tests {
     use super::*;
 
-    /// A map whose pixels can be told apart: column and row, and 1.
+    /// A map whose pixels all differ: column, row and 1.
     fn numbered(width: usize, height: usize) -> Environment {
         Environment::from_fn(width, height, |x, y| [x as f32, y as f32, 1.0])
     }

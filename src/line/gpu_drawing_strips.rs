@@ -283,7 +283,7 @@ fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
     let mut read = read.into_iter();
     shape.conductance = Some(plane_of(frame, read.next()));
     if let Some(weights) = read.next() {
-        let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
+        let weights = deinterleave::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
         let [silhouette, crease] = weights;
         (shape.silhouette, shape.crease) = (Some(silhouette), Some(crease));
     }

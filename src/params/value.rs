@@ -150,7 +150,7 @@ pub(super) fn finite(text: &str) -> Option<f32> {
 
 const NO_COUNT: &str = "expected a whole number";
 
-/// What is said of a text that is no number.
+/// The message for a text that is not a number.
 fn no_number(text: &str) -> String {
     let percentage = text
         .strip_suffix('%')

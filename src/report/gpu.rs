@@ -282,7 +282,7 @@ fn differences(
             return Some((product, f64::INFINITY));
         }
         let pairs = found.into_iter().zip(expected);
-        let apart = pairs.map(|((_, found), (_, expected))| product.apart(&found, &expected));
+        let apart = pairs.map(|((_, found), (_, expected))| product.difference(&found, &expected));
         Some((product, apart.reduce(f64::max)?))
     })
 }

@@ -75,7 +75,7 @@ impl<'a> DistanceMap<'a> {
             Some(1.0 - (distance / surface).min(FAR_BEHIND))
         });
         match crossing {
-            Crossing::Met(s) => {
+            Crossing::Hit(s) => {
                 let (direction, distance) = place(s);
                 let point = center + distance * direction;
                 Some(Reached::Seen(point, point))

@@ -17,4 +17,4 @@ mod tracer;
 pub(crate) use distance_map::DistanceMap;
 pub(crate) use seen_surface::{SeenSurface, VisibleSurface};
 pub(crate) use texels::Reached;
-pub use tracer::{Hit, Met, Path, Tracer};
+pub use tracer::{Hit, HitSurface, Path, Tracer};

@@ -125,7 +125,7 @@ impl<'a> SeenSurface<'a> {
             (sight.point(at.x, at.y, depth, DepthKind::Planar), at)
         };
         match crossing {
-            Crossing::Met(s) => {
+            Crossing::Hit(s) => {
                 let (point, at) = point_at(s);
                 Some(Reached::Seen(point, at))
             }

@@ -26,12 +26,12 @@ impl<T> Default for Slot<T> {
 impl<T> Slot<T> {
     /// The result of this key, if it is there; one of another is dropped, since the next that comes will be of this.
     pub(crate) fn take(&mut self, key: &str) -> Option<T> {
-        self.hold(key);
+        self.invalidate_unless(key);
         self.value.take()
     }
 
     /// Drops a result of another key.
-    fn hold(&mut self, key: &str) {
+    fn invalidate_unless(&mut self, key: &str) {
         if self.key != key {
             self.value = None;
             self.key = key.into();
@@ -57,7 +57,7 @@ impl<T> Slot<T> {
 impl<T: Clone> Slot<T> {
     /// A copy of the result of this key, if it is there.
     pub(crate) fn copied(&mut self, key: &str) -> Option<T> {
-        self.hold(key);
+        self.invalidate_unless(key);
         self.value.clone()
     }
 }
@@ -91,9 +91,9 @@ pub(crate) struct FrameCache {
 impl FrameCache {
     /// The edges of this key, if they are kept; weights that are not `wanted` stay here.
     pub(crate) fn take_edges(&mut self, key: &str, wanted: bool) -> Option<Weights> {
-        self.silhouette.hold(key);
-        self.crease.hold(key);
-        self.undiffused.hold(key);
+        self.silhouette.invalidate_unless(key);
+        self.crease.invalidate_unless(key);
+        self.undiffused.invalidate_unless(key);
         let all = self.silhouette.get().is_some()
             && self.crease.get().is_some()
             && self.undiffused.get().is_some();

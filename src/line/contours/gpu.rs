@@ -250,7 +250,7 @@ impl PendingReadback<'_> {
                 let (read, _) = submitted.read()?;
                 let plane =
                     |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
-                let [silhouette, crease] = apart::<2>(&read[0]).map(plane);
+                let [silhouette, crease] = deinterleave::<2>(&read[0]).map(plane);
                 Ok(contour_lines(plan, frame, [&silhouette, &crease], params))
             }
         }

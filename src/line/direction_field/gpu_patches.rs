@@ -99,7 +99,10 @@ fn direction_params(
     frame: &Frame,
 ) -> DirectionParams {
     let grid = Grid::new(params, frame);
-    let (line, apart) = (lines(frame, &setting.sight), apart(frame, &setting.sight));
+    let (line, apart) = (
+        lines(frame, &setting.sight),
+        step_at_unit_depth(frame, &setting.sight),
+    );
     let [fixed_x, fixed_y] = setting
         .fixed
         .map_or([0.0; 2], |[first, _]| first.to_array());
@@ -179,7 +182,7 @@ impl Run<'_> {
             depth.map(
                 |plane| match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
                     true => self.surface.map.clone().expect("silhouettes are of depth"),
-                    false => self.hold(plane.samples()),
+                    false => self.uploaded(plane.samples()),
                 },
             );
         let found = Patches {

@@ -25,7 +25,7 @@ use serde::Serialize;
 pub(crate) struct DrawingReport {
     pub fields: Vec<field::Sweep>,
     pub strokes: strokes::Sweep,
-    pub tones: Vec<tone::Row>,
+    pub tones: Vec<tone::ToneRow>,
 }
 
 /// Measures drawings of `frame`, called `name`.

@@ -44,7 +44,7 @@ pub(crate) struct LightReport {
     pub environment: &'static str,
     /// The frame, and in a full report a scene.
     pub subjects: Vec<Subject>,
-    pub functions: Vec<functions::Row>,
+    pub functions: Vec<functions::FunctionRow>,
     pub cost: cost::Cost,
 }
 
