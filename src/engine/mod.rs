@@ -1,4 +1,4 @@
-//! Running a plan.
+//! Engines: run requests and plans on frames.
 
 pub(crate) mod backends;
 pub(crate) mod cpu;

@@ -1,8 +1,8 @@
-//! How far what a pixel holds is that of one surface.
+//! Confidence that a pixel shows a single surface.
 //!
-//! Out of focus, in motion, in fur and in fog a pixel's normal is a mean of unlike ones, and shorter than 1; its depth is that
-//! of whichever surface its first sample met. So it is at every outline, but there for a pixel or two: a pixel counts as mixed
-//! where a whole square of normals is short, or many depths around it stand alone.
+//! Out of focus, in motion, in fur and in fog a pixel's normal is a mean of different ones, and shorter than 1; its depth is that
+//! of whichever surface its first sample hit. At outlines that is true of a pixel or two, so a pixel counts as mixed only
+//! where a whole square of normals is short, or many depths around it are isolated.
 
 use super::{Frame, Mask, Plane, Vector3Planes};
 use rayon::prelude::*;

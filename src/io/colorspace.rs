@@ -1,4 +1,4 @@
-//! Colours of pictures: which primaries they have, whether they are encoded, and how a display gets them.
+//! Colour spaces: primaries and encoding of pictures, and their conversion for a display.
 //!
 //! Work is done in the linear light of the picture's own primaries, and layers are written so. Only what is made for a
 //! display is turned to Rec. 709, by the matrix that the chromaticities give, adapted to its white (Bradford). Data

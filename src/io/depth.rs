@@ -1,4 +1,4 @@
-//! What depth measures, judged by how its points lie on the tangent planes of the normals.
+//! The kind of depth, judged by how its points fit the tangent planes of the normals.
 
 use super::camera::median;
 use super::finding::Finding;

@@ -1,4 +1,4 @@
-//! Objects of a picture by their names or numbers: how much of each pixel those that are chosen cover.
+//! Object selection by names or numbers: the coverage of the chosen objects in each pixel.
 
 use super::cryptomatte::{self, Cryptomatte, coverage};
 use super::exr::{ChannelId, ExrFile};

@@ -1,4 +1,4 @@
-//! Light from all around: radiance by direction.
+//! Environments: radiance by direction.
 //!
 //! An environment hangs on the view: the middle of its map lies straight ahead of the viewer, behind
 //! the surface. There is no world here, and so no other way for the map to stand.

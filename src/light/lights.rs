@@ -1,4 +1,4 @@
-//! Lights as samples: what a sum over lights is made of.
+//! Lights as samples, for sums over lights.
 
 use super::environment::Environment;
 use super::lit_sphere::LitSphere;

@@ -1,4 +1,4 @@
-//! What the stages of a drawing hand on to one another.
+//! The canvas: results that the stages of a drawing pass on.
 
 use crate::frame::{Plane, Vector2Planes};
 use crate::line::contours::Contour;

@@ -1,4 +1,4 @@
-//! Drawings strip by strip, with what is chosen from all of the picture and what the CPU finds on all of it: those of
+//! Drawings in strips, with choices and CPU results from the whole picture: for
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};

@@ -1,4 +1,4 @@
-//! Patches: what of one surface lies in one cell of a coarser grid. Pixels of different surfaces never
+//! Patches: the part of one surface that lies in one cell of a coarser grid. Pixels of different surfaces never
 //! share a patch, so that whatever is passed from patch to patch stays on its surface.
 
 /// Label of a pixel that belongs to no patch: uncovered, or on an edge.

@@ -1,4 +1,4 @@
-//! A tonal art map of pictures, from the lightest to the darkest.
+//! A tonal art map as slices: pictures from the lightest to the darkest.
 
 use super::stroke_texture::Places;
 use crate::frame::Plane;

@@ -1,4 +1,4 @@
-//! What a parameter can be: how each type is written, read and held to a range.
+//! Types of parameters: how each is printed, parsed and checked against its range.
 
 use super::table::{Kind, Param, Unit};
 use crate::error::short;

@@ -1,4 +1,4 @@
-//! A plan, as those who carry it out read it.
+//! The plan and its decisions.
 
 use crate::light::enhancement::{Enhancement, Subject};
 use crate::light::relight::setting::Relighting;
@@ -9,7 +9,7 @@ use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What tells where the surface seen at a pixel lies.
+/// How the positions of the surface at neighbouring pixels are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Points {
@@ -19,7 +19,7 @@ pub enum Points {
     Normals,
 }
 
-/// The stages of a run in their order, with the reason for each step kept or left out, and all that they are run with.
+/// The stages of a run in order, the reason for each step kept or left out, and the parameters they run with.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// How shape is found.
@@ -44,10 +44,10 @@ pub struct Plan {
     pub(crate) sweeps: DiffusionSchedule,
     /// Sigmas of further scales, in pixels of the reference.
     pub(crate) more_px: Vec<f32>,
-    /// How many pixels of the frame stand for one of the reference, in which curvature is measured; 1 without
-    /// a [reference height](ShapeParams::reference_height).
+    /// Pixels of the frame per pixel of the reference, in which curvature is measured; 1 without a
+    /// [reference height](ShapeParams::reference_height).
     pub resolution_factor: f64,
-    /// How the points of neighbouring pixels are found for directions of the surface's own curvature.
+    /// How positions are found for directions of the surface's own curvature.
     pub points: Points,
     /// How many pixels away they are, at the least and at the most.
     pub(crate) direction_steps_px: [usize; 2],
@@ -84,7 +84,7 @@ impl std::fmt::Display for Decision {
 }
 
 impl Plan {
-    /// Every step there is, kept or left out, and why, in the order of execution.
+    /// Every step, kept or left out, and why, in the order of execution.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
@@ -92,7 +92,7 @@ impl Plan {
     /// Whether a step, by the name it has in [`Plan::decisions`], is part of the plan.
     ///
     /// # Panics
-    /// If no step is called so.
+    /// If there is no step of this name.
     pub fn runs(&self, step: &str) -> bool {
         let decision = self.decisions.iter().find(|known| known.step == step);
         decision
@@ -100,7 +100,7 @@ impl Plan {
             .kept
     }
 
-    /// Whether a product is asked for, or a stage takes it.
+    /// Whether a product is wanted, by the caller or by a stage.
     pub fn wants(&self, product: Product) -> bool {
         self.wanted.contains(&product)
     }

@@ -1,4 +1,4 @@
-//! How well the drawings of a sequence go with its surface: each, moved as the surface did, against the next, for strokes
+//! Temporal coherence of drawings: each drawing of a sequence, moved with the surface, against the next, for strokes
 //! that lie still in the picture, for strokes that are carried along, and for lines along edges and inside surfaces.
 //!
 //! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of

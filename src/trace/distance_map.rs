@@ -1,4 +1,4 @@
-//! A distance map as a surface that rays may meet.
+//! A distance map as a surface for rays to hit.
 
 use super::search::{Crossing, first_crossing, steps_for};
 use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};

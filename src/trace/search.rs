@@ -1,4 +1,4 @@
-//! Where a way first goes behind a surface: even steps, then the secant rule.
+//! The search along a path for where it first goes behind a surface: even steps, then the secant rule.
 
 use crate::params::SearchParams;
 

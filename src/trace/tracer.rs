@@ -1,4 +1,4 @@
-//! The sight lines of a frame, bent by its specular surfaces, and what they meet.
+//! The tracer: sight lines of a frame, bent by its specular surfaces, and what they hit.
 
 use super::{DistanceMap, Reached, SeenSurface, VisibleSurface};
 use crate::frame::{Camera, Frame, Ray, SightLines, SpecularScene};

@@ -1,4 +1,4 @@
-//! The thread that reads, computes and writes: the window only asks it, and looks at what it has made.
+//! The worker thread: reads, computes and writes for the window.
 
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};

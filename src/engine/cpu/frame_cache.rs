@@ -1,4 +1,4 @@
-//! What a run of a frame leaves to the next one of the same frame.
+//! The cache of a session: results that the next run of the same frame can use.
 
 use crate::engine::outcome::Outcome;
 use crate::frame::CurvaturePlanes;

@@ -1,4 +1,4 @@
-//! The field of stroke directions: how sure a direction is, and how directions are averaged over a surface.
+//! The field of stroke directions: confidence of directions, and their average over a surface.
 //!
 //! Theory: [LA] section 6.1. Directions are averaged over a cross-shaped kernel whose weights fall linearly
 //! with distance, several times, at a quarter of the picture's size; nothing is averaged across a silhouette

@@ -1,4 +1,4 @@
-//! What specular pixels show: where strokes on it lie in the picture, and its shape as it appears there.
+//! Drawing what specular pixels show: directions of strokes in the picture, and the shape that appears there.
 
 pub(crate) mod hit_points;
 pub(crate) mod map_directions;

@@ -1,4 +1,4 @@
-//! Stippling: tone in dots of about one size, many in the dark and few in the light, none beside another by chance.
+//! Stippling: tone in dots of about one size, dense in the dark, sparse in the light, and evenly spaced.
 //!
 //! Theory: weighted stippling [Sec] spreads dots by tone and evens their distances. Changes: dots are placed by error
 //! diffusion [FS], which lays as many as tone asks for whatever its course, in linear time, and in place of Voronoi cells

@@ -1,4 +1,4 @@
-//! Evenly spaced streamlines: strokes as lines, for plotters and for drawings that are to be edited.
+//! Evenly spaced streamlines: strokes as vector lines, for plotters and for editing.
 //!
 //! Theory: [JL] traces a line along a field until it comes too near another, and starts new ones beside those
 //! there are, at the distance wanted. Changes: that distance follows tone, a width over the ink wanted. When all

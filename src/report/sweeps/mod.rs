@@ -1,4 +1,4 @@
-//! The sweeps: one file per thing that is varied, the rest held at what was asked for.
+//! Sweeps: one file per parameter that is varied, the others fixed as requested.
 
 #[cfg(test)]
 mod accuracy;
