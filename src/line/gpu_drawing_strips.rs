@@ -5,7 +5,7 @@ use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::runner::Runner;
-use crate::engine::gpu::surface::apart;
+use crate::engine::gpu::surface::deinterleave;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::add_timings;
 use crate::engine::outcome::{Drawing, Outcome, Shape};

@@ -9,7 +9,7 @@ use crate::engine::gpu::fault::{Fault, in_memory, watched};
 use crate::engine::gpu::made::Layer;
 use crate::engine::gpu::recorder::Programs;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::surface::{Upload, WIDEST, apart};
+use crate::engine::gpu::surface::{Upload, WIDEST, deinterleave};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;

@@ -7,7 +7,7 @@ use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::recorder::Submitted;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
-use crate::engine::gpu::surface::apart;
+use crate::engine::gpu::surface::deinterleave;
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::engine::gpu::wgsl::Number::{F32, U32};
 use crate::engine::gpu::wgsl::wgsl;

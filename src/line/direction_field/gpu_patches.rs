@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{apart, lines};
+use crate::engine::gpu::sight::{lines, step_at_unit_depth};
 use crate::frame::Frame;
 use crate::line::direction_field::gpu_kernels::{
     DirectionParams, FIND_PATCHES, FIND_RUNS, FindPatchesBuffers, FindRunsBuffers, LINK_PATCHES,

@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{SIGHT_LINES, apart, is_eye_far, lines, starts};
+use crate::engine::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, I32, U32};
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};

@@ -75,20 +75,13 @@ impl TextureCoordinates {
     /// Those of a frame of a sequence.
     pub(crate) fn of(frame: &Frame, sequence: SequenceInputs, memory: &Memory) -> Self {
         match sequence.before.zip(sequence.motion) {
-            Some((before, motion)) => before.advanced_in(frame, motion, memory),
+            Some((before, motion)) => before.advanced(frame, motion, memory),
             None => Self::new(frame),
         }
     }
 
-    /// Those of the next frame, whose surface has come by `motion` since: pixels, x right, y up.
-    ///
-    /// # Panics
-    /// If `motion` has not the size of the frame.
-    pub fn advanced(&self, frame: &Frame, motion: &Vector2Planes) -> Self {
-        self.advanced_in(frame, motion, &Memory::default())
-    }
-
-    fn advanced_in(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
+    /// Those of the next frame, whose surface has moved by `motion` since, in pixels, x right, y up.
+    fn advanced(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
         let step = Step::new(self.window, self.surface(), frame, motion);
         let origins = step.origins();
         let hidden = Hidden::find(&origins, MovingSurface::of(frame, Some(motion)));

@@ -32,7 +32,7 @@ use crate::line::direction::gpu::SPREAD_DIRECTIONS;
 use crate::line::direction::{clear_direction, fixed_direction, fixed_second_direction};
 use crate::line::direction_field::gpu_kernels::{PATCH_DIRECTIONS, PATCH_FORMS, SETTLE_PATCHES};
 use crate::line::direction_field::setting::FieldSetting;
-use crate::line::direction_field::{Form, calm, doubled, halved};
+use crate::line::direction_field::{CurvatureTensor, calm, doubled, halved};
 use crate::line::hatching::gpu::{PICTURE_STROKES, STROKES};
 use crate::line::hatching::share;
 use crate::line::normal_rays::gpu::NORMAL_RAYS;
