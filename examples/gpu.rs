@@ -17,7 +17,6 @@ use relievo::params::{
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use relievo::product::Product;
-use relievo::report::work::of_stage;
 use std::time::{Duration, Instant};
 
 /// Runs of which the quickest counts.
@@ -161,7 +160,7 @@ fn measure(
         if !expected.is_empty() {
             println!(
                 "  {product:?} {:.1e} apart",
-                product.apart(&found, &expected)
+                product.difference(&found, &expected)
             );
         }
     }
@@ -188,15 +187,7 @@ fn measure(
         ms(whole[1])
     );
     for (stage, time) in stages {
-        // What an ideal pass moves, of stages that have a model: to be held against the device's bandwidth.
-        let work = of_stage(stage, &plan.shape, &plan.sweeps);
-        let moved = work.map(|work| work.bytes * frame.mask.count() as f64);
-        let rate = moved.map(|bytes| format!("{:9.1} GB/s", 1e-9 * bytes / time.as_secs_f64()));
-        println!(
-            "  {stage:20} {:9.3} ms{}",
-            ms(time),
-            rate.unwrap_or_default()
-        );
+        println!("  {stage:20} {:9.3} ms", ms(time));
     }
     Ok(())
 }

@@ -12,17 +12,15 @@ use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
-    Adaptive, LineParams, Material, MaterialParams, Method, RelightParams, Samples, Scale,
-    ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeParams, StrokeScale, Style,
+    Adaptive, AlbedoSource, LineParams, Material, MaterialParams, Method, RelightParams, Samples,
+    Scale, ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeParams, StrokeScale, Style,
     Tangent, ToneParams,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
-use relievo::report::light::environment;
-use relievo::report::light::lit::{bare, some_covered};
 use relievo::report::light_reference::{
     Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
 };
-use relievo::report::scenes::{HEIGHT, Scene, WAVE};
+use relievo::report::scenes::{HEIGHT, Scene, WAVE, environment};
 use relievo::report::timing::{Effort, Timed, Times, measure, measure_runs};
 use std::time::Duration;
 
@@ -269,16 +267,22 @@ fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::
     prefiltered.print("environment, prefiltered, Lambert", repeats, exact)
 }
 
-/// White of one material, without ambient light.
+/// White of one material with gains of 1, without ambient light.
 fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
-    let bare = bare(material, method);
     RelightParams {
+        method,
         samples,
+        albedo: AlbedoSource::White,
+        environment_gain: Adaptive::Fixed(1.0),
         material: MaterialParams {
+            material,
+            ambient: 0.0,
+            diffuse_gain: 1.0,
+            specular_gain: Some(1.0),
             tangent: Tangent::Degrees(0.0),
-            ..bare.material
+            ..MaterialParams::default()
         },
-        ..bare
+        ..RelightParams::default()
     }
 }
 
@@ -287,8 +291,7 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
     wr * r + wg * g + wb * b
 }
 
-/// The luminance of the brightest pixel of the map of irradiance, found in single precision and then told
-/// in double.
+/// The luminance of the brightest pixel of the map of irradiance: found in single precision, computed in double.
 fn largest_irradiance(environment: &relievo::light::environment::Environment) -> f64 {
     let map = irradiance(environment);
     let pixels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
@@ -380,7 +383,7 @@ impl Lighting<'_> {
             None => 1.0,
         };
         let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
-        for at in some_covered(&self.frame.mask, CHECKED) {
+        for at in some_covered(&self.frame.mask) {
             let pixel = Pixel::of(self.frame, hessian, at, 0.0);
             let Some(exact) = exact(&pixel, &settings) else {
                 continue;
@@ -393,6 +396,14 @@ impl Lighting<'_> {
         }
         worst / largest
     }
+}
+
+/// Up to [`CHECKED`] covered pixels, spread evenly in the order of rows.
+fn some_covered(mask: &Mask) -> impl Iterator<Item = [usize; 2]> {
+    let step = mask.count().div_ceil(CHECKED).max(1);
+    let pixels = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| [x, y]));
+    let covered = pixels.filter(|&[x, y]| mask.at(x, y));
+    covered.skip(step / 2).step_by(step)
 }
 
 fn run(

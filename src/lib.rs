@@ -93,7 +93,7 @@ pub mod cli;
 mod command;
 pub mod engine;
 pub mod error;
-pub mod fast_math;
+pub(crate) mod fast_math;
 pub mod frame;
 pub mod io;
 pub mod light;

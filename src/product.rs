@@ -1,9 +1,9 @@
-//! All that a run can be asked for: one table, over which go the layers of a file, the viewer's list, the probe, what is
-//! read back from a device, what is compared between backends, and memory that is used again.
+//! The table of products: layers of a file, the viewer's list and probe, read-back from a device, comparisons between
+//! backends and recycled memory all go over it.
 
 use serde::Serialize;
 
-/// What a run gives.
+/// A named result of a run: one or more planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Product {
@@ -42,7 +42,7 @@ pub enum Product {
 pub enum Compared {
     /// By the largest difference, relative to the largest value.
     Largest,
-    /// By the mean difference of ink: a rounding may turn a pixel of a texture.
+    /// By the mean difference of ink, since a rounding may flip a pixel of a texture.
     Ink,
     /// By the mean angle between directions, each equal to its opposite.
     Directions,
@@ -57,24 +57,24 @@ pub struct Shown {
     pub help: &'static str,
 }
 
-/// One product: its layer in a file, its numbers, and how far backends may be apart.
+/// One product: its layer in a file, its unit and range, and the tolerance between backends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct ProductRow {
     /// The product.
     pub product: Product,
     /// Its name in reports.
     pub name: &'static str,
-    /// The layer of an EXR that holds it; `None` for what goes to the picture's own channels, or to none.
+    /// The layer of an EXR that holds it; `None` for a product without a layer of its own.
     pub layer: Option<&'static str>,
     /// Its components, each a plane, as the layer's channels are named.
     pub components: &'static [&'static str],
     /// Unit and range of its numbers.
     pub unit: &'static str,
-    /// Whether every further scale has one of its own.
+    /// Whether every further scale has one too.
     pub at_scales: bool,
     /// How backends are compared.
     pub compared: Compared,
-    /// How far a backend may be from the CPU; see [`Product::tolerance`] for where the numbers come from.
+    /// The tolerance of other backends against the CPU; its origin: [`Product::tolerance`].
     pub tolerance: f64,
     /// A grey picture of it, 0 black and 1 white, in the viewer.
     pub shown: Option<Shown>,
@@ -88,8 +88,8 @@ const fn row(
     components: &'static [&'static str],
     unit: &'static str,
     tolerance: f64,
-) -> Row {
-    Row {
+) -> ProductRow {
+    ProductRow {
         product,
         name,
         layer,
@@ -102,7 +102,7 @@ const fn row(
     }
 }
 
-impl Row {
+impl ProductRow {
     const fn at_scales(self) -> Self {
         Self {
             at_scales: true,
@@ -127,7 +127,7 @@ const DIRECTION: &str = "unit, x right, y up; 0 for none";
 
 /// All products, in the order of their layers in a file.
 #[rustfmt::skip]
-static TABLE: [Row; 14] = [
+static TABLE: [ProductRow; 14] = [
     row(Product::Silhouette, "silhouette", Some("weights"), &["silhouette"], "0..1", 1e-5)
         .shown("Silhouette", "weights where depth jumps: 1 is white"),
     row(Product::Crease, "crease", Some("weights"), &["crease"], "0..1", 1e-5)
@@ -149,7 +149,7 @@ static TABLE: [Row; 14] = [
     row(Product::Interior, "interior", None, &["interior"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
 ];
 
-impl Row {
+impl ProductRow {
     /// Its name where its numbers stand, after its layer: `gradient`, `weights.crease`.
     pub fn label(&self) -> Option<String> {
         let layer = self.layer?;
@@ -172,7 +172,7 @@ impl Product {
     }
 
     /// What is known of it.
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static ProductRow {
         let row = &TABLE[self as usize];
         debug_assert!(
             row.product == self,

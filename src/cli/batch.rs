@@ -1,4 +1,4 @@
-//! A command on several pictures that are no sequence: each on its own, with its own choices.
+//! A command on several independent pictures, each with its own automatic choices.
 
 use super::frames::{self, FrameCommand, command_of, one, refuse_collisions, validate};
 use super::message;

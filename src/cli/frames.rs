@@ -1,4 +1,4 @@
-//! A command on one frame, or on all of a sequence: several at a time, each whole or not at all.
+//! A command on one frame or on a sequence: several frames at a time, each output written atomically.
 
 use super::files;
 use super::job::Job;

@@ -196,8 +196,8 @@ impl<'a> Job<'a> {
     pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
         if self.work.run.explain && self.speaks_for_all() {
             let verbose = self.work.run.verbose;
-            let told = plan.decisions().iter().filter(|step| step.kept || verbose);
-            message::result(told.map(ToString::to_string))?;
+            let shown = plan.decisions().iter().filter(|step| step.kept || verbose);
+            message::result(shown.map(ToString::to_string))?;
         }
         Ok(())
     }

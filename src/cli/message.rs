@@ -1,4 +1,4 @@
-//! What is said on stderr, and the exit codes.
+//! Messages on stderr, and exit codes.
 
 use crate::command::error_line::{line_of, misuse_line};
 use crate::error::{Error, Result};

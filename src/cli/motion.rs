@@ -1,4 +1,4 @@
-//! What moved between the frames of a sequence.
+//! Motion between the frames of a sequence.
 
 use crate::frame::{AWAY, Camera, Vector2Planes, static_world_motion};
 use crate::io::Loaded;

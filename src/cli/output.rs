@@ -56,15 +56,15 @@ impl OutputArgs {
 
     /// How a picture made of `loaded` by this recipe is written.
     pub(super) fn encoding(&self, loaded: &Loaded, recipe: String) -> Result<Encoding> {
-        let mut kept = loaded.kept()?;
+        let mut metadata = loaded.metadata()?;
         // Colours that were turned to other primaries are no longer those of the profile.
-        kept.profile = kept.profile.filter(|_| loaded.chromaticities.is_none());
+        metadata.profile = metadata.profile.filter(|_| loaded.chromaticities.is_none());
         let plain = Encoding::default();
         Ok(Encoding {
             quality: self.quality.unwrap_or(plain.quality),
             software: Some(software()),
             settings: Some(recipe),
-            kept,
+            metadata,
         })
     }
 

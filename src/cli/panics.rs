@@ -1,4 +1,4 @@
-//! Faults of this program: one line each, and a sequence goes on.
+//! Panics: reported in one line each, and a sequence goes on.
 
 use crate::error::{Error, Result};
 use std::any::Any;

@@ -1,4 +1,4 @@
-//! How far a sequence has come: a bar on a terminal, else lines of text or of JSON.
+//! Progress of a sequence: a bar on a terminal, otherwise lines of text or of JSON.
 
 use super::message::say;
 use crate::command::args::{ProgressArg, RunArgs};

@@ -1,4 +1,4 @@
-//! What a run has said so far, and whose turn it is among frames that are made at the same time.
+//! The message log of a run: keeps the output of frames that are made in parallel in the order of frames.
 
 use super::message;
 use super::progress::{Progress, Status, Tally};

@@ -1,4 +1,4 @@
-//! Signals: the frame in hand is finished, or dropped; never half a file.
+//! Signals: the current frame is finished or dropped, never half written.
 
 use crate::io::output::drop_unfinished;
 use std::sync::atomic::{AtomicI32, Ordering};

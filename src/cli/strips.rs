@@ -1,4 +1,4 @@
-//! A picture that does not fit in memory: read, worked on and written strip by strip.
+//! Pictures that do not fit in memory: read, processed and written strip by strip.
 
 use super::job::{Job, Timings};
 use super::output::ReadyOutput;

@@ -1,4 +1,4 @@
-//! Threads, and how many frames are made at a time.
+//! The number of threads, and of frames processed at a time.
 
 use super::message;
 use crate::command::args::MOST_THREADS;

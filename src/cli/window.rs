@@ -1,4 +1,4 @@
-//! `relievo view`: the window, and what it has the command line do.
+//! `relievo view`: opens the window, which saves through the command line.
 
 use super::{run_typed, threads};
 use crate::command::commands::ViewArgs;

@@ -1,4 +1,4 @@
-//! What commands that work on frames share: where results go, and how the work is run.
+//! Arguments that commands on frames share: outputs and run options.
 
 use super::flags::{Flags, Section, one_of};
 use super::memory::MaxMemory;

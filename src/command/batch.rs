@@ -1,4 +1,4 @@
-//! Several pictures on one command line that are no sequence, and the names of what is made of them.
+//! Several independent pictures on one command line, and the names of their outputs.
 
 use super::args::WorkArgs;
 use super::output::Kind;

@@ -1,4 +1,4 @@
-//! What is chosen automatically, as the flags that would choose the same.
+//! Automatic choices, as the flags that would choose the same.
 
 use super::flags::Flag;
 use super::role_args;

@@ -1,4 +1,4 @@
-//! The commands and what they take. Flags of parameters come from their table.
+//! The commands and their arguments. Flags of parameters come from their table.
 
 use super::args::{ComputeArgs, WorkArgs};
 use super::flags::{Flags, Section};

@@ -1,4 +1,4 @@
-//! What `relievo enhance` reads of a frame, and its plan.
+//! `relievo enhance`: the layers it needs, and its plan.
 
 use super::commands::EnhanceArgs;
 use super::output::MadePicture;

@@ -1,4 +1,4 @@
-//! What is wrong, as one line.
+//! Errors as one line.
 
 use super::output::Kind;
 use crate::error::Error;

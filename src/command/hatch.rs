@@ -1,4 +1,4 @@
-//! What `relievo hatch` reads of a frame, and its plan.
+//! `relievo hatch`: the layers it needs, and its plan.
 
 use super::args::WorkArgs;
 use super::line_args::HatchArgs;

@@ -1,4 +1,4 @@
-//! A command line in the making: what was typed, what a recipe adds, and what was chosen for a whole sequence.
+//! A command line being assembled: the words typed, the flags of a recipe, and the choices for a whole sequence.
 
 use super::batch::NAME;
 use super::commands::{Cli, command_named, long, typed_ids};

@@ -1,4 +1,4 @@
-//! What our channels are called in an EXR.
+//! The names of our channels in an EXR.
 //!
 //! Blender splits a name at its dots into layer, pass and channel, and shows passes of one channel of one letter, and of
 //! three or four. Others take all before the last dot for the layer. So the picture and vectors of three components are layers,

@@ -1,4 +1,4 @@
-//! The names of `hatch`.
+//! The arguments of `hatch`.
 
 use super::flags::Section;
 use super::motion_arg::MotionArg;

@@ -1,4 +1,4 @@
-//! How much memory a run may take.
+//! The memory limit of a run.
 
 use std::fmt;
 use std::path::{Path, PathBuf};

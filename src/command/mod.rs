@@ -1,4 +1,4 @@
-//! What a command is asked for: arguments, recipes, and the plan they make for a frame.
+//! Arguments and recipes, and the plan that they make for a frame.
 
 pub(crate) mod args;
 pub(crate) mod batch;

@@ -1,4 +1,4 @@
-//! The name of what moved between the frames of a sequence.
+//! The argument that names the motion between the frames of a sequence.
 
 use super::sequence::numbered;
 use clap::Args;

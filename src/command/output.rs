@@ -1,4 +1,4 @@
-//! What an output path stands for, and the picture that a display is given.
+//! The kind of output that a path names, and the picture for a display.
 
 use super::args::{OutputArgs, WorkArgs};
 use crate::engine::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! What `relievo relight` reads of a frame, its light, and its plan.
+//! `relievo relight`: the layers it needs, its light, and its plan.
 
 use super::output::MadePicture;
 use super::relight_args::{LightFlags, Numbers, RelightArgs};

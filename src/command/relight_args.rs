@@ -1,4 +1,4 @@
-//! The names of `relight`.
+//! The arguments of `relight`.
 
 use super::args::WorkArgs;
 use super::flags::Section;

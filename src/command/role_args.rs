@@ -1,4 +1,4 @@
-//! Which layers and files play which role: the names of the inputs.
+//! Arguments that assign roles to layers and files.
 
 use super::flags::{Flag, one_of};
 use super::still_camera::StillCamera;

@@ -1,4 +1,4 @@
-//! Frame by frame: which frames, and the names of their files.
+//! Sequences: frame numbers, and the names of their files.
 
 use super::role_args::RoleArgs;
 use crate::error::Result;

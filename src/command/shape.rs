@@ -1,4 +1,4 @@
-//! What `relievo shape` reads of a frame, and its plan.
+//! `relievo shape`: the layers it needs, and its plan.
 
 use super::args::WorkArgs;
 use super::output::Kind;

@@ -1,4 +1,4 @@
-//! The names of what mirrors and lenses show.
+//! Arguments for the scene that mirrors and lenses show.
 
 use super::sequence::numbered;
 use crate::io::SpecularInputs;

@@ -1,4 +1,4 @@
-//! A camera that stands still throughout a sequence: recovered once, and the same for all frames.
+//! A static camera: recovered once for all frames of a sequence.
 
 use crate::frame::{Camera, Projection};
 use crate::io::inputs::KnownCamera;

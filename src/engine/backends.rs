@@ -1,4 +1,4 @@
-//! What runs plans: the CPU, or a device where one was asked for or found.
+//! The engine: runs plans on the CPU, or on a GPU where one was asked for or found.
 
 use crate::engine::cpu;
 #[cfg(feature = "gpu")]
@@ -15,8 +15,9 @@ use crate::params::{LineParams, RunOptions};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
 
-/// Runs requests and plans on the backends of this machine, one after another. An engine that is given outcomes back makes
-/// the next ones in their memory, and it keeps what it made of the last environment and the last texture of strokes.
+/// Runs requests and plans on the backends of this machine, one at a time. Outcomes given back with
+/// [`recycle`](Engine::recycle) lend their memory to the next ones; what was prepared for the last environment and the
+/// last texture of strokes is cached.
 #[derive(Debug, Default)]
 pub struct Engine {
     cpu: cpu::Runner,
@@ -24,7 +25,7 @@ pub struct Engine {
     device: OnDevice,
 }
 
-/// The name of all that a device does, in [`Progress`](crate::engine::Progress).
+/// The name of all work on a device, in [`Progress`](crate::engine::Progress).
 #[cfg(feature = "gpu")]
 const DEVICE: &str = "device";
 
@@ -32,9 +33,9 @@ const DEVICE: &str = "device";
 #[cfg(feature = "gpu")]
 #[derive(Debug)]
 enum OnDevice {
-    /// Not at all; why, where one was looked for.
+    /// Not at all; the reason, where one was looked for.
     No(Option<Error>),
-    /// For what it has kernels for; the CPU does the rest.
+    /// For plans it has kernels for; the CPU runs the others.
     Maybe(gpu::Runner),
     /// For everything.
     Only(gpu::Runner),
@@ -46,8 +47,8 @@ impl Engine {
         Self::default()
     }
 
-    /// A device of hardware for what it has kernels for, where there is one and the build can use it; the CPU for the rest,
-    /// and for all where the device fails.
+    /// A hardware GPU for plans it has kernels for, where there is one and the crate was built with the feature `gpu`; the
+    /// CPU for the others, and for all if the device fails.
     pub fn auto() -> Self {
         Self {
             cpu: cpu::Runner::default(),
@@ -68,7 +69,7 @@ impl Engine {
         Device::open(Choice::Any).map(Self::on)
     }
 
-    /// This device for everything.
+    /// The given device for everything.
     #[cfg(feature = "gpu")]
     pub fn on(device: Device) -> Self {
         Self {
@@ -89,7 +90,7 @@ impl Engine {
         })
     }
 
-    /// The same engine, in which the CPU does what the device has no kernels for, whatever was asked for.
+    /// The same engine with the CPU as fallback for plans that the device has no kernels for.
     #[must_use]
     pub fn or_cpu(self) -> Self {
         #[cfg(feature = "gpu")]
@@ -102,14 +103,14 @@ impl Engine {
         self
     }
 
-    /// The same engine, whose work on the CPU is cut by these options: they change its time, and no bit of what it makes.
+    /// The same engine with these options for the CPU: they change run time, never a bit of the result.
     #[must_use]
     pub fn with_options(mut self, options: RunOptions) -> Self {
         self.cpu.options = options;
         self
     }
 
-    /// What does the part of the CPU.
+    /// The runner of the CPU.
     pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
         &self.cpu
     }
@@ -117,7 +118,7 @@ impl Engine {
     /// Runs `request` on `frame`.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] for a parameter outside its range; as [`Engine::execute`].
+    /// [`Error::BadParameter`] for a parameter outside its range, and those of [`Engine::execute`].
     pub fn run(&self, request: &Request, frame: &Frame, run: &Run) -> Result<Outcome> {
         let plan = request.plan(Available::in_frame(frame))?;
         self.execute(&plan, frame, request.inputs(), run)
@@ -126,8 +127,8 @@ impl Engine {
     /// Runs `plan` on `frame`.
     ///
     /// # Errors
-    /// [`Error::Unfit`] if the plan was made for other inputs; [`Error::Cancelled`]; and where the device fails, or lacks
-    /// kernels, and the CPU may not do it instead.
+    /// [`Error::Unfit`] if the plan was made for other inputs; [`Error::Cancelled`]; and errors of a device that fails or
+    /// lacks kernels, where the CPU is not its fallback.
     pub fn execute(
         &self,
         plan: &Plan,
@@ -149,7 +150,7 @@ impl Engine {
         Ok(outcome)
     }
 
-    /// All of a frame, on the threads of the caller.
+    /// Runs the whole frame, on the caller's threads.
     fn execute_here(
         &self,
         plan: &Plan,
@@ -165,8 +166,8 @@ impl Engine {
         }
     }
 
-    /// [`Engine::execute`], bit for bit. A large frame that is drawn by the CPU in its own light takes half the memory: its
-    /// picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
+    /// As [`Engine::execute`], bit for bit, in half the memory for a large frame that the CPU draws in its own light: the
+    /// picture is consumed, and the outcome holds the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
     /// As [`Engine::execute`].
@@ -189,10 +190,10 @@ impl Engine {
         Ok(outcome)
     }
 
-    /// What a device does; `None` where the CPU is to do it. Of a device that was lost it is said once.
+    /// The result of the device; `None` where the CPU is to run the plan. A lost device is reported once.
     ///
     /// # Errors
-    /// Where the device fails, or lacks kernels, and nothing else may do it.
+    /// If the device fails or lacks kernels, and there is no fallback.
     #[cfg(feature = "gpu")]
     pub(crate) fn on_device(
         &self,
@@ -239,7 +240,7 @@ impl Engine {
         }
     }
 
-    /// Without kernels nothing is done on a device.
+    /// A build without the feature `gpu` runs nothing on a device.
     #[cfg(not(feature = "gpu"))]
     pub(crate) fn on_device(
         &self,
@@ -251,12 +252,12 @@ impl Engine {
         Ok(None)
     }
 
-    /// The directions that strokes by `params` follow on the CPU, a field for each of
+    /// The directions that strokes follow with `params`, computed on the CPU, a field for each of
     /// [`StrokeDirections`](crate::params::StrokeDirections): unit, in the picture, x right, y up, each equal to its
     /// opposite; 0 outside the mask. Where `plan` traces mirrors and lenses, those of what they show.
     ///
     /// # Errors
-    /// [`Error::Unfit`] if the plan finds no edges, at which strokes stop, or traces mirrors of which there is no scene.
+    /// [`Error::Unfit`] if the plan finds no edges, at which strokes stop, or traces mirrors without a scene.
     pub fn stroke_fields(
         &self,
         plan: &Plan,
@@ -381,7 +382,7 @@ mod tests {
             let found = engine.execute(&plan, &frame, Inputs::default(), &run);
             let found = found.unwrap();
             for ((product, found), (_, expected)) in found.products().zip(expected.products()) {
-                assert_eq!(product.apart(&found, &expected), 0.0);
+                assert_eq!(product.difference(&found, &expected), 0.0);
             }
         }
         let said = said.into_inner().unwrap();
@@ -418,7 +419,7 @@ mod tests {
         let again = engine.execute(&plan, &frame, Inputs::default(), &Run::new());
         let (whole, again) = (whole.unwrap(), again.unwrap());
         for ((product, a), (_, b)) in whole.products().zip(again.products()) {
-            assert_eq!(product.apart(&a, &b), 0.0);
+            assert_eq!(product.difference(&a, &b), 0.0);
         }
     }
 

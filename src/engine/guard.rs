@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// Results that are not finite although everything they were made of is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct NotFinite {
-    /// The stage that first gave such a sample; several where they cannot be told apart.
+    /// The stage that first gave such a sample; several where they cannot be separated.
     pub stage: String,
     /// How many samples there are, and where.
     pub found: String,

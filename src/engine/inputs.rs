@@ -1,4 +1,4 @@
-//! What a plan takes beside the frame, and whether both hold all that it was made for.
+//! Inputs of a plan beside the frame, and the check that both fit the plan.
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, SpecularScene};
@@ -8,17 +8,16 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::Style;
 use crate::plan::{Available, EnvironmentUse, LightKinds, Plan, Relighting};
 
-/// What a plan takes beside the frame.
+/// Inputs of a plan beside the frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Inputs<'a> {
     /// The light, for new light.
     pub illumination: Option<&'a Illumination>,
     /// The texture of strokes, for [`crate::params::Style::Pictures`].
     pub art_map: Option<&'a TonalArtMap>,
-    /// What mirrors and lenses show, where the plan traces it.
+    /// The scene that mirrors and lenses show, where the plan traces it.
     pub specular: Option<&'a SpecularScene>,
-    /// For a frame of a sequence, whose strokes move with the surface. A still picture has none, and asks
-    /// nothing of it.
+    /// The state of a sequence whose strokes move with the surface; a still picture needs none.
     pub sequence: Option<SequenceInputs<'a>>,
 }
 
@@ -31,7 +30,7 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// Checks that `plan` finds all that it was made for.
+    /// Checks that `plan` finds all the inputs it was made for.
     ///
     /// # Errors
     /// [`Error::Unfit`] naming the first input that is missing, or has another size than the frame.
@@ -77,7 +76,7 @@ impl<'a> Inputs<'a> {
         Ok(())
     }
 
-    /// Checks that what is seen by the frame's camera has the frame's size.
+    /// Checks that the planes of the specular scene have the frame's size.
     fn check_sizes(&self, frame: &Frame) -> Result<()> {
         let motion = self.sequence.and_then(|sequence| sequence.motion);
         let mask = self.specular.and_then(|scene| scene.mask.as_ref());

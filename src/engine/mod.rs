@@ -1,4 +1,4 @@
-//! Running a plan.
+//! Engines: run requests and plans on frames.
 
 pub(crate) mod backends;
 pub(crate) mod cpu;
@@ -23,5 +23,4 @@ pub use crate::engine::request::{Request, Tone};
 pub use crate::engine::run::{CancelToken, Progress, Run};
 pub use crate::engine::session::Session;
 pub use crate::engine::target::Target;
-pub use crate::engine::tolerances::{difference, relit_tolerance};
 pub use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};

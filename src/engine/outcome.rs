@@ -1,4 +1,4 @@
-//! What a run gives: planes of the descriptor, a picture, a drawing, by name and by product.
+//! Outcomes: planes of the descriptor, a picture, a drawing, by name and by product.
 
 use crate::engine::slot::Slot;
 use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Window};
@@ -16,7 +16,7 @@ use std::time::Duration;
 /// The products of the descriptor: the field that holds each, and what is kept of it for the next run of a frame.
 macro_rules! shape_products {
     ($($(#[doc = $doc:literal])+ $product:ident: $field:ident of $planes:ty;)*) => {
-        /// The planes of the shape descriptor that a plan asked for, and those it needed on the way.
+        /// The planes of the shape descriptor that a plan wants, and those computed on the way.
         ///
         /// Curvature is per pixel; where a [reference height](crate::params::ShapeParams::reference_height) is
         /// given it is per pixel of the reference.
@@ -83,12 +83,11 @@ shape_products! {
     Curvature: curvatures of CurvaturePlanes;
     /// Mapped curvature, -1..1; **convex is positive**.
     MappedCurvature: kappa of Plane;
-    /// Direction, in the picture, of the curvature of the surface itself that is larger in size: unit,
-    /// x right, y up, equal to its opposite; 0 outside the mask. Where the surface has none it turns from that
-    /// of its neighbours to a fixed one, within 96 pixels.
+    /// Direction, in the picture, of the surface's own principal curvature of larger magnitude: unit, x right, y up, equal
+    /// to its opposite; 0 outside the mask. Where the surface has none it fades within 96 pixels from its neighbours'
+    /// direction to a fixed one.
     Direction: direction of Vector2Planes;
-    /// Direction of the view-centred curvature (of the Hessian) larger in size, likewise; 0 where there
-    /// is none.
+    /// Direction of the view-centred curvature (of the Hessian) of larger magnitude, likewise; 0 where there is none.
     ViewDirection: direction_view of Vector2Planes;
 }
 
@@ -108,19 +107,19 @@ pub struct ScaleShape {
 pub struct Drawing {
     /// Strokes along the curvature.
     pub hatching: Plane,
-    /// The same as lines, where [they are laid one by one](crate::params::Style::is_laid).
+    /// The strokes as vector lines, where [they are laid one by one](crate::params::Style::is_laid).
     pub lines: Vec<Streamline>,
-    /// The same as dots, where strokes are dots.
+    /// The strokes as dots, for styles of dots.
     pub dots: Vec<Dot>,
     /// Lines along silhouettes and creases, where they were asked for; also outside the mask.
     pub contours: Option<Plane>,
-    /// The same as lines, silhouettes first.
+    /// These as vector lines, silhouettes first.
     pub contour_lines: Vec<Contour>,
     /// Lines inside surfaces, where they were asked for.
     pub interior: Option<Plane>,
-    /// The same as lines.
+    /// These as vector lines.
     pub interior_lines: Vec<Contour>,
-    /// How much of the paper strokes were asked to cover, 0..1, by tones that show the shape.
+    /// Target coverage of the strokes, 0..1, where tone shows the shape.
     pub asked: Option<Plane>,
     /// Luminance of paper white that was used.
     pub white_point: f32,
@@ -129,14 +128,14 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// All of its layers, one over the other.
+    /// All layers, composited.
     pub fn layers(&self) -> Vec<&Plane> {
         let lines = self.contours.iter().chain(&self.interior);
         std::iter::once(&self.hatching).chain(lines).collect()
     }
 }
 
-/// What a run gave.
+/// The result of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
     /// The descriptor.

@@ -1,4 +1,4 @@
-//! What a run is asked for, with all that it takes beside the frame.
+//! Requests: the result wanted, its parameters, and the inputs beside the frame.
 
 use crate::engine::inputs::Inputs;
 use crate::error::{Error, Result};
@@ -9,7 +9,7 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{LineParams, RelightParams, ScalingParams, ShapeParams, SpecularParams};
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 
-/// What a run is asked for, with all that it takes beside the frame: see [`Engine::run`](crate::engine::Engine::run).
+/// The result wanted, its parameters, and the inputs beside the frame: see [`Engine::run`](crate::engine::Engine::run).
 #[derive(Debug, Clone)]
 pub struct Request<'a> {
     kind: Kind,
@@ -20,7 +20,7 @@ pub struct Request<'a> {
     inputs: Inputs<'a>,
 }
 
-/// Which of the plans it takes.
+/// Which kind of plan the request becomes.
 #[derive(Debug, Clone)]
 enum Kind {
     OfFrame(Goal),
@@ -37,8 +37,8 @@ pub enum Tone<'a> {
     Enhanced,
     /// New light.
     Relit(RelightParams, &'a Illumination),
-    /// What shows the shape: a key light, and the picture by radiance scaling, or this new light, if there is any; spread
-    /// over all tones from ink to paper.
+    /// Tone that shows the shape: a key light, combined with the picture by radiance scaling, or with this new light if
+    /// given; stretched over all tones from ink to paper.
     Shape(Option<(RelightParams, &'a Illumination)>),
 }
 
@@ -64,8 +64,7 @@ impl<'a> Request<'a> {
         Self::new(Kind::OfFrame(Goal::Display), shape, scaling)
     }
 
-    /// Radiance scaling of the frame's picture. Where there is nothing to scale the outcome has no picture: it stays as it
-    /// is.
+    /// Radiance scaling of the frame's picture. If nothing changes it, the outcome has no picture.
     pub fn enhance(shape: ShapeParams, scaling: ScalingParams) -> Self {
         Self::new(Kind::OfFrame(Goal::Enhance), shape, scaling)
     }
@@ -108,14 +107,14 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// Curvature at further scales too, sigmas in pixels: for [layers](Request::layers).
+    /// Adds curvature at further scales, sigmas in pixels, to [layers](Request::layers).
     #[must_use]
     pub fn scales(mut self, sigmas_px: &[f32]) -> Self {
         self.more_px = sigmas_px.to_vec();
         self
     }
 
-    /// What mirrors and lenses show, for new light and drawings.
+    /// Adds the scene that mirrors and lenses show, for new light and drawings.
     #[must_use]
     pub fn specular(mut self, scene: &'a SpecularScene, params: SpecularParams) -> Self {
         self.specular = Some(params);
@@ -123,7 +122,7 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// The texture of strokes, for a drawing of [`crate::params::Style::Pictures`].
+    /// Sets the texture of strokes, for a drawing of [`crate::params::Style::Pictures`].
     #[must_use]
     pub fn strokes(mut self, art_map: &'a TonalArtMap) -> Self {
         self.inputs.art_map = Some(art_map);
@@ -137,7 +136,7 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// What it takes beside the frame.
+    /// Its inputs beside the frame.
     pub fn inputs(&self) -> Inputs<'a> {
         self.inputs
     }
@@ -145,7 +144,7 @@ impl<'a> Request<'a> {
     /// The plan for a frame with these inputs.
     ///
     /// # Errors
-    /// As [`Plan::at_scales`], [`Plan::relight`] and [`Plan::hatch`]; also for further scales of anything but layers.
+    /// Those of [`Plan::at_scales`], [`Plan::relight`] and [`Plan::hatch`]; also for further scales of anything but layers.
     pub fn plan(&self, available: Available) -> Result<Plan> {
         let (shape, scaling) = (self.shape, self.scaling);
         let available = Available {

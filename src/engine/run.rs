@@ -9,26 +9,26 @@ use rayon::ThreadPool;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// The pass that begins, under its name in [`Outcome::timings`]; `device` for all that a device does, `done` at the end.
+    /// The pass that begins, named as in [`Outcome::timings`]; `device` for all work on a device, `done` at the end.
     pub stage: &'static str,
-    /// About how much of the work is done, 0..1.
+    /// Approximate share of the work that is done, 0..1.
     pub done: f32,
 }
 
-/// Ends runs from another thread. Clones are the same token.
+/// Cancels runs from another thread. Clones share one state.
 #[derive(Debug, Clone, Default)]
 pub struct CancelToken(Arc<AtomicBool>);
 
 impl CancelToken {
-    /// A token that cancels nothing yet.
+    /// A token that is not cancelled.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Ends every run that has this token, as soon as the pass in hand is done.
+    /// Ends every run that has this token as soon as its current pass is done.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -39,7 +39,7 @@ impl CancelToken {
     }
 }
 
-/// What looks on as a plan is run, and may end it.
+/// Watches a run: reports progress and may end it.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Watch<'a> {
     progress: Option<&'a (dyn Fn(Progress) + Sync)>,
@@ -47,7 +47,7 @@ pub(crate) struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// Says that a pass begins, when this share of the work is done.
+    /// Reports that a pass begins when this share of the work is done.
     pub(crate) fn begins(&self, stage: &'static str, done: f32) {
         if let Some(tell) = self.progress {
             tell(Progress {
@@ -78,12 +78,12 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// A run that says nothing, and goes to its end.
+    /// A run without progress reports, cancellation or region.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Tells how far the run has come, as each pass begins.
+    /// Calls back as each pass begins.
     #[must_use]
     pub fn progress(mut self, tell: &'a (dyn Fn(Progress) + Sync)) -> Self {
         self.watch.progress = Some(tell);
@@ -97,32 +97,31 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Tells in one line why a device does not do what the CPU then does. It may say so at every run.
+    /// Calls back with one line on why the CPU runs what was meant for a device. It may be called at every run.
     #[must_use]
     pub fn warn(mut self, tell: &'a (dyn Fn(&str) + Sync)) -> Self {
         self.warn = Some(tell);
         self
     }
 
-    /// Runs on these pixels of the frame and as many around them as the plan reaches: a preview, or a tile. The outcome has
-    /// the region's size. Gains and white levels that are chosen from the frame are chosen from this part of it, and a
-    /// drawing, whose strokes depend on all of the frame, is that of this part; give the gain and the levels to have the
-    /// samples of the whole.
+    /// Restricts the run to these pixels of the frame, for a preview or a tile; as many pixels around them are read as the
+    /// plan reaches. The outcome has the region's size. Automatic gains and white levels are chosen from the region, and a
+    /// drawing is drawn anew for it; set gain and levels to get the samples of the whole frame.
     #[must_use]
     pub fn region(mut self, region: Window) -> Self {
         self.region = Some(region);
         self
     }
 
-    /// Runs in this pool of threads; else in that of the caller.
+    /// Runs in this thread pool instead of the caller's.
     #[must_use]
     pub fn threads(mut self, pool: &'a ThreadPool) -> Self {
         self.pool = Some(pool);
         self
     }
 
-    /// Writes a product to memory of the caller as well, whose size is looked at before anything is done. A picture in which
-    /// there is nothing to change is that of the frame.
+    /// Also writes a product to the caller's memory, whose size is checked before the run. A picture that nothing changes
+    /// is the frame's.
     #[must_use]
     pub fn output(mut self, product: Product, target: impl Into<Target<'a>>) -> Self {
         let targets = self.targets.get_mut();
@@ -131,7 +130,7 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Looks before a run of a picture of this size whether the caller's memory takes it.
+    /// Checks before a run that the caller's memory fits a picture of this size.
     ///
     /// # Errors
     /// As [`Target::check`].
@@ -141,7 +140,7 @@ impl<'a> Run<'a> {
         targets.try_for_each(|(product, target)| target.check(*product, size))
     }
 
-    /// Does `work` where the run is to be done.
+    /// Calls `work` in the thread pool of the run.
     pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         match self.pool {
             Some(pool) => pool.install(work),
@@ -149,7 +148,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Ends a run: writes what goes to memory of the caller.
+    /// Ends a run: writes products to the caller's memory.
     ///
     /// # Errors
     /// As [`Target::write`].

@@ -1,4 +1,4 @@
-//! One frame, run again and again with other parameters: only what they touch is made anew.
+//! Sessions: one frame, run again with other parameters; only what they affect is recomputed.
 
 use crate::engine::backends::Engine;
 use crate::engine::cpu::frame_cache::FrameCache;
@@ -13,26 +13,26 @@ use crate::plan::{Available, Plan};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Runs plans on one frame, and keeps what the next ones on the CPU can use: edges, the diffused gradient, curvature and its
-/// gain, directions, white levels, an estimated albedo, lines along edges. The outcomes are those of [`Engine::execute`],
+/// Runs plans on one frame and caches what later ones on the CPU can use: edges, the diffused gradient, curvature and its
+/// gain, directions, white levels, an estimated albedo, lines along edges. Outcomes equal those of [`Engine::execute`]
 /// bit for bit.
 ///
-/// `F` is what holds the frame: a reference, or the frame itself with what was read along with it.
+/// `F` holds the frame: a reference, or the frame itself, alone or with what was loaded beside it.
 #[derive(Debug)]
 pub struct Session<F> {
     engine: Arc<Engine>,
     held: F,
     runner: Runner,
     kept: FrameCache,
-    /// What the CPU made last.
+    /// The last outcome of the CPU.
     outcome: Outcome,
-    /// What a device made since.
+    /// A later outcome of a device.
     on_device: Option<Outcome>,
     counts: BTreeMap<&'static str, u32>,
 }
 
 impl<F: AsRef<Frame>> Session<F> {
-    /// A session for the frame of `held`, which works by `engine`.
+    /// A session for the frame of `held` that runs on `engine`.
     pub fn new(engine: impl Into<Arc<Engine>>, held: F) -> Self {
         Self {
             engine: engine.into(),
@@ -45,17 +45,17 @@ impl<F: AsRef<Frame>> Session<F> {
         }
     }
 
-    /// What holds the frame.
+    /// The holder of the frame.
     pub fn held(&self) -> &F {
         &self.held
     }
 
-    /// What the last run gave.
+    /// The outcome of the last run.
     pub fn outcome(&self) -> &Outcome {
         self.on_device.as_ref().unwrap_or(&self.outcome)
     }
 
-    /// How often each pass has run on the CPU, under the names of [`Outcome::timings`]. A pass whose result was kept has not.
+    /// How often each pass has run on the CPU, named as in [`Outcome::timings`]; a cached pass does not count.
     pub fn counts(&self) -> &BTreeMap<&'static str, u32> {
         &self.counts
     }

@@ -19,12 +19,12 @@ impl<T> Default for Slot<T> {
 impl<T> Slot<T> {
     /// The result of this key, if it is there; one of another is dropped, since the next that comes will be of this.
     pub(crate) fn take(&mut self, key: &str) -> Option<T> {
-        self.hold(key);
+        self.invalidate_unless(key);
         self.value.take()
     }
 
     /// Drops a result of another key.
-    pub(crate) fn hold(&mut self, key: &str) {
+    pub(crate) fn invalidate_unless(&mut self, key: &str) {
         if self.key != key {
             self.value = None;
             self.key = key.into();
@@ -51,7 +51,7 @@ impl<T> Slot<T> {
 impl<T: Clone> Slot<T> {
     /// A copy of the result of this key, if it is there.
     pub(crate) fn copied(&mut self, key: &str) -> Option<T> {
-        self.hold(key);
+        self.invalidate_unless(key);
         self.value.clone()
     }
 }

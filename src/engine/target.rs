@@ -1,12 +1,12 @@
-//! Memory of a caller that results are written to.
+//! The caller's memory, as a target for results.
 
 use crate::error::{Error, Result};
 use crate::frame::Plane;
 use crate::product::Product;
 use ndarray::{ArrayViewMut2, ArrayViewMut3, Axis};
 
-/// Memory of a caller that a product is written to: a slice without gaps, row after row from the top, components of a pixel
-/// side by side; or an `ndarray` view, `[row, column]` or `[row, column, component]`, with whatever strides it has.
+/// The caller's memory, as a target for a product: a slice without gaps, rows from the top down, components interleaved;
+/// or an `ndarray` view, `[row, column]` or `[row, column, component]`, of any strides.
 #[derive(Debug)]
 pub struct Target<'a>(Layout<'a>);
 
@@ -41,10 +41,10 @@ impl<'a> From<ArrayViewMut2<'a, f32>> for Target<'a> {
 }
 
 impl Target<'_> {
-    /// Whether a product of a picture of this size, rows first, has a place here.
+    /// Checks that a product of a picture of this size, rows first, fits.
     ///
     /// # Errors
-    /// [`Error::Unfit`] where it has not.
+    /// [`Error::Unfit`] if it does not.
     pub(crate) fn check(&self, product: Product, [height, width]: [usize; 2]) -> Result<()> {
         let row = product.row();
         let components = row.components.len();
@@ -64,10 +64,10 @@ impl Target<'_> {
         }
     }
 
-    /// Writes the planes of a product, one a component.
+    /// Writes the planes of a product, one per component.
     ///
     /// # Errors
-    /// [`Error::Unfit`] where it was not made, or has another size.
+    /// [`Error::Unfit`] if the product is missing or has another size.
     pub(crate) fn write(&mut self, product: Product, planes: &[&Plane]) -> Result<()> {
         let name = product.row().name;
         let Some(first) = planes.first() else {

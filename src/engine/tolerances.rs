@@ -3,14 +3,14 @@
 use crate::frame::Plane;
 use crate::light::lights::Illumination;
 use crate::light::sum::lobe_error;
-use crate::plan::{EnvironmentUse, Relighting};
+use crate::plan::{EnvironmentUse, Plan};
 use crate::product::{Compared, Product};
 use glam::DVec2;
 use std::f64::consts::PI;
 
 impl Product {
     /// How far its planes are from the CPU's, as [it is compared](Compared); infinitely where there are fewer or more.
-    pub fn apart(self, found: &[&Plane], expected: &[&Plane]) -> f64 {
+    pub fn difference(self, found: &[&Plane], expected: &[&Plane]) -> f64 {
         if found.len() != expected.len() {
             return f64::INFINITY;
         }
@@ -25,13 +25,13 @@ impl Product {
         }
     }
 
-    /// The most that a layer may be [apart](Self::apart) from the CPU's.
+    /// The most that a layer may be [apart](Self::difference) from the CPU's.
     ///
     /// Kernels use the polynomials of the CPU, and devices round sums of products once or twice: 1e-5. A
     /// Chebyshev expansion adds up as many roundings as it has terms, and derivatives divide what is left of a
     /// difference.
     ///
-    /// Where strokes are looked up in their texture is told to 2^-12 texels four thousand pixels from the origin, and
+    /// Places in the texture of strokes are exact to 2^-12 texels four thousand pixels from the origin, and
     /// once or twice rounded; ink changes by a quarter per texel on average: 6e-5. A density whose rounding reaches
     /// the next entry of the response, 1.5e-3 away, is one in a thousand: 1.5e-6. Contours are as much again as their
     /// edges are apart, over the few pixels that are theirs.
@@ -51,38 +51,45 @@ const COSINE_ERROR: f64 = 1.0 / (1 << 22) as f64;
 /// Error of an angle, in radians: that of the arc tangent, and of the direction it is the angle of.
 const ANGLE_ERROR: f64 = 4e-7 + COSINE_ERROR;
 
-/// The largest difference from the CPU of a picture in new light, relative to its largest value: that of
-/// [`Product::Picture`], but for light that turns a rounding into more.
-///
-/// A lobe with the exponent p is, at its brightest, p times as far off as the cosine that it is a power of; one with an
-/// exponent below 1 is, beside the terminator, as far off as that power of the rounding itself. A picture that is looked
-/// up is read a share of a pixel beside, which counts where neighbours are unlike. The step between two tones is 1.5
-/// over its softness times as steep as what it quantises; hard ones may put a pixel to the next tone.
-pub fn relit_tolerance(relighting: &Relighting, light: &Illumination) -> f64 {
-    let params = &relighting.params;
-    let lobe = lobe_error(&params.material, COSINE_ERROR);
-    let seen = match &light.environment {
-        Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
-            let [width, height] = [map.width(), map.height()].map(|n| n as f64);
-            (width / 2.0 + height) * ANGLE_ERROR / PI
-        }
-        _ => 0.0,
-    };
-    let spheres = light.lit_spheres.iter();
-    let painted = spheres.map(|sphere| sphere.size().iter().sum::<usize>() as f64 * COSINE_ERROR);
-    let smooth = [lobe, seen, painted.fold(0.0, f64::max)]
-        .into_iter()
-        .fold(Product::Picture.tolerance(), f64::max);
-    match params.tones() {
-        Some(tones) if tones.softness > 0.0 => smooth * (1.5 / f64::from(tones.softness)).max(1.0),
-        Some(_) => 1.0,
-        None => smooth,
+impl Plan {
+    /// The largest difference between backends of a picture in new light, relative to its largest value; `None` where
+    /// the plan relights nothing.
+    ///
+    /// It is that of [`Product::Picture`], except for light that amplifies a rounding. A lobe with the exponent p is, at
+    /// its brightest, p times as far off as the cosine that it is a power of; one with an exponent below 1 is, beside the
+    /// terminator, as far off as that power of the rounding itself. A picture that is looked up is read a fraction of a
+    /// pixel beside, which counts where neighbours differ. The step between two tones is 1.5 over its softness times as
+    /// steep as what it quantises; hard ones may move a pixel to the next tone.
+    pub fn relit_tolerance(&self, light: &Illumination) -> Option<f64> {
+        let relighting = self.relighting.as_ref()?;
+        let params = &relighting.params;
+        let lobe = lobe_error(&params.material, COSINE_ERROR);
+        let seen = match &light.environment {
+            Some(map) if relighting.environment == EnvironmentUse::Mirrored => {
+                let [width, height] = [map.width(), map.height()].map(|n| n as f64);
+                (width / 2.0 + height) * ANGLE_ERROR / PI
+            }
+            _ => 0.0,
+        };
+        let spheres = light.lit_spheres.iter();
+        let painted =
+            spheres.map(|sphere| sphere.size().iter().sum::<usize>() as f64 * COSINE_ERROR);
+        let smooth = [lobe, seen, painted.fold(0.0, f64::max)]
+            .into_iter()
+            .fold(Product::Picture.tolerance(), f64::max);
+        Some(match params.tones() {
+            Some(tones) if tones.softness > 0.0 => {
+                smooth * (1.5 / f64::from(tones.softness)).max(1.0)
+            }
+            Some(_) => 1.0,
+            None => smooth,
+        })
     }
 }
 
 /// The largest difference between two planes, relative to the largest value of the second one, or to 1 where it has
 /// none. NaN agrees with NaN, and infinite values with themselves, alone.
-pub fn difference(found: &Plane, expected: &Plane) -> f64 {
+pub(crate) fn difference(found: &Plane, expected: &Plane) -> f64 {
     let sizes = expected.samples().iter().map(|value| value.abs());
     let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f32::max);
     let unit = if largest > 0.0 {
@@ -122,7 +129,7 @@ const LEAP: f64 = 1.0 / 16.0;
 /// The mean difference between directions, over the pixels where either is one: the sine of the angle between both, which
 /// is the same for opposites, or by how much one is longer.
 ///
-/// Where a direction is told at all is a matter of comparisons with what is uncertain of it. A rounding that decides one
+/// Whether a pixel has a direction at all depends on comparisons with its uncertainty. A rounding that decides one
 /// makes of a pixel one that takes its neighbours' direction: the largest difference says little.
 pub(crate) fn direction_difference(found: [&Plane; 2], expected: [&Plane; 2]) -> f64 {
     fn vectors<'a>([x, y]: [&'a Plane; 2]) -> impl Iterator<Item = DVec2> + 'a {
@@ -156,7 +163,7 @@ mod tests {
         let expected = directions(&[[0.6, 0.8], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
         let apart = |second: [f32; 2], last: [f32; 2]| {
             let found = [[-0.6, -0.8], second, [0.0, 0.0], [0.0, 1.0], last];
-            Product::Direction.apart(&directions(&found).each_ref(), &expected.each_ref())
+            Product::Direction.difference(&directions(&found).each_ref(), &expected.each_ref())
         };
         assert!(apart([1.0, 0.0], [0.0, -1.0]) < 1e-7);
         // One of the four that are directions: by the sine of an angle, at right angles, none, no number, too long.

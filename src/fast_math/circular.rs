@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 /// The arc tangent of `x`, in radians; 1.93 ulp. Exactly half of pi in size at the infinities; keeps
 /// the sign of 0; NaN gives NaN.
 #[inline(always)]
-pub fn atan(x: f32) -> f32 {
+pub(crate) fn atan(x: f32) -> f32 {
     // atan x is that of t plus that of infinity, of 1 or of 0, whichever leaves t smallest.
     let size = x.abs();
     let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
@@ -24,7 +24,7 @@ pub fn atan(x: f32) -> f32 {
 ///
 /// A vector of no length has the angle 0; whatever the components are, the angle is finite.
 #[inline(always)]
-pub fn atan2(y: f32, x: f32) -> f32 {
+pub(crate) fn atan2(y: f32, x: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
     let steep = ay > ax;
     let (small, large) = (select(steep, ax, ay), select(steep, ay, ax));

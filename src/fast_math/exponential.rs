@@ -4,7 +4,7 @@ use super::{polynomial, power_of_two, select};
 
 /// `e^x`; 1.03 ulp, subnormal results included. 0 from -104 down, infinite from 88.73 up; NaN gives NaN.
 #[inline(always)]
-pub fn exp(x: f32) -> f32 {
+pub(crate) fn exp(x: f32) -> f32 {
     let (n, p) = split_exp(select(x > 89.0, 89.0, select(x < -104.0, -104.0, x)));
     // In two factors: 2^n itself leaves the range of f32 before the result does.
     let half = n >> 1;
@@ -14,7 +14,7 @@ pub fn exp(x: f32) -> f32 {
 /// The natural logarithm of `x`; 1 ulp, subnormal arguments included. Minus infinity at 0, NaN below it
 /// and for NaN.
 #[inline(always)]
-pub fn ln(x: f32) -> f32 {
+pub(crate) fn ln(x: f32) -> f32 {
     let tiny = x < f32::MIN_POSITIVE;
     let bits = select(tiny, x * TWO_TO_23, x).to_bits();
     // x = 2^e m with m from sqrt(1/2) to sqrt(2), both around 1.
@@ -37,7 +37,7 @@ pub fn ln(x: f32) -> f32 {
 /// The hyperbolic tangent of `x`; 2.5 ulp, also where x is small. Exactly 1 and -1 from 8.5 on; keeps
 /// the sign of 0; NaN gives NaN.
 #[inline(always)]
-pub fn tanh(x: f32) -> f32 {
+pub(crate) fn tanh(x: f32) -> f32 {
     // With q = e^-2|x| - 1 the tangent of |x| is -q / (q + 2), which loses nothing near 0. At 10 it is 1.
     let size = x.abs();
     let (n, p) = split_exp(-2.0 * select(size > 10.0, 10.0, size));
@@ -51,7 +51,7 @@ pub fn tanh(x: f32) -> f32 {
 /// `x^0` and `1^y` are 1, whatever else; `0^y` is 0, or infinite where y is negative, and the reverse at
 /// x infinite. NaN where `x` is below 0, and where either is NaN.
 #[inline(always)]
-pub fn pow(x: f32, y: f32) -> f32 {
+pub(crate) fn pow(x: f32, y: f32) -> f32 {
     // In f64, as the logarithm gives up to 7 of its bits to the product. Past both ends the result is 0
     // or infinite; comparisons leave a NaN, of 0 times infinity, to the ends below.
     let logarithm = f64::from(y) * log2(x);

@@ -15,8 +15,8 @@ pub(crate) mod exponential;
 mod rows;
 
 pub(crate) use circular::tan_to_eighth_turn;
-pub use circular::{atan, atan2};
-pub use exponential::{exp, ln, pow, tanh};
+pub(crate) use circular::{atan, atan2};
+pub(crate) use exponential::{exp, ln, pow, tanh};
 pub(crate) use rows::Function;
 
 /// The polynomial with these coefficients, the constant first.

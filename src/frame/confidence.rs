@@ -1,8 +1,8 @@
-//! How far what a pixel holds is that of one surface.
+//! Confidence that a pixel shows a single surface.
 //!
-//! Out of focus, in motion, in fur and in fog a pixel's normal is a mean of unlike ones, and shorter than 1; its depth is that
-//! of whichever surface its first sample met. So it is at every outline, but there for a pixel or two: a pixel counts as mixed
-//! where a whole square of normals is short, or many depths around it stand alone.
+//! Out of focus, in motion, in fur and in fog a pixel's normal is a mean of different ones, and shorter than 1; its depth is that
+//! of whichever surface its first sample hit. At outlines that is true of a pixel or two, so a pixel counts as mixed only
+//! where a whole square of normals is short, or many depths around it are isolated.
 
 use super::{Frame, Mask, Plane, Vector3Planes};
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ const _: () = assert!(CONFIDENCE_REACH > DEPTHS_REACH);
 
 /// How far what each pixel holds is that of one surface, 0..1, by the lengths that its normals had and by its depths;
 /// `None` where that is 1 everywhere, as in sharp frames.
-pub fn confidence(frame: &Frame) -> Option<Plane> {
+pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
     let lengths = frame.normal_length.as_ref();
     let of_normals = lengths.and_then(|lengths| of_normals(lengths, &frame.normal, &frame.mask));
     let of_depths = frame

@@ -1,4 +1,4 @@
-//! How samples of normals and depth are stored, before they are turned to what a frame holds.
+//! How normals and depth are stored in files and in memory, before they are decoded for a frame.
 
 use super::DepthKind;
 
@@ -11,7 +11,7 @@ pub enum NormalEncoding {
     Unsigned,
 }
 
-/// Axes to be turned round, in the space the normals were stored in.
+/// Axes to negate, in the space the normals were stored in.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Flip {
     /// Negate x.
@@ -49,7 +49,7 @@ impl std::fmt::Display for Flip {
     }
 }
 
-/// What a layer of depth holds.
+/// The quantity that a depth layer stores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StoredDepth {
     /// Distance along the view axis.
@@ -58,7 +58,7 @@ pub enum StoredDepth {
     Ray,
     /// One over the distance along the view axis; 0 where nothing was seen.
     Inverse,
-    /// Something that grows with distance, or a distance too coarse for more: 0 where nothing was seen.
+    /// A value that grows with distance, or a distance too coarse for positions; 0 where nothing was seen.
     Relative,
     /// Distance mapped to 0..1, black near and white far, perhaps clamped. It does not show where nothing was
     /// seen.
@@ -84,7 +84,7 @@ impl StoredDepth {
         named.expect("every kind has a name").1
     }
 
-    /// What the depth of a frame measures that was made of it.
+    /// What the depth of a frame measures after decoding.
     pub fn kind(self) -> DepthKind {
         match self {
             Self::Planar | Self::Inverse => DepthKind::Planar,

@@ -1,4 +1,4 @@
-//! Where a surface was seen: backgrounds and missing samples become the mask, and nothing else.
+//! Coverage: backgrounds and missing samples become the mask, and nothing else.
 
 use super::depth::{HALF_INFINITY, is_distance, to_distances};
 use super::holes::fill;

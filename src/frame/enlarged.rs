@@ -1,4 +1,4 @@
-//! A frame of more pixels, for drawings that need room.
+//! Enlarging a frame, for drawings that need more pixels.
 
 use super::{Camera, Frame, Mask, Plane, Window};
 use rayon::prelude::*;
@@ -7,8 +7,8 @@ use rayon::prelude::*;
 const SAME: f32 = 0.965;
 
 impl Frame {
-    /// The frame `factor` times as large both ways, in whole pixels, seen by the same camera: samples are interpolated
-    /// within surfaces, whose borders stay sharp.
+    /// The frame enlarged `factor` times in both directions, in whole pixels, seen by the same camera: samples are
+    /// interpolated within surfaces, whose borders stay sharp.
     ///
     /// # Panics
     /// If `factor` is less than 1.

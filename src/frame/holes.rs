@@ -1,7 +1,7 @@
-//! Single samples of depth that are missing inside a surface.
+//! Filling single depth samples that are missing inside a surface.
 //!
-//! Where fog, glass or a leaf's alpha is in the way, a renderer that keeps the first sample's depth writes what lies behind
-//! the surface for pixels here and there, or nothing: each of them would be a silhouette all around.
+//! Through fog, glass or a leaf's alpha, a renderer that keeps the first sample's depth writes here and there the depth of
+//! what lies behind the surface, or none: every such pixel would be surrounded by silhouettes.
 
 use super::depth::is_distance;
 use super::normals::MIN_LENGTH;

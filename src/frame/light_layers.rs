@@ -3,7 +3,7 @@
 use super::{ColorPlanes, Plane};
 use glam::Vec3;
 
-/// The ways a surface sends light on that shape is read from.
+/// The lobes of a surface's reflectance that light layers separate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lobe {
     /// Reflected into all directions.
@@ -33,7 +33,7 @@ impl Lobe {
         }
     }
 
-    /// Whether its light has lost the direction it came from; else it is the mirrored or refracted world.
+    /// Whether its light has lost the direction it came from; otherwise it shows the mirrored or refracted world.
     pub fn is_diffuse(self) -> bool {
         matches!(self, Self::Diffuse | Self::Subsurface)
     }
@@ -45,17 +45,17 @@ impl Lobe {
 pub struct LobeLayers {
     /// Which lobe.
     pub lobe: Lobe,
-    /// Light that comes from lights, or all there is where the file does not separate it.
+    /// Light that comes from lights, or all light where the file does not separate it.
     pub direct: Option<ColorPlanes>,
     /// Light that comes from other surfaces.
     pub indirect: Option<ColorPlanes>,
     /// The surface's own colour, where the light is stored without it.
     pub color: Option<ColorPlanes>,
-    /// The surface's own colour, where the light holds it already: what the light is to be judged by.
+    /// The surface's own colour, where the light includes it already: used to estimate the light alone.
     pub albedo: Option<ColorPlanes>,
 }
 
-/// What a layer is of its lobe.
+/// The part of its lobe that a layer holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LobeLayer {
     /// [`LobeLayers::direct`].
@@ -68,7 +68,7 @@ pub enum LobeLayer {
     Albedo,
 }
 
-/// The part of the picture that some lights make.
+/// A light group: the part of the picture that some lights contribute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightGroup {
     /// Its name.

@@ -1,10 +1,10 @@
-//! Where samples exist.
+//! The mask: where samples exist.
 
 use crate::frame::{Plane, Window};
 use std::ops::Range;
 
-/// Where a surface was seen. Absence is this mask's job alone: samples outside it have no meaning
-/// and no kernel reads them.
+/// Where the frame shows a surface. Absence is marked here alone: samples outside the mask have no meaning, and no
+/// kernel reads them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mask {
     covered: Plane<bool>,
@@ -13,7 +13,7 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// The mask of a plane that is true where a surface was seen.
+    /// The mask of a plane that is true where there is a surface.
     pub fn new(covered: Plane<bool>) -> Self {
         let spans: Vec<_> = (0..covered.height())
             .map(|y| covered_span(covered.row(y)))
@@ -63,7 +63,7 @@ impl Mask {
         })
     }
 
-    /// What lies before, between and after the runs of row `y`, left to right; some may be empty.
+    /// The ranges before, between and after the runs of row `y`, left to right; some may be empty.
     pub fn gaps(&self, y: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         let width = self.width();
         let mut from = 0;

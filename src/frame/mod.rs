@@ -26,7 +26,7 @@ pub(crate) use builder::PIXEL_ASPECTS;
 #[doc(inline)]
 pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
 pub(crate) use confidence::CONFIDENCE_REACH;
-pub use confidence::confidence;
+pub(crate) use confidence::confidence;
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
 pub(crate) use holes::HOLE_REACH;
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
@@ -70,25 +70,25 @@ pub struct Frame {
     /// Length of the normals before they were made unit length: below 1 where a filter mixed unlike
     /// normals. `None` where nothing was filtered.
     pub normal_length: Option<Plane>,
-    /// How far what each pixel holds is that of one surface, 0..1: less out of focus, in motion, in fur or fog; for whoever mixes a picture made of the frame with the frame's own there, as the command line does.
-    /// `None` where it is 1 everywhere, or was not asked for.
+    /// Confidence, 0..1, that a pixel shows a single surface: less out of focus, in motion, in fur or fog. Engines ignore it;
+    /// the command line blends results with the frame's own picture by it. `None` where it is 1 everywhere, or was not
+    /// computed.
     pub confidence: Option<Plane>,
     /// Distance from the viewer, positive, in scene units; [`Source::depth_kind`] says along what.
     pub depth: Option<Plane>,
-    /// Alpha or ambient occlusion, 0..1, that stands in for depth when silhouettes are sought.
+    /// Alpha or ambient occlusion, 0..1, which replaces depth in the search for silhouettes.
     pub occlusion: Option<Plane>,
-    /// How far each pixel is diffused, as a share, 0..1, of what is asked for.
+    /// Importance: the share, 0..1, of the diffusion that each pixel gets.
     pub importance: Option<Plane>,
-    /// How much of a picture made of the frame is to be taken, 0..1, where it is said: for whoever mixes it with the frame's
-    /// own, as the command line does. Engines make the whole.
+    /// Strength of the effect, 0..1. Engines ignore it; the command line blends results with the frame's own picture by it.
     pub strength: Option<Plane>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
-    /// Colour of the surface itself, scene-linear, where a layer or file holds it.
+    /// Albedo, scene-linear, where a layer or file holds it.
     pub albedo: Option<ColorPlanes>,
     /// Coverage of the picture, 0..1; colour is premultiplied by it.
     pub alpha: Option<Plane>,
-    /// The layers of light that the picture is the sum of, where there are any and they were asked for.
+    /// The light layers that add up to the picture, where they exist and were requested.
     pub light: LightLayers,
     /// The camera, where it is known.
     pub camera: Option<Camera>,
@@ -96,14 +96,14 @@ pub struct Frame {
     pub source: Source,
 }
 
-/// What a frame was read from: what an output has to give back unharmed, and how far to trust the rest.
+/// Facts about the file that a frame was read from: what outputs must preserve, and how precise the samples are.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Source {
     /// Full names of all layers in the file, those not read included.
     pub layers: Vec<String>,
     /// Attributes of the file's first part, as text.
     pub attributes: BTreeMap<String, String>,
-    /// Weights of linear red, green and blue in luminance, where the file says which primaries it has.
+    /// Weights of linear red, green and blue in luminance, where the file names its primaries.
     pub luminance_weights: Option<[f32; 3]>,
     /// What depth measures.
     pub depth_kind: DepthKind,
@@ -118,8 +118,7 @@ impl Frame {
         self.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
     }
 
-    /// A frame of view-space unit normals where `mask` covers, and of nothing else yet: square pixels, all of them
-    /// shown.
+    /// A frame that has only view-space unit normals, within `mask`: square pixels, all of them shown.
     pub fn of_normals(normal: Vector3Planes, mask: Mask) -> Self {
         let window = Window::from_size(mask.width(), mask.height());
         Self {

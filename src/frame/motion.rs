@@ -1,12 +1,11 @@
-//! Motion: how far, in pixels, the surface seen at a pixel has come since the frame before, x right, y up.
+//! Motion: how far, in pixels, the surface seen at a pixel has moved since the previous frame, x right, y up.
 
 use super::{Camera, DepthKind, Frame, Plane, SightLines, Vector2Planes};
 
-/// A motion out of every picture: where none is known.
+/// The motion where none is known: it leads out of every picture.
 pub const AWAY: f32 = 1e9;
 
-/// The motion of a world that stands still while the camera moves: where the point that is seen now was
-/// seen by the camera `before`. [`AWAY`] where it was behind the eye, and outside the mask. `None` without
+/// The motion in a static world whose camera moves: from where the camera `before` saw the point that is seen now. [`AWAY`] where it was behind the eye, and outside the mask. `None` without
 /// depth that is a distance, or without a camera.
 pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Planes> {
     let (depth, camera, kind) = (

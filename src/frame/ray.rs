@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 
-/// A ray: where it starts, and where it leads, of any length.
+/// A ray; its direction may have any length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Its foot.
+    /// Its origin.
     pub start: DVec3,
     /// Its direction.
     pub direction: DVec3,
 }
 
 impl Ray {
-    /// How this ray differs from another, foot and direction.
+    /// The difference to another ray, of origin and direction.
     #[inline]
     pub fn minus(&self, other: &Ray) -> Ray {
         Ray {

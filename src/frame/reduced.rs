@@ -1,4 +1,4 @@
-//! A frame of fewer pixels, for a quick look.
+//! Reducing a frame, for a quick preview.
 
 use super::{Camera, Frame, Mask, Plane, Projection, Window};
 

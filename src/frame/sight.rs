@@ -85,10 +85,9 @@ impl SightLines {
         offset.is_finite().then_some(offset)
     }
 
-    /// The unit tangent, at the point of depth 1 or any other of the sight line through (`x`, `y`), of a surface with
-    /// the normal `normal` that is seen to go in a `direction` of the picture, x right and y up: the other
-    /// way round than [`picture_direction`](Self::picture_direction). `None` where the surface is seen
-    /// along itself.
+    /// The unit tangent of a surface with the normal `normal`, at any point of the sight line through (`x`, `y`), that
+    /// appears along `direction` in the picture, x right and y up: the inverse of
+    /// [`picture_direction`](Self::picture_direction). `None` where the surface is seen edge-on.
     #[inline]
     pub fn tangent(&self, x: f64, y: f64, direction: DVec2, normal: DVec3) -> Option<DVec3> {
         let (_, line) = self.line(x, y);

@@ -1,4 +1,4 @@
-//! Spaces and the camera that joins them.
+//! Spaces, and the camera that relates them.
 //!
 //! View space has x right, y up and z toward the viewer; picture coordinates have x right and y
 //! down, pixel edges at integers, so the centre of the first pixel is (0.5, 0.5).
@@ -28,8 +28,8 @@ pub enum DepthKind {
     Planar,
     /// Distance along the sight line, from the eye.
     Ray,
-    /// Something that changes with distance, or distance too coarse for more: it shows where depth
-    /// jumps, not where the surface is.
+    /// A value that changes with distance, or distance too coarse for positions: it shows where depth jumps, not where
+    /// the surface is.
     Relative,
 }
 
@@ -43,7 +43,7 @@ impl std::fmt::Display for DepthKind {
     }
 }
 
-/// How view space falls onto the picture, in pixels of the display window.
+/// How view space projects onto the picture, in pixels of the display window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", tag = "type")]
 pub enum Projection {
@@ -71,7 +71,7 @@ pub enum Projection {
     },
 }
 
-/// Where the viewer stood and how the picture was projected.
+/// The pose of the viewer and the projection of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// World to view space: a rotation and a translation, no scale; mirrored where the world is left-handed.
@@ -175,7 +175,7 @@ impl Camera {
         check_place(self.view_from_world.translation)
     }
 
-    /// Where a world-space point falls on the picture; `None` at or behind the eye.
+    /// The picture position of a world-space point; `None` at or behind the eye.
     pub fn pixel_of(&self, world: DVec3) -> Option<DVec2> {
         self.projection
             .pixel_of(self.view_from_world.transform_point3(world))
@@ -183,7 +183,7 @@ impl Camera {
 }
 
 impl Projection {
-    /// Where a view-space point falls on the picture; `None` at or behind the eye.
+    /// The picture position of a view-space point; `None` at or behind the eye.
     pub fn pixel_of(&self, view: DVec3) -> Option<DVec2> {
         match *self {
             Self::Perspective { fx, fy, cx, cy } => (view.z < 0.0)

@@ -1,26 +1,26 @@
-//! What mirrors and lenses show: everything a trace beyond the visible surface may meet.
+//! The scene that mirrors and lenses show: everything that traced rays can hit beyond the visible surface.
 
 use super::{Frame, Mask, Plane, Surroundings, Vector3Planes};
 use std::sync::Arc;
 
-/// What surrounds the specular surfaces of a frame, as far as it is known. All but the surroundings is seen by
-/// the frame's own camera.
+/// The scene around the specular surfaces of a frame, as far as it is known. All but the surroundings is seen by the
+/// frame's own camera.
 #[derive(Debug, Clone, Default)]
 pub struct SpecularScene {
-    /// Which pixels of the frame are specular; all that are covered where it is `None`.
+    /// The specular pixels of the frame; `None`: all that are covered.
     pub mask: Option<Mask>,
-    /// Back faces of transparent things; which way their normals point does not matter.
+    /// Back faces of transparent objects; their normals may point either way.
     pub back: Option<Frame>,
-    /// The scene without its specular things.
+    /// The scene without its specular objects.
     pub behind: Option<Frame>,
-    /// What lies around the specular thing.
+    /// The surroundings of the specular object.
     pub surroundings: Option<Arc<Surroundings>>,
     /// Where the bent sight line of each pixel ends, in view space; not finite where it is not known.
     pub hit_position: Option<Vector3Planes>,
 }
 
 impl SpecularScene {
-    /// The specular pixels of `frame`; `None` where all that are covered are.
+    /// The specular pixels of `frame`; `None`: all that are covered.
     pub fn mask_in(&self, frame: &Frame) -> Option<Mask> {
         let own = self.mask.as_ref()?;
         Some(Mask::new(Plane::from_fn(
@@ -38,9 +38,9 @@ impl SpecularScene {
 }
 
 impl SpecularScene {
-    /// Puts what lies behind where `frame` shows no surface, so that both are drawn as one picture. Colour is laid over
-    /// that of what lies behind as far as it has an alpha, else it is taken to show both. What was filled is not
-    /// specular.
+    /// Fills pixels of `frame` without a surface from [`behind`](SpecularScene::behind), so that both are drawn as one
+    /// picture. A colour with alpha is composited over the one behind; without alpha it is taken to show both already. The
+    /// filled pixels are not specular.
     pub fn fill_from_behind(&mut self, frame: &mut Frame) {
         let Some(behind) = &self.behind else {
             return;

@@ -1,4 +1,4 @@
-//! How what neighbouring pixels show changes from one to the next.
+//! Steps between the samples of neighbouring pixels.
 
 use glam::DVec3;
 

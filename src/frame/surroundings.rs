@@ -1,10 +1,10 @@
-//! A distance map: what lies around an object, seen from a point inside it.
+//! Distance maps: the surroundings of an object, seen from a point inside it.
 
 use super::{ColorPlanes, Vector3Planes};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// What lies around a point, in every direction: an equirectangular map, its middle straight ahead (-z of
+/// The surroundings of a point in every direction: an equirectangular map, its middle straight ahead (-z of
 /// the map's own space, y up) and its left and right edges behind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surroundings {
@@ -33,8 +33,7 @@ impl Surroundings {
         self.points.x.height()
     }
 
-    /// Where a direction of world space, of any length but 0, falls on the map, in pixels from its
-    /// upper left corner.
+    /// The position on the map, in pixels from its upper left corner, of a direction in world space of any length but 0.
     #[inline]
     pub fn position(&self, world: DVec3) -> DVec2 {
         let to = self.map_from_world * world;

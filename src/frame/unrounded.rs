@@ -1,10 +1,10 @@
-//! Normals of 8 bits without their steps.
+//! Normals of 8 bits without their quantisation steps.
 //!
 //! A gentle slope that is stored in codes is a stair: its treads are flat, and each riser is a ridge of curvature. What
-//! was stored lies within half a step of each code, and of all that does the smoothest is taken: smoothed over wide
-//! neighbourhoods first and narrow ones last, each time no farther than half a step from the codes. A neighbourhood is
-//! left alone where the codes in it rise and fall by more than [`MOST_STEPS`]: there the rounding is noise already,
-//! which diffusion takes the mean of, and texture is no stair.
+//! was stored lies within half a step of each code, and the smoothest such slope is chosen: smoothed over wide
+//! neighbourhoods first and narrow ones last, never farther than half a step from the codes. A neighbourhood is left
+//! alone where its codes rise and fall by more than [`MOST_STEPS`]: there the rounding is noise already, which diffusion
+//! averages out, and texture is not a stair.
 
 use super::{Plane, Vector3Planes};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Rectangles of pixels in absolute coordinates.
+//! Windows: rectangles of pixels in absolute coordinates.
 
 use glam::DVec2;
 use serde::Serialize;
@@ -45,7 +45,7 @@ impl Window {
         (i64::from(self.y1) - i64::from(self.y0)).max(0) as usize
     }
 
-    /// Where in the picture the middle of the pixel in column `x` and row `y` of the window lies.
+    /// The picture position of the centre of the pixel in column `x` and row `y` of the window.
     #[inline]
     pub fn middle(&self, x: usize, y: usize) -> DVec2 {
         let corner = DVec2::new(self.x0.into(), self.y0.into());

@@ -1,4 +1,4 @@
-//! Colours of pictures: which primaries they have, whether they are encoded, and how a display gets them.
+//! Colour spaces: primaries and encoding of pictures, and their conversion for a display.
 //!
 //! Work is done in the linear light of the picture's own primaries, and layers are written so. Only what is made for a
 //! display is turned to Rec. 709, by the matrix that the chromaticities give, adapted to its white (Bradford). Data
@@ -25,7 +25,7 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
-/// What the colours of a picture mean, where somebody says so.
+/// The primaries of a picture, where they were given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorSpace {
     /// Linear light of Rec. 709 primaries.

@@ -135,7 +135,7 @@ pub(super) fn coverage(planes: &[Plane], numbers: &[u32]) -> Plane {
     for [number, share] in ranks {
         let samples = number.samples().iter().zip(share.samples());
         for (sum, (number, share)) in covered.samples_mut().iter_mut().zip(samples) {
-            // What is no number is no share either.
+            // NaN is not a share.
             if *share > 0.0 && numbers.contains(&number.to_bits()) {
                 *sum = (*sum + share).min(1.0);
             }

@@ -1,9 +1,9 @@
-//! What depth measures, judged by how its points lie on the tangent planes of the normals.
+//! The kind of depth, judged by how its points fit the tangent planes of the normals.
 
 use super::camera::median;
 use super::finding::Finding;
 use super::inputs::StoredDepth;
-use super::surface::Surface;
+use super::surface::SurfaceSamples;
 use crate::frame::normals::{normalise, turn_to_view};
 use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, SightLines, Vector3Planes};
 
@@ -72,7 +72,7 @@ fn concluded(stored: StoredDepth, evidence: String) -> (StoredDepth, Option<Find
 /// Median angle, in degrees, by which the points of world-space normals lie off their planes, by the better kind
 /// of distance.
 pub(super) fn off_tangents(
-    surface: &Surface,
+    surface: &SurfaceSamples,
     normal: &Vector3Planes,
     depth: &Plane,
     camera: &Camera,

@@ -10,7 +10,7 @@ use super::depth::off_tangents;
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
 use super::normal_space::{is_reversed, judge_normal_space};
-use super::surface::Surface;
+use super::surface::SurfaceSamples;
 use crate::frame::coverage;
 use crate::frame::depth::{is_distance, to_distances};
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
@@ -36,7 +36,7 @@ pub(super) struct Layers<'a> {
     /// Decoded normals.
     pub(super) normal: &'a Vector3Planes,
     /// The rest; its mask and depth are not looked at.
-    pub(super) surface: Surface<'a>,
+    pub(super) surface: SurfaceSamples<'a>,
     pub(super) alpha: Option<&'a Plane>,
     pub(super) mask: Option<&'a Plane>,
 }
@@ -164,8 +164,8 @@ struct Judged<'a> {
 }
 
 impl Judged<'_> {
-    fn surface<'a>(&'a self, depth: &'a Plane) -> Surface<'a> {
-        Surface {
+    fn surface<'a>(&'a self, depth: &'a Plane) -> SurfaceSamples<'a> {
+        SurfaceSamples {
             mask: self.covered,
             depth: Some(depth),
             ..self.layers.surface

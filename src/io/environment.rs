@@ -1,4 +1,4 @@
-//! Reading what lights a surface: environments and lit spheres.
+//! Reading environments and lit spheres.
 
 use super::exr::Limits;
 use super::opened::{Holding, Opened};

@@ -1,4 +1,4 @@
-//! What was concluded about the inputs.
+//! Findings: conclusions about the inputs.
 
 use serde::Serialize;
 

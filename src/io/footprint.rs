@@ -1,4 +1,4 @@
-//! How much memory a frame takes, from headers alone.
+//! Memory that a frame takes, estimated from headers alone.
 
 use super::exr::{ExrFile, Limits};
 use super::photo::StoredPhoto;

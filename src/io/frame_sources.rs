@@ -1,4 +1,4 @@
-//! The layers that a frame is made of: where they are, and what was read of them.
+//! The layers that a frame is made of: their places, and the planes read from them.
 
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs};

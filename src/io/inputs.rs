@@ -1,4 +1,4 @@
-//! What a user may say about the inputs; everything left out is found from names and data.
+//! What a user may specify about the inputs; the rest follows from names and data.
 
 use super::colorspace::ColorSpace;
 use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};

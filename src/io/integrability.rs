@@ -89,12 +89,12 @@ impl Curl {
             return "too little slope to tell whether y points up".into();
         }
         let ratio = self.as_is / self.y_turned.max(f64::MIN_POSITIVE);
-        let told = match self.y_points_down() {
+        let verdict = match self.y_points_down() {
             Some(true) => "y points down (DirectX)",
             Some(false) => "y points up (OpenGL)",
             None => "whether y points up is unclear",
         };
-        format!("{told}: the curl of its slopes is {ratio:.3} times that with y turned")
+        format!("{verdict}: the curl of its slopes is {ratio:.3} times that with y turned")
     }
 }
 

@@ -11,10 +11,10 @@ use super::light_layers::LightSources;
 use super::notes::Notes;
 use super::objects;
 use super::opened::{Holding, Opened};
-use super::photo::Kept;
+use super::photo::PhotoMetadata;
 use super::roles::Role;
 use super::sources::RoleSource;
-use super::surface::Surface;
+use super::surface::SurfaceSamples;
 use super::view::{View, turn_to_view};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered};
@@ -66,10 +66,10 @@ impl Loaded {
     ///
     /// # Errors
     /// Those of reading the file.
-    pub fn kept(&self) -> Result<Kept> {
+    pub fn metadata(&self) -> Result<PhotoMetadata> {
         match self.main.as_ref() {
-            Opened::Exr { .. } => Ok(Kept::default()),
-            Opened::Photo { photo, .. } => photo.kept(),
+            Opened::Exr { .. } => Ok(PhotoMetadata::default()),
+            Opened::Photo { photo, .. } => photo.metadata(),
         }
     }
 
@@ -354,8 +354,8 @@ impl FrameSource<'_> {
         mask: &'s Mask,
         layers: &'s Layers,
         depth: Option<&'s Plane>,
-    ) -> Surface<'s> {
-        Surface {
+    ) -> SurfaceSamples<'s> {
+        SurfaceSamples {
             mask,
             position: layers.position.as_ref(),
             depth,
@@ -373,7 +373,7 @@ impl FrameSource<'_> {
             true => None,
             false => Some(objects::covered(chosen, self.main, self.data_window)?),
         };
-        // What is no number changes nothing.
+        // NaN changes nothing.
         let mask =
             mask.map(|mask| mask.map(|share| if share > 0.0 { share.min(1.0) } else { 0.0 }));
         Ok(match (mask, objects) {

@@ -1,4 +1,4 @@
-//! The layer that somebody may have meant.
+//! The layer that was probably meant: suggestions for a misspelt name.
 
 use super::roles::{Layer, Role};
 

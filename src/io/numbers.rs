@@ -7,7 +7,7 @@ use super::samples_of_layers::{Sampled, samples};
 use super::step_fit::{Points, misfit};
 use nalgebra::Vector3;
 
-/// The roles that numbers tell.
+/// The roles that can be found by numbers.
 pub(super) const NUMBERED: [Role; 3] = [Role::Normal, Role::Depth, Role::Position];
 
 /// Most layers that are looked at.
@@ -18,23 +18,23 @@ const UNIT: f64 = 0.025;
 const UNIT_SHARE: f64 = 0.5;
 /// Share of the covered pixels that may be longer: nothing lengthens normals but lossy compression.
 const LONGER_SHARE: f64 = 0.02;
-/// Length of the mean of unit vectors from which on all are as one, and tell nothing.
+/// Length of the mean of unit vectors from which on all are alike, so that nothing follows.
 const ALIKE: f64 = 0.9999;
 /// Share of the unit vectors that must not lie along an axis, as the colours of masks do.
 const OFF_AXIS_SHARE: f64 = 0.05;
-/// Fewest covered pixels that tell anything.
+/// Fewest covered pixels that suffice.
 const FEWEST: usize = 16;
 /// A misfit up to this is that of one surface.
 const AGREES: f64 = 0.1;
 /// How much better than depth along the view axis other depth must fit to be taken for better.
 const USUAL: f64 = 2.0;
 
-/// A role told by numbers.
+/// A role found by the numbers of a layer.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Told {
+pub(super) struct RoleByNumbers {
     pub(super) role: Role,
     pub(super) found: Match,
-    /// What tells it.
+    /// The evidence, in a few words.
     pub(super) why: String,
     /// Names of the other layers that could play it, the best first.
     pub(super) others: Vec<String>,
@@ -70,8 +70,8 @@ struct Normals {
     share: f64,
 }
 
-/// The roles of layers whose names mean nothing, as far as no name gives them. What cannot be read tells nothing.
-pub(super) fn tell(file: &ExrFile, layers: &[Layer]) -> Vec<Told> {
+/// The roles of layers whose names mean nothing, as far as no name gives them. Layers that cannot be read are skipped.
+pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNumbers> {
     let picture = roles::find(layers, Role::Color);
     let is_float = |layer: &&Layer| {
         let part = &file.parts[layer.part];
@@ -86,7 +86,7 @@ pub(super) fn tell(file: &ExrFile, layers: &[Layer]) -> Vec<Told> {
         .filter(is_float)
         .take(MOST_LAYERS)
         .collect();
-    let mut told = Vec::new();
+    let mut roles = Vec::new();
     let mut vectors = of_layers(file, &open, Role::Position);
     let normals = match roles::find(layers, Role::Normal) {
         Some(_) if open.is_empty() => None,
@@ -95,13 +95,13 @@ pub(super) fn tell(file: &ExrFile, layers: &[Layer]) -> Vec<Told> {
             vectors.retain(|sampled| encoding_of(sampled).is_none());
             samples(file, &[found]).into_iter().find_map(normals_of)
         }
-        None => told_normals(&mut vectors, &mut told),
+        None => take_normals(&mut vectors, &mut roles),
     };
     let Some(normals) = normals else {
-        return told;
+        return roles;
     };
     if roles::find(layers, Role::Position).is_none() {
-        told.extend(best(
+        roles.extend(best(
             &normals,
             Role::Position,
             vectors,
@@ -116,9 +116,9 @@ pub(super) fn tell(file: &ExrFile, layers: &[Layer]) -> Vec<Told> {
             .filter(|layer| layer.matched(Role::Position).is_none())
             .collect();
         let scalars = of_layers(file, &scalars, Role::Depth);
-        told.extend(best(&normals, Role::Depth, scalars, &kinds));
+        roles.extend(best(&normals, Role::Depth, scalars, &kinds));
     }
-    told
+    roles
 }
 
 /// Samples of those layers that have the channels of `role`.
@@ -127,8 +127,8 @@ fn of_layers(file: &ExrFile, layers: &[&Layer], role: Role) -> Vec<Sampled> {
     samples(file, &found)
 }
 
-/// Takes the layers of normals out of `vectors`; the best of them is told.
-fn told_normals(vectors: &mut Vec<Sampled>, told: &mut Vec<Told>) -> Option<Normals> {
+/// Takes the layers of normals out of `vectors`; the best of them is found.
+fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> Option<Normals> {
     let (mut found, mut rest) = (Vec::new(), Vec::new());
     for sampled in vectors.drain(..) {
         match encoding_of(&sampled) {
@@ -144,7 +144,7 @@ fn told_normals(vectors: &mut Vec<Sampled>, told: &mut Vec<Told>) -> Option<Norm
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
     let mut found = found.into_iter();
     let best = found.next()?;
-    told.push(Told {
+    roles.push(RoleByNumbers {
         role: Role::Normal,
         found: best.sampled.found.clone(),
         why: format!("{:.0} % are of unit length", 100.0 * best.share),
@@ -188,7 +188,12 @@ fn encoding_of(sampled: &Sampled) -> Option<(Encoding, f64)> {
 }
 
 /// The layer whose points, of one of the `kinds`, the usual one first, are best those of the surface that `normals` are of.
-fn best(normals: &Normals, role: Role, layers: Vec<Sampled>, kinds: &[Points]) -> Option<Told> {
+fn best(
+    normals: &Normals,
+    role: Role,
+    layers: Vec<Sampled>,
+    kinds: &[Points],
+) -> Option<RoleByNumbers> {
     let mut found: Vec<(f64, Match)> = Vec::new();
     for layer in layers {
         let normal = |stored| normals.encoding.unit(stored);
@@ -204,7 +209,7 @@ fn best(normals: &Normals, role: Role, layers: Vec<Sampled>, kinds: &[Points]) -
     found.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let mut found = found.into_iter();
     let (_, layer) = found.next()?;
-    Some(Told {
+    Some(RoleByNumbers {
         role,
         found: layer,
         why: "they fit the normals".into(),

@@ -1,4 +1,4 @@
-//! Objects of a picture by their names or numbers: how much of each pixel those that are chosen cover.
+//! Object selection by names or numbers: the coverage of the chosen objects in each pixel.
 
 use super::cryptomatte::{self, Cryptomatte, coverage};
 use super::exr::{ChannelId, ExrFile};
@@ -21,7 +21,7 @@ struct Choice<'a> {
 }
 
 /// How a picture tells its objects apart.
-enum Told<'a> {
+enum ObjectSource<'a> {
     /// By the numbers of these objects.
     Names(&'a Cryptomatte, Vec<u32>),
     /// By a pass that holds a number for each pixel.
@@ -70,12 +70,16 @@ pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Resul
         return Err(untold(main.path()));
     };
     let hashed = cryptomatte::layers(file);
-    let find = |names: &[&str]| -> Result<Vec<Vec<Told>>> {
-        let found = names.iter().map(|name| told(name, file, layers, &hashed));
+    let find = |names: &[&str]| -> Result<Vec<Vec<ObjectSource>>> {
+        let found = names
+            .iter()
+            .map(|name| sources(name, file, layers, &hashed));
         found.collect()
     };
     let (wanted, unwanted) = (find(&choice.wanted)?, find(&choice.unwanted)?);
-    let sum = |told: &[Vec<Told>], but: &[Vec<Told>]| summed(told, but, file, &hashed, window);
+    let sum = |sources: &[Vec<ObjectSource>], excluded: &[Vec<ObjectSource>]| {
+        summed(sources, excluded, file, &hashed, window)
+    };
     let mut covered = match wanted.is_empty() {
         true => Plane::filled(window.width(), window.height(), 1.0),
         false => sum(&wanted, &unwanted)?,
@@ -106,12 +110,12 @@ impl<'a> Choice<'a> {
 }
 
 /// Where the objects of this name are.
-fn told<'a>(
+fn sources<'a>(
     name: &str,
     file: &ExrFile,
     layers: &[Layer],
     hashed: &'a [Cryptomatte],
-) -> Result<Vec<Told<'a>>> {
+) -> Result<Vec<ObjectSource<'a>>> {
     let pattern = WildMatch::new(name);
     let names = hashed.iter().filter_map(|layer| {
         let objects = layer.manifest.iter();
@@ -119,15 +123,15 @@ fn told<'a>(
             .filter(|(name, _)| pattern.matches(name))
             .map(|(_, number)| *number)
             .collect();
-        (!numbers.is_empty()).then_some(Told::Names(layer, numbers))
+        (!numbers.is_empty()).then_some(ObjectSource::Names(layer, numbers))
     });
-    let mut found: Vec<Told> = names.collect();
+    let mut found: Vec<ObjectSource> = names.collect();
     if found.is_empty()
         && let Ok(number) = name.parse::<u16>()
     {
         let index = by_name(layers, Role::ObjectIndex);
         let index = index.or_else(|| by_name(layers, Role::MaterialIndex));
-        found.extend(index.map(|index| Told::Index(index, number.into())));
+        found.extend(index.map(|index| ObjectSource::Index(index, number.into())));
     }
     match found.is_empty() {
         true => Err(unknown(name, file, layers, hashed)),
@@ -136,19 +140,25 @@ fn told<'a>(
 }
 
 /// The numbers of objects in this layer that were found.
-fn numbers<'a>(told: &'a [Vec<Told>], layer: &Cryptomatte) -> impl Iterator<Item = u32> + 'a {
+fn numbers<'a>(
+    sources: &'a [Vec<ObjectSource>],
+    layer: &Cryptomatte,
+) -> impl Iterator<Item = u32> + 'a {
     let layer = std::ptr::from_ref(layer);
-    let own = told.iter().flatten().filter_map(move |told| match told {
-        Told::Names(own, numbers) if std::ptr::eq(*own, layer) => Some(numbers),
-        _ => None,
-    });
+    let own = sources
+        .iter()
+        .flatten()
+        .filter_map(move |source| match source {
+            ObjectSource::Names(own, numbers) if std::ptr::eq(*own, layer) => Some(numbers),
+            _ => None,
+        });
     own.flatten().copied()
 }
 
-/// The shares of all that was found, `but` what was found of the same layer: a sum in each, and of layers the largest.
+/// The shares of all that was found, without `excluded`: summed within each layer, the largest over layers.
 fn summed(
-    told: &[Vec<Told>],
-    but: &[Vec<Told>],
+    sources: &[Vec<ObjectSource>],
+    excluded: &[Vec<ObjectSource>],
     file: &ExrFile,
     hashed: &[Cryptomatte],
     window: Window,
@@ -162,8 +172,8 @@ fn summed(
             .for_each(|(largest, &share)| *largest = share.max(*largest));
     };
     for layer in hashed {
-        let without: Vec<u32> = numbers(but, layer).collect();
-        let numbers: Vec<u32> = numbers(told, layer)
+        let without: Vec<u32> = numbers(excluded, layer).collect();
+        let numbers: Vec<u32> = numbers(sources, layer)
             .filter(|number| !without.contains(number))
             .collect();
         if numbers.is_empty() {
@@ -179,8 +189,8 @@ fn summed(
         let (planes, own) = read(file, &layer.channels(), layer.window(file), window)?;
         take(&coverage(&planes, &numbers), own);
     }
-    for told in told.iter().flatten() {
-        if let Told::Index(index, number) = told {
+    for source in sources.iter().flatten() {
+        if let ObjectSource::Index(index, number) = source {
             let channel = ChannelId {
                 part: index.part,
                 channel: index.channels[0],

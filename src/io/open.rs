@@ -9,7 +9,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Any error of the system, and one that says so where `path` is a directory, a pipe, a socket or a device: a plain open
-/// of a pipe waits until somebody writes, and a device may never end.
+/// of a pipe waits until a writer appears, and a device may never end.
 pub(crate) fn open_input(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);

@@ -2,7 +2,7 @@
 
 use super::exr::{self, ExrFile, Limits};
 use super::nearest;
-use super::numbers::{NUMBERED, Told, tell};
+use super::numbers::{NUMBERED, RoleByNumbers, roles_by_numbers};
 use super::open::open_input;
 use super::photo::StoredPhoto;
 use super::roles::{self, Layer, Role};
@@ -23,8 +23,8 @@ pub(super) enum Opened {
         /// All views, and the one whose layers are used.
         views: Vec<String>,
         view: Option<String>,
-        /// The roles that numbers tell, once somebody has asked.
-        told: OnceCell<Vec<Told>>,
+        /// The roles found by numbers, computed when first needed.
+        by_numbers: OnceCell<Vec<RoleByNumbers>>,
         companions: Companions,
     },
     Photo {
@@ -106,7 +106,7 @@ impl Opened {
             layers,
             views: all,
             view,
-            told: OnceCell::new(),
+            by_numbers: OnceCell::new(),
             companions,
         }))
     }
@@ -133,13 +133,16 @@ impl Opened {
     }
 
     /// The layer that plays `role` by its numbers, where none does by its name.
-    pub(super) fn told(&self, role: Role) -> Option<&Told> {
+    pub(super) fn role_by_numbers(&self, role: Role) -> Option<&RoleByNumbers> {
         match self {
             Self::Exr {
-                file, layers, told, ..
+                file,
+                layers,
+                by_numbers,
+                ..
             } if NUMBERED.contains(&role) => {
-                let told = told.get_or_init(|| tell(file, layers));
-                told.iter().find(|told| told.role == role)
+                let by_numbers = by_numbers.get_or_init(|| roles_by_numbers(file, layers));
+                by_numbers.iter().find(|found| found.role == role)
             }
             _ => None,
         }

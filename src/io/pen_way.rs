@@ -1,4 +1,4 @@
-//! The way of a plotter's pen: in what order lines are drawn, and from which end, so that it goes a short way in the air.
+//! The path of a plotter's pen: the order and direction of lines that keep its travel in the air short.
 //!
 //! From where the pen is the nearest end of a line is taken next, found in a grid of ends; then stretches of the way are
 //! turned about where that shortens it (2-opt), among lines that are near in the order. Both take time that is linear in

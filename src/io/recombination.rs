@@ -1,4 +1,4 @@
-//! Whether light layers add up to the picture they are said to be of.
+//! Whether light layers add up to their picture.
 
 use crate::frame::{ColorPlanes, LobeLayers, Mask};
 use crate::quantile::quantile;

@@ -111,7 +111,7 @@ pub fn of_frame(name: &str, frame: i32) -> Option<String> {
 }
 
 /// [`of_frame`] of a path.
-pub fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
+pub(crate) fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
     of_frame(path.to_str()?, frame).map(PathBuf::from)
 }
 
@@ -120,7 +120,7 @@ pub fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
 /// # Errors
 /// [`Error::BadParameter`] for names that have a place for frame numbers without `frames`, and for `frames`
 /// without a place for them in `input` or `output`.
-pub fn frames_of<'a>(
+pub(crate) fn frames_of<'a>(
     frames: Option<&'a FrameList>,
     input: &Path,
     output: Option<&Path>,

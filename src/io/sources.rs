@@ -285,12 +285,12 @@ fn by_words_or_numbers(
         };
         return Some((layer, Some(chosen)));
     }
-    let told = file.told(role)?;
+    let found = file.role_by_numbers(role)?;
     let chosen = Chosen {
-        why: format!("by numbers: {}", told.why),
-        others: told.others.clone(),
+        why: format!("by numbers: {}", found.why),
+        others: found.others.clone(),
     };
-    Some((told.found.clone(), Some(chosen)))
+    Some((found.found.clone(), Some(chosen)))
 }
 
 /// The error of a `file` without a layer for `role`; `flag` names one.

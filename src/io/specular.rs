@@ -1,4 +1,4 @@
-//! What mirrors and lenses show, read from files: the frame's own specular pixels, back faces, what lies behind, the
+//! Reading the scene that mirrors and lenses show: the frame's own specular pixels, back faces, what lies behind, the
 //! surroundings, and, where a renderer writes them, the points that bent sight lines meet.
 
 use super::load::Loaded;

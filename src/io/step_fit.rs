@@ -1,4 +1,4 @@
-//! Whether layers are of one surface: the steps between its neighbouring points are square to its normals.
+//! Whether layers show one surface: steps between its neighbouring points are perpendicular to its normals.
 //!
 //! `n . A t = 0` holds for all steps `t` with one matrix `A` (3 x 3) that turns the space of the points into that of the
 //! normals. For positions `t` is their difference; for depth `d` it is that of `d (u, v, 1)`, with picture coordinates `u` and

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// What the camera and the space of the normals are judged from.
 #[derive(Clone, Copy)]
-pub(super) struct Surface<'a> {
+pub(super) struct SurfaceSamples<'a> {
     pub(super) mask: &'a Mask,
     pub(super) position: Option<&'a Vector3Planes>,
     pub(super) depth: Option<&'a Plane>,

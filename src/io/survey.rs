@@ -1,4 +1,4 @@
-//! What is in a file, for `inspect`: headers and names, and pixels only where names tell no roles.
+//! What is in a file, for `inspect`: headers and names, and pixels only where names give no roles.
 
 use super::exr::{ExrFile, SampleType};
 use super::numbers::NUMBERED;
@@ -104,10 +104,11 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
             roles: {
                 let named = roles::assign(layers);
                 let is_open = |role: &Role| named.iter().all(|(own, _)| own != role);
-                let told = NUMBERED.into_iter().filter(is_open);
-                let told = told.filter_map(|role| Some((role, opened.told(role)?.found.clone())));
-                let told: Vec<_> = told.collect();
-                let mut all: Vec<_> = named.into_iter().chain(told).collect();
+                let by_numbers = NUMBERED.into_iter().filter(is_open);
+                let by_numbers = by_numbers
+                    .filter_map(|role| Some((role, opened.role_by_numbers(role)?.found.clone())));
+                let by_numbers: Vec<_> = by_numbers.collect();
+                let mut all: Vec<_> = named.into_iter().chain(by_numbers).collect();
                 all.sort_by_key(|(role, _)| *role);
                 all.into_iter()
                     .map(|(role, found)| role_survey(file, role, found))

@@ -1,5 +1,5 @@
-//! Lines to SVG: in millimetres, grouped by width, so that a plotter changes its pen as seldom as can be; for one that
-//! draws them, in an order in which its pen goes a short way in the air.
+//! Lines to SVG: in millimetres, grouped by width, so that a plotter rarely changes its pen, and optionally in an order
+//! that keeps its travel in the air short.
 
 use crate::error::{Error, Result};
 use crate::frame::Window;

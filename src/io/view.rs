@@ -6,7 +6,7 @@ use super::inputs::{Flip, Inputs};
 use super::integrability::Curl;
 use super::names::Hint;
 use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
-use super::surface::Surface;
+use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
 use crate::frame::normals;
 use crate::frame::{Camera, NormalSpace, Vector3Planes};
@@ -38,7 +38,7 @@ pub(super) struct View {
 /// normals, to know their space, or because the projection is asked for. `hint` is what their name implies.
 pub(super) fn turn_to_view(
     inputs: &Inputs,
-    surface: &Surface,
+    surface: &SurfaceSamples,
     projection: bool,
     hint: &(Hint, String),
     normal: &mut Vector3Planes,
@@ -181,7 +181,7 @@ impl Reading {
     /// The reading that was asked for, else the one that the data show.
     fn of(
         inputs: &Inputs,
-        surface: &Surface,
+        surface: &SurfaceSamples,
         normal: &Vector3Planes,
         camera: Option<&Camera>,
     ) -> Self {
@@ -195,7 +195,7 @@ impl Reading {
                 reason: "as given".into(),
             };
         }
-        let Surface {
+        let SurfaceSamples {
             mask,
             position,
             depth,
@@ -269,7 +269,7 @@ impl Reading {
     fn settled(
         &self,
         inputs: &Inputs,
-        surface: &Surface,
+        surface: &SurfaceSamples,
         findings: &[Finding],
     ) -> Result<NormalReading> {
         if let Some(certain) = self.certain {

@@ -1,4 +1,4 @@
-//! What the words of a layer's name say, where no table knows the name itself.
+//! The words of a layer's name, used where no table knows the name itself.
 //!
 //! A name is split at punctuation, changes of case and digits, and what is still unknown into words of the table:
 //! `VRayNormals`, `geo_n_world` and `camN.001` all hold a word for normals, and words that go with it. The words of the

@@ -1,5 +1,5 @@
-//! A batch of covered pixels, and what is known of them before any light comes: component by component,
-//! so that the loops over a batch vectorise.
+//! A batch of covered pixels and their samples that do not depend on light, component by component, so that the loops
+//! over a batch vectorise.
 
 use super::light_warping::{MOST_BRIGHTENED, Warp};
 use super::radiance_scaling::ScalingCurve;

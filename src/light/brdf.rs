@@ -1,6 +1,6 @@
-//! Reflectance: what share of the light from one direction leaves toward the eye.
+//! Reflectance: the share of the light from one direction that leaves toward the eye.
 //!
-//! Lobes are told for lights in the unit of [`super::lights::DirectionalLight`], radiance times solid angle
+//! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle
 //! over pi: they are BRDF times pi times the cosine, so that a white Lambertian surface is the cosine.
 
 use crate::fast_math::{exp, ln};

@@ -1,4 +1,4 @@
-//! What of a picture is scaled, and by which magnitude: from the light layers there are.
+//! Which part of a picture is scaled, and by which magnitude, given the light layers present.
 
 use crate::frame::LightLayers;
 use crate::params::ScalingParams;

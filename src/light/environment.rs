@@ -1,4 +1,4 @@
-//! Light from all around: radiance by direction.
+//! Environments: radiance by direction.
 //!
 //! An environment hangs on the view: the middle of its map lies straight ahead of the viewer, behind
 //! the surface. There is no world here, and so no other way for the map to stand.
@@ -252,7 +252,7 @@ pub(crate) fn equirectangular_position(
 mod tests {
     use super::*;
 
-    /// A map whose pixels can be told apart: column and row, and 1.
+    /// A map whose pixels all differ: column, row and 1.
     fn numbered(width: usize, height: usize) -> Environment {
         Environment::from_fn(width, height, |x, y| [x as f32, y as f32, 1.0])
     }

@@ -1,4 +1,4 @@
-//! The ways in which pictures hold all directions, and their way to a latitude-longitude map.
+//! Layouts of environment pictures, and their conversion to a latitude-longitude map.
 
 use super::environment::Environment;
 use super::texels::Texels;

@@ -1,4 +1,4 @@
-//! Irradiance: what a Lambertian surface makes of an environment.
+//! Irradiance: an environment as a Lambertian surface reflects it.
 //!
 //! A cosine is the Phong lobe with the exponent 1, so the map of irradiance is that filter's.
 //! Nine spherical harmonics would be smaller, but they ring: a sun lights what is turned away from it with

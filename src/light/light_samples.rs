@@ -1,4 +1,4 @@
-//! Directions that stand for a continuum of light: the whole sphere, or the disc of an area light.
+//! Directions that sample a continuum of light: the whole sphere, or the disc of an area light.
 
 use super::environment::Environment;
 use super::lights::DirectionalLight;

@@ -23,7 +23,7 @@ use crate::fast_math::{atan, exp, ln, tan_to_eighth_turn};
 ///
 /// `lambda = tan(atan(alpha k) / 6 + pi/4)`: 1 where nothing is warped, reciprocal for the opposite
 /// curvature. Source: [LW] section 5. The 6 lets the strongest warping move half of the solid angle of
-/// a hemisphere across its border. Where `alpha k` is no number, as 0 times infinity, lambda is 1.
+/// a hemisphere across its border. Where `alpha k` is NaN, as 0 times infinity, lambda is 1.
 #[inline(always)]
 pub fn scale_factor(k: f32, alpha: f32) -> f32 {
     let x = alpha * k;
@@ -75,7 +75,7 @@ impl Warp {
     /// Lambda has the Hessian's directions, and the [`scale_factor`] of each curvature: with the mean m of
     /// the curvatures `m +- q`, it is `(lambda_u + lambda_v)/2 I + (lambda_u - lambda_v)/2 (H - m I)/q`.
     /// Umbilics need no threshold: the last matrix is of size 1 however small q is, and its factor
-    /// goes to 0 with q. Infinite curvatures count as very large ones, and what is no number as 0.
+    /// goes to 0 with q. Infinite curvatures count as very large ones, NaN counts as 0.
     #[inline(always)]
     pub fn of(hessian: [f32; 3], alpha: f32) -> Self {
         let [xx, xy, yy] = hessian.map(bounded_entry);

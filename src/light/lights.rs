@@ -1,4 +1,4 @@
-//! Lights as samples: what a sum over lights is made of.
+//! Lights as samples, for sums over lights.
 
 use super::environment::Environment;
 use super::lit_sphere::LitSphere;
@@ -56,7 +56,7 @@ pub fn direction_of(azimuth_deg: f32, elevation_deg: f32) -> Vec3 {
     )
 }
 
-/// Red, green and blue of a light. That of a light near the surface is told at a distance of 1: in scenes of
+/// Red, green and blue of a light. For a light near the surface, at a distance of 1: in scenes of
 /// micrometres it lights a metre away.
 const INTENSITIES: RangeInclusive<f32> = 0.0..=1e12;
 

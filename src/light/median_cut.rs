@@ -1,4 +1,4 @@
-//! An environment as a number of lights, by cutting it at medians.
+//! Median cut: an environment as a number of lights.
 //!
 //! Theory: [MC] halves the map's regions at the median of their energy along their longer side, and puts
 //! a light where the energy of each region has its centre. Changes: the region of most energy is halved

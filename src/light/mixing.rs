@@ -1,4 +1,4 @@
-//! How much of what was made of a picture is taken.
+//! Blending a result with the picture it was made of.
 
 use crate::frame::{ColorPlanes, Plane};
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
-//! What is around the surface: an environment as lights, as maps prefiltered by the lobes, or as it is;
-//! or a lit sphere in its place. Every backend is given the same.
+//! An environment prepared for relighting: as lights, as maps prefiltered by the lobes, or as it is; or a lit sphere in
+//! its place. All backends share it.
 
 use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Plane};

@@ -1,5 +1,4 @@
-//! Pictures to look colours up in: red, green and blue side by side, so that one look-up touches few
-//! lines of cache.
+//! Pictures for colour look-ups: red, green and blue interleaved, so that one look-up touches few cache lines.
 
 use crate::frame::ColorPlanes;
 

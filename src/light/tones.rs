@@ -1,4 +1,4 @@
-//! Few tones in place of many: the look of a cartoon.
+//! Quantised tones, as in cartoons.
 
 use crate::params::Quantisation;
 

@@ -1,4 +1,4 @@
-//! What the stages of a drawing hand on to one another.
+//! The canvas: results that the stages of a drawing pass on.
 
 use crate::frame::{Plane, Vector2Planes};
 use crate::line::contours::Contour;
@@ -8,14 +8,14 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::shape::edges::cpu::Weights;
 use std::sync::Arc;
 
-/// A drawing as far as it has come.
+/// An unfinished drawing.
 #[derive(Default)]
 pub(crate) struct Canvas {
     /// What is seen in mirrors and lenses, and its edges: lines stop there as they do at those of other things.
     pub(crate) seen: Option<(SeenThrough, Weights)>,
     /// The luminance of the tone, where no picture of it is kept.
     pub(crate) luminance: Option<Plane>,
-    /// The optical densities to be drawn, where they are not told from luminance alone.
+    /// The optical densities to be drawn, where they do not follow from luminance alone.
     pub(crate) density: Option<Plane>,
     /// Lines along edges, and what they cover.
     pub(crate) contours: Option<(Plane, Vec<Contour>)>,

@@ -1,4 +1,4 @@
-//! From the share of paper white that a picture has to the optical density that is drawn: a table.
+//! A table from the share of paper white to the optical density that is drawn.
 
 use super::tonal_art_map::MAX_DENSITY;
 use crate::params::ToneParams;

@@ -122,7 +122,7 @@ impl Runner {
         let rest = contours.into_iter().chain([densities, ink]);
         let rest = rest.chain(fields.into_buffers());
         self.buffers.recycle(rest.chain(shape.into_buffers()));
-        self.buffers.take_back(picture, is_copied);
+        self.buffers.recycle_either(picture, is_copied);
         Ok(Some(outcome))
     }
 

@@ -1,11 +1,11 @@
-//! Drawings strip by strip, with what is chosen from all of the picture and what the CPU finds on all of it: those of
+//! Drawings in strips, with choices and CPU results from the whole picture: for
 //! pictures whose planes are larger than a device takes, and those in lines, which the CPU places when it has the tone.
 
 use crate::engine::cpu::gpu_support::{contour_lines, contour_pieces, streamline_pieces};
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::runner::Runner;
-use crate::engine::gpu::surface::apart;
+use crate::engine::gpu::surface::deinterleave;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::add_timings;
 use crate::engine::outcome::{Drawing, Outcome, Shape};
@@ -283,7 +283,7 @@ fn put_edges(shape: &mut Shape, read: Vec<Vec<f32>>, frame: &Frame) {
     let mut read = read.into_iter();
     shape.conductance = Some(plane_of(frame, read.next()));
     if let Some(weights) = read.next() {
-        let weights = apart::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
+        let weights = deinterleave::<2>(&weights).map(|samples| plane_of(frame, Some(samples)));
         let [silhouette, crease] = weights;
         (shape.silhouette, shape.crease) = (Some(silhouette), Some(crease));
     }

@@ -1,4 +1,4 @@
-//! Blocks of pixels, as cells of a coarser grid: their means, and the way back to pixels.
+//! Blocks of pixels as cells of a coarser grid: their means, and interpolation back to pixels.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_rows;

@@ -1,4 +1,4 @@
-//! Amounts of ink in cells of the paper: what is drawn is held to what is wanted, on average about a place.
+//! Amounts of ink in cells of the paper, which keep the ink drawn near its target on local average.
 
 use crate::frame::Plane;
 use glam::Vec2;

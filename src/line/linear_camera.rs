@@ -1,4 +1,4 @@
-//! General linear cameras: the rays beside one that a mirror or lens has bent, and where they see a point.
+//! General linear cameras: the rays beside one bent by a mirror or lens, and where they see a point.
 //!
 //! Theory: [LA] section 5. The rays of neighbouring pixels meet a plane at (u, v) and have slopes
 //! (sigma, tau) there; three of them, at (0, 0), (1, 0) and (0, 1), span all their affine combinations, and

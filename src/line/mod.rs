@@ -1,5 +1,4 @@
-//! Lines along the surface: the directions they follow, the strokes drawn along them. Pure kernels, no
-//! files, threads or clock.
+//! Line drawing: stroke directions, strokes, contours and interior lines. Pure kernels, no files, threads or clock.
 
 pub mod bilevel;
 pub(crate) mod canvas;

@@ -1,10 +1,10 @@
-//! Patches: what of one surface lies in one cell of a coarser grid. Pixels of different surfaces never
+//! Patches: the part of one surface that lies in one cell of a coarser grid. Pixels of different surfaces never
 //! share a patch, so that whatever is passed from patch to patch stays on its surface.
 
 /// Label of a pixel that belongs to no patch: uncovered, or on an edge.
 pub(crate) const NO_PATCH: u8 = u8::MAX;
 
-/// Largest side of a cell: its pixels are told apart by labels of one byte.
+/// Largest side of a cell: its pixels have labels of one byte.
 pub(crate) const MAX_CELL_PX: usize = 8;
 
 /// Labels the open pixels of one cell, row by row in `labels` as in `open`, by the patch they hang together

@@ -1,4 +1,4 @@
-//! Numbers by chance, the same for a seed on every machine.
+//! Random numbers, the same for a seed on every machine.
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;

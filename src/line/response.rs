@@ -1,4 +1,4 @@
-//! From the tone wanted to the threshold that gives it, by measured coverage.
+//! Tone response: from the tone wanted to the threshold that gives it, by measured coverage.
 
 /// Thresholds by density.
 #[derive(Debug, Clone)]

@@ -1,4 +1,4 @@
-//! A tonal art map of pictures, from the lightest to the darkest.
+//! A tonal art map as slices: pictures from the lightest to the darkest.
 
 use super::stroke_texture::Places;
 use crate::frame::Plane;
@@ -14,7 +14,7 @@ pub(super) struct SliceTexture {
 }
 
 impl SliceTexture {
-    /// The texture of pictures of one size, told by their ink, 0..1, in any order.
+    /// The texture of pictures of one size, as ink 0..1, in any order.
     pub(super) fn new(pictures: &[Plane]) -> Self {
         let first = &pictures[0];
         let (width, height) = (first.width(), first.height());

@@ -1,4 +1,4 @@
-//! Strokes drawn one by one on a square that repeats, in lanes, each lane where paper is still white.
+//! Stroke synthesis: strokes drawn one at a time on a tile that repeats, in lanes, each where the paper is still white.
 
 use super::paper::rough;
 use super::random::Random;

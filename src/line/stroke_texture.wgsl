@@ -1,4 +1,4 @@
-// A texture of strokes, told by where each texel turns from paper to ink: a square that repeats.
+// A texture of strokes, as the tones at which each texel turns from paper to ink: a square that repeats.
 
 // Where a texel begins to take ink and where it is full, of two bytes of a word.
 fn ramp_of(word: u32) -> vec2<f32> {

@@ -1,4 +1,4 @@
-//! How linear light is brought to the range of a display.
+//! The parameters of the mapping from linear light to a display.
 
 use super::table::even;
 use std::ops::RangeInclusive;

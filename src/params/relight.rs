@@ -1,4 +1,4 @@
-//! The parameters of relighting: how light is altered, what the surface is made of, how finely light is sampled.
+//! The parameters of relighting: method, material, and sampling of light.
 
 use super::light::LEVELS;
 use super::range::ANGLES_DEG;

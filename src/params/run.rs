@@ -1,4 +1,4 @@
-//! How a plan is run. Nothing here changes a result, only how long it takes.
+//! Options of a run on the CPU. None of them changes a result, only run time.
 
 use std::num::NonZeroUsize;
 

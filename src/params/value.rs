@@ -1,4 +1,4 @@
-//! What a parameter can be: how each type is written, read and held to a range.
+//! Types of parameters: how each is printed, parsed and checked against its range.
 
 use super::table::{Kind, Param, Unit};
 use crate::error::short;
@@ -150,7 +150,7 @@ pub(super) fn finite(text: &str) -> Option<f32> {
 
 const NO_COUNT: &str = "expected a whole number";
 
-/// What is said of a text that is no number.
+/// The message for a text that is not a number.
 fn no_number(text: &str) -> String {
     let percentage = text
         .strip_suffix('%')

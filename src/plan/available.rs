@@ -1,10 +1,10 @@
-//! What there is to plan with.
+//! The inputs that a plan is made for.
 
 use crate::frame::{DepthKind, Frame};
 use crate::light::enhancement::LightAvailable;
 use crate::params::SpecularParams;
 
-/// What there is to plan with.
+/// The inputs that a plan is made for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Available {
     /// Depth.
@@ -15,29 +15,28 @@ pub struct Available {
     pub albedo: bool,
     /// An occlusion map or alpha.
     pub occlusion: bool,
-    /// A map of importance, by which every pixel has a scale of its own.
+    /// A map of importance, by which scale varies from pixel to pixel.
     pub importance: bool,
     /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
     pub image_height: usize,
-    /// Its width, likewise.
+    /// Its width in pixels, likewise.
     pub image_width: usize,
-    /// Depth and a camera that together tell where the surface is.
+    /// Depth and a camera, which together give positions.
     pub positions: bool,
     /// Largest rounding error of a component of the normals.
     pub normal_rounding: f32,
-    /// How specular pixels are traced, where what they show is known; no frame says so by itself.
+    /// How specular pixels are traced, if the scene they show is known; [`in_frame`](Available::in_frame) leaves it out.
     pub specular: Option<SpecularParams>,
     /// Light layers to scale.
     pub light: LightAvailable,
-    /// Whether this is a frame of a sequence whose strokes are to move with the surface; no frame says so
-    /// by itself.
+    /// Whether this is a frame of a sequence whose strokes move with the surface; false in [`in_frame`](Available::in_frame).
     pub moving: bool,
-    /// Whether this is a frame of a sequence, in which lines come and go little by little; no frame says so by itself.
+    /// Whether this is a frame of a sequence, in which lines fade in and out; false in [`in_frame`](Available::in_frame).
     pub in_sequence: bool,
 }
 
 impl Available {
-    /// What `frame` holds.
+    /// The inputs that `frame` holds.
     pub fn in_frame(frame: &Frame) -> Self {
         Self {
             depth: frame.depth.is_some(),

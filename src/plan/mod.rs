@@ -1,5 +1,5 @@
-//! What to compute, in what order, and why: from the products asked for and the inputs present, the
-//! stages needed and no others. A plan touches no pixel.
+//! Plans: what to compute, in what order, and why. From the products wanted and the inputs present follow the stages
+//! needed and no others. A plan touches no pixel.
 
 pub(crate) mod available;
 pub(crate) mod planned;
@@ -7,7 +7,7 @@ pub(crate) mod resolve;
 pub(crate) mod stage;
 pub(crate) mod stages;
 
-pub(crate) use crate::light::enhancement::LightAvailable;
+pub use crate::light::enhancement::LightAvailable;
 pub use crate::light::relight::setting::{Albedo, LightKinds};
 pub(crate) use crate::light::relight::setting::{EnvironmentUse, Relighting};
 pub use crate::plan::available::Available;

@@ -1,4 +1,4 @@
-//! A plan, as those who carry it out read it.
+//! The plan and its decisions.
 
 use crate::light::enhancement::{Enhancement, Subject};
 use crate::light::relight::setting::Relighting;
@@ -9,7 +9,7 @@ use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What tells where the surface seen at a pixel lies.
+/// How the positions of the surface at neighbouring pixels are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Points {
@@ -19,38 +19,38 @@ pub enum Points {
     Normals,
 }
 
-/// The stages of a run in their order, with the reason for each step kept or left out, and all that they are run with.
+/// The stages of a run in order, the reason for each step kept or left out, and the parameters they run with.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// How shape is found.
-    pub shape: ShapeParams,
+    pub(crate) shape: ShapeParams,
     /// How light is scaled.
-    pub scaling: ScalingParams,
+    pub(crate) scaling: ScalingParams,
     /// What of a picture is scaled, where its shape is brought out.
     pub(crate) enhancement: Option<Enhancement>,
     /// How the frame is lit anew, if it is.
-    pub relighting: Option<Relighting>,
+    pub(crate) relighting: Option<Relighting>,
     /// Whether the curvature display is the picture.
     pub(crate) display: bool,
     /// How the picture that was made is drawn, if it is.
-    pub drawing: Option<LineParams>,
+    pub(crate) drawing: Option<LineParams>,
     /// How many times as wide as at scale 1 its lines along edges are.
     pub(crate) line_scale: f32,
     /// Whether its tone is spread so that it shows the shape.
     pub(crate) shows_shape: bool,
     /// How specular pixels are traced, if they are.
-    pub specular: Option<SpecularParams>,
+    pub(crate) specular: Option<SpecularParams>,
     /// How the gradient is diffused.
-    pub sweeps: DiffusionSchedule,
+    pub(crate) sweeps: DiffusionSchedule,
     /// Sigmas of further scales, in pixels of the reference.
-    pub more_px: Vec<f32>,
-    /// How many pixels of the frame stand for one of the reference, in which curvature is measured; 1 without
-    /// a [reference height](ShapeParams::reference_height).
+    pub(crate) more_px: Vec<f32>,
+    /// Pixels of the frame per pixel of the reference, in which curvature is measured; 1 without a
+    /// [reference height](ShapeParams::reference_height).
     pub resolution_factor: f64,
-    /// How the points of neighbouring pixels are found for directions of the surface's own curvature.
+    /// How positions are found for directions of the surface's own curvature.
     pub points: Points,
     /// How many pixels away they are, at the least and at the most.
-    pub direction_steps_px: [usize; 2],
+    pub(crate) direction_steps_px: [usize; 2],
     /// What there is to make it of.
     pub(crate) available: Available,
     /// Why nothing is asked of shape, where that is so.
@@ -84,7 +84,7 @@ impl std::fmt::Display for Decision {
 }
 
 impl Plan {
-    /// Every step there is, kept or left out, and why, in the order of execution.
+    /// Every step, kept or left out, and why, in the order of execution.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
@@ -92,7 +92,7 @@ impl Plan {
     /// Whether a step, by the name it has in [`Plan::decisions`], is part of the plan.
     ///
     /// # Panics
-    /// If no step is called so.
+    /// If there is no step of this name.
     pub fn runs(&self, step: &str) -> bool {
         let decision = self.decisions.iter().find(|known| known.step == step);
         decision
@@ -100,7 +100,7 @@ impl Plan {
             .kept
     }
 
-    /// Whether a product is asked for, or a stage takes it.
+    /// Whether a product is wanted, by the caller or by a stage.
     pub fn wants(&self, product: Product) -> bool {
         self.wanted.contains(&product)
     }

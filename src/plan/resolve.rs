@@ -1,5 +1,5 @@
-//! How a plan comes about: every stage decides for itself, from the last to the first, so that what one takes is known when
-//! those before it decide.
+//! How a plan is made: every stage decides for itself, from the last to the first, so that what later stages need is known
+//! when an earlier one decides.
 
 use crate::error::{Error, Result};
 use crate::light::enhancement::Enhancement;
@@ -16,7 +16,7 @@ use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a run is asked for.
+/// The result wanted of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Goal {
@@ -28,7 +28,7 @@ pub enum Goal {
     Enhance,
     /// New light.
     Relight,
-    /// The picture as it is: to be drawn.
+    /// The picture as it is, for a drawing.
     Picture,
 }
 
@@ -41,8 +41,8 @@ pub enum ToneFrom {
     Enhanced,
     /// New light.
     Relit(RelightParams, LightKinds),
-    /// What shows the shape: a key light, and new light, or else the picture by radiance scaling, or neither where there
-    /// is no picture; spread over all tones from ink to paper.
+    /// Tone that shows the shape: a key light, combined with new light, or else with the picture by radiance scaling, if
+    /// there is a picture; stretched over all tones from ink to paper.
     Shape(Option<(RelightParams, LightKinds)>),
 }
 
@@ -90,7 +90,7 @@ impl Plan {
     /// The plan for drawing a frame with the given inputs, in the tone of a picture.
     ///
     /// # Errors
-    /// As [`Plan::new`] and [`Plan::relight`]; also for a tone from a picture that there is not.
+    /// Those of [`Plan::new`] and [`Plan::relight`]; also for tone from a picture where there is none.
     pub fn hatch(
         available: Available,
         shape: ShapeParams,
@@ -138,11 +138,11 @@ impl Plan {
         })
     }
 
-    /// [`Plan::new`] whose gradient is also made at further scales, sigmas in pixels, by the same sweeps.
+    /// As [`Plan::new`], with the gradient also diffused to further scales, sigmas in pixels, by the same sweeps.
     ///
     /// # Errors
-    /// As [`Plan::new`]; also for further scales of explicit steps, whose sweeps are theirs alone, or
-    /// where pixels have a scale of their own by importance.
+    /// Those of [`Plan::new`]; also for further scales of explicit steps, which share no sweeps, or where importance gives
+    /// pixels scales of their own.
     pub fn at_scales(
         goal: Goal,
         available: Available,

@@ -1,4 +1,4 @@
-//! What a stage says of itself, where it is at home: all that plans, executors and memory know of it.
+//! The specification of a stage: all that plans, executors and caches know of it.
 
 use crate::engine::cpu::run::Run;
 #[cfg(feature = "gpu")]
@@ -6,32 +6,32 @@ use crate::engine::gpu::run::Run as DeviceRun;
 use crate::plan::Plan;
 use crate::product::Product;
 
-/// What runs as one: a pass over the frame, or several that belong together.
+/// A stage: a pass over the frame, or several that belong together.
 pub(crate) struct Stage {
     /// Its name in timings.
     pub(crate) name: &'static str,
-    /// What is decided of it, in the order of execution.
+    /// Its steps, each decided separately, in the order of execution.
     pub(crate) steps: &'static [Step],
-    /// Whether it runs where none of its steps says so.
+    /// Whether it runs even if none of its steps does.
     pub(crate) also_runs: fn(&Plan) -> bool,
-    /// What it takes of what others give, where it runs.
+    /// Products of other stages that it takes when it runs.
     pub(crate) takes: fn(&Plan) -> Vec<Product>,
     /// How far, in pixels, a sample of these reaches.
     pub(crate) reach_px: fn(&Plan) -> usize,
-    /// Parameters that its result depends on, in words that are equal where they are.
+    /// A key of the parameters that its result depends on: equal keys, equal results.
     pub(crate) depends_on: fn(&Plan) -> String,
-    /// Does it on the CPU.
+    /// Runs it on the CPU.
     pub(crate) cpu: fn(&mut Run),
     /// Records it for a device.
     #[cfg(feature = "gpu")]
     pub(crate) gpu: fn(&mut DeviceRun),
-    /// What of it a device cannot do, in a few words.
+    /// What a device cannot do, in a few words.
     #[cfg(feature = "gpu")]
     pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,
 }
 
 impl Stage {
-    /// A stage that takes no plane of the descriptor, and reaches nowhere.
+    /// A stage that takes no plane of the descriptor and has no reach.
     pub(crate) const DEFAULT: Self = Self {
         name: "",
         steps: &[],
@@ -46,17 +46,17 @@ impl Stage {
         gpu_lacks: |_| None,
     };
 
-    /// What its steps give.
+    /// The products of its steps.
     pub(crate) fn gives(&self) -> impl Iterator<Item = Product> + use<'_> {
         self.steps.iter().flat_map(|step| step.gives).copied()
     }
 }
 
-/// What is kept or left out for a reason of its own.
+/// A part of a stage that is kept or left out for a reason of its own.
 pub(crate) struct Step {
     /// Its name, as `--explain` prints it.
     pub(crate) name: &'static str,
-    /// What it gives, or has a part in.
+    /// The products that it makes or contributes to.
     pub(crate) gives: &'static [Product],
     /// Whether it runs, and why.
     pub(crate) decide: fn(&Plan) -> Verdict,

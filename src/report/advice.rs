@@ -2,12 +2,12 @@
 
 use super::Report;
 use super::light::LightReport;
-use super::light::lit::Surface;
+use super::light::lit::LitMaterial;
 use super::light::samples::Sweep;
 use super::mirrors::MirrorReport;
-use super::mirrors::bench::Row as MirrorRow;
+use super::mirrors::bench::MirrorRow;
 use super::numbers::{milliseconds, rounded, scientific};
-use super::sweeps::solver::{Row, ScaleSweep};
+use super::sweeps::solver::{ScaleSweep, SolverRow};
 use crate::params::{Method, Solver};
 
 /// Errors that settings are sought for, relative to the largest |g|.
@@ -15,7 +15,7 @@ pub(crate) const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// The cheapest row of `sweep` that can be asked for by flags and whose largest error of the gradient
 /// is within `budget`.
-pub(crate) fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&Row> {
+pub(crate) fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&SolverRow> {
     let good = sweep
         .rows
         .iter()
@@ -44,7 +44,7 @@ pub(crate) fn sentence(report: &Report) -> String {
         rounded(asked.grey_levels),
     );
     // Half a grey level cannot be seen; a setting that saves nothing is no advice.
-    let enough = |row: &&Row| row.flags.is_some() && row.grey_levels < 0.5;
+    let enough = |row: &&SolverRow| row.flags.is_some() && row.grey_levels < 0.5;
     let best = sweep
         .rows
         .iter()
@@ -88,7 +88,7 @@ pub(crate) fn of_light(light: &LightReport) -> String {
         let mut rows = subject.prefiltered.iter();
         rows.find(|row| row.surface == surface && !row.method.warps())
     };
-    let prefiltered = Surface::ALL.into_iter().filter_map(plain).map(|row| {
+    let prefiltered = LitMaterial::ALL.into_iter().filter_map(plain).map(|row| {
         let serves = if row.serves { "serves" } else { "does not" };
         let off = scientific(row.difference.errors.p99);
         format!("for {} {serves} ({off})", noun(row.surface))
@@ -150,9 +150,9 @@ pub(crate) fn altered(method: Method) -> &'static str {
 }
 
 /// The lit lobe in words.
-pub(crate) fn noun(surface: Surface) -> &'static str {
+pub(crate) fn noun(surface: LitMaterial) -> &'static str {
     match surface {
-        Surface::Lambert => "diffuse light",
-        Surface::Glossy => "highlights",
+        LitMaterial::Lambert => "diffuse light",
+        LitMaterial::Glossy => "highlights",
     }
 }

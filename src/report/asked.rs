@@ -1,4 +1,4 @@
-//! What a report is asked for: a frame, and how much is tried on it.
+//! The subject of a report: a frame, and how much is tried on it.
 
 use crate::frame::{Frame, Mask};
 use crate::params::ShapeParams;

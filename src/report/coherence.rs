@@ -1,4 +1,4 @@
-//! How well the drawings of a sequence go with its surface: each, moved as the surface did, against the next, for strokes
+//! Temporal coherence of drawings: each drawing of a sequence, moved with the surface, against the next, for strokes
 //! that lie still in the picture, for strokes that are carried along, and for lines along edges and inside surfaces.
 //!
 //! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
@@ -29,7 +29,7 @@ pub struct MovingFrame {
 
 /// From one frame to the next: mean absolute differences of ink, 0..1, over the pixels seen in both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Row {
+pub struct CoherenceRow {
     /// Number of the later frame.
     pub frame: i32,
     /// Mean length of the motion, in pixels.
@@ -52,7 +52,7 @@ pub struct Row {
 #[derive(Debug, Clone, Serialize)]
 pub struct Coherence {
     /// Row by row.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CoherenceRow>,
     /// Mean of each difference over the rows: still, carried, floor, lines.
     pub means: [f64; 4],
 }
@@ -77,7 +77,8 @@ pub fn measure(
         }
         before = Some(drawn);
     }
-    let mean = |of: fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64;
+    let mean =
+        |of: fn(&CoherenceRow) -> f64| rows.iter().map(of).sum::<f64>() / rows.len().max(1) as f64;
     let means = [
         mean(|r| r.still),
         mean(|r| r.carried),
@@ -219,7 +220,7 @@ impl SequenceDrawer {
         motion: &Vector2Planes,
         before: &Drawn,
         drawn: &Drawn,
-    ) -> Result<Row> {
+    ) -> Result<CoherenceRow> {
         let frame = &moving.frame;
         let seen = before.coordinates.seen_before(frame, motion);
         let path = Path {
@@ -235,7 +236,7 @@ impl SequenceDrawer {
         let lengths = motion.x.samples().iter().zip(motion.y.samples());
         let lengths: Vec<f32> = lengths.map(|(x, y)| x.hypot(*y)).collect();
         let shares = drawn.coordinates.mean_shares();
-        Ok(Row {
+        Ok(CoherenceRow {
             frame: moving.number,
             motion_px: mean(&lengths, &seen),
             seen_before: seen.count() as f64 / frame.mask.count().max(1) as f64,

@@ -12,7 +12,7 @@ use std::fmt::{self, Display};
 /// A result that is not a finite number is infinitely wrong: it spoils the mean, as it should, and is
 /// counted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Errors {
+pub(crate) struct Errors {
     /// Mean.
     pub mean: f64,
     /// 99 pixels in 100 stay below it.
@@ -30,7 +30,7 @@ pub struct Errors {
 impl Errors {
     /// The same errors with the worst pixel in the coordinates of `window`, from whose first
     /// column and row it was counted.
-    pub fn in_window(self, window: Window) -> Self {
+    pub(crate) fn in_window(self, window: Window) -> Self {
         let origin = [window.x0, window.y0].map(i64::from);
         Self {
             worst: self.worst.map(|[x, y]| [x + origin[0], y + origin[1]]),
@@ -51,7 +51,7 @@ impl Display for Errors {
 ///
 /// # Panics
 /// If a plane is not of the mask's size.
-pub fn compare<const N: usize>(
+pub(crate) fn compare<const N: usize>(
     found: [&Plane; N],
     exact: [&Plane<f64>; N],
     mask: &Mask,

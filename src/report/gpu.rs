@@ -1,5 +1,5 @@
-//! A device beside the CPU: what it takes, with copies to it and from it apart, how large its error is, and how far its
-//! products are from the CPU's.
+//! A device beside the CPU: its times, with copies to and from it separate, its errors, and the differences of its
+//! products from the CPU's.
 
 use super::engine::{
     Inputs, KERNELS, Outcome, Product, READ_BACK, RECORD, Session, UPLOAD, hatch_plan, relight_plan,
@@ -282,7 +282,7 @@ fn differences(
             return Some((product, f64::INFINITY));
         }
         let pairs = found.into_iter().zip(expected);
-        let apart = pairs.map(|((_, found), (_, expected))| product.apart(&found, &expected));
+        let apart = pairs.map(|((_, found), (_, expected))| product.difference(&found, &expected));
         Some((product, apart.reduce(f64::max)?))
     })
 }

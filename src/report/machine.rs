@@ -1,4 +1,4 @@
-//! The machine's memory bandwidth and its rate of multiplications and additions.
+//! Memory bandwidth and arithmetic rate of the machine.
 //!
 //! Both are measured in the rayon pool of the caller, in well under half a second, so that the time of
 //! a stage can be given as a share of the time that its data and its arithmetic take at best.

@@ -13,7 +13,7 @@ use super::compare::Errors;
 use super::numbers::{milliseconds, rounded, scientific};
 use super::plots::{self, DIRECTIONS, RIM};
 use super::sweeps::rim::{BANDS, FORESHORTENINGS};
-use super::sweeps::solver::{Row, ScaleSweep, SceneSweep};
+use super::sweeps::solver::{ScaleSweep, SceneSweep, SolverRow};
 use super::timing::Utilisation;
 use std::fmt::{self, Display};
 
@@ -163,7 +163,7 @@ fn head(report: &Report) -> String {
 fn enough(report: &Report) -> String {
     let sweep = &report.frame.scales[0];
     let rows = BUDGETS.map(|budget| (budget, cheapest(sweep, budget)));
-    let flags = |row: &Row| {
+    let flags = |row: &SolverRow| {
         format!(
             "`{} {}`",
             sweep.flag,
@@ -216,9 +216,10 @@ fn solver_table(scale: &ScaleSweep) -> String {
     let on_cpu = scale.rows.iter().map(|row| (row, ""));
     let on_gpu = scale.on_gpu.iter().map(|on_gpu| (&on_gpu.row, ", GPU"));
     // A star inside the bold would not let it end.
-    let mark = |row: &Row| if row.asked_for { " \\*" } else { "" };
-    let share =
-        |row: &Row, of: fn(Utilisation) -> f64| or_blank(row.utilisation.map(of).map(percent));
+    let mark = |row: &SolverRow| if row.asked_for { " \\*" } else { "" };
+    let share = |row: &SolverRow, of: fn(Utilisation) -> f64| {
+        or_blank(row.utilisation.map(of).map(percent))
+    };
     let table = table!(on_cpu.chain(on_gpu), (row, by) => {
         "solver": format!("{:?}{by}", row.solver),
         "setting": bold_if(row.on_front, &row.setting) + mark(row),

@@ -8,25 +8,25 @@ pub(crate) mod advice;
 mod asked;
 mod beside;
 pub mod coherence;
-pub mod compare;
+pub(crate) mod compare;
 mod drawing;
 mod engine;
 pub(crate) mod gpu;
-pub mod light;
+pub(crate) mod light;
 pub mod light_reference;
 mod machine;
 pub(crate) mod markdown;
 mod mirrors;
 mod numbers;
-pub mod pareto;
+pub(crate) mod pareto;
 mod pictures;
 pub(crate) mod plots;
 mod reference;
 pub mod scenes;
-pub mod stability;
-pub mod sweeps;
+pub(crate) mod stability;
+pub(crate) mod sweeps;
 pub mod timing;
-pub mod work;
+pub(crate) mod work;
 
 pub(crate) use self::asked::{Asked, Extent};
 use crate::Result;
@@ -68,8 +68,8 @@ pub(crate) struct Report {
     /// Solvers and tolerances on the frame.
     pub frame: SceneSweep,
     pub scenes: Vec<SceneSweep>,
-    pub runs: Vec<run::Row>,
-    pub precision: Vec<precision::Row>,
+    pub runs: Vec<run::RunRow>,
+    pub precision: Vec<precision::PrecisionRow>,
     /// Step and rounding of the surface's own directions on an ellipsoid.
     pub directions: directions::Sweep,
     /// Foreshortening and the floor of n_z on a ball.
@@ -192,7 +192,7 @@ fn sweeps(
     Ok((frame, scenes, beside::measured(device, asked, &all)?))
 }
 
-fn runs(asked: &Asked) -> Result<Vec<run::Row>> {
+fn runs(asked: &Asked) -> Result<Vec<run::RunRow>> {
     let (frame, shape, effort) = (asked.frame, asked.shape, asked.effort());
     asked.progress("threads");
     let mut rows = run::threads(frame, shape, effort)?;
@@ -202,7 +202,7 @@ fn runs(asked: &Asked) -> Result<Vec<run::Row>> {
     Ok(rows)
 }
 
-fn precision(asked: &Asked) -> Result<Vec<precision::Row>> {
+fn precision(asked: &Asked) -> Result<Vec<precision::PrecisionRow>> {
     asked.progress("half and byte input");
     let mut rows = precision::sweep(asked.name, asked.frame, asked.shape)?;
     let (width, height) = scene_size(asked.extent);

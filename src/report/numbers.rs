@@ -1,4 +1,4 @@
-//! How numbers are written on the page.
+//! Number formats of the page.
 
 /// A time in milliseconds, to three digits.
 pub(crate) fn milliseconds(seconds: f64) -> String {

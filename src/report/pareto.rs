@@ -2,7 +2,7 @@
 
 /// Whether each of `points`, [time, error], is on the front: no other is as fast and as good, and
 /// better in one of the two. Of two alike the first counts. A point with an infinite error is never.
-pub fn front(points: &[[f64; 2]]) -> Vec<bool> {
+pub(crate) fn front(points: &[[f64; 2]]) -> Vec<bool> {
     let beats = |a: [f64; 2], b: [f64; 2], earlier: bool| {
         a[0] <= b[0] && a[1] <= b[1] && (a != b || earlier)
     };

@@ -6,9 +6,9 @@
 use super::compare::{Errors, Tally, compare_where};
 use super::engine::{Inputs, Outcome, Session, hatch_plan, relight_plan};
 use super::gpu::{Gpu, GpuTimed, lamp, with_picture};
-use super::light::environment;
 use super::light::lit::{bare, off, some_covered, white};
 use super::light_reference::lit_at;
+use super::scenes::environment;
 use super::timing::{Effort, Times};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};

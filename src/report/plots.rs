@@ -10,12 +10,12 @@ use super::drawing::{field, strokes};
 use super::light::Subject;
 use super::light::samples::Sample;
 use super::mirrors::MirrorReport;
-use super::mirrors::bench::Row as MirrorRow;
+use super::mirrors::bench::MirrorRow;
 use super::pictures::PictureRow;
 use super::sweeps::directions;
 use super::sweeps::precision::Stored;
 use super::sweeps::rim::{BANDS, BallRow, FLOORS, FORESHORTENINGS};
-use super::sweeps::solver::{Row, ScaleSweep, SceneSweep};
+use super::sweeps::solver::{ScaleSweep, SceneSweep, SolverRow};
 use crate::params::Solver;
 use figure::{FAINT, FRONT, Marks, Panel, Point, SERIES, Series, figure, figure_up_to, ticks};
 use plotters::style::text_anchor::HPos;
@@ -80,7 +80,7 @@ fn error_against_time(sweep: &SceneSweep) -> String {
     if sweep.scales.iter().any(|scale| !scale.on_gpu.is_empty()) {
         legend.push(("on the GPU", SERIES[2]));
     }
-    let point = |row: &Row| {
+    let point = |row: &SolverRow| {
         let value = row.setting.rsplit(' ').next().unwrap_or_default();
         let mark = if row.asked_for { "* " } else { "" };
         let label = format!("{mark}{value}");
@@ -261,7 +261,7 @@ fn strokes_by_levels(sweep: &strokes::Sweep) -> String {
         _ => format!("{sets} sets"),
     });
     let legend: Vec<_> = names.iter().map(String::as_str).zip(SERIES).collect();
-    let panel = |caption: &str, of: fn(&strokes::Row) -> f64| {
+    let panel = |caption: &str, of: fn(&strokes::StrokeRow) -> f64| {
         let series = strokes::SETS.into_iter().zip(SERIES).map(|(sets, color)| {
             let rows = sweep.rows.iter().filter(|row| row.sets == sets);
             let points = rows.map(|row| Point::new(row.levels.into(), of(row), ""));

@@ -10,7 +10,7 @@ use crate::plan::{DiffusionSchedule, Recurrence};
 
 /// Bytes and operations per covered pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Work {
+pub(crate) struct Work {
     /// Bytes moved between memory and the processor.
     pub bytes: f64,
     /// Operations.
@@ -27,7 +27,11 @@ const SOBEL: f64 = 16.0;
 const FLUX: f64 = 11.0;
 
 /// The work of the stage that the backend times under `name`; `None` for one without a model.
-pub fn of_stage(name: &str, shape: &ShapeParams, sweeps: &DiffusionSchedule) -> Option<Work> {
+pub(crate) fn of_stage(
+    name: &str,
+    shape: &ShapeParams,
+    sweeps: &DiffusionSchedule,
+) -> Option<Work> {
     let planes = |read: u32, written: u32, operations: f64| Work {
         bytes: SAMPLE * f64::from(read + written),
         operations,

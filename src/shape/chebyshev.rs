@@ -16,7 +16,7 @@
 
 /// How far the gradient is diffused.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Spread {
+pub(crate) enum Spread {
     /// Exactly, for this time: a Gaussian of sigma `sqrt(2 t)` pixels in the open.
     Time(f64),
     /// As N explicit steps of this length would.
@@ -30,7 +30,7 @@ pub enum Spread {
 
 impl Spread {
     /// A share of it, 0..1, in time; whole steps stay whole.
-    pub fn share(self, importance: f64) -> Self {
+    pub(crate) fn share(self, importance: f64) -> Self {
         match self {
             Self::Time(t) => Self::Time(importance * t),
             Self::Steps { count, time_step } => Self::Steps {
@@ -70,7 +70,7 @@ impl Spread {
 /// Half of the tolerance bounds what is left out, the sum of all |a_k| beyond n, each weighted by how
 /// much waves may add up in a focus. The other half goes into making the sum over a constant exactly 1,
 /// so that the mean is kept whatever the tolerance.
-pub fn coefficients(spread: Spread, tolerance: f64) -> Vec<f64> {
+pub(crate) fn coefficients(spread: Spread, tolerance: f64) -> Vec<f64> {
     Expansion::up_to(spread).coefficients(spread, tolerance)
 }
 

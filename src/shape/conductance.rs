@@ -1,4 +1,4 @@
-//! Conductance: how freely the gradient may spread through a pixel, and across its faces.
+//! Conductance: how freely the gradient diffuses through a pixel and across its faces.
 
 use crate::engine::cpu::simd::widened;
 

@@ -9,7 +9,7 @@ pub(crate) mod edges;
 
 use std::ops::Range;
 
-pub mod chebyshev;
+pub(crate) mod chebyshev;
 pub mod conductance;
 pub mod crease;
 pub mod curvature;

@@ -1,4 +1,4 @@
-//! Silhouettes: where the surface ends or one part of it hides another.
+//! Silhouettes: where the surface ends or one part of it occludes another.
 //!
 //! Theory: [LW] section 4.4 takes the Sobel magnitude of depth. Changes: the logarithm of depth is
 //! differentiated, so the weight is the same for a coin and for a cathedral, and for z, distance

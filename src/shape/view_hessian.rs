@@ -1,4 +1,4 @@
-//! The curvature of a surface, as it is seen: for renderers that know their surfaces and have no picture yet.
+//! View-centred curvature of a known surface, for renderers that have no picture yet.
 
 use crate::params::ShapeParams;
 use glam::{Mat3, Vec3};

@@ -1,4 +1,4 @@
-//! A distance map as a surface that rays may meet.
+//! A distance map as a surface for rays to hit.
 
 use super::search::{Crossing, first_crossing, steps_for};
 use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
@@ -75,7 +75,7 @@ impl<'a> DistanceMap<'a> {
             Some(1.0 - (distance / surface).min(FAR_BEHIND))
         });
         match crossing {
-            Crossing::Met(s) => {
+            Crossing::Hit(s) => {
                 let (direction, distance) = place(s);
                 let point = center + distance * direction;
                 Some(Reached::Seen(point, point))

@@ -1,4 +1,4 @@
-//! Beyond the visible surface, from images alone: sight lines bent by mirrors and lenses, and what they meet.
+//! Sight lines bent by mirrors and lenses, traced beyond the visible surface in images alone.
 //!
 //! Theory: [LA] section 5.2. A sight line is mirrored at the visible surface, or refracted there and again where
 //! it leaves through the back faces; then it is followed through a distance map around the object, or through the
@@ -17,4 +17,4 @@ mod tracer;
 pub(crate) use distance_map::DistanceMap;
 pub(crate) use seen_surface::{SeenSurface, VisibleSurface};
 pub(crate) use texels::Reached;
-pub use tracer::{Hit, Met, Path, Tracer};
+pub use tracer::{Hit, HitSurface, Path, Tracer};

@@ -1,4 +1,4 @@
-//! Where a way first goes behind a surface: even steps, then the secant rule.
+//! The search along a path for where it first goes behind a surface: even steps, then the secant rule.
 
 use crate::params::SearchParams;
 
@@ -23,7 +23,7 @@ pub(super) fn steps_for(search: &SearchParams, share: f64) -> u32 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Crossing {
     /// It goes through the surface here.
-    Met(f64),
+    Hit(f64),
     /// It leaves, or goes on behind an edge for good, and what it may meet there is not seen. Here it was last seen in
     /// front of a surface.
     Unseen(f64),
@@ -55,7 +55,7 @@ pub(crate) fn first_crossing(
             && behind.gap <= 0.0
             && let Some(found) = narrowed(refinements, front, behind, &gap)
         {
-            return Crossing::Met(found);
+            return Crossing::Hit(found);
         }
         if here.is_some_and(|end| end.gap > 0.0) {
             in_front = Some(s);
@@ -121,7 +121,7 @@ mod tests {
 
     fn met(gap: impl Fn(f64) -> Option<f64>) -> f64 {
         match crossing(gap) {
-            Crossing::Met(s) => s,
+            Crossing::Hit(s) => s,
             other => panic!("{other:?}"),
         }
     }

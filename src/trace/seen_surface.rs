@@ -1,4 +1,4 @@
-//! A frame as a surface that rays may meet: what its camera saw of it.
+//! A frame as a surface for rays to hit: the part that its camera saw.
 
 use super::search::{Crossing, first_crossing, steps_for};
 use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
@@ -125,7 +125,7 @@ impl<'a> SeenSurface<'a> {
             (sight.point(at.x, at.y, depth, DepthKind::Planar), at)
         };
         match crossing {
-            Crossing::Met(s) => {
+            Crossing::Hit(s) => {
                 let (point, at) = point_at(s);
                 Some(Reached::Seen(point, at))
             }

@@ -1,4 +1,4 @@
-//! The four texels around a place of a map, each of which stands for the tangent plane of its surface.
+//! The four texels around a position on a map, each standing for the tangent plane of its surface.
 
 use crate::frame::Ray;
 use glam::{DVec2, DVec3};

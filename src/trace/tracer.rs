@@ -1,4 +1,4 @@
-//! The sight lines of a frame, bent by its specular surfaces, and what they meet.
+//! The tracer: sight lines of a frame, bent by its specular surfaces, and what they hit.
 
 use super::{DistanceMap, Reached, SeenSurface, VisibleSurface};
 use crate::frame::{Camera, Frame, Ray, SightLines, SpecularScene};
@@ -55,14 +55,14 @@ pub struct Hit {
     /// The unit normal there, toward where the ray came from.
     pub normal: DVec3,
     /// Which surface it is on.
-    pub met: Met,
+    pub surface: HitSurface,
     /// Whether it is seen; else the surface beside is taken to go on to there.
     pub is_seen: bool,
 }
 
 /// The surface that a ray met.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Met {
+pub enum HitSurface {
     /// What lies behind, as this place of the picture shows it.
     Behind(DVec2),
     /// The surroundings, as they are at this point of world space.
@@ -220,7 +220,7 @@ impl<'a> Tracer<'a> {
         Some(Hit {
             point,
             normal: against(surface.normal_at(at, shown)?, ray.direction),
-            met: Met::Behind(at),
+            surface: HitSurface::Behind(at),
             is_seen,
         })
     }
@@ -239,7 +239,7 @@ impl<'a> Tracer<'a> {
         Some(Hit {
             point: camera.view_from_world.transform_point3(world),
             normal: against(normal, ray.direction),
-            met: Met::Surroundings(shown),
+            surface: HitSurface::Surroundings(shown),
             is_seen,
         })
     }
@@ -249,13 +249,13 @@ impl<'a> Tracer<'a> {
         if !hit.is_seen {
             return None;
         }
-        match hit.met {
-            Met::Behind(at) => {
+        match hit.surface {
+            HitSurface::Behind(at) => {
                 let surface = self.behind.as_ref()?;
                 let color = surface.frame().color.as_ref()?;
                 surface.color_at(color, at, hit.point)
             }
-            Met::Surroundings(world) => {
+            HitSurface::Surroundings(world) => {
                 let (map, _) = self.around.as_ref()?;
                 map.color_at(map.surroundings().color.as_ref()?, world)
             }

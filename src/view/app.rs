@@ -1,4 +1,4 @@
-//! The window: what it holds, and how its parts fit together.
+//! The window: its state and layout.
 
 use super::canvas::{Canvas, Painted};
 use super::controls::Controls;

@@ -1,4 +1,4 @@
-//! Strokes along the directions of curvature, on a grid.
+//! Short strokes along the directions of curvature, on a grid.
 
 use crate::engine::outcome::Outcome;
 

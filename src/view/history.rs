@@ -1,4 +1,4 @@
-//! Undo and redo: every look that somebody has rested at.
+//! Undo and redo: every look that was left unchanged for a moment.
 
 use crate::command::look::Look;
 

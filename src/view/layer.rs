@@ -1,4 +1,4 @@
-//! What is shown of a frame.
+//! The layers of a frame that can be shown.
 
 use super::flow;
 use crate::command::look::{Pixels, Said, What};

@@ -1,4 +1,4 @@
-//! What lies over the picture: values under the pointer, a word to those who have no picture yet.
+//! Overlays: values under the pointer, and a hint while there is no picture.
 
 use super::probe::Value;
 use eframe::egui::{Align2, Color32, CornerRadius, FontId, Rect, RichText, Ui, Vec2, pos2, vec2};

@@ -1,4 +1,4 @@
-//! The frames of a sequence that are there.
+//! The existing frames of a sequence.
 
 use crate::io::sequence::{is_pattern, path_of_frame};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What keys do, and the window that lists them.
+//! Keyboard shortcuts, and the window that lists them.
 
 use eframe::egui::{Context, Grid, Key, KeyboardShortcut, Modifiers, Ui, Window};
 

@@ -1,4 +1,4 @@
-//! The thread that reads, computes and writes: the window only asks it, and looks at what it has made.
+//! The worker thread: reads, computes and writes for the window.
 
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
@@ -111,14 +111,14 @@ impl Worker {
         let (sender, replies) = channel();
         let theirs = shared.clone();
         std::thread::spawn(move || {
-            let bench = Bench {
-                studio: ViewSession::new(engine.clone()),
+            let worker = ViewWorker {
+                session: ViewSession::new(engine.clone()),
                 engine,
                 save,
                 times: BTreeMap::new(),
                 replies: sender,
             };
-            bench.work(&theirs, wake);
+            worker.work(&theirs, wake);
         });
         Self { shared, replies }
     }
@@ -152,8 +152,8 @@ impl Drop for Worker {
 }
 
 /// The thread, from its own side.
-struct Bench {
-    studio: ViewSession,
+struct ViewWorker {
+    session: ViewSession,
     engine: Arc<Engine>,
     save: SavePicture,
     /// How long whole pictures took, in seconds, by the setting that was changed.
@@ -167,13 +167,13 @@ enum Task {
     Save(Save, Look, Reading, PathBuf),
 }
 
-impl Bench {
+impl ViewWorker {
     fn work(mut self, shared: &Shared, wake: impl Fn()) {
         while let Some(task) = next(shared) {
             let tried = catch_unwind(AssertUnwindSafe(|| self.reply(&task)));
             let reply = tried.unwrap_or_else(|_| {
                 // Whatever it had in hand may be half made.
-                self.studio = ViewSession::new(self.engine.clone());
+                self.session = ViewSession::new(self.engine.clone());
                 let said =
                     "this is a mistake of relievo's own, reported on stderr; please report it";
                 match &task {
@@ -198,8 +198,8 @@ impl Bench {
                 Err(said) => Reply::Failed(order.number, said),
             }),
             Task::Probe(pixel) => {
-                let (frame, outcome) = (self.studio.frame()?, self.studio.outcome()?);
-                let seen = pixel.map(|place| place / self.studio.step());
+                let (frame, outcome) = (self.session.frame()?, self.session.outcome()?);
+                let seen = pixel.map(|place| place / self.session.step());
                 let values = probe::values(frame, outcome, seen);
                 Some(Reply::Probed(*pixel, values))
             }
@@ -225,24 +225,24 @@ impl Bench {
         let is_compared = order.before && *layer == Layer::Picture;
         let mut before = None;
         if let Some(plain) = look.unaltered().filter(|_| is_compared) {
-            self.studio.make(&plain, reading, What::Picture, step)?;
-            before = self.studio.picture();
+            self.session.make(&plain, reading, What::Picture, step)?;
+            before = self.session.picture();
         }
-        self.studio.make(look, reading, layer.made_of(), step)?;
-        let frame = self.studio.frame().expect("a picture was made of it");
-        let outcome = self.studio.outcome().expect("a picture was made");
+        self.session.make(look, reading, layer.made_of(), step)?;
+        let frame = self.session.frame().expect("a picture was made of it");
+        let outcome = self.session.outcome().expect("a picture was made");
         let pixels = match layer {
-            Layer::Picture | Layer::Curvature => self.studio.picture().expect("it was made"),
+            Layer::Picture | Layer::Curvature => self.session.picture().expect("it was made"),
             _ => layer::pixels(*layer, frame, outcome)?,
         };
         let arrows = match layer {
             Layer::Arrows => arrows(outcome, step),
             _ => Vec::new(),
         };
-        let step = self.studio.step();
-        let (size, pixel_aspect) = self.studio.size().expect("a frame was read");
+        let step = self.session.step();
+        let (size, pixel_aspect) = self.session.size().expect("a frame was read");
         if is_compared && before.is_none() {
-            before = self.studio.as_it_came();
+            before = self.session.as_it_came();
         }
         let took = start.elapsed();
         if step == 1 {
@@ -257,10 +257,10 @@ impl Bench {
             pixels: Arc::new(pixels),
             before: before.map(Arc::new),
             arrows,
-            chosen: self.studio.chosen_numbers(),
-            warnings: self.studio.warnings(),
+            chosen: self.session.chosen_numbers(),
+            warnings: self.session.warnings(),
             took,
-            counts: self.studio.counts().cloned().unwrap_or_default(),
+            counts: self.session.counts().cloned().unwrap_or_default(),
         })
     }
 
@@ -279,8 +279,8 @@ impl Bench {
 
     /// Writes the recipe that the command line writes with the same settings.
     fn save_recipe(&mut self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
-        self.studio.make(look, reading, What::Picture, 1)?;
-        let text = self.studio.recipe(look, reading)?;
+        self.session.make(look, reading, What::Picture, 1)?;
+        let text = self.session.recipe(look, reading)?;
         let written = write_text(path, Replace::IfWritable, &text);
         written.map_err(|error| error.to_string())
     }

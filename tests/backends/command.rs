@@ -2,7 +2,6 @@
 
 use super::on_gpu;
 use crate::common::program::{Ran, fixture, program, run};
-use relievo::engine::difference;
 use relievo::frame::{Plane, Vector2Planes};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::product::Product;
@@ -61,19 +60,19 @@ fn the_program_writes_what_the_cpu_writes() {
             assert_eq!(found.len(), expected.len());
             for ((name, found), (_, expected)) in found.iter().zip(&expected) {
                 if work.starts_with("hatch") {
-                    let apart = Product::Strokes.apart(&[found], &[expected]);
+                    let apart = Product::Strokes.difference(&[found], &[expected]);
                     let allowed = Product::Strokes.tolerance();
                     assert!(apart < allowed, "{work}: {name} is off by {apart:e}");
                 // Directions leap where two curvatures are alike, or to their opposites, which are the same.
                 } else if !name.starts_with("relievo.Direction") {
-                    let apart = difference(found, expected);
+                    let apart = Product::Picture.difference(&[found], &[expected]);
                     assert!(apart < 2e-5, "{work}: {name} is off by {apart:e}");
                 }
             }
             if work == "shape" {
                 let [found, expected] = [&found, &expected].map(|channels| directions(channels));
-                let apart =
-                    Product::Direction.apart(&[&found.x, &found.y], &[&expected.x, &expected.y]);
+                let apart = Product::Direction
+                    .difference(&[&found.x, &found.y], &[&expected.x, &expected.y]);
                 assert!(apart < Product::Direction.tolerance(), "off by {apart:e}");
             }
         }

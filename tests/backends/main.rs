@@ -93,7 +93,7 @@ fn assert_alike(
         let (_, found) = same.nth(count).unwrap_or_else(|| {
             panic!("{name}: {product:?} is missing");
         });
-        worst.push((product, product.apart(found, &expected)));
+        worst.push((product, product.difference(found, &expected)));
     }
     for (product, apart) in worst {
         let allowed = tolerance(product).unwrap();

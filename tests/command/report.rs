@@ -1,7 +1,6 @@
 //! `relievo report`: its files, and what the numbers in them have to hold to.
 
 use crate::common::program::{Ran, fixture, run};
-use relievo::report::pareto::front;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -187,6 +186,20 @@ fn finer_tolerances_and_shorter_steps_are_better() {
             }
         }
     }
+}
+
+/// Whether each point, [time, error], is on the Pareto front: no other is as good in both, and better in one or earlier
+/// in the list; an infinite error is never on it.
+fn front(points: &[[f64; 2]]) -> Vec<bool> {
+    let is_beaten = |i: usize| {
+        points.iter().enumerate().any(|(j, other)| {
+            let as_good = (0..2).all(|k| other[k] <= points[i][k]);
+            i != j && as_good && (*other != points[i] || j < i)
+        })
+    };
+    (0..points.len())
+        .map(|i| points[i].iter().all(|v| v.is_finite()) && !is_beaten(i))
+        .collect()
 }
 
 #[test]

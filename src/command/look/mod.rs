@@ -2,10 +2,10 @@
 //! are those of the flags.
 
 mod setting;
-mod studio;
+mod view_session;
 
 pub(crate) use setting::{Kind, Setting, settings_of};
-pub(crate) use studio::{Pixels, Reading, ViewSession, What};
+pub(crate) use view_session::{Pixels, Reading, ViewSession, What};
 
 use super::chosen::Chosen;
 use super::commands::{ViewArgs, command_named, long, typed_ids};

@@ -1,4 +1,4 @@
-//! What a run of a frame leaves to the next one of the same frame.
+//! The cache of a session: results that the next run of the same frame can use.
 
 use crate::engine::outcome::{Outcome, ShapeSlots};
 use crate::engine::slot::Slot;
@@ -30,9 +30,9 @@ impl FrameCache {
     /// The edges of this key, if they are kept; weights that are not `wanted` stay here.
     pub(crate) fn take_edges(&mut self, key: &str, wanted: bool) -> Option<Weights> {
         let shape = &mut self.shape;
-        shape.silhouette.hold(key);
-        shape.crease.hold(key);
-        self.undiffused.hold(key);
+        shape.silhouette.invalidate_unless(key);
+        shape.crease.invalidate_unless(key);
+        self.undiffused.invalidate_unless(key);
         let all = shape.silhouette.get().is_some()
             && shape.crease.get().is_some()
             && self.undiffused.get().is_some();

@@ -1,5 +1,5 @@
-//! What other backends leave to the CPU: what follows lines from pixel to pixel, what is carried from frame to frame, and
-//! what is chosen from, or found on, a frame that a device takes in strips.
+//! Work that other backends leave to the CPU: following lines from pixel to pixel, state carried from frame to frame, and
+//! choices from the whole of a frame that a device processes in strips.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Runner;

@@ -1,5 +1,5 @@
-//! Planes of finished runs, used again: a system hands out fresh memory page by page, which costs more
-//! than many a pass over it.
+//! Recycled planes of finished runs: fresh memory comes page by page from the system, which costs more than many a pass
+//! over it.
 
 use crate::frame::{Mask, Plane, Vector2Planes};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! The value below which a given percentage of many others lies, without sorting or copying them.
+//! Percentiles of many values, without sorting or copying them.
 //!
 //! Floats are ordered as their bits are, once those of negative ones are turned about. So a histogram of
 //! the upper half of the bits tells in which bin the value lies, and one of the lower half, over that

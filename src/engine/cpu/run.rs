@@ -1,4 +1,4 @@
-//! One frame on its way through the stages of a plan.
+//! One run of a plan: a frame on its way through the stages.
 
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::memory::Memory;

@@ -1,4 +1,4 @@
-//! The CPU as a caller sees it: plans run one after another, in memory that is kept.
+//! The runner of the CPU: plans run one at a time, in recycled memory.
 
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::run::{Run, Runner};

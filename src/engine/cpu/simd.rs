@@ -217,7 +217,7 @@ mod tests {
         };
         let blank = || vec![0.0; WIDTH];
         let [mut kappa, mut toward, mut lobe, mut group] = [blank(), blank(), blank(), blank()];
-        let [mut plain, mut scaled, mut change, mut told] = [blank(), blank(), blank(), blank()];
+        let [mut plain, mut scaled, mut change, mut layered] = [blank(), blank(), blank(), blank()];
         simd.kappa_row(&mut kappa, a[0], -3.0);
         simd.kappa_toward_row(&mut toward, a, [0.6, -0.3], 2.0, 0.7);
         let row = LobeRow {
@@ -229,9 +229,9 @@ mod tests {
         simd.lobe_sigma_row(&mut lobe, &row, &kappa, &by);
         simd.add_direction_row(&mut plain, &mut scaled, a, [0.6, 0.0, -0.8], &toward, &by);
         simd.group_sigma_row(&mut group, &plain, &scaled);
-        simd.add_change_row(&mut change, &mut told, a, &lobe);
+        simd.add_change_row(&mut change, &mut layered, a, &lobe);
         let mut out = blank();
-        simd.changed_row(&mut out, b[0], &change, &told, &covered);
+        simd.changed_row(&mut out, b[0], &change, &layered, &covered);
         let [mut red, mut green, mut blue] = b.map(<[f32]>::to_vec);
         let color = [&mut red[..], &mut green[..], &mut blue[..]];
         simd.occlude_row(color, a[1], &kappa, &covered, &by);

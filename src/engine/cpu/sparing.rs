@@ -1,4 +1,4 @@
-//! Drawings of large pictures: the shape and the tone are made in bands, and what strokes do not take is not kept.
+//! Drawings of large pictures: shape and tone are computed in bands, and only what strokes need is kept.
 
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;

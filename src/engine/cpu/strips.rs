@@ -1,4 +1,4 @@
-//! What is chosen from a whole picture that comes strip by strip.
+//! Automatic choices from a whole picture that is processed in strips.
 
 use crate::engine::cpu::percentile::PercentileSearch;
 use crate::engine::cpu::run::{Run, Runner};

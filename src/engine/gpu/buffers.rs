@@ -46,19 +46,19 @@ impl Buffers {
     }
 
     /// Takes buffers that were copied to from the host, or not.
-    pub(crate) fn take_back(
+    pub(crate) fn recycle_either(
         &self,
         buffers: impl IntoIterator<Item = wgpu::Buffer>,
         is_copied: bool,
     ) {
         match is_copied {
-            true => self.take_back_copied(buffers),
+            true => self.recycle_copied(buffers),
             false => self.recycle(buffers),
         }
     }
 
     /// Takes buffers that [`Buffers::take_to_copy`] gave, after the run.
-    pub(crate) fn take_back_copied(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
+    pub(crate) fn recycle_copied(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
         self.copied.recycle(buffers);
     }
 

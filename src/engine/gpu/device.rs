@@ -85,13 +85,13 @@ impl Device {
             remedy: "use --backend cpu",
         })?;
         let lost = Arc::new(Mutex::new(None));
-        let told = lost.clone();
+        let why_lost = lost.clone();
         device.set_device_lost_callback(move |reason, why| {
             let why = match one_line(&why) {
                 nothing if nothing.is_empty() => format!("{reason:?}").to_lowercase(),
                 why => why,
             };
-            *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+            *why_lost.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
         });
         let clock = wgpu::Features::TIMESTAMP_QUERY;
         let has_clock = device.features().contains(clock);

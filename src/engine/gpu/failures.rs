@@ -40,7 +40,7 @@ fn assert_is_of_the_cpu(found: &Outcome, plan: &Plan, frame: &Frame) {
     let [(Product::Picture, found)] = &found[..] else {
         panic!("a picture, and nothing else")
     };
-    let apart = Product::Picture.apart(found, &[&expected.r, &expected.g, &expected.b]);
+    let apart = Product::Picture.difference(found, &[&expected.r, &expected.g, &expected.b]);
     assert!(apart <= Product::Picture.tolerance(), "off by {apart:e}");
 }
 
@@ -214,7 +214,7 @@ fn where_memory_is_wanting_the_same_drawing_comes_in_strips() {
         .execute(&plan, &frame, inputs)
         .unwrap();
     let drawn = |outcome: &Outcome| outcome.drawing.as_ref().unwrap().hatching.clone();
-    let apart = Product::Strokes.apart(&[&drawn(&made.unwrap())], &[&drawn(&expected)]);
+    let apart = Product::Strokes.difference(&[&drawn(&made.unwrap())], &[&drawn(&expected)]);
     assert!(apart <= Product::Strokes.tolerance(), "{apart:e}");
 }
 

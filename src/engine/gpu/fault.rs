@@ -1,4 +1,4 @@
-//! What goes wrong on a device, and what is done about a want of memory.
+//! Faults of a device, and what is done when it is out of memory.
 
 use crate::engine::gpu::device::Device;
 use crate::error::Error;
@@ -113,12 +113,12 @@ mod tests {
             source: source(),
             description: "buffer is invalid".into(),
         };
-        let told = |errors| first(errors).map(|error| error.to_string());
-        let both = told([Some(memory()), None, Some(invalid())]);
+        let message = |errors| first(errors).map(|error| error.to_string());
+        let both = message([Some(memory()), None, Some(invalid())]);
         assert_eq!(both, Some(memory().to_string()));
-        let invalid_alone = told([None, None, Some(invalid())]);
+        let invalid_alone = message([None, None, Some(invalid())]);
         assert_eq!(invalid_alone, Some(invalid().to_string()));
-        assert_eq!(told([None, None, None]), None);
+        assert_eq!(message([None, None, None]), None);
     }
 
     #[test]

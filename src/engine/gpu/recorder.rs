@@ -141,13 +141,13 @@ impl<'d> Recorder<'d> {
         let device = &self.device.device;
         let program = self.programs.of(device, kernel, switches);
         let bytes = uniforms.bytes();
-        let told = device.create_buffer(&wgpu::BufferDescriptor {
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: bytes.len() as u64,
             usage: wgpu::BufferUsages::UNIFORM,
             mapped_at_creation: true,
         });
-        match told.slice(..).get_mapped_range_mut() {
+        match uniform.slice(..).get_mapped_range_mut() {
             Ok(mut range) => range.copy_from_slice(&bytes),
             // It was mapped when it was made: it was not made.
             Err(error) => {
@@ -155,8 +155,8 @@ impl<'d> Recorder<'d> {
                 return;
             }
         }
-        told.unmap();
-        let entries: Vec<_> = std::iter::once(("params", &told))
+        uniform.unmap();
+        let entries: Vec<_> = std::iter::once(("params", &uniform))
             .chain(buffers.named())
             .map(|(name, buffer)| wgpu::BindGroupEntry {
                 binding: program.binding(name),

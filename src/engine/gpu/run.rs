@@ -4,7 +4,7 @@ use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
 use crate::engine::gpu::recorder::{Programs, Recorder, Timings};
-use crate::engine::gpu::surface::{Picture, Surface, Upload};
+use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
@@ -23,7 +23,7 @@ pub(crate) struct Run<'a> {
     pub(crate) device: &'a Device,
     pub(crate) buffers: &'a Buffers,
     pub(crate) recorder: Recorder<'a>,
-    pub(crate) surface: Surface,
+    pub(crate) surface: SurfaceBuffers,
     /// The numbers that are chosen from the whole picture: gain and white level.
     pub(crate) chosen: wgpu::Buffer,
     pub(crate) made: Made,
@@ -37,7 +37,7 @@ impl<'a> Run<'a> {
         device: &'a Device,
         programs: &'a Programs,
         buffers: &'a Buffers,
-        surface: Surface,
+        surface: SurfaceBuffers,
         chosen: [f32; 2],
     ) -> Self {
         let upload = Upload { device, buffers };
@@ -89,12 +89,12 @@ impl<'a> Run<'a> {
     }
 
     /// Copies numbers to the device.
-    pub(crate) fn hold(&mut self, numbers: &[f32]) -> wgpu::Buffer {
-        self.hold_bytes(bytemuck::cast_slice(numbers))
+    pub(crate) fn uploaded(&mut self, numbers: &[f32]) -> wgpu::Buffer {
+        self.uploaded_bytes(bytemuck::cast_slice(numbers))
     }
 
     /// Copies whatever it is to the device.
-    pub(crate) fn hold_bytes(&mut self, bytes: &[u8]) -> wgpu::Buffer {
+    pub(crate) fn uploaded_bytes(&mut self, bytes: &[u8]) -> wgpu::Buffer {
         let buffer = self.upload().bytes(bytes);
         self.held.push(buffer.clone());
         buffer
@@ -130,7 +130,7 @@ impl<'a> Run<'a> {
     pub(crate) fn finish(self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
         let done = self.recorder.run(wanted)?;
         let copied = self.surface.into_buffers().chain(self.held);
-        self.buffers.take_back_copied(copied.chain([self.chosen]));
+        self.buffers.recycle_copied(copied.chain([self.chosen]));
         Ok(done)
     }
 }

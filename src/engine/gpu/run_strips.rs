@@ -104,7 +104,7 @@ impl Runner {
                 found = read.into_iter().next().expect("what was chosen is read");
                 let shape = shape.into_iter().flat_map(|shape| shape.into_buffers());
                 self.buffers.recycle(shape);
-                self.buffers.take_back_copied(picture.into_iter().flatten());
+                self.buffers.recycle_copied(picture.into_iter().flatten());
             }
         }
         let searching = searching.into_iter();

@@ -9,7 +9,7 @@ use crate::engine::gpu::fault::{Fault, in_memory, watched};
 use crate::engine::gpu::made::Layer;
 use crate::engine::gpu::recorder::Programs;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::surface::{Upload, WIDEST, apart};
+use crate::engine::gpu::surface::{Upload, WIDEST, deinterleave};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
@@ -150,7 +150,7 @@ impl Runner {
             self.programs.forget();
             self.light.forget_maps();
             self.texture.forget();
-            // Memory is free when nothing uses it any more; that a lost device does not answer was told.
+            // Memory is free once nothing uses it; that a lost device does not answer has been reported.
             let _ = wait_for(&self.device.device, None);
         }
         done
@@ -301,7 +301,7 @@ impl Runner {
             outcome.white_level = Some(chosen[WHITE as usize]);
         }
         let picture = picture.into_iter().flatten();
-        self.buffers.take_back(picture, is_copied);
+        self.buffers.recycle_either(picture, is_copied);
         self.buffers.recycle(made.into_buffers());
         Ok(outcome)
     }
@@ -326,8 +326,8 @@ fn put_layers(
         let samples = read.by_ref().take(layer.buffers.len());
         let planes = samples.flat_map(|samples| match components / layer.buffers.len() {
             1 => vec![samples],
-            2 => apart::<2>(&samples).into(),
-            _ => apart::<4>(&samples).into(),
+            2 => deinterleave::<2>(&samples).into(),
+            _ => deinterleave::<4>(&samples).into(),
         });
         let mut planes = planes.map(|samples| plane(frame, samples));
         let is_there = |product: &Product| !outcome.planes(*product).is_empty();

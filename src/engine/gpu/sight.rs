@@ -57,8 +57,8 @@ pub(crate) fn lines(frame: &Frame, sight: &SightLines) -> Linear {
     Linear::of(frame, |x, y| sight.line(x, y).1.truncate())
 }
 
-/// How far apart points at a depth of 1 are that are a column, or a row, apart.
-pub(crate) fn apart(frame: &Frame, sight: &SightLines) -> [f32; 2] {
+/// The step between points at a depth of 1 from one column, and from one row, to the next.
+pub(crate) fn step_at_unit_depth(frame: &Frame, sight: &SightLines) -> [f32; 2] {
     let point = |x, y| {
         let (start, line): (DVec3, DVec3) = sight.line(x, y);
         (start + line).truncate()

@@ -18,7 +18,7 @@ pub(crate) const WIDEST: u64 = 4;
 pub(crate) type Picture = [wgpu::Buffer; 3];
 
 /// What shape is made of, on the device.
-pub(crate) struct Surface {
+pub(crate) struct SurfaceBuffers {
     /// Columns and rows.
     pub(crate) size: [u32; 2],
     /// Where it is covered, in words of 32 pixels.
@@ -104,7 +104,7 @@ impl Upload<'_> {
     }
 
     /// What `plan` takes of `frame`.
-    pub(crate) fn surface(self, plan: &Plan, frame: &Frame) -> Surface {
+    pub(crate) fn surface(self, plan: &Plan, frame: &Frame) -> SurfaceBuffers {
         let map = match SilhouetteSource::of(plan) {
             _ if !plan.wants(Product::Conductance) => None,
             SilhouetteSource::Depth => frame.depth.as_ref(),
@@ -112,7 +112,7 @@ impl Upload<'_> {
             SilhouetteSource::Border => None,
         };
         let normal = &frame.normal;
-        Surface {
+        SurfaceBuffers {
             size: [frame.mask.width() as u32, frame.mask.height() as u32],
             covered: self.coverage(&frame.mask),
             normal: [&normal.x, &normal.y, &normal.z].map(|plane| self.plane(plane)),
@@ -123,7 +123,7 @@ impl Upload<'_> {
     }
 }
 
-impl Surface {
+impl SurfaceBuffers {
     /// Bytes of a plane of numbers.
     pub(crate) fn plane_bytes(&self) -> u64 {
         4 * u64::from(self.size[0]) * u64::from(self.size[1])
@@ -141,7 +141,7 @@ impl Surface {
 }
 
 /// The components of vectors that stand one after the other.
-pub(crate) fn apart<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
+pub(crate) fn deinterleave<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
     let (vectors, _) = samples.as_chunks::<N>();
     std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())
 }

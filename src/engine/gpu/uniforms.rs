@@ -39,7 +39,7 @@ macro_rules! uniforms {
 pub(crate) use uniforms;
 
 uniforms! {
-    /// Of kernels that are told nothing but the size of the picture.
+    /// Of kernels that need only the size of the picture.
     SizeParams {
         width: u32,
         height: u32,

@@ -1,4 +1,4 @@
-//! A frame of samples in memory.
+//! The builder of frames from samples in memory.
 
 mod build;
 mod light;
@@ -55,7 +55,7 @@ impl<'a> Normals<'a> {
         }
     }
 
-    /// Axes, as stored, that point the wrong way: y of DirectX normal maps, z where it points away from the viewer.
+    /// Stored axes that are reversed: y of DirectX normal maps, z that points away from the viewer.
     pub fn flipped(self, flip: Flip) -> Self {
         Self { flip, ..self }
     }
@@ -126,7 +126,7 @@ impl Frame {
 }
 
 impl<'a> FrameBuilder<'a> {
-    /// Normals. Without depth, mask and alpha a surface is seen where they have a direction.
+    /// Normals. Without depth, mask and alpha the surface is where they have a direction.
     pub fn normals(self, normals: Normals<'a>) -> Self {
         Self {
             normals: Some(normals),
@@ -153,7 +153,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Where a surface was seen: above 0.5. 1 channel.
+    /// Coverage of the surface: covered above 0.5. 1 channel.
     pub fn mask(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             mask: Some(samples.into()),
@@ -170,8 +170,8 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Coverage of the picture, 0..1, 1 channel; it goes before a fourth channel of the colour. Without a mask and
-    /// without depth that shows coverage, a surface is seen where it is above 0.5.
+    /// Coverage of the picture, 0..1, 1 channel; it overrides a fourth channel of the colour. Without a mask, and without
+    /// depth that shows coverage, the surface is where alpha is above 0.5.
     pub fn alpha(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             alpha: Some(samples.into()),
@@ -179,7 +179,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Colour of the surface itself, scene-linear, 1 or 3 channels. NaN becomes 0, infinity 65504.
+    /// Albedo, scene-linear, 1 or 3 channels. NaN becomes 0, infinity 65504.
     pub fn albedo(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             albedo: Some(samples.into()),
@@ -187,8 +187,8 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Ambient occlusion, 0 (hidden) to 1 (open), 1 channel: shows silhouettes where there is no depth. Where it is not
-    /// given, alpha that varies stands in.
+    /// Ambient occlusion, 0 (hidden) to 1 (open), 1 channel: shows silhouettes where there is no depth. Without it, alpha
+    /// that varies is used instead.
     pub fn occlusion(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             occlusion: Some(samples.into()),
@@ -196,7 +196,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Share of the diffusion asked for that each pixel gets, 0 (all detail stays) to 1, 1 channel.
+    /// Importance: the share of the diffusion that each pixel gets, 0 (all detail stays) to 1, 1 channel.
     pub fn importance(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             importance: Some(samples.into()),
@@ -205,14 +205,14 @@ impl<'a> FrameBuilder<'a> {
     }
 
     /// A layer of one lobe of the picture's light, scene-linear, 1 or 3 channels. The lobe's radiance is
-    /// `(direct + indirect) * color`; given twice, the last one counts.
+    /// `(direct + indirect) * color`; of the same layer given twice, the last counts.
     pub fn lobe(mut self, lobe: Lobe, layer: LobeLayer, samples: impl Into<Samples<'a>>) -> Self {
         self.light.lobes.push((lobe, layer, samples.into()));
         self
     }
 
-    /// The part of the picture that some lights make, scene-linear, 1 or 3 channels, and unit directions in view space
-    /// to them, or to samples of an area light.
+    /// A light group: its part of the picture, scene-linear, 1 or 3 channels, and unit directions in view space to its
+    /// lights, or to samples of an area light.
     pub fn light_group(
         mut self,
         name: impl Into<String>,
@@ -226,7 +226,7 @@ impl<'a> FrameBuilder<'a> {
         self
     }
 
-    /// Ambient occlusion as a part of the light, 1 where the surface is open, 1 channel: what curvature scales it by.
+    /// Ambient occlusion to be scaled by curvature as a part of the light, 1 where the surface is open, 1 channel.
     pub fn light_occlusion(mut self, samples: impl Into<Samples<'a>>) -> Self {
         self.light.occlusion = Some(samples.into());
         self

@@ -15,6 +15,7 @@ mod stored {
     use half::f16;
 
     /// Keeps [`super::Sample`] closed, and converts.
+    #[allow(unnameable_types, reason = "it seals `Sample`")]
     pub trait Stored: Copy {
         /// Largest rounding error of a quantity from -1 to 1 stored in this type.
         const ROUNDING: f32;

@@ -78,7 +78,7 @@ pub(super) struct Patch {
 }
 
 /// Normals and depth of one picture.
-pub(super) struct Surface<'a> {
+pub(super) struct NormalsAndDepth<'a> {
     pub(super) normal: &'a Vector3Planes,
     pub(super) depth: &'a Plane,
     pub(super) mask: &'a Mask,
@@ -100,7 +100,7 @@ struct Sums {
     length: f64,
 }
 
-impl Surface<'_> {
+impl NormalsAndDepth<'_> {
     /// Patches on an even grid over the picture, of the strictest choice that gives enough of them.
     pub(super) fn patches(&self) -> Vec<Patch> {
         let roomy = self.mask.count() >= 4 * ENOUGH;

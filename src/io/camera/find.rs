@@ -8,7 +8,7 @@ use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::finding::Finding;
 use crate::io::inputs::Inputs;
 use crate::io::normal_space::judge_normal_space;
-use crate::io::surface::Surface;
+use crate::io::surface::SurfaceSamples;
 use glam::DVec3;
 
 /// What findings about the camera are called.
@@ -24,7 +24,7 @@ const WORST_MISFIT: f64 = 0.2;
 /// A search for the camera, with what it found on the way.
 pub(in crate::io) struct CameraSearch<'a> {
     inputs: &'a Inputs,
-    surface: &'a Surface<'a>,
+    surface: &'a SurfaceSamples<'a>,
     failure: Option<RecoveryFailure>,
     /// Whether a camera was recovered from layers, rather than given.
     pub(in crate::io) has_recovered: bool,
@@ -53,7 +53,7 @@ impl FoundCamera {
 }
 
 impl<'a> CameraSearch<'a> {
-    pub(in crate::io) fn new(inputs: &'a Inputs, surface: &'a Surface<'a>) -> Self {
+    pub(in crate::io) fn new(inputs: &'a Inputs, surface: &'a SurfaceSamples<'a>) -> Self {
         Self {
             inputs,
             surface,
@@ -69,7 +69,7 @@ impl<'a> CameraSearch<'a> {
     /// # Errors
     /// Those of reading the file.
     pub(in crate::io) fn placed(&mut self, normal: &Vector3Planes) -> Result<Option<Camera>> {
-        let Surface {
+        let SurfaceSamples {
             position,
             display_window,
             pixel_aspect,
@@ -240,7 +240,7 @@ fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(C
 }
 
 /// Median distance, in pixels, between where positions were seen and where a camera sees them.
-fn off_positions_px(camera: &Camera, surface: &Surface, position: &Vector3Planes) -> f64 {
+fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector3Planes) -> f64 {
     let covered = pixels(surface).filter_map(|(x, y)| {
         let point = position.at(x, y);
         (point.is_finite() && point != DVec3::ZERO).then_some((x, y, point))
@@ -259,8 +259,8 @@ fn off_positions_px(camera: &Camera, surface: &Surface, position: &Vector3Planes
 }
 
 /// How badly normals, taken for the world's, go with a camera: 0 well, 1 not at all.
-fn misfit(camera: &Camera, surface: &Surface, normal: &Vector3Planes) -> f64 {
-    let Surface {
+fn misfit(camera: &Camera, surface: &SurfaceSamples, normal: &Vector3Planes) -> f64 {
+    let SurfaceSamples {
         mask,
         depth,
         data_window,
@@ -273,7 +273,7 @@ fn misfit(camera: &Camera, surface: &Surface, normal: &Vector3Planes) -> f64 {
 }
 
 /// Covered pixels, evenly thinned.
-fn pixels<'a>(surface: &'a Surface) -> impl Iterator<Item = (usize, usize)> + 'a {
+fn pixels<'a>(surface: &'a SurfaceSamples) -> impl Iterator<Item = (usize, usize)> + 'a {
     let mask = surface.mask;
     let covered = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
     let covered = covered.filter(|&(x, y)| mask.at(x, y));

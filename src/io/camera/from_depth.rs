@@ -16,7 +16,7 @@
 
 use super::depth_fit::{Certainty, Fit};
 use super::depth_lens::{Kind, Lens};
-use super::depth_samples::{Patch, Surface};
+use super::depth_samples::{NormalsAndDepth, Patch};
 use super::file::dmat3;
 use super::recover::{MIRROR, RecoveryFailure};
 use super::samples::quantile;
@@ -90,7 +90,7 @@ pub fn recover_camera_from_depth(
         assert_eq!(size, wanted, "a plane does not fill the data window");
     }
     let usable = pixel_aspect.is_finite() && pixel_aspect > 0.0;
-    let surface = Surface {
+    let surface = NormalsAndDepth {
         normal,
         depth,
         mask,
@@ -160,7 +160,7 @@ impl Answer {
         Ok(answer)
     }
 
-    fn report(&self, surface: &Surface) -> DepthCamera {
+    fn report(&self, surface: &NormalsAndDepth) -> DepthCamera {
         let Lens { kind, number } = self.fit.lens;
         let display = surface.display_window;
         let DVec2 { x: cx, y: cy } = display.center();

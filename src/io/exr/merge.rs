@@ -234,13 +234,13 @@ fn free_channels(
 }
 
 /// The rows of a part as they are stored, all channels, for a part that takes them over.
-pub(super) struct KeptRows<'f> {
+pub(super) struct InputRows<'f> {
     chunks: ChunkReader<'f>,
     blocks: PartBlocks,
     held: HeldRows<u8>,
 }
 
-impl<'f> KeptRows<'f> {
+impl<'f> InputRows<'f> {
     /// Opens a part of which no more than `rows` rows will be wanted at one time.
     pub(super) fn open(exr: &'f ExrFile, part: usize, rows: usize) -> Parsed<Self> {
         let layout = Layout::of(&exr.header.meta.headers[part]);
@@ -249,7 +249,7 @@ impl<'f> KeptRows<'f> {
         exr.check_memory(rows as u128 * stride as u128 + 5 * layout.band_bytes())?;
         let mut chunks = ChunkReader::open(exr)?;
         let blocks = PartBlocks::open(&mut chunks, part)?;
-        Ok(KeptRows {
+        Ok(InputRows {
             chunks,
             blocks,
             held: HeldRows::new(1, stride),

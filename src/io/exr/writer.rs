@@ -4,7 +4,7 @@ use super::ExrFile;
 use super::append::start_append;
 use super::encode::{Encoder, Strip};
 use super::header::header_bytes;
-use super::merge::{KeptRows, Merged, start_merge};
+use super::merge::{InputRows, Merged, start_merge};
 use super::sink::ChunkSink;
 use super::write::{OutputPart, PartDescription, ReadyPart, VERSION};
 use crate::error::{Error, Result};
@@ -81,7 +81,7 @@ pub struct PartWriter<'a, W> {
     planes: usize,
     encoder: Encoder,
     /// The part that is added to.
-    kept: Option<KeptRows<'a>>,
+    kept: Option<InputRows<'a>>,
 }
 
 impl<'a, W: Write + Seek> PartWriter<'a, W> {
@@ -125,7 +125,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     ) -> Result<(Self, Merged)> {
         let (out, ready, merged) = start_merge(input, part, w, target, added)?;
         let mut writer = Self::new(out, target, part, added, &ready);
-        let kept = KeptRows::open(input, part, writer.encoder.batch_rows());
+        let kept = InputRows::open(input, part, writer.encoder.batch_rows());
         writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
         Ok((writer, merged))
     }

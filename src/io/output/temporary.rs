@@ -22,7 +22,7 @@ fn prefix_of_host() -> String {
 /// A temporary file that is younger may get its lock any moment.
 const JUST_MADE: Duration = Duration::from_secs(2);
 
-/// A file under construction, locked so that other programs see that somebody writes it.
+/// A file under construction, locked so that other programs see that it is being written.
 pub(super) struct Temporary {
     file: File,
     /// Its name, where the system has no files without one.

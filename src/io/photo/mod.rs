@@ -10,12 +10,12 @@
 
 mod decoder;
 mod header;
-mod kept;
+mod metadata;
 mod rows;
 mod stored;
 
 pub(super) use decoder::{max_code, one_line, unsupported};
-pub use kept::Kept;
+pub use metadata::PhotoMetadata;
 pub(super) use stored::{Meaning, StoredPhoto};
 
 use crate::error::Result;

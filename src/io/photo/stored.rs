@@ -2,7 +2,7 @@
 
 use super::decoder::{image_error, max_code, with_decoder};
 use super::header::{PhotoHeader, Samples, turned};
-use super::kept::Kept;
+use super::metadata::PhotoMetadata;
 use super::rows::each_row;
 use crate::error::Result;
 use crate::frame::Plane;
@@ -104,8 +104,8 @@ impl StoredPhoto {
     ///
     /// # Errors
     /// Those of opening the file.
-    pub(in crate::io) fn kept(&self) -> Result<Kept> {
-        Kept::of(&self.header)
+    pub(in crate::io) fn metadata(&self) -> Result<PhotoMetadata> {
+        PhotoMetadata::of(&self.header)
     }
 
     /// Lets go of the samples; they are decoded anew where they are asked for again.

@@ -1,7 +1,7 @@
 //! How the file of a picture is encoded, and what it says beside its pixels.
 
 use crate::io::exif::Exif;
-use crate::io::photo::Kept;
+use crate::io::photo::PhotoMetadata;
 
 /// How the file of a picture is encoded, and what it says beside its pixels.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +13,7 @@ pub struct Encoding {
     /// The settings it was made by. PNG, JPEG and TIFF hold them as their description.
     pub settings: Option<String>,
     /// What it keeps of the photo that it was made of: PNG and JPEG all of it, TIFF all but what the camera said.
-    pub kept: Kept,
+    pub metadata: PhotoMetadata,
 }
 
 impl Default for Encoding {
@@ -22,7 +22,7 @@ impl Default for Encoding {
             quality: 95,
             software: None,
             settings: None,
-            kept: Kept::default(),
+            metadata: PhotoMetadata::default(),
         }
     }
 }
@@ -33,21 +33,21 @@ const LONGEST_IN_JPEG: usize = 65_535 - 8;
 impl Encoding {
     /// The resolution of a picture that is so many columns wide, in pixels per inch: on paper it is as large as the photo.
     pub(super) fn dpi(&self, width: usize) -> Option<[f32; 2]> {
-        let times = width as f32 / self.kept.width.max(1) as f32;
-        Some(self.kept.dpi?.map(|dpi| dpi * times))
+        let times = width as f32 / self.metadata.width.max(1) as f32;
+        Some(self.metadata.dpi?.map(|dpi| dpi * times))
     }
 
     /// The colour profile that was kept, where it is one of red, green and blue.
     pub(super) fn profile(&self) -> Option<&[u8]> {
         // The space of its colours is named after 16 bytes.
-        let profile = self.kept.profile.as_deref()?;
+        let profile = self.metadata.profile.as_deref()?;
         (profile.get(16..20)? == b"RGB ").then_some(profile)
     }
 
     /// The EXIF block of a JPEG, which holds its settings too: without what a camera said, or without these, where it would
     /// be too long.
     pub(super) fn exif_of_jpeg(&self, dpi: Option<[f32; 2]>) -> Option<Vec<u8>> {
-        if (&self.software, &self.settings, &self.kept.exif) == (&None, &None, &None) {
+        if (&self.software, &self.settings, &self.metadata.exif) == (&None, &None, &None) {
             return None;
         }
         let fresh = Exif::default;
@@ -74,7 +74,7 @@ impl Encoding {
     }
 
     fn kept_exif(&self) -> Option<Exif> {
-        Exif::read(self.kept.exif.as_deref()?)
+        Exif::read(self.metadata.exif.as_deref()?)
     }
 
     /// The block with what is true of this picture.

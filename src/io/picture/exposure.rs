@@ -10,7 +10,7 @@ const KEPT: f64 = 0.98;
 /// Steps of brightness to a stop.
 const STEPS: f32 = 16.0;
 
-/// Stops from 1 up to the brightest that is told from brighter ones: those of the largest single number.
+/// Stops from 1 up to the brightest value that still differs from brighter ones: those of the largest f32.
 const MOST_STOPS: usize = 128;
 
 /// How bright the pixels of a surface are, by their largest channel: counts of those up to 1, and of those within each

@@ -6,7 +6,7 @@
 @group(0) @binding(3) var<storage, read> indirect: array<f32>;
 @group(0) @binding(4) var<storage, read> color: array<f32>;
 @group(0) @binding(5) var<storage, read_write> change: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> told: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read_write> layered: array<vec4<f32>>;
 
 override HAS_DIRECT: bool;
 override HAS_INDIRECT: bool;
@@ -38,11 +38,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = index_of(id.x, id.y);
     let rgb = vec3<f32>(radiance(i), radiance(plane + i), radiance(2u * plane + i));
     var changed_so_far = vec3<f32>(0.0);
-    var told_so_far = vec3<f32>(0.0);
+    var light_so_far = vec3<f32>(0.0);
     if !IS_FIRST {
         changed_so_far = change[i].xyz;
-        told_so_far = told[i].xyz;
+        light_so_far = layered[i].xyz;
     }
     change[i] = vec4<f32>(changed_so_far + (sigma[i] - 1.0) * rgb, 0.0);
-    told[i] = vec4<f32>(told_so_far + rgb, 0.0);
+    layered[i] = vec4<f32>(light_so_far + rgb, 0.0);
 }

@@ -4,13 +4,13 @@
 @group(0) @binding(0) var<uniform> params: SizeParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
 @group(0) @binding(2) var<storage, read> change: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read> told: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> layered: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read_write> red: array<f32>;
 @group(0) @binding(5) var<storage, read_write> green: array<f32>;
 @group(0) @binding(6) var<storage, read_write> blue: array<f32>;
 
-fn changed(c: f32, change: f32, told: f32) -> f32 {
-    let share = min(max(c, 0.0) / max(told, MIN_POSITIVE), 1.0);
+fn changed(c: f32, change: f32, layered: f32) -> f32 {
+    let share = min(max(c, 0.0) / max(layered, MIN_POSITIVE), 1.0);
     let result = clamp(c + share * change, -F32_MAX, F32_MAX);
     return select(result, c, change == 0.0 || is_nan(c));
 }
@@ -22,7 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let i = index_of(id.x, id.y);
     let by = change[i];
-    let light = told[i];
+    let light = layered[i];
     red[i] = changed(red[i], by.x, light.x);
     green[i] = changed(green[i], by.y, light.y);
     blue[i] = changed(blue[i], by.z, light.z);

@@ -222,7 +222,7 @@ struct Scratch {
     scaled: Vec<f32>,
     /// What the terms so far change of each channel, and the light they change.
     change: [Vec<f32>; 3],
-    told: [Vec<f32>; 3],
+    layered: [Vec<f32>; 3],
 }
 
 impl Scratch {
@@ -234,14 +234,14 @@ impl Scratch {
             plain: row(),
             scaled: row(),
             change: [row(), row(), row()],
-            told: [row(), row(), row()],
+            layered: [row(), row(), row()],
         }
     }
 
     /// Adds what `sigma` changes of a light: direct, indirect and the colour of both.
     fn add_changes(&mut self, simd: Simd, light: [ColorRow; 3]) {
-        for (i, (change, told)) in self.change.iter_mut().zip(&mut self.told).enumerate() {
-            simd.add_change_row(change, told, light.map(|row| row[i]), &self.sigma);
+        for (i, (change, layered)) in self.change.iter_mut().zip(&mut self.layered).enumerate() {
+            simd.add_change_row(change, layered, light.map(|row| row[i]), &self.sigma);
         }
     }
 }
@@ -269,13 +269,13 @@ fn changed(
                     }
                     return;
                 }
-                for sum in scratch.change.iter_mut().chain(&mut scratch.told) {
+                for sum in scratch.change.iter_mut().chain(&mut scratch.layered) {
                     sum.fill(0.0);
                 }
                 add(y, scratch);
                 for (i, out) in rows.into_iter().enumerate() {
-                    let (change, told) = (&scratch.change[i], &scratch.told[i]);
-                    simd.changed_row(out, from[i], change, told, mask.row(y));
+                    let (change, layered) = (&scratch.change[i], &scratch.layered[i]);
+                    simd.changed_row(out, from[i], change, layered, mask.row(y));
                 }
             },
         );

@@ -48,8 +48,8 @@ bindings! {
     GroupSigmaBuffers {
         covered, normal_x, normal_y, normal_z, curvature_xx, curvature_xy, curvature_yy, chosen, to_light, sigma
     }
-    AddChangeBuffers { sigma, direct, indirect, color, change, told }
-    ChangePictureBuffers { covered, change, told, red, green, blue }
+    AddChangeBuffers { sigma, direct, indirect, color, change, layered }
+    ChangePictureBuffers { covered, change, layered, red, green, blue }
     OccludeBuffers { covered, trace, occlusion, chosen, red, green, blue }
 }
 
@@ -131,7 +131,7 @@ pub(crate) fn levels_of(
 /// What the terms so far change of the picture, and the light that they tell of.
 struct Changes {
     change: wgpu::Buffer,
-    told: wgpu::Buffer,
+    layered: wgpu::Buffer,
     is_empty: bool,
 }
 
@@ -223,7 +223,7 @@ impl Run<'_> {
                 light_count: group.to_light.len() as u32,
                 ..self.term_params(plan, frame)
             };
-            let to_light = self.hold(&to_light);
+            let to_light = self.uploaded(&to_light);
             let [x, y, z] = &self.surface.normal;
             let [xx, xy, yy] = match entries {
                 Some(entries) => entries.each_ref(),
@@ -263,7 +263,7 @@ impl Run<'_> {
         let hessian = shape.hessian.as_ref().expect(WITH_CURVATURE);
         let occlusion = frame.light.occlusion.as_ref();
         let occlusion = occlusion.expect("the plan has seen occlusion");
-        let occlusion = self.hold(occlusion.samples());
+        let occlusion = self.uploaded(occlusion.samples());
         let params = TermParams {
             magnitude: plan.scaling.magnitudes().ambient,
             ..self.term_params(plan, frame)
@@ -306,7 +306,7 @@ impl Run<'_> {
     /// Copies a colour to the device: its planes, one after the other.
     fn hold_color(&mut self, color: &ColorPlanes) -> wgpu::Buffer {
         let planes = [&color.r, &color.g, &color.b].map(|plane| plane.samples());
-        self.hold(&planes.concat())
+        self.uploaded(&planes.concat())
     }
 
     fn layers(&mut self, term: &LightTerm) -> Layers {
@@ -319,7 +319,7 @@ impl Run<'_> {
         }
     }
 
-    /// The white level of a term: as told, or chosen from its light.
+    /// The white level of a term: given, or chosen from its light.
     fn term_white(
         &mut self,
         plan: &Plan,
@@ -327,14 +327,14 @@ impl Run<'_> {
         layers: &Layers,
         params: &TermParams,
     ) -> wgpu::Buffer {
-        let told = plan.scaling.term_white_levels.of(term.name);
+        let given = plan.scaling.term_white_levels.of(term.name);
         let mut chosen = [0.0; 2];
-        let known = match (told, plan.scaling.white_level) {
+        let known = match (given, plan.scaling.white_level) {
             (Some(level), _) | (None, Adaptive::Fixed(level)) => Some(level),
             (None, Adaptive::Auto) => None,
         };
         chosen[WHITE as usize] = known.unwrap_or(1.0);
-        let white = self.hold(&chosen);
+        let white = self.uploaded(&chosen);
         if known.is_none() {
             let luminance = self.take(self.surface.plane_bytes());
             let [direct, indirect, albedo] = bound(
@@ -363,10 +363,10 @@ impl Run<'_> {
     }
 
     fn no_changes(&self) -> Changes {
-        let [change, told] = [(); 2].map(|()| self.take(WIDEST * self.surface.plane_bytes()));
+        let [change, layered] = [(); 2].map(|()| self.take(WIDEST * self.surface.plane_bytes()));
         Changes {
             change,
-            told,
+            layered,
             is_empty: true,
         }
     }
@@ -398,7 +398,7 @@ impl Run<'_> {
                 indirect,
                 color,
                 change: &changes.change,
-                told: &changes.told,
+                layered: &changes.layered,
             },
             self.surface.size,
         );
@@ -417,7 +417,7 @@ impl Run<'_> {
                 &ChangePictureBuffers {
                     covered: &self.surface.covered,
                     change: &changes.change,
-                    told: &changes.told,
+                    layered: &changes.layered,
                     red,
                     green,
                     blue,
@@ -425,7 +425,7 @@ impl Run<'_> {
                 [width, height],
             );
         }
-        self.buffers.recycle([changes.change, changes.told]);
+        self.buffers.recycle([changes.change, changes.layered]);
     }
 }
 

@@ -213,22 +213,22 @@ widened! {
 #[inline(always)]
 pub(crate) fn add_change_row(
     change: &mut [f32],
-    told: &mut [f32],
+    layered: &mut [f32],
     [direct, indirect, color]: [&[f32]; 3],
     sigma: &[f32],
 ) {
     let width = change.len();
-    let (told, sigma) = (&mut told[..width], &sigma[..width]);
+    let (layered, sigma) = (&mut layered[..width], &sigma[..width]);
     let (direct, indirect, color) = (&direct[..width], &indirect[..width], &color[..width]);
     for x in 0..width {
         let radiance = limited((direct[x] + indirect[x]) * color[x], MAX_RADIANCE);
         change[x] += (sigma[x] - 1.0) * radiance;
-        told[x] += radiance;
+        layered[x] += radiance;
     }
 }
 
 widened! {
-    fn add_change_row(change: &mut [f32], told: &mut [f32], light: [&[f32]; 3], sigma: &[f32]);
+    fn add_change_row(change: &mut [f32], layered: &mut [f32], light: [&[f32]; 3], sigma: &[f32]);
 }
 
 /// One channel of the picture with the changes made to it; its own bits where uncovered or unchanged.
@@ -240,26 +240,27 @@ pub(crate) fn changed_row(
     out: &mut [f32],
     from: &[f32],
     change: &[f32],
-    told: &[f32],
+    layered: &[f32],
     covered: &[bool],
 ) {
     let width = out.len();
     let (from, covered) = (&from[..width], &covered[..width]);
-    let (change, told) = (&change[..width], &told[..width]);
+    let (change, layered) = (&change[..width], &layered[..width]);
     for x in 0..width {
-        let changed = changed(from[x], change[x], told[x]);
+        let changed = changed(from[x], change[x], layered[x]);
         out[x] = if covered[x] { changed } else { from[x] };
     }
 }
 
 widened! {
-    fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], told: &[f32], covered: &[bool]);
+    fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], layered: &[f32], covered: &[bool]);
 }
 
-/// The channel `c` of a picture with its share of a change that layers of the radiance `told` ask for.
+/// The channel `c` of a picture changed by `change`, which layers of the radiance `layered` ask for: the picture takes
+/// as large a share of it as it has of their light.
 #[inline(always)]
-pub(crate) fn changed(c: f32, change: f32, told: f32) -> f32 {
-    let share = (c.max(0.0) / told.max(f32::MIN_POSITIVE)).min(1.0);
+pub(crate) fn changed(c: f32, change: f32, layered: f32) -> f32 {
+    let share = (c.max(0.0) / layered.max(f32::MIN_POSITIVE)).min(1.0);
     let changed = (c + share * change).clamp(-f32::MAX, f32::MAX);
     if change != 0.0 { changed } else { c }
 }
@@ -328,7 +329,7 @@ mod tests {
             lobe_sigma_row(&mut sigma, &lobe, &kappa, &by(1.0, 1.0));
             sigma
         };
-        // Light 0.8 on an albedo of 0.1, told apart or together: intensity 0.8 both times.
+        // Light 0.8 on an albedo of 0.1, as two layers or as one: intensity 0.8 both times.
         let expected = kappa.map(|k| scaling(0.8, k, 0.25));
         let near = |a: [f32; 2]| assert!(a.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5));
         near(sigma(&light, &dark, &ones));
@@ -358,10 +359,10 @@ mod tests {
 
     #[test]
     fn layers_brighter_than_the_picture_take_no_more_than_there_is() {
-        // A picture of 0.5 whose layers tell of 2, all to be taken away: nothing is left, not -1.5.
-        let made = |from: f32, change: f32, told: f32| {
+        // A picture of 0.5 whose layers add up to 2, all to be taken away: nothing is left, not -1.5.
+        let made = |from: f32, change: f32, layered: f32| {
             let mut out = [f32::NAN];
-            changed_row(&mut out, &[from], &[change], &[told], &[true]);
+            changed_row(&mut out, &[from], &[change], &[layered], &[true]);
             out[0]
         };
         assert_eq!(made(0.5, -2.0, 2.0), 0.0);
@@ -377,21 +378,21 @@ mod tests {
     #[test]
     fn bad_light_is_no_light() {
         for bad in [f32::NAN, f32::NEG_INFINITY, -1.0] {
-            let (mut change, mut told) = ([0.0], [0.0]);
-            add_change_row(&mut change, &mut told, [&[bad], &[0.0], &[1.0]], &[3.0]);
-            assert_eq!((change, told), ([0.0], [0.0]));
+            let (mut change, mut layered) = ([0.0], [0.0]);
+            add_change_row(&mut change, &mut layered, [&[bad], &[0.0], &[1.0]], &[3.0]);
+            assert_eq!((change, layered), ([0.0], [0.0]));
         }
-        let (mut change, mut told, mut out) = ([0.0], [0.0], [0.0]);
+        let (mut change, mut layered, mut out) = ([0.0], [0.0], [0.0]);
         let most = scaling(1.0, 1e9, 0.25);
         for _ in 0..3 {
             add_change_row(
                 &mut change,
-                &mut told,
+                &mut layered,
                 [&[f32::INFINITY], &[0.0], &[1.0]],
                 &[most],
             );
         }
-        changed_row(&mut out, &[2.0], &change, &told, &[true]);
+        changed_row(&mut out, &[2.0], &change, &layered, &[true]);
         assert!(out[0].is_finite(), "{}", out[0]);
     }
 }

@@ -65,7 +65,7 @@ fn decide_lobes(plan: &Plan) -> Verdict {
     let light = plan.available.light;
     let no_lobes = match light.diffuse || light.specular {
         true => "light groups go before lobes",
-        false => "no lobes told apart, or one layer named",
+        false => "no separate lobes, or one layer named",
     };
     let terms = match (plan.scaling.scaling_ambient, light.diffuse_indirect) {
         (Some(ambient), true) => format!(", ambient {ambient}"),

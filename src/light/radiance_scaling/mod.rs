@@ -15,7 +15,7 @@ use crate::fast_math::exp;
 /// Invariant points are kept this far inside (0, 1), where the function is defined.
 pub(crate) const INVARIANT_MARGIN: f32 = 1e-4;
 
-/// Largest |gamma kappa| told apart: e^60 is far past any picture, and its square still finite.
+/// |gamma kappa| is clamped to this: e^60 is far past any picture, and its square still finite.
 pub(crate) const MAX_EXPONENT: f32 = 60.0;
 
 /// The scaling sigma(d) of intensity `d` (clamped to 0..1), for the exponent `x = gamma * kappa` and
@@ -59,7 +59,7 @@ impl ScalingCurve {
     }
 }
 
-/// A channel times its scaling, finite unless it is no number.
+/// A channel times its scaling, finite unless it is NaN.
 #[inline(always)]
 pub(crate) fn scaled(c: f32, sigma: f32) -> f32 {
     (c * sigma).clamp(-f32::MAX, f32::MAX)

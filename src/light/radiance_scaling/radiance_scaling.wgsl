@@ -19,7 +19,7 @@ fn scaling(intensity: f32, x: f32, alpha: f32) -> f32 {
     return scaling_curve_at(scaling_curve_of(x), intensity, alpha);
 }
 
-// A channel times its scaling, finite unless it is no number.
+// A channel times its scaling, finite unless it is NaN.
 fn scaled(c: f32, sigma: f32) -> f32 {
     return select(clamp(c * sigma, -F32_MAX, F32_MAX), c, is_nan(c));
 }

@@ -19,7 +19,7 @@ use crate::light::relight::gpu_lights::{Light, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::relight::shade::SHORTEST_TANGENT;
 use crate::light::sum::terms::SHORTEST;
-use crate::light::sum::{Lobes, Power};
+use crate::light::sum::{Exponent, Lobes};
 use crate::params::{Material, MaterialParams, Quantisation, Tangent};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
@@ -174,7 +174,7 @@ impl Run<'_> {
         let occlusion = frame.light.occlusion.as_ref();
         let depth = frame.depth.as_ref().filter(|_| light.counts.points > 0);
         let [occlusion, alpha, depth] = [occlusion, frame.alpha.as_ref(), depth]
-            .map(|plane| plane.map(|plane| self.hold(plane.samples())));
+            .map(|plane| plane.map(|plane| self.uploaded(plane.samples())));
         let of_frame = [
             ("FAR_EYE", is_eye_far(frame)),
             (
@@ -274,8 +274,8 @@ fn exponent(material: &MaterialParams, is_far: bool) -> (u32, f32) {
         Some(
             Lobes::Diffuse { power } | Lobes::Phong { power } | Lobes::BlinnPhong { power, .. },
         ) => match power {
-            Power::Whole(whole) => (whole, 0.0),
-            Power::Any(any) => (0, any),
+            Exponent::Integer(whole) => (whole, 0.0),
+            Exponent::Real(any) => (0, any),
         },
         // A coat has exponents of its own; mirrors and glass are not summed over lights.
         Some(Lobes::AshikhminShirley(_)) | None => (1, 0.0),

@@ -39,7 +39,7 @@ pub(crate) struct Counts {
     pub(crate) points: u32,
 }
 
-/// What is told of a map whose texels are on the device.
+/// The layout of a map whose texels are on the device.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Placed {
     pub(crate) size: [u32; 2],

@@ -35,7 +35,7 @@ impl LightKinds {
 
 /// How an environment is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EnvironmentUse {
+pub(crate) enum EnvironmentUse {
     /// There is none, or nothing asks for it.
     None,
     /// As this many lights, where most of its light is.
@@ -63,7 +63,7 @@ pub enum Albedo {
 
 /// How a frame is lit anew.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Relighting {
+pub(crate) struct Relighting {
     /// What was asked for. Mirrors, glass and lit spheres get no even light: what they show holds all light.
     pub params: RelightParams,
     /// Whether directions are warped: asked for, and not by 0.
@@ -161,7 +161,7 @@ impl Relighting {
     }
 
     /// Whether the Jacobian of the inverse warp is needed: for lights that were sampled before.
-    pub fn has_jacobian(&self) -> bool {
+    pub(crate) fn has_jacobian(&self) -> bool {
         self.warps && self.sums && !matches!(self.environment, EnvironmentUse::Lookups(_))
     }
 }

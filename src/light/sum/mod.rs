@@ -15,7 +15,7 @@ mod shading;
 pub(crate) mod terms;
 
 #[cfg(feature = "gpu")]
-pub(crate) use shading::Power;
+pub(crate) use shading::Exponent;
 pub(crate) use shading::{Lobes, Scaled, Shading, TowardLight, lobe_error};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};

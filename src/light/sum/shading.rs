@@ -42,17 +42,17 @@ pub(crate) enum Lobes {
     /// The cosine to a power: 1 is Lambert.
     Diffuse {
         /// The power zeta.
-        power: Power,
+        power: Exponent,
     },
     /// Lambert, and Phong's lobe about the mirrored view.
     Phong {
         /// The power eta.
-        power: Power,
+        power: Exponent,
     },
     /// Lambert, and Blinn's lobe about the normal.
     BlinnPhong {
         /// The power eta, halved: of the square of the cosine.
-        power: Power,
+        power: Exponent,
         /// Whether the viewer is far away, along z at every pixel.
         far: bool,
     },
@@ -65,16 +65,16 @@ impl Lobes {
     pub(crate) fn of(params: &MaterialParams, far: bool) -> Option<Self> {
         match params.material {
             Material::Lambert | Material::Toon => Some(Self::Diffuse {
-                power: Power::of(1.0),
+                power: Exponent::of(1.0),
             }),
             Material::Sublambert => Some(Self::Diffuse {
-                power: Power::of(params.flatness),
+                power: Exponent::of(params.flatness),
             }),
             Material::Phong => Some(Self::Phong {
-                power: Power::of(params.shininess),
+                power: Exponent::of(params.shininess),
             }),
             Material::BlinnPhong => Some(Self::BlinnPhong {
-                power: Power::of(0.5 * params.shininess),
+                power: Exponent::of(0.5 * params.shininess),
                 far,
             }),
             Material::AshikhminShirley => {
@@ -103,23 +103,23 @@ pub(crate) fn lobe_error(params: &MaterialParams, cosine_error: f64) -> f64 {
 
 /// An exponent: whole ones that are not large take multiplications alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Power {
+pub(crate) enum Exponent {
     /// A whole number from 1 on.
-    Whole(u32),
+    Integer(u32),
     /// Any number from 0 on.
-    Any(f32),
+    Real(f32),
 }
 
-impl Power {
+impl Exponent {
     /// Largest whole exponent that is reached by multiplying: ten squarings, as dear as a logarithm.
     const MOST: f32 = 1024.0;
 
     /// The power with this exponent, at least 0.
     pub(crate) fn of(exponent: f32) -> Self {
         if (1.0..=Self::MOST).contains(&exponent) && exponent.fract() == 0.0 {
-            Self::Whole(exponent as u32)
+            Self::Integer(exponent as u32)
         } else {
-            Self::Any(exponent)
+            Self::Real(exponent)
         }
     }
 
@@ -127,8 +127,8 @@ impl Power {
     #[inline(always)]
     pub(crate) fn raise(self, base: &mut Lanes) {
         match self {
-            Self::Whole(exponent) => raise_to_whole(base, exponent),
-            Self::Any(exponent) => {
+            Self::Integer(exponent) => raise_to_whole(base, exponent),
+            Self::Real(exponent) => {
                 for x in base.iter_mut() {
                     let raised = exp(exponent * ln(x.max(f32::MIN_POSITIVE)));
                     *x = if *x > 0.0 { raised } else { 0.0 };

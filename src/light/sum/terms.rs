@@ -1,6 +1,6 @@
 //! What one light does at every pixel of a batch: arrive, be reflected by the lobes, be scaled.
 
-use super::shading::{Lobes, Power, Scaled, Shading, TowardLight};
+use super::shading::{Exponent, Lobes, Scaled, Shading, TowardLight};
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{AshikhminShirley, Cosines};
 use crate::light::light_warping::MOST_BRIGHTENED;
@@ -223,7 +223,7 @@ impl Scratch {
         }
         match shading.lobes {
             Lobes::Diffuse { power } => {
-                if power != Power::Whole(1) {
+                if power != Exponent::Integer(1) {
                     power.raise(&mut self.cosine);
                 }
                 self.scale_cosine(&mut terms.diffuse, pixels, shading);
@@ -319,7 +319,7 @@ impl Scratch {
     {
         match shading.lobes {
             Lobes::Diffuse {
-                power: Power::Whole(1),
+                power: Exponent::Integer(1),
             } => {
                 each_unwarped(pixels, light, |i, unwarped| {
                     terms.diffuse[i] = unwarped.weight * positive(unwarped.cosine);

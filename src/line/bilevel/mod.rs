@@ -1,4 +1,4 @@
-//! A picture of ink in black and white alone, for print.
+//! Ink in pure black and white, for print.
 //!
 //! Theory: error diffusion (Floyd and Steinberg, "An adaptive algorithm for spatial greyscale", 1976) hands what a pixel got
 //! too much or too little of to the pixels after it, so that tone stays whatever the threshold does. Eschbach and Knox

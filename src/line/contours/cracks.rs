@@ -206,7 +206,7 @@ impl<'a> Finder<'a> {
     }
 
     /// Cracks that lead from an end of a line to the end beside it: where a filter spread an edge that runs
-    /// almost along rows, or columns, the steps between them are too gentle to be told from slopes.
+    /// almost along rows, or columns, the steps between them are too gentle to be distinguished from slopes.
     pub(crate) fn risers(&self, lattice: &Lattice) -> Vec<Crack> {
         let ends = lattice
             .linked()

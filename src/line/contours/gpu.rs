@@ -7,7 +7,7 @@ use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::recorder::Submitted;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
-use crate::engine::gpu::surface::apart;
+use crate::engine::gpu::surface::deinterleave;
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::engine::gpu::wgsl::Number::{F32, U32};
 use crate::engine::gpu::wgsl::wgsl;
@@ -250,7 +250,7 @@ impl PendingReadback<'_> {
                 let (read, _) = submitted.read()?;
                 let plane =
                     |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
-                let [silhouette, crease] = apart::<2>(&read[0]).map(plane);
+                let [silhouette, crease] = deinterleave::<2>(&read[0]).map(plane);
                 Ok(contour_lines(plan, frame, [&silhouette, &crease], params))
             }
         }

@@ -115,7 +115,7 @@ pub(crate) enum Medium {
 
 impl Run<'_> {
     /// What pieces of lines cover of every pixel. Those of one line are one where they meet; lines, each with its pieces
-    /// together, lie side by side. The first row of a strip is the row `top` of the picture that lines are told in.
+    /// together, lie side by side. The first row of a strip is the row `top` of the picture whose coordinates lines are in.
     pub(crate) fn covered_by_lines(
         &mut self,
         frame: &Frame,
@@ -132,10 +132,10 @@ impl Run<'_> {
         // A kernel is given one at the least, of which no tile knows.
         lines.resize(pieces.len().max(1), 0);
         numbers.resize(pieces.len().max(1), [0.0; 8]);
-        let starts = self.hold_bytes(bytemuck::cast_slice(&tiles.starts));
-        let by_tile = self.hold_bytes(bytemuck::cast_slice(&tiles.pieces));
-        let numbers = self.hold(numbers.as_flattened());
-        let lines = self.hold_bytes(bytemuck::cast_slice(&lines));
+        let starts = self.uploaded_bytes(bytemuck::cast_slice(&tiles.starts));
+        let by_tile = self.uploaded_bytes(bytemuck::cast_slice(&tiles.pieces));
+        let numbers = self.uploaded(numbers.as_flattened());
+        let lines = self.uploaded_bytes(bytemuck::cast_slice(&lines));
         let covered = self.take(self.surface.plane_bytes());
         let seed = match medium {
             Medium::Graphite(seed) => spread_seed(seed),

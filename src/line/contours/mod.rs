@@ -1,4 +1,4 @@
-//! Contours: silhouettes and creases as lines of a width that tells of depth.
+//! Contours: silhouettes and creases as lines whose width shows depth.
 //!
 //! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per
 //! pixel. Changes: they are lines with a place, a length and a width, as a draughtsman's are: one to an edge,

@@ -29,12 +29,12 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
     let mut levels = Vec::with_capacity(points.len());
     for first in (0..points.len()).step_by(LANES) {
         // Neighbours mostly ask for the same levels.
-        let mut told: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
+        let mut fits: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
         for lane in 0..LANES.min(points.len() - first) {
             levels.push(largest(allowed, |level| {
                 let reach = REACHES[level];
                 match line.has_whole_windows(first, reach) {
-                    true => told[level].get_or_insert_with(|| {
+                    true => fits[level].get_or_insert_with(|| {
                         line.fit_together(first, reach, smoothing.tolerance_px)
                     })[lane],
                     false => line.fits(first + lane, reach, smoothing.tolerance_px),

@@ -27,7 +27,7 @@ pub(crate) const LIST_INVOCATIONS: u32 = 64;
 /// Workgroups that go through such a list, however long it is.
 pub(crate) const LIST_GROUPS: u32 = 256;
 
-/// Where the lengths stand of the lists of pixels that lack a direction: open ones, where they are told from those on
+/// Where the lengths stand of the lists of pixels that lack a direction: open ones, where they are counted separately from those on
 /// edges, and those.
 pub(crate) const OPEN_COUNT: u32 = 0;
 pub(crate) const CLOSED_COUNT: u32 = 1;
@@ -163,12 +163,12 @@ impl Run<'_> {
         counts
     }
 
-    /// The directions that were found, and others where there was none; `told` holds the uniforms of sight lines and the fallback.
+    /// The directions found, with gaps filled; `params` holds the uniforms of sight lines and the fallback.
     pub(crate) fn fill_gaps(
         &mut self,
         stage: &'static str,
         rounds: &[Round],
-        told: &SpreadParams,
+        params: &SpreadParams,
         conductance: &wgpu::Buffer,
         gaps: Gaps,
     ) -> [wgpu::Buffer; 2] {
@@ -202,7 +202,7 @@ impl Run<'_> {
                         Turning::All => turned,
                         Turning::None => f32::from(u8::from(is_last)),
                     },
-                    ..*told
+                    ..*params
                 };
                 let [last, next] = [wave - 1, wave].map(|wave| &fronts[wave as usize % 2]);
                 let list = if is_of_all {

@@ -1,4 +1,4 @@
-//! Directions in the picture, each equal to its opposite: their mean, and one for want of any.
+//! Directions in the picture, each equal to its opposite: their mean, and the fallback where there is none.
 
 pub(crate) mod fill;
 #[cfg(feature = "gpu")]

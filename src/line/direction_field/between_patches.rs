@@ -7,7 +7,7 @@ use crate::line::direction_field::patches::{Links, NONE, Patches};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Directions of patches, as twice their angles, to be told at pixels.
+/// Directions of patches, as twice their angles, to be interpolated to pixels.
 pub(crate) struct BetweenPatches<'a> {
     pub(crate) patches: &'a Patches,
     pub(crate) mask: &'a Mask,

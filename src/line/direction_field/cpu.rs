@@ -10,7 +10,7 @@ use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
     FACING, FALLBACK, FAR, FORM_REACH, FREE, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
-use crate::line::direction_field::{Form, Weighted, calm, doubled};
+use crate::line::direction_field::{CurvatureTensor, Weighted, calm, doubled};
 use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
@@ -150,7 +150,7 @@ impl<'a> Field<'a> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
         all.zip(forms)
             .map(|(patch, &[x, y, mean, _])| {
-                let form = Form {
+                let form = CurvatureTensor {
                     deviator: DVec2::new(x.into(), y.into()),
                     mean: mean.into(),
                 };
@@ -166,7 +166,7 @@ impl<'a> Field<'a> {
     }
 
     /// Twice the angle of a patch's own direction, as long as it is sure.
-    fn direction(&self, patch: &Patch, form: &Form, family: usize) -> Option<Vec2> {
+    fn direction(&self, patch: &Patch, form: &CurvatureTensor, family: usize) -> Option<Vec2> {
         let larger = form.larger()?;
         let axis = if family == 0 { larger } else { larger.perp() };
         let [a, b] = upright_tangents(patch.normal)?;

@@ -109,7 +109,7 @@ fn middle_pixels(pixels: vec2<u32>) -> vec2<u32> {
     return nearest;
 }
 
-// Writes a patch, told by the pixels in its middle.
+// Writes a patch, as the mean of the pixels in its middle.
 fn describe(slot: u32, cell: u32, pixels: vec2<u32>) {
     var middle = inner_pixels();
     if pixel_count(pixels) != params.cell_px * params.cell_px {

@@ -60,14 +60,14 @@ impl Run<'_> {
             let settled = self.settled(&patches, &of_family, params, &setting, &forms);
             let gaps = self.between_patches(&patches, &of_family, &settled);
             self.buffers.recycle([settled]);
-            let told = SpreadParams {
+            let params = SpreadParams {
                 order,
                 is_fixed: of_family.is_fixed,
                 fixed_x: of_family.fixed_x,
                 fixed_y: of_family.fixed_y,
                 ..spread_params(frame, &setting.sight)
             };
-            self.fill_gaps(STAGE, OF_THE_REST, &told, conductance, gaps)
+            self.fill_gaps(STAGE, OF_THE_REST, &params, conductance, gaps)
         });
         let directions = directions.collect();
         let (further, room) = (patches.further.clone(), patches.params.room);
@@ -459,6 +459,6 @@ mod tests {
             .unwrap();
         let [found, expected] = [&found, &expected].map(|outcome| outcome.planes(Product::Strokes));
         assert_eq!(found.len(), 1);
-        assert!(Product::Strokes.apart(&found, &expected) <= Product::Strokes.tolerance());
+        assert!(Product::Strokes.difference(&found, &expected) <= Product::Strokes.tolerance());
     }
 }

@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{apart, lines};
+use crate::engine::gpu::sight::{lines, step_at_unit_depth};
 use crate::frame::Frame;
 use crate::line::direction_field::gpu_kernels::{
     DirectionParams, FIND_PATCHES, FIND_RUNS, FindPatchesBuffers, FindRunsBuffers, LINK_PATCHES,
@@ -99,7 +99,10 @@ fn direction_params(
     frame: &Frame,
 ) -> DirectionParams {
     let grid = Grid::new(params, frame);
-    let (line, apart) = (lines(frame, &setting.sight), apart(frame, &setting.sight));
+    let (line, apart) = (
+        lines(frame, &setting.sight),
+        step_at_unit_depth(frame, &setting.sight),
+    );
     let [fixed_x, fixed_y] = setting
         .fixed
         .map_or([0.0; 2], |[first, _]| first.to_array());
@@ -179,7 +182,7 @@ impl Run<'_> {
             depth.map(
                 |plane| match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
                     true => self.surface.map.clone().expect("silhouettes are of depth"),
-                    false => self.hold(plane.samples()),
+                    false => self.uploaded(plane.samples()),
                 },
             );
         let found = Patches {

@@ -1,4 +1,4 @@
-//! The field of stroke directions: how sure a direction is, and how directions are averaged over a surface.
+//! The field of stroke directions: confidence of directions, and their average over a surface.
 //!
 //! Theory: [LA] section 6.1. Directions are averaged over a cross-shaped kernel whose weights fall linearly
 //! with distance, several times, at a quarter of the picture's size; nothing is averaged across a silhouette
@@ -74,14 +74,14 @@ pub(crate) const ROUND: f64 = 0.1;
 /// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
 /// the angle of the algebraically larger one, and their mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Form {
+pub(crate) struct CurvatureTensor {
     /// Half the difference.
     pub deviator: DVec2,
     /// The mean.
     pub mean: f64,
 }
 
-impl Form {
+impl CurvatureTensor {
     /// The unit direction, in the frame of the tensor, of the curvature larger in size; `None` where
     /// there is none at all.
     #[inline]
@@ -226,9 +226,9 @@ mod tests {
         assert_eq!(halved([-1.0, 0.0]), [0.0, 1.0]);
     }
 
-    fn form(k1: f64, k2: f64) -> Form {
+    fn form(k1: f64, k2: f64) -> CurvatureTensor {
         // Of two curvatures, the algebraically larger one along x.
-        Form {
+        CurvatureTensor {
             deviator: DVec2::new(0.5 * (k1 - k2), 0.0),
             mean: 0.5 * (k1 + k2),
         }

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2};
 /// Conductance from which on a pixel is open: the middle of the soft steps of silhouettes and creases.
 pub(crate) const OPEN: f32 = 0.5;
 
-/// How far tensors of curvature are averaged before directions are told from them, in pixels of a field of
+/// How far tensors of curvature are averaged before directions are taken from them, in pixels of a field of
 /// a quarter of the picture's size: facets and the rounding of normals cancel there, with their signs.
 /// More rounds off forms of that size.
 pub(crate) const FORM_REACH: f32 = 2.5;
@@ -18,10 +18,10 @@ pub(crate) const FORM_REACH: f32 = 2.5;
 /// Turn of the normal, in radians per pixel, that counts half: 17 degrees over a thousand pixels.
 const FLAT_TURN: f64 = 3e-4;
 
-/// Pixels over which the turn of normals is told, whatever the size of cells: as far as tensors are averaged.
+/// Pixels over which the turn of normals is measured, whatever the size of cells: as far as tensors are averaged.
 const TURN_PX: f64 = 8.0;
 
-/// Deviations of the noise of curvature, told over so many pixels, that count half.
+/// Standard deviations of the noise of curvature, measured over as many pixels, that count half.
 const NOISE: f64 = 3.0;
 
 /// Cosine between normal and sight line below which directions, foreshortened, count less.

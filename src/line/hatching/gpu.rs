@@ -195,7 +195,7 @@ impl Run<'_> {
         if let Adaptive::Fixed(white) = params.white_point {
             let mut chosen = [0.0; 2];
             chosen[WHITE as usize] = white;
-            return self.hold(&chosen);
+            return self.uploaded(&chosen);
         }
         let paper = self.copy_of(&self.chosen.clone());
         let search = Searching::new(self, Search::White(frame.luminance_weights()));
@@ -214,8 +214,11 @@ impl Run<'_> {
         let [width, height] = self.surface.size;
         let [weight_r, weight_g, weight_b] = frame.luminance_weights();
         let densities = self.take(self.surface.plane_bytes());
-        let table = self.hold(&density_table(params));
-        let alpha = frame.alpha.as_ref().map(|alpha| self.hold(alpha.samples()));
+        let table = self.uploaded(&density_table(params));
+        let alpha = frame
+            .alpha
+            .as_ref()
+            .map(|alpha| self.uploaded(alpha.samples()));
         self.recorder.over_pixels(
             "density",
             (&DENSITY, &[("HAS_ALPHA", alpha.is_some())]),
@@ -255,7 +258,7 @@ impl Run<'_> {
         let Strokes { texture, turned } = strokes;
         let turned = turned
             .each_ref()
-            .map(|turned| self.hold(turned.as_flattened()));
+            .map(|turned| self.uploaded(turned.as_flattened()));
         let families = directions.len();
         let layers = sheets.each.iter().flat_map(|sheet| {
             let families = directions.iter().zip(&turned).enumerate();
@@ -308,7 +311,7 @@ impl Run<'_> {
     }
 }
 
-/// What is told of one of several families of strokes, of a texture that is moved by `origin` where it lies still.
+/// The uniforms of one of several families of strokes, whose texture is moved by `origin` where it lies still.
 fn stroke_params(
     params: &params::StrokeParams,
     frame: &Frame,

@@ -46,7 +46,7 @@ impl<'a> Rims<'a> {
         let mut around: Vec<_> = square
             .filter(|[x, y]| ((x * x + y * y) as f32) <= margin * margin)
             .collect();
-        // The nearest pixels first: most that are near a rim are told soon.
+        // The nearest pixels first: most pixels near a rim are found early.
         around.sort_by_key(|[x, y]| x * x + y * y);
         Self {
             mask: &level.frame.mask,

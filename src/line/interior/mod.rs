@@ -1,4 +1,4 @@
-//! Interior lines: valleys, ridges and suggestive contours, the lines inside a surface that tell of its form.
+//! Interior lines: valleys, ridges and suggestive contours, the lines inside a surface that show its form.
 //!
 //! Theory: the view-dependent curvature of apparent ridges (Judd, Durand and Adelson, "Apparent ridges for line drawing",
 //! 2007) is how fast the normal turns from pixel to pixel, `q`, the largest singular value of dn/d(x, y); lines run where it

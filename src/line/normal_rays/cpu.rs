@@ -18,7 +18,7 @@ pub(crate) fn directions(
     conductance: &Plane,
     memory: &Memory,
 ) -> Vector2Planes {
-    let surface = Surface::new(plan, frame, conductance);
+    let surface = WalkedSurface::new(plan, frame, conductance);
     let [x, y, flat] = map_covered(&frame.mask, memory, |y| {
         let surface = &surface;
         move |x| match surface.direction(x, y) {
@@ -48,13 +48,13 @@ enum Found {
 }
 
 /// The surface that a frame shows, to be walked over.
-struct Surface<'a> {
+struct WalkedSurface<'a> {
     frame: &'a Frame,
     conductance: &'a Plane,
     setting: RaySetting<'a>,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> WalkedSurface<'a> {
     fn new(plan: &Plan, frame: &'a Frame, conductance: &'a Plane) -> Self {
         Self {
             frame,

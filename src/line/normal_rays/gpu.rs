@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::sight::{SIGHT_LINES, apart, is_eye_far, lines, starts};
+use crate::engine::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, I32, U32};
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
@@ -106,8 +106,8 @@ impl Run<'_> {
     ) -> [wgpu::Buffer; 2] {
         let setting = RaySetting::new(plan, frame);
         let gaps = self.normal_rays(plan, frame, &setting, conductance);
-        let told = spread_params(frame, &setting.sight);
-        self.fill_gaps(STAGE, OF_SURFACES, &told, conductance, gaps)
+        let params = spread_params(frame, &setting.sight);
+        self.fill_gaps(STAGE, OF_SURFACES, &params, conductance, gaps)
     }
 
     fn normal_rays(
@@ -120,7 +120,7 @@ impl Run<'_> {
         let depth = setting.depth.map(|plane| {
             match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
                 true => self.surface.map.clone().expect("silhouettes are of depth"),
-                false => self.hold(plane.samples()),
+                false => self.uploaded(plane.samples()),
             }
         });
         let counts = self.gap_counts(OF_SURFACES);
@@ -166,7 +166,7 @@ impl Run<'_> {
 
 fn ray_params(frame: &Frame, setting: &RaySetting) -> RayParams {
     let line = lines(frame, &setting.sight);
-    let (start, apart) = (starts(frame), apart(frame, &setting.sight));
+    let (start, apart) = (starts(frame), step_at_unit_depth(frame, &setting.sight));
     let [first_step, most_step] = setting.steps_px.map(|step| step as i32);
     RayParams {
         width: frame.mask.width() as u32,

@@ -6,7 +6,7 @@
 //! principal curvatures, negated. Changes: M is taken from central differences of feet and slopes, which
 //! is second order (and exact on a ball, whose rays all meet in its middle), made symmetric, and its
 //! eigenvectors taken in closed form; the paper's equation 3 fails where a neighbour lies along a
-//! principal direction, as all of them do on an upright cylinder. Degenerate points are told by tests
+//! principal direction, as all of them do on an upright cylinder. Degenerate points are found by tests
 //! that do not depend on the unit of length, and by the noise of the samples. Practice: give neighbours
 //! on the same surface only, a few pixels away where normals are coarse.
 
@@ -53,7 +53,7 @@ pub(crate) struct Noise {
 /// What kind of point the surface has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LocalShape {
-    /// The normal does not turn, as far as can be told: no direction.
+    /// The normal does not turn measurably: no direction.
     Planar,
     /// It turns alike every way, likewise: no direction.
     Umbilic,

@@ -1,5 +1,5 @@
-// Rays along normals beside a point, and how they turn around it. All is told by differences, each by itself: that of two
-// large numbers would lose it.
+// Rays along normals beside a point, and how they turn around it. Everything is computed from differences that are
+// passed in: subtracting large numbers here would lose them.
 
 // Where the ray of a normal meets the tangent plane of another point, and its slope there.
 struct Ray {

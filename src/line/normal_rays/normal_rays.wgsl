@@ -32,7 +32,7 @@ struct Point {
     stored: vec3<f32>,
     normal: vec3<f32>,
     tangents: array<vec3<f32>, 2>,
-    // What lengths are told in: its depth in perspective, else 1.
+    // The unit of lengths: its depth in perspective, else 1.
     unit: f32,
 }
 

@@ -4,7 +4,7 @@ use crate::frame::{Frame, Plane, SightLines};
 use crate::line::normal_rays::ROUNDING_DEVIATION;
 use crate::plan::{Plan, Points};
 
-/// How much wider the next step is where one told nothing.
+/// How much wider the next step is where one found no direction.
 pub(crate) const STEP_GROWTH: usize = 4;
 
 /// Largest rounding error of an f32 of size 1, as a share of it.

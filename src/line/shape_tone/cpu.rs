@@ -19,8 +19,8 @@ use glam::Vec3;
 /// Cells along the picture's size, the root of its area, where it has so many pixels: strokes carry no finer forms.
 const CELLS: f32 = 700.0;
 
-/// Widths as shares of the picture's size: of the smoothing of normals whose turn is told, of that of brightness, of the
-/// surroundings that local contrast is against, and of those that tell whether there is shape.
+/// Widths as shares of the picture's size: of the smoothing of normals before their turn is measured, of that of brightness, of the
+/// surroundings for local contrast, and of those that decide whether there is shape.
 const TURN_SHARE: f32 = 1.0 / 300.0;
 const SMOOTH_SHARE: f32 = 1.0 / 280.0;
 const AROUND_SHARE: f32 = 1.0 / 14.0;

@@ -1,5 +1,5 @@
-//! The tone of a drawing that shows a shape: light and dark are spread over paper and ink so that forms stand out, whatever
-//! the light of the picture.
+//! Tone that shows shape: light and dark are distributed from paper to ink so that forms stand out, whatever the light of
+//! the picture.
 //!
 //! Theory: three things stand between a picture and a drawing of it. The eye averages ink in linear light, so a tone as it
 //! is to be *seen* has to be made linear before it becomes coverage. A picture's light may be flat, or fall from the wrong

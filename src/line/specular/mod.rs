@@ -1,7 +1,7 @@
-//! What specular pixels show: where strokes on it lie in the picture, and its shape as it appears there.
+//! Drawing what specular pixels show: directions of strokes in the picture, and the shape that appears there.
 
+pub(crate) mod hit_points;
 pub(crate) mod map_directions;
-pub(crate) mod met_points;
 pub(crate) mod seen;
 pub(crate) mod stage;
 pub(crate) mod tangents;
@@ -11,7 +11,7 @@ pub(crate) use crate::line::specular::map_directions::DirectionCache;
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
 use crate::line::direction_field::cpu::stroke_fields;
-use crate::line::specular::met_points::met_pixels;
+use crate::line::specular::hit_points::hit_pixels;
 use crate::line::specular::seen::{SeenPixel, seen_pixels};
 use crate::line::specular::tangents::Tangents;
 use crate::params::{LineParams, SpecularParams};
@@ -24,7 +24,7 @@ pub(crate) struct SeenThrough {
     /// The frame with the shape of what is seen in them, as it appears there.
     pub(crate) frame: Frame,
     /// The directions of strokes on it, in the order wanted: unit, in the picture, x right, y up; 0 elsewhere and
-    /// where they cannot be told.
+    /// where they are unknown.
     pub(crate) directions: Vec<Vector2Planes>,
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn seen_through(
         fallback: params.field.fallback,
     };
     let pixels = match &scene.hit_position {
-        Some(points) => met_pixels(frame, scene, points, &tangents),
+        Some(points) => hit_pixels(frame, scene, points, &tangents),
         None => seen_pixels(frame, &tracer, &tangents),
     };
     let mut directions = vec![blank(frame); tangents.families.len()];

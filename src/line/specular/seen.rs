@@ -20,7 +20,7 @@ pub(crate) struct SeenPixel {
     pub(crate) normal: Vec3,
     /// The depth along the view axis at which it appears.
     pub(crate) depth: f32,
-    /// Directions of strokes in the picture, unit, in the order wanted; 0 where none can be told.
+    /// Directions of strokes in the picture, unit, in the order wanted; 0 where there is none.
     pub(crate) directions: [Vec2; 2],
 }
 

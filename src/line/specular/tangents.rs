@@ -3,7 +3,7 @@
 use crate::frame::{Camera, SightLines, Vector2Planes, Vector3Planes};
 use crate::line::direction::fixed_tangents;
 use crate::params::Fallback;
-use crate::trace::{Hit, Met, Tracer};
+use crate::trace::{Hit, HitSurface, Tracer};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -23,8 +23,8 @@ pub(crate) struct Tangents<'a> {
 impl Tangents<'_> {
     /// The tangent at a hit that strokes of the direction wanted in this `order` take; of any length.
     pub(crate) fn at(&self, hit: &Hit, order: usize) -> Option<DVec3> {
-        match hit.met {
-            Met::Behind(at) => {
+        match hit.surface {
+            HitSurface::Behind(at) => {
                 let surface = self.tracer.behind()?;
                 let shown = match hit.is_seen {
                     true => hit.point,
@@ -34,7 +34,7 @@ impl Tangents<'_> {
                 let sight = SightLines::new(self.camera.projection);
                 sight.tangent(at.x, at.y, direction, hit.normal)
             }
-            Met::Surroundings(world) => {
+            HitSurface::Surroundings(world) => {
                 let map = self.tracer.around()?;
                 let found = map.direction_at(self.around.as_ref()?, world);
                 Some(match found {

@@ -1,6 +1,6 @@
-//! Stippling: tone in dots of about one size, many in the dark and few in the light, none beside another by chance.
+//! Stippling: tone in dots of about one size, dense in the dark, sparse in the light, and evenly spaced.
 //!
-//! Theory: weighted stippling [Sec] spreads dots by tone and evens their distances. Changes: dots are told by error
+//! Theory: weighted stippling [Sec] spreads dots by tone and evens their distances. Changes: dots are placed by error
 //! diffusion [FS], which lays as many as tone asks for whatever its course, in linear time, and in place of Voronoi cells
 //! neighbours that are nearer than tone has them push each other away. Where dots overlap their areas add up to more than
 //! they cover, so that more are laid; then radii are mended so that ink covers what tone says. Practice: all is

@@ -1,4 +1,4 @@
-//! Evenly spaced streamlines: strokes as lines, for plotters and for drawings that are to be edited.
+//! Evenly spaced streamlines: strokes as vector lines, for plotters and for editing.
 //!
 //! Theory: [JL] traces a line along a field until it comes too near another, and starts new ones beside those
 //! there are, at the distance wanted. Changes: that distance follows tone, a width over the ink wanted. When all
@@ -540,7 +540,7 @@ mod tests {
                 .flat_map(|l| &l.widths)
                 .all(|&w| w == nib.width)
         );
-        // Tone is told by their number: of ink 0.05 to 0.5 in the mean a quarter and a bit, of 0.5 to 0.95 the rest.
+        // Tone is made by their number: of ink 0.05 to 0.5 in the mean a quarter and a bit, of 0.5 to 0.95 the rest.
         let within = |from: f32, to: f32| {
             let points = lines.iter().flat_map(|l| &l.points);
             let count = points.filter(|p| (from..to).contains(&p.x)).count();

@@ -11,7 +11,7 @@ use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
 use crate::line::streamlines::Seed;
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::origin;
-use crate::line::texture_coordinates::places::{PlaceMap, Surface};
+use crate::line::texture_coordinates::places::{MovingSurface, PlaceMap};
 use crate::line::texture_coordinates::shares::Weighed;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::step::Step;
@@ -75,23 +75,16 @@ impl TextureCoordinates {
     /// Those of a frame of a sequence.
     pub(crate) fn of(frame: &Frame, sequence: SequenceInputs, memory: &Memory) -> Self {
         match sequence.before.zip(sequence.motion) {
-            Some((before, motion)) => before.advanced_in(frame, motion, memory),
+            Some((before, motion)) => before.advanced(frame, motion, memory),
             None => Self::new(frame),
         }
     }
 
-    /// Those of the next frame, whose surface has come by `motion` since: pixels, x right, y up.
-    ///
-    /// # Panics
-    /// If `motion` has not the size of the frame.
-    pub fn advanced(&self, frame: &Frame, motion: &Vector2Planes) -> Self {
-        self.advanced_in(frame, motion, &Memory::default())
-    }
-
-    fn advanced_in(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
+    /// Those of the next frame, whose surface has moved by `motion` since, in pixels, x right, y up.
+    fn advanced(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
         let step = Step::new(self.window, self.surface(), frame, motion);
         let origins = step.origins();
-        let hidden = Hidden::find(&origins, Surface::of(frame, Some(motion)));
+        let hidden = Hidden::find(&origins, MovingSurface::of(frame, Some(motion)));
         let maps = self.maps.iter().filter_map(|map| {
             let fade = match map.fade < 1.0 {
                 true => map.fade - FADE_FRAMES.recip(),
@@ -125,8 +118,8 @@ impl TextureCoordinates {
     }
 
     /// The surface that the maps are of.
-    pub(crate) fn surface(&self) -> Surface<'_> {
-        Surface {
+    pub(crate) fn surface(&self) -> MovingSurface<'_> {
+        MovingSurface {
             covered: self.mask.plane(),
             depth: self.depth.as_ref(),
             motion: self.motion.as_ref(),
@@ -165,7 +158,7 @@ impl TextureCoordinates {
     /// Gives every map its share, lets the next be born where it is time, and old ones go.
     fn share_out(&mut self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) {
         let covered = self.mask.count() as f64;
-        let surface = Surface::of(frame, Some(motion));
+        let surface = MovingSurface::of(frame, Some(motion));
         let mut weighed = Weighed::of(&self.maps, &self.mask, &surface, memory);
         let asked = weighed.asked();
         if asked > URGENT * covered && self.maps.len() == MOST_MAPS {

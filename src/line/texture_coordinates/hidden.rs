@@ -2,14 +2,14 @@
 
 use crate::frame::{Plane, Vector2Planes};
 use crate::line::texture_coordinates::origin::Origin;
-use crate::line::texture_coordinates::places::{Surface, jacobian_at, place_at};
+use crate::line::texture_coordinates::places::{MovingSurface, jacobian_at, place_at};
 use crate::line::texture_coordinates::{continued, turn};
 use std::collections::VecDeque;
 
 /// Pixels that were not seen before, as far as some next to them were that are of the same surface.
 pub(crate) struct Hidden<'a> {
     known: Plane<bool>,
-    surface: Surface<'a>,
+    surface: MovingSurface<'a>,
     /// In the order of their distance from what is known.
     pixels: Vec<HiddenPixel>,
 }
@@ -26,14 +26,14 @@ struct HiddenPixel {
 /// those that go on from different pixels.
 const RELAXATIONS: usize = 6;
 
-/// Pixels beside the hidden that are taken for hidden too: next to an edge motion is told least well.
+/// Pixels beside the hidden that are taken for hidden too: next to an edge motion is least certain.
 const UNSURE: usize = 2;
 
 /// Pixels to each side of a root whose turn is averaged.
 const AROUND_ROOT: usize = 2;
 
 impl<'a> Hidden<'a> {
-    pub(crate) fn find(origins: &Plane<Origin>, surface: Surface<'a>) -> Self {
+    pub(crate) fn find(origins: &Plane<Origin>, surface: MovingSurface<'a>) -> Self {
         let mut known = origins.map(|origin| origin.is_known());
         let samples = known.samples().iter().zip(surface.covered.samples());
         let hidden = samples.enumerate();
@@ -85,7 +85,7 @@ impl<'a> Hidden<'a> {
             let ([x, y], [u, v]) = (column_row(from), column_row(to));
             [u - x, v - y]
         };
-        let known = Surface {
+        let known = MovingSurface {
             covered: &self.known,
             ..self.surface
         };
@@ -125,7 +125,7 @@ impl<'a> Hidden<'a> {
 }
 
 /// The turn of a map around a pixel, of as much as is known there.
-fn turn_around(map: &Vector2Planes, known: &Surface, at: usize) -> [f32; 2] {
+fn turn_around(map: &Vector2Planes, known: &MovingSurface, at: usize) -> [f32; 2] {
     let (width, height) = (map.x.width(), map.x.height());
     let (column, row) = (at % width, at / width);
     let near = |at: usize, length: usize| {
@@ -144,7 +144,7 @@ fn turn_around(map: &Vector2Planes, known: &Surface, at: usize) -> [f32; 2] {
 }
 
 /// The covered pixels around one, those that share a side first, that are of the same surface.
-fn neighbours(at: usize, surface: &Surface) -> Vec<usize> {
+fn neighbours(at: usize, surface: &MovingSurface) -> Vec<usize> {
     const AROUND: [[isize; 2]; 8] = [
         [-1, 0],
         [1, 0],

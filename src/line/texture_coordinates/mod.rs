@@ -59,7 +59,7 @@ pub(crate) const MOTION_STEP: [f32; 2] = [1.5, 0.5];
 /// Whether two depths, of neighbours or of one pixel in two frames, can be of one surface.
 #[inline(always)]
 pub(crate) fn is_one_depth(a: f32, b: f32) -> bool {
-    // Depths that are no numbers part nothing.
+    // NaN depths separate nothing.
     let parted = (a - b).abs() > DEPTH_STEP * a.abs().min(b.abs());
     !parted
 }

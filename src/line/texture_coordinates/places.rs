@@ -48,7 +48,7 @@ pub(crate) fn origin_in(generation: u32, window: Window) -> [f32; 2] {
 
 /// Which pixels belong together.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Surface<'a> {
+pub(crate) struct MovingSurface<'a> {
     /// The pixels that have a place.
     pub(crate) covered: &'a Plane<bool>,
     pub(crate) depth: Option<&'a Plane>,
@@ -56,7 +56,7 @@ pub(crate) struct Surface<'a> {
     pub(crate) motion: Option<&'a Vector2Planes>,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> MovingSurface<'a> {
     /// That of a frame, and how it has moved where that is known.
     pub(crate) fn of(frame: &'a Frame, motion: Option<&'a Vector2Planes>) -> Self {
         Self {
@@ -82,7 +82,12 @@ impl<'a> Surface<'a> {
 
 /// The Jacobian of a map at a pixel of a surface.
 #[inline(always)]
-pub(crate) fn jacobian_at(map: &Vector2Planes, surface: &Surface, x: usize, y: usize) -> Jacobian {
+pub(crate) fn jacobian_at(
+    map: &Vector2Planes,
+    surface: &MovingSurface,
+    x: usize,
+    y: usize,
+) -> Jacobian {
     let (width, height) = (map.x.width(), map.x.height());
     let at = y * width + x;
     let place = |inside: bool, next: usize| {
@@ -103,7 +108,12 @@ pub(crate) fn jacobian_at(map: &Vector2Planes, surface: &Surface, x: usize, y: u
 
 /// The places of a map without the roughness that motion brings in.
 #[inline(always)]
-pub(crate) fn calmed_at(map: &Vector2Planes, surface: &Surface, x: usize, y: usize) -> [f32; 2] {
+pub(crate) fn calmed_at(
+    map: &Vector2Planes,
+    surface: &MovingSurface,
+    x: usize,
+    y: usize,
+) -> [f32; 2] {
     let (width, height) = (map.x.width(), map.x.height());
     let at = y * width + x;
     let inside = |by: usize| x >= by && y >= by && x + by < width && y + by < height;

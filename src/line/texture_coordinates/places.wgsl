@@ -16,7 +16,7 @@ fn place_at(at: u32) -> vec2<f32> {
 
 // Whether two depths, of neighbours, can be of one surface.
 fn is_one_depth(a: f32, b: f32) -> bool {
-    // Depths that are no numbers part nothing, nor do two without end.
+    // NaN depths separate nothing, nor do two infinite ones.
     let least = min(abs(a), abs(b));
     if is_nan(a) || is_nan(b) || least > F32_MAX {
         return true;

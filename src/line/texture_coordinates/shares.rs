@@ -3,7 +3,7 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::frame::{Mask, Plane};
-use crate::line::texture_coordinates::places::{PlaceMap, Surface, jacobian_at};
+use crate::line::texture_coordinates::places::{MovingSurface, PlaceMap, jacobian_at};
 use crate::line::texture_coordinates::{distortion, soundness};
 use rayon::prelude::*;
 
@@ -27,7 +27,12 @@ impl Weighed {
         least.map_or(0, |(i, _)| i)
     }
 
-    pub(crate) fn of(maps: &[PlaceMap], mask: &Mask, surface: &Surface, memory: &Memory) -> Self {
+    pub(crate) fn of(
+        maps: &[PlaceMap],
+        mask: &Mask,
+        surface: &MovingSurface,
+        memory: &Memory,
+    ) -> Self {
         let mut shares: Vec<Plane> = (0..=maps.len()).map(|_| memory.plane(mask)).collect();
         let width = mask.width().max(1);
         let mut rows: Vec<Vec<&mut [f32]>> = (0..mask.height()).map(|_| Vec::new()).collect();
@@ -56,7 +61,7 @@ impl Weighed {
 fn row_of_shares(
     maps: &[PlaceMap],
     mask: &Mask,
-    surface: &Surface,
+    surface: &MovingSurface,
     y: usize,
     mut rows: Vec<&mut [f32]>,
 ) -> Vec<f64> {

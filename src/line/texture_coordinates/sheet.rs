@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::line::hatching::{BATCH, Pixels};
-use crate::line::texture_coordinates::places::{Surface, jacobian_at};
+use crate::line::texture_coordinates::places::{MovingSurface, jacobian_at};
 use crate::line::texture_coordinates::{Jacobian, STILL, in_texture};
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use std::ops::Range;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlacedTexture<'a> {
     /// Places, and the surface that has them; `None` lies still in the picture.
-    pub(crate) place: Option<(&'a Vector2Planes, Surface<'a>)>,
+    pub(crate) place: Option<(&'a Vector2Planes, MovingSurface<'a>)>,
     /// Where in the texture what lies still is laid.
     pub(crate) origin: [f32; 2],
     /// Share of the optical density, 0..1; `None` is all.

@@ -9,7 +9,7 @@ use crate::line::texture_coordinates::is_one_depth;
 use crate::line::texture_coordinates::is_one_motion;
 use crate::line::texture_coordinates::origin::Origin;
 use crate::line::texture_coordinates::places::{
-    PlaceMap, Surface, calmed_at, jacobian_at, origin_in, place_at,
+    MovingSurface, PlaceMap, calmed_at, jacobian_at, origin_in, place_at,
 };
 use crate::line::texture_coordinates::{extrapolated, is_joined};
 use crate::quantile::quantile;
@@ -28,7 +28,7 @@ const LEAST_WEIGHT: f32 = 1e-4;
 /// From one frame to the next.
 pub(crate) struct Step<'a> {
     window_before: Window,
-    before: Surface<'a>,
+    before: MovingSurface<'a>,
     frame: &'a Frame,
     motion: &'a Vector2Planes,
     /// Depth now over depth before, in the median.
@@ -38,7 +38,7 @@ pub(crate) struct Step<'a> {
 impl<'a> Step<'a> {
     pub(crate) fn new(
         window_before: Window,
-        before: Surface<'a>,
+        before: MovingSurface<'a>,
         frame: &'a Frame,
         motion: &'a Vector2Planes,
     ) -> Self {
@@ -174,7 +174,7 @@ impl<'a> Step<'a> {
         });
         let mut moved = Vector2Planes { x, y };
         hidden.fill(&mut moved);
-        let surface = Surface::of(self.frame, Some(self.motion));
+        let surface = MovingSurface::of(self.frame, Some(self.motion));
         for _ in 0..CALMINGS {
             let [x, y] = map_rows(mask, memory, |y, [xs, ys]| {
                 for run in mask.runs(y) {

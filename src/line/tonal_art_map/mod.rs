@@ -2,7 +2,7 @@
 //!
 //! Theory: a tonal art map is a volume, tone by two dimensions, whose darker slices keep all strokes of the
 //! lighter ones ([LA] section 6, after Praun et al.). So each texel turns from paper to ink once, as tone
-//! darkens, and a volume of strokes is told by where that begins and ends: two numbers a texel in place of a
+//! darkens, and a volume of strokes is stored as where that begins and ends: two numbers a texel in place of a
 //! stack of slices, every tone its own slice, nested without exception. A stroke takes longer to reach its
 //! rim and its ends, so it swells as it darkens. Coverage of texels is in the numbers: lines are
 //! anti-aliased, and between texels it is the numbers that are interpolated, so lines stay sharp where a
@@ -66,7 +66,7 @@ impl TonalArtMap {
         }
     }
 
-    /// The map of `pictures` of one texture at several tones, told by their ink, 0 paper to 1 black, in any
+    /// The map of `pictures` of one texture at several tones, as ink from 0, paper, to 1, black, in any
     /// order, strokes along x. They repeat without a seam if their borders meet; paper and black are added.
     ///
     /// # Panics

@@ -20,7 +20,7 @@ pub(crate) const CELLS_PX: [u32; 4] = [8, 4, 2, 1];
 
 /// Results of one setting.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct FieldRow {
     /// How often directions are averaged.
     pub passes: u32,
     /// Side of a pixel of the field, in pixels of the picture.
@@ -42,7 +42,7 @@ pub(crate) struct Sweep {
     #[serde(flatten)]
     pub on: On,
     /// The resolutions at the usual number of passes, then the passes at the usual resolution.
-    pub rows: Vec<Row>,
+    pub rows: Vec<FieldRow>,
 }
 
 pub(super) fn sweep(name: &str, bench: &Card, exact: Option<&Scene>) -> Result<Sweep> {
@@ -54,7 +54,7 @@ pub(super) fn sweep(name: &str, bench: &Card, exact: Option<&Scene>) -> Result<S
     for params in resolutions.into_iter().chain(passes) {
         rows.push(row(bench, params, exact)?);
     }
-    let place = |row: &Row| [row.stage.min, row.from_full.p95];
+    let place = |row: &FieldRow| [row.stage.min, row.from_full.p95];
     pareto::mark(&mut rows[..CELLS_PX.len()], place, |row| &mut row.on_front);
     Ok(Sweep {
         on: On::new(name, &bench.card.mask),
@@ -62,7 +62,7 @@ pub(super) fn sweep(name: &str, bench: &Card, exact: Option<&Scene>) -> Result<S
     })
 }
 
-fn row(bench: &Card, params: FieldParams, exact: Option<&Scene>) -> Result<Row> {
+fn row(bench: &Card, params: FieldParams, exact: Option<&Scene>) -> Result<FieldRow> {
     let found = bench.field(params)?;
     let full = bench.field(FieldParams {
         cell_px: 1,
@@ -81,7 +81,7 @@ fn row(bench: &Card, params: FieldParams, exact: Option<&Scene>) -> Result<Row> 
         }
         Angles::of(tally)
     };
-    Ok(Row {
+    Ok(FieldRow {
         passes: params.passes,
         cell_px: params.cell_px,
         from_full: from(&|at| Some(vector_at(&full, at))),

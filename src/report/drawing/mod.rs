@@ -1,4 +1,4 @@
-//! Drawings: error against time for levels, sets, passes and the field's resolution, and how true tones are.
+//! Drawings: error against time for levels, sets, passes and the field's resolution, and the accuracy of tones.
 //!
 //! A card is drawn: the surface of a frame in one even tone, so that the drawing shows strokes alone.
 
@@ -25,7 +25,7 @@ use serde::Serialize;
 pub(crate) struct DrawingReport {
     pub fields: Vec<field::Sweep>,
     pub strokes: strokes::Sweep,
-    pub tones: Vec<tone::Row>,
+    pub tones: Vec<tone::ToneRow>,
 }
 
 /// Measures drawings of `frame`, called `name`.

@@ -23,7 +23,7 @@ pub(crate) const SETS: [u32; 3] = [1, 2, 4];
 
 /// Results of one setting.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct StrokeRow {
     pub levels: u32,
     pub sets: u32,
     /// From strokes, as they are drawn, to the field.
@@ -43,10 +43,10 @@ pub(crate) struct Sweep {
     pub on: On,
     /// Pixels compared: those whose surroundings are all covered.
     pub pixels: usize,
-    /// [`Row::blotches`] of straight strokes: the share of chance.
+    /// [`StrokeRow::blotches`] of straight strokes: the share of chance.
     pub straight_blotches: f64,
     /// By sets, then by levels.
-    pub rows: Vec<Row>,
+    pub rows: Vec<StrokeRow>,
 }
 
 /// How far around, in pixels, directions of strokes and tones are averaged: three times, which makes a bell of
@@ -62,7 +62,7 @@ pub(super) fn sweep(name: &str, bench: &Card) -> Result<Sweep> {
     for sets in SETS {
         for levels in LEVELS {
             let (ink, timed) = bench.timed(of(levels, sets))?;
-            rows.push(Row {
+            rows.push(StrokeRow {
                 levels,
                 sets,
                 from_field: between(&strokes_of(&ink), &field, &inner),

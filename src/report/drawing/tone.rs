@@ -18,7 +18,7 @@ const CARD: [usize; 2] = [640, 480];
 
 /// One tone in one style.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct ToneRow {
     pub style: Style,
     /// The tone asked for: 1 is paper.
     pub tone: f32,
@@ -29,7 +29,7 @@ pub(crate) struct Row {
     pub worst_angle: f32,
 }
 
-pub(super) fn rows() -> Result<Vec<Row>> {
+pub(super) fn rows() -> Result<Vec<ToneRow>> {
     let [width, height] = CARD;
     let once = Effort::new(1, 0);
     let mut bench = Card::new(
@@ -47,8 +47,8 @@ pub(super) fn rows() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-fn row(bench: &Card, style: Style, tone: f32) -> Result<Row> {
-    let mut row = Row {
+fn row(bench: &Card, style: Style, tone: f32) -> Result<ToneRow> {
+    let mut row = ToneRow {
         style,
         tone,
         drawn: 0.0,

@@ -16,7 +16,7 @@ pub(crate) const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
 
 /// Cost of one number of lights.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct CostRow {
     pub lights: usize,
     pub relight: Times,
     /// Nanoseconds per covered pixel and light, of all threads together.
@@ -51,7 +51,7 @@ pub(crate) struct CoveredRow {
 pub(crate) struct Cost {
     pub width: usize,
     pub height: usize,
-    pub rows: Vec<Row>,
+    pub rows: Vec<CostRow>,
     /// The least-squares line through the least times.
     pub line: Line,
     /// Lights of the rows below.
@@ -71,13 +71,13 @@ pub(crate) fn measured(frame: &Frame, environment: &Environment, effort: Effort)
     };
     let rows = COUNTS.into_iter().map(|lights| {
         let (relight, nanoseconds) = time(frame, lights)?;
-        Ok(Row {
+        Ok(CostRow {
             lights,
             relight,
             nanoseconds,
         })
     });
-    let rows = rows.collect::<Result<Vec<Row>>>()?;
+    let rows = rows.collect::<Result<Vec<CostRow>>>()?;
     let points: Vec<_> = rows
         .iter()
         .map(|row| [row.lights as f64, row.relight.min])

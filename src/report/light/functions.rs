@@ -25,7 +25,7 @@ pub(crate) struct Measured {
 
 /// One function, ours and the standard library's.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct FunctionRow {
     pub name: &'static str,
     pub domain: [f32; 2],
     /// Arguments tried: that many f32, evenly spaced in the order of f32.
@@ -46,7 +46,7 @@ const ROW: usize = 2048;
 const EXPONENT: f32 = 2.2;
 
 /// Every function.
-pub(crate) fn measured(extent: Extent) -> Vec<Row> {
+pub(crate) fn measured(extent: Extent) -> Vec<FunctionRow> {
     let effort = match extent {
         Extent::Full => (4_000_000, Duration::from_millis(60)),
         Extent::Quick => (120_000, Duration::from_millis(4)),
@@ -81,7 +81,7 @@ fn measure(
     function: Function,
     std: fn(f32) -> f32,
     exact: fn(f64) -> f64,
-) -> Row {
+) -> FunctionRow {
     let ours = |out: &mut [f32], x: &[f32]| engine::map_row(function, out, x);
     let theirs = |out: &mut [f32], x: &[f32]| {
         for (out, &x) in out.iter_mut().zip(x) {
@@ -90,7 +90,7 @@ fn measure(
     };
     let all = sweep(domain, arguments);
     let inputs = sweep(domain, ROW);
-    Row {
+    FunctionRow {
         name,
         domain,
         arguments: all.len(),

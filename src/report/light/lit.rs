@@ -18,7 +18,7 @@ use serde::Serialize;
 
 /// White of one material with gains of 1, no even light, and an environment as bright as it comes: a formula
 /// gives its picture.
-pub fn bare(material: Material, method: Method) -> RelightParams {
+pub(crate) fn bare(material: Material, method: Method) -> RelightParams {
     let base = RelightParams::default();
     RelightParams {
         method,
@@ -38,7 +38,7 @@ pub fn bare(material: Material, method: Method) -> RelightParams {
 /// The materials that are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Surface {
+pub(crate) enum LitMaterial {
     /// White and diffuse.
     Lambert,
     /// Phong's lobe alone, of exponent eta = 32, (eta + 1) / 2 times as bright as it comes: a constant
@@ -46,7 +46,7 @@ pub(crate) enum Surface {
     Glossy,
 }
 
-impl Surface {
+impl LitMaterial {
     /// Both.
     pub(crate) const ALL: [Self; 2] = [Self::Lambert, Self::Glossy];
 
@@ -140,7 +140,7 @@ impl<'a> LitFrame<'a> {
 
 /// A picture under many lights that others are compared with.
 pub(crate) struct Reference {
-    pub surface: Surface,
+    pub surface: LitMaterial,
     pub method: Method,
     planes: [Plane<f64>; 3],
     /// The luminance that 98 pixels in 100 stay below: errors are relative to it.
@@ -165,7 +165,7 @@ impl References {
             directional: uniform_lights(environment, super::REFERENCE_LIGHTS),
             ..Illumination::default()
         };
-        let cases = Surface::ALL.map(|s| [(s, Method::Plain), (s, Method::Warp)]);
+        let cases = LitMaterial::ALL.map(|s| [(s, Method::Plain), (s, Method::Warp)]);
         let references = cases.into_iter().flatten().map(|(surface, method)| {
             let params = surface.params(method, WarpBy::Lights, 1);
             let picture = bench.timed(params, &light)?;
@@ -191,7 +191,7 @@ impl References {
     }
 
     /// That of one surface and method.
-    pub(crate) fn of(&self, surface: Surface, method: Method) -> &Reference {
+    pub(crate) fn of(&self, surface: LitMaterial, method: Method) -> &Reference {
         let mut all = self.0.iter();
         let found = all.find(|r| (r.surface, r.method) == (surface, method));
         found.expect("every case has its reference")
@@ -240,7 +240,7 @@ pub(crate) fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f
 }
 
 /// Up to `count` covered pixels, spread evenly in the order of rows.
-pub fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
+pub(crate) fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
     let step = mask.count().div_ceil(count.max(1)).max(1);
     covered(mask).skip(step / 2).step_by(step).collect()
 }

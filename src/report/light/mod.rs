@@ -1,57 +1,31 @@
 //! Light: error against time for the number of samples of an environment, for both equations of light
 //! warping and for prefiltered maps; the errors and times of the elementary functions; cost by lights.
 //!
-//! Everything is seen under one environment that is a formula ([`environment`]), so that there is nothing to load
+//! Everything is seen under one environment that is a formula ([`environment()`]), so that there is nothing to load
 //! and nothing random. The reference is a picture under `REFERENCE_LIGHTS` even lights
 //! ([LW] equation 2 where it is warped), itself held against double precision ([`super::light_reference`]).
 
 pub(crate) mod cost;
 pub(crate) mod functions;
-pub mod lit;
+pub(crate) mod lit;
 pub(crate) mod samples;
 
 use super::asked::{Asked, Extent, On};
 use super::compare::covered;
 use super::scenes::Scene;
+use super::scenes::environment::{ENVIRONMENT, environment};
 use super::timing::Effort;
 use crate::Result;
 use crate::frame::{Frame, Window};
-use crate::light::environment::Environment;
 use crate::params::ShapeParams;
-use glam::Vec3;
 use lit::LitFrame;
 use serde::Serialize;
 
 /// Even lights of the reference.
 pub(crate) const REFERENCE_LIGHTS: usize = 16_384;
 
-/// Columns of the environment: some 6 pixels to each light of the reference.
-const COLUMNS: usize = 512;
-
 /// Below sight: a step of 8 bits of the luminance that shows as white.
 pub(crate) const ENOUGH: f64 = 1.0 / 255.0;
-
-/// The environment in words.
-pub(crate) const ENVIRONMENT: &str = "a blue sky with a warm bright side to the upper right and a sun of 6 degrees to the upper left";
-
-/// A bright side, a small sun, some colour, a dark ground.
-pub fn environment() -> Environment {
-    let (side, sun) = (Vec3::new(0.6, 0.5, 0.62), Vec3::new(-0.5, 0.6, 0.62));
-    let (side, sun) = (side.normalize(), sun.normalize());
-    let blank = Environment::from_fn(COLUMNS, COLUMNS / 2, |_, _| [0.0; 3]);
-    Environment::from_fn(COLUMNS, COLUMNS / 2, |x, y| {
-        let direction = blank.direction(x, y);
-        let glow = (0.5 + 0.5 * direction.dot(side)).powi(4);
-        // 1 - cos is half the square of the angle: a bell of 0.05 radians' deviation.
-        let disc = 80.0 * ((direction.dot(sun) - 1.0) / (0.05 * 0.05)).exp();
-        let up = 0.1 * (1.0 + direction.y);
-        [
-            0.05 + up + 1.2 * glow + disc,
-            0.06 + 1.5 * up + 0.9 * glow + 0.9 * disc,
-            0.08 + 2.5 * up + 0.5 * glow + 0.7 * disc,
-        ]
-    })
-}
 
 /// Results of one frame.
 #[derive(Debug, Clone, Serialize)]
@@ -70,7 +44,7 @@ pub(crate) struct LightReport {
     pub environment: &'static str,
     /// The frame, and in a full report a scene.
     pub subjects: Vec<Subject>,
-    pub functions: Vec<functions::Row>,
+    pub functions: Vec<functions::FunctionRow>,
     pub cost: cost::Cost,
 }
 

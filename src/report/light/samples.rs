@@ -1,7 +1,7 @@
 //! Light from an environment by samples, by either equation of light warping, and by prefiltered maps.
 
 use super::ENOUGH;
-use super::lit::{Difference, LitFrame, Reference, References, Surface};
+use super::lit::{Difference, LitFrame, LitMaterial, Reference, References};
 use crate::Result;
 use crate::params::{Method, WarpBy};
 use crate::report::pareto;
@@ -23,7 +23,7 @@ pub(crate) struct Sample {
 
 /// One number of lights.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct SampleRow {
     #[serde(flatten)]
     pub sample: Sample,
     /// Time of the median cut, once for a sequence.
@@ -35,13 +35,13 @@ pub(crate) struct Row {
 /// All numbers for one surface and method.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Sweep {
-    pub surface: Surface,
+    pub surface: LitMaterial,
     pub method: Method,
     pub reference: Times,
     /// Largest error of the reference's sums against double precision.
     pub reference_rounding: f64,
     /// By growing number.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SampleRow>,
     /// The fewest lights that are [`ENOUGH`] in 99 pixels of 100.
     pub enough: Option<u32>,
 }
@@ -68,15 +68,15 @@ pub(super) fn sweeps(bench: &LitFrame, references: &References) -> Result<Vec<Sw
     let sweep = |reference: &Reference| {
         let rows = COUNTS.into_iter().map(|count| {
             let (sample, cut) = sample(bench, reference, WarpBy::Lights, count)?;
-            Ok(Row {
+            Ok(SampleRow {
                 sample,
                 cut,
                 on_front: false,
             })
         });
-        let mut rows = rows.collect::<Result<Vec<Row>>>()?;
-        let error = |row: &Row| row.sample.difference.errors.p99;
-        let place = |row: &Row| [row.sample.relight.min, error(row)];
+        let mut rows = rows.collect::<Result<Vec<SampleRow>>>()?;
+        let error = |row: &SampleRow| row.sample.difference.errors.p99;
+        let place = |row: &SampleRow| [row.sample.relight.min, error(row)];
         pareto::mark(&mut rows, place, |row| &mut row.on_front);
         let enough = rows.iter().find(|row| error(row) < ENOUGH);
         Ok(Sweep {
@@ -94,7 +94,7 @@ pub(super) fn sweeps(bench: &LitFrame, references: &References) -> Result<Vec<Sw
 /// Both equations of light warping for one surface.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Equations {
-    pub surface: Surface,
+    pub surface: LitMaterial,
     /// Every look-up of even directions warped ([LW] equation 1).
     pub lookups: Vec<Sample>,
     /// Lights by median cut, unwarped and weighed by the Jacobian (equation 2).
@@ -130,7 +130,7 @@ pub(super) fn equations(
 /// A prefiltered map in place of a sum.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Prefiltered {
-    pub surface: Surface,
+    pub surface: LitMaterial,
     /// How light is altered: where it is warped, the one look-up is.
     pub method: Method,
     pub difference: Difference,

@@ -62,7 +62,7 @@ fn levels(sweep: &strokes::Sweep) -> String {
     )
 }
 
-fn tones(rows: &[tone::Row]) -> String {
+fn tones(rows: &[tone::ToneRow]) -> String {
     let worst = rows.iter().map(|row| row.worst).fold(0.0, f64::max);
     let table = table!(rows, row => {
         "style": format!("{:?}", row.style).to_lowercase(),

@@ -1,7 +1,7 @@
 //! The drawings of a sequence on the page.
 
 use super::{percent, table};
-use crate::report::coherence::{Coherence, Row};
+use crate::report::coherence::{Coherence, CoherenceRow};
 use crate::report::plots::COHERENCE;
 
 /// The section; empty without a sequence.
@@ -10,7 +10,7 @@ pub(super) fn section(coherence: Option<&Coherence>) -> String {
         return String::new();
     };
     let ink = |value: f64| format!("{value:.4}");
-    let of_row = |row: &Row| {
+    let of_row = |row: &CoherenceRow| {
         let differences = [row.still, row.carried, row.floor, row.lines];
         let shares = [percent(row.seen_before), percent(row.oldest_share)];
         (

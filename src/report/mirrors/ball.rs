@@ -1,6 +1,6 @@
 //! A mirror ball in the middle of the room, and the points that its pixels show, exactly.
 
-use super::room::{CENTER, Hit, Surface, hit};
+use super::room::{CENTER, Hit, RoomSurface, hit};
 use crate::frame::{
     Camera, ColorPlanes, Frame, Mask, Plane, Projection, SightLines, Vector3Planes,
 };
@@ -30,7 +30,7 @@ pub(super) struct Shown {
 
 impl Shown {
     pub(super) fn is_column(&self) -> bool {
-        matches!(self.hit.surface, Surface::Column(_))
+        matches!(self.hit.surface, RoomSurface::Column(_))
     }
 }
 
@@ -88,7 +88,7 @@ impl Ball {
     }
 
     /// Whether all that lies around a place shows the same surface.
-    fn is_inside(self, at: DVec2, surface: Surface) -> bool {
+    fn is_inside(self, at: DVec2, surface: RoomSurface) -> bool {
         let around = (0..8).map(|k| EDGE_PX * DVec2::from_angle(f64::from(k) * FRAC_PI_4));
         let mut ends = around.map(|offset| self.hit(at + offset));
         ends.all(|hit| hit.is_some_and(|hit| hit.surface == surface))
@@ -165,7 +165,7 @@ mod tests {
         let ball = Ball { size: 2000 };
         let at = DVec2::splat(1000.0) + 3000.0 / 4.0 * DVec2::new(0.05, 0.1);
         let found = ball.hit(at).expect("the ball is there");
-        assert_eq!(found.surface, Surface::Wall(2));
+        assert_eq!(found.surface, RoomSurface::Wall(2));
         assert!(found.point.distance(DVec3::new(-0.025, 0.05, 2.0)) < 1e-9);
     }
 
@@ -174,19 +174,19 @@ mod tests {
         let ball = Ball { size: 160 };
         let all = (0..160 * 160).filter_map(|i| ball.shown(i % 160, i / 160));
         let all: Vec<_> = all.collect();
-        let walls = (0..3).map(Surface::Wall);
-        for surface in walls.chain((0..4).map(Surface::Column)) {
+        let walls = (0..3).map(RoomSurface::Wall);
+        for surface in walls.chain((0..4).map(RoomSurface::Column)) {
             let seen = |shown: &&Shown| shown.hit.surface == surface && shown.in_map;
             let count = all.iter().filter(seen).count();
             assert!(count > 20, "{surface:?}: {count}");
         }
         // Strokes have a direction inside of surfaces: of walls nearly everywhere, of thick columns.
-        let directed = |surface: Surface| {
+        let directed = |surface: RoomSurface| {
             let shows = |shown: &&Shown| shown.hit.surface == surface && shown.direction.is_some();
             all.iter().filter(shows).count()
         };
-        assert!((0..3).all(|axis| directed(Surface::Wall(axis)) > 300));
-        assert!(directed(Surface::Column(0)) > 30);
+        assert!((0..3).all(|axis| directed(RoomSurface::Wall(axis)) > 300));
+        assert!(directed(RoomSurface::Column(0)) > 30);
         let hidden = all.iter().filter(|shown| !shown.in_map).count();
         assert!(hidden > 0 && hidden < all.len() / 20, "{hidden}");
     }

@@ -59,7 +59,7 @@ impl Default for Setting {
 
 /// Results of one setting. Shares are 0..1.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct MirrorRow {
     pub setting: Setting,
     /// Share of the pixels whose sight line is found to end on something seen.
     pub found: f64,
@@ -80,7 +80,7 @@ pub(crate) struct Row {
     pub stage: Times,
 }
 
-impl Row {
+impl MirrorRow {
     /// Share of the pixels whose sight line is not found to end on the right surface.
     pub(crate) fn astray(&self) -> f64 {
         1.0 - self.found + self.wrong_surface
@@ -97,7 +97,7 @@ pub(super) struct MirrorBench {
     /// The room by the map that was last asked for.
     around: (usize, SpecularScene),
     /// Rows measured so far.
-    known: Vec<Row>,
+    known: Vec<MirrorRow>,
 }
 
 impl MirrorBench {
@@ -115,7 +115,7 @@ impl MirrorBench {
     }
 
     /// A row for each setting; known ones are not measured again.
-    pub(super) fn rows(&mut self, settings: &[Setting]) -> Result<Vec<Row>> {
+    pub(super) fn rows(&mut self, settings: &[Setting]) -> Result<Vec<MirrorRow>> {
         let mut rows = Vec::new();
         for setting in settings {
             let known = self.known.iter().find(|row| row.setting == *setting);
@@ -129,7 +129,7 @@ impl MirrorBench {
         Ok(rows)
     }
 
-    fn row(&mut self, setting: Setting) -> Result<Row> {
+    fn row(&mut self, setting: Setting) -> Result<MirrorRow> {
         if self.around.0 != setting.map_height {
             let scene = SpecularScene {
                 surroundings: Some(Arc::new(room::surroundings(setting.map_height))),
@@ -143,7 +143,7 @@ impl MirrorBench {
         };
         let ends = self.ends(&specular);
         let [direction, direction_on_columns] = self.directions(specular)?;
-        Ok(Row {
+        Ok(MirrorRow {
             setting,
             found: ends.found,
             wrong_surface: ends.wrong_surface,

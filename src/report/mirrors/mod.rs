@@ -16,7 +16,7 @@ use super::timing::Effort;
 use crate::Result;
 use crate::params::SearchParams;
 use ball::{Ball, Shown};
-use bench::{MirrorBench, Row, Setting};
+use bench::{MirrorBench, MirrorRow, Setting};
 use serde::Serialize;
 
 /// Steps of the search that are tried. They are those of half a turn; a mirrored ray turns by a quarter of one at most, and
@@ -37,15 +37,15 @@ pub(crate) struct MirrorReport {
     pub pixels_of_columns: usize,
     /// Share of the facing pixels that are left out: they show points that are hidden from the middle of the room.
     pub hidden: f64,
-    pub steps: Vec<Row>,
-    pub refinements: Vec<Row>,
-    pub map_heights: Vec<Row>,
+    pub steps: Vec<MirrorRow>,
+    pub refinements: Vec<MirrorRow>,
+    pub map_heights: Vec<MirrorRow>,
 }
 
 /// Rows by one setting.
 pub(crate) struct Varied<'a> {
     pub(crate) name: &'static str,
-    pub(crate) rows: &'a [Row],
+    pub(crate) rows: &'a [MirrorRow],
     pub(crate) value: fn(&Setting) -> usize,
 }
 

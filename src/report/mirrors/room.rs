@@ -45,7 +45,7 @@ pub(crate) const ABOUT: &str = "a mirror ball of radius 1 in a room of 10 x 4 x 
 
 /// A surface of the room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Surface {
+pub(super) enum RoomSurface {
     /// The two walls square to an axis.
     Wall(usize),
     /// A column.
@@ -56,7 +56,7 @@ pub(super) enum Surface {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hit {
     pub(super) point: DVec3,
-    pub(super) surface: Surface,
+    pub(super) surface: RoomSurface,
 }
 
 impl Hit {
@@ -64,12 +64,12 @@ impl Hit {
     fn normal(&self) -> DVec3 {
         let from = self.point - CENTER;
         match self.surface {
-            Surface::Wall(axis) => {
+            RoomSurface::Wall(axis) => {
                 let mut normal = DVec3::ZERO;
                 normal[axis] = -from[axis].signum();
                 normal
             }
-            Surface::Column(i) => {
+            RoomSurface::Column(i) => {
                 let across = (from.xz() - COLUMNS[i].at) / COLUMNS[i].radius;
                 DVec3::new(across.x, 0.0, across.y)
             }
@@ -81,8 +81,8 @@ impl Hit {
     pub(super) fn tangent(&self) -> DVec3 {
         let normal = self.normal();
         match self.surface {
-            Surface::Wall(0) | Surface::Column(_) => DVec3::Y.cross(normal),
-            Surface::Wall(_) => DVec3::X.cross(normal),
+            RoomSurface::Wall(0) | RoomSurface::Column(_) => DVec3::Y.cross(normal),
+            RoomSurface::Wall(_) => DVec3::X.cross(normal),
         }
     }
 }
@@ -93,12 +93,20 @@ pub(super) fn from_center(point: DVec3) -> f64 {
 }
 
 /// The surface nearest to a point.
-pub(super) fn nearest_surface(point: DVec3) -> Surface {
+pub(super) fn nearest_surface(point: DVec3) -> RoomSurface {
     let from = point - CENTER;
-    let wall = |axis: usize| ((ROOM[axis] - from[axis].abs()).abs(), Surface::Wall(axis));
+    let wall = |axis: usize| {
+        (
+            (ROOM[axis] - from[axis].abs()).abs(),
+            RoomSurface::Wall(axis),
+        )
+    };
     let column = |i: usize| {
         let Column { at, radius } = COLUMNS[i];
-        ((from.xz().distance(at) - radius).abs(), Surface::Column(i))
+        (
+            (from.xz().distance(at) - radius).abs(),
+            RoomSurface::Column(i),
+        )
     };
     let all = (0..3).map(wall).chain((0..COLUMNS.len()).map(column));
     let nearest = all.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -111,7 +119,10 @@ pub(super) fn hit(start: DVec3, direction: DVec3) -> Hit {
     // side = from + t direction along each axis, toward the wall ahead.
     let wall = |axis: usize| {
         let side = ROOM[axis].copysign(direction[axis]);
-        ((side - from[axis]) / direction[axis], Surface::Wall(axis))
+        (
+            (side - from[axis]) / direction[axis],
+            RoomSurface::Wall(axis),
+        )
     };
     // |f + t d|^2 = r^2 across the axis, the nearer root: with a = d.d, b = f.d and c = f.f - r^2, t = c / (-b + root).
     let column = |i: usize| {
@@ -124,7 +135,7 @@ pub(super) fn hit(start: DVec3, direction: DVec3) -> Hit {
         );
         let square = b * b - a * c;
         let ahead = square > 0.0 && b < 0.0;
-        ahead.then(|| (c / (square.sqrt() - b), Surface::Column(i)))
+        ahead.then(|| (c / (square.sqrt() - b), RoomSurface::Column(i)))
     };
     let all = (0..3)
         .map(wall)
@@ -170,10 +181,10 @@ mod tests {
     fn rays_end_at_the_nearest_surface() {
         // From the middle along x: the wall at 5. At the first column, 1.8 root 2 = 2.5456 away: its radius less.
         let wall = hit(CENTER, DVec3::X);
-        assert_eq!(wall.surface, Surface::Wall(0));
+        assert_eq!(wall.surface, RoomSurface::Wall(0));
         assert!((from_center(wall.point) - 5.0).abs() < 1e-12);
         let column = hit(CENTER, DVec3::new(1.0, 0.0, 1.0).normalize());
-        assert_eq!(column.surface, Surface::Column(0));
+        assert_eq!(column.surface, RoomSurface::Column(0));
         assert!((from_center(column.point) - (1.8 * 2.0_f64.sqrt() - 0.5)).abs() < 1e-12);
         // Its normal leads back to the middle; strokes go around it, level.
         let back = -DVec3::new(0.5, 0.0, 0.5).normalize();

@@ -1,10 +1,10 @@
 //! Differences of drawings from frame to frame.
 
 use super::figure::{FAINT, GRID, INK, SERIES, svg, text};
-use crate::report::coherence::{Coherence, Row};
+use crate::report::coherence::{Coherence, CoherenceRow};
 use plotters::prelude::*;
 
-type Difference = fn(&Row) -> f64;
+type Difference = fn(&CoherenceRow) -> f64;
 
 /// Differences of a row, and what the plot calls them.
 const LINES: [(&str, Difference); 4] = [

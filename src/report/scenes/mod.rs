@@ -1,13 +1,15 @@
-//! Small scenes whose answers are known: those that the report measures, and the exact surfaces they are made of.
+//! Small scenes with known answers: those that the report measures, and the analytic surfaces they are made of.
 //!
 //! All that are measured are orthographic, one unit a pixel. Where there is a closed form of the curvature after
 //! diffusion it gives the error of the whole method, grid and all, beside which the error of a solver is to be
 //! judged.
 
+pub(crate) mod environment;
 pub mod exact;
 pub mod frames;
 pub mod surfaces;
 
+pub use environment::environment;
 pub use exact::{Exact, ExactScene, ball_trace};
 pub use surfaces::Surface;
 

@@ -13,7 +13,7 @@ use glam::Vec3;
 use Expected::{Bounded, Refused, Warned};
 
 /// Every case, in the order of the report.
-pub fn all() -> Vec<Case> {
+pub(crate) fn all() -> Vec<Case> {
     let groups = [
         normal_cases(),
         depth_cases(),

@@ -111,14 +111,6 @@ fn sizes() -> Vec<Case> {
     }
 }
 
-/// Settings at the ends of their ranges, by name.
-pub fn extreme_strokes() -> Vec<(&'static str, LineParams)> {
-    let settings = settings().into_iter();
-    settings
-        .map(|setting| (setting.name, setting.line))
-        .collect()
-}
-
 /// A setting with the surface that shows it.
 struct Setting {
     name: &'static str,

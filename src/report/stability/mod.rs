@@ -4,12 +4,13 @@
 mod case;
 mod cases;
 mod drawing_cases;
+#[cfg(test)]
+mod every_case;
 mod frames;
 mod light_cases;
 mod lit;
 
-pub use cases::all;
-pub use drawing_cases::extreme_strokes;
+pub(crate) use cases::all;
 
 use super::timing;
 use crate::engine::Inputs;
@@ -24,7 +25,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// What a case is expected to end in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Expected {
+pub(crate) enum Expected {
     /// A result within its bounds, nothing to be said.
     Bounded,
     /// A picture under new light within its bound, nothing to be said.
@@ -39,7 +40,7 @@ pub enum Expected {
 
 /// The largest values of a result and what they may be at most.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// Largest |g_x| or |g_y| after diffusion.
     pub slope: f64,
     /// The largest one before it: diffusion makes no new extremum; with the solver's tolerance.
@@ -58,7 +59,7 @@ pub struct Bounds {
 /// is two derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "outcome", rename_all = "lowercase")]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// Every value is a number within its bounds.
     Bounded(Bounds),
     /// Every value of a picture is a number from 0 to its bound.
@@ -106,7 +107,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// Whether it is what was expected.
-    pub fn is(&self, expected: Expected) -> bool {
+    pub(crate) fn is(&self, expected: Expected) -> bool {
         match self {
             Self::Bounded(_) => expected == Expected::Bounded,
             Self::Lit { .. } => expected == Expected::Lit,
@@ -119,7 +120,7 @@ impl Verdict {
 }
 
 /// A case.
-pub struct Case {
+pub(crate) struct Case {
     /// Its name.
     pub name: &'static str,
     /// What is done.
@@ -131,7 +132,7 @@ pub struct Case {
 
 /// A case with its outcome.
 #[derive(Debug, Clone, Serialize)]
-pub struct CaseResult {
+pub(crate) struct CaseResult {
     /// Its name.
     pub name: &'static str,
     /// What was done.
@@ -146,7 +147,7 @@ pub struct CaseResult {
 
 impl Case {
     /// Runs the case; a panic is a failure of the case alone.
-    pub fn run(&self) -> CaseResult {
+    pub(crate) fn run(&self) -> CaseResult {
         let verdict = match catch_unwind(AssertUnwindSafe(&self.run)) {
             Ok(Ok(verdict)) => verdict,
             Ok(Err(error)) => refusal(error),

@@ -20,7 +20,7 @@ pub(crate) const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
 
 /// Results of one step for normals of one rounding.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct DirectionRow {
     pub stored: Stored,
     /// The step asked for, in pixels; `None` is the automatic one.
     pub step_px: Option<u8>,
@@ -41,7 +41,7 @@ pub(crate) struct Sweep {
     pub about: String,
     /// Pixels compared: those whose direction is known.
     pub pixels: usize,
-    pub rows: Vec<Row>,
+    pub rows: Vec<DirectionRow>,
 }
 
 /// Tries every step on `scene` with normals of every rounding.
@@ -69,7 +69,7 @@ pub(crate) fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
         let tally = angles(scene, &Layers::of(outcome).direction);
         sweep.pixels = tally.pixels();
         let stage = timed.stage("normal-rays").expect("layers take normal rays");
-        sweep.rows.push(Row {
+        sweep.rows.push(DirectionRow {
             stored,
             step_px,
             steps_px: plan.direction_steps_px,

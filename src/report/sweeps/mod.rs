@@ -1,5 +1,7 @@
-//! The sweeps: one file per thing that is varied, the rest held at what was asked for.
+//! Sweeps: one file per parameter that is varied, the others fixed as requested.
 
+#[cfg(test)]
+mod accuracy;
 pub(crate) mod directions;
 pub(crate) mod precision;
 pub(crate) mod rim;
@@ -26,7 +28,7 @@ pub(crate) struct EdgeErrors {
 }
 
 /// A frame with the double-precision reference of its edges and of its undiffused gradient.
-pub struct Measuring<'a> {
+pub(crate) struct Measuring<'a> {
     /// The frame.
     pub frame: &'a Frame,
     /// How its shape is found, but for what a sweep varies.
@@ -47,7 +49,7 @@ impl<'a> Measuring<'a> {
     ///
     /// # Errors
     /// [`crate::Error::BadParameter`] for a parameter outside its range.
-    pub fn new(frame: &'a Frame, shape: ShapeParams) -> Result<Self> {
+    pub(crate) fn new(frame: &'a Frame, shape: ShapeParams) -> Result<Self> {
         let undiffused = ShapeParams {
             scale: Scale::Iterations(0),
             ..shape
@@ -86,7 +88,7 @@ impl<'a> Measuring<'a> {
     }
 
     /// The reference gradient at `scale`.
-    pub fn diffused(&self, scale: Scale) -> Field {
+    pub(crate) fn diffused(&self, scale: Scale) -> Field {
         let shape = ShapeParams {
             scale,
             ..self.shape
@@ -95,19 +97,19 @@ impl<'a> Measuring<'a> {
     }
 
     /// The reference trace of a gradient.
-    pub fn trace(&self, gradient: &Field) -> Plane<f64> {
+    pub(crate) fn trace(&self, gradient: &Field) -> Plane<f64> {
         reference::trace(gradient, &self.conductance, &self.frame.mask)
     }
 
     /// Errors of a diffused gradient.
-    pub fn gradient_errors(&self, found: &Vector2Planes, exact: &Field) -> Errors {
+    pub(crate) fn gradient_errors(&self, found: &Vector2Planes, exact: &Field) -> Errors {
         let (found, exact) = ([&found.x, &found.y], exact.each_ref());
         let errors = compare(found, exact, &self.frame.mask, self.steepest);
         errors.in_window(self.frame.data_window)
     }
 
     /// The largest overshoot of the two components of a diffused gradient.
-    pub fn overshoot(&self, found: &Vector2Planes) -> f64 {
+    pub(crate) fn overshoot(&self, found: &Vector2Planes) -> f64 {
         let mask = &self.frame.mask;
         let of = |plane: &Plane, start: &Plane<f64>| {
             overshoot(plane, reference::range(start, mask), mask, self.steepest)

@@ -23,7 +23,7 @@ pub(crate) enum Stored {
 
 /// Results of rounded input against those of the input as it came.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct PrecisionRow {
     pub frame: String,
     pub stored: Stored,
     pub scale: String,
@@ -37,7 +37,7 @@ pub(crate) struct Row {
 
 /// Compares float, half and byte input at the undiffused and at the asked-for scale with the reference
 /// in double precision of the input as it came.
-pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<Row>> {
+pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<PrecisionRow>> {
     let measuring = Measuring::new(frame, shape)?;
     let mut scales = vec![Scale::Iterations(0)];
     if shape.diffusion_time() > 0.0 {
@@ -59,7 +59,7 @@ pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec
             let kept = |x: usize, y: usize| frame.mask.at(x, y) && !moved(x, y);
             let [gx, gy] = &gradient;
             let steepest = measuring.steepest;
-            rows.push(Row {
+            rows.push(PrecisionRow {
                 frame: name.into(),
                 stored,
                 scale: named(scale),

@@ -12,7 +12,7 @@ use std::num::NonZeroUsize;
 
 /// One way of running.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct RunRow {
     pub dimension: &'static str,
     pub value: String,
     pub scale: String,
@@ -25,7 +25,7 @@ pub(crate) struct Row {
 }
 
 /// Runs `frame` as `shape` asks with 1, 2, 4.. threads, up to those of the caller's pool.
-pub(crate) fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Result<Vec<Row>> {
+pub(crate) fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Result<Vec<RunRow>> {
     let plan = timing::plan(Goal::Display, frame, shape)?;
     let counts = thread_counts(rayon::current_num_threads());
     let measured = counts
@@ -47,7 +47,7 @@ pub(crate) fn tiles_and_passes(
     shape: ShapeParams,
     scales: &[Scale],
     effort: Effort,
-) -> Result<Vec<Row>> {
+) -> Result<Vec<RunRow>> {
     let (scale, plan) = most_sweeps(frame, shape, scales)?;
     let measured = |(value, options): (String, RunOptions)| {
         (value, Some(measure_with(options, &plan, frame, effort)))
@@ -136,7 +136,7 @@ fn rows(
     dimension: &'static str,
     scale: Scale,
     measured: Vec<(String, Option<Measured>)>,
-) -> Vec<Row> {
+) -> Vec<RunRow> {
     let measured: Vec<_> = measured
         .into_iter()
         .filter_map(|(value, m)| Some((value, m?)))
@@ -145,7 +145,7 @@ fn rows(
         return Vec::new();
     };
     let (time, expected) = (timed.whole.min, bits(outcome));
-    let row = |(value, (outcome, timed)): &(String, Measured)| Row {
+    let row = |(value, (outcome, timed)): &(String, Measured)| RunRow {
         dimension,
         value: value.clone(),
         scale: named(scale),

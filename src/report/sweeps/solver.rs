@@ -26,7 +26,7 @@ const MOST_UPDATES: usize = 1_200_000_000;
 
 /// Results of one setting.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct SolverRow {
     /// The solver that was run: where explicit steps are fewer and as good, they stand in.
     pub solver: Solver,
     /// Its tolerance or length of step, in words.
@@ -66,7 +66,7 @@ pub(crate) struct Row {
 pub(crate) struct GpuRow {
     /// As those of the CPU.
     #[serde(flatten)]
-    pub row: Row,
+    pub row: SolverRow,
     #[serde(flatten)]
     pub parts: GpuParts,
 }
@@ -77,7 +77,7 @@ pub(crate) struct ScaleSweep {
     pub scale: String,
     pub flag: String,
     pub sigma_px: f64,
-    pub rows: Vec<Row>,
+    pub rows: Vec<SolverRow>,
     /// Those of a device, where one was measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub on_gpu: Vec<GpuRow>,
@@ -178,11 +178,11 @@ fn sweep_scale(
         .iter()
         .zip(times)
         .map(|(shape, times)| truth.row_of_cpu(shape, times, machine));
-    let mut rows = rows.collect::<Result<Vec<Row>>>()?;
+    let mut rows = rows.collect::<Result<Vec<SolverRow>>>()?;
     for (row, plan) in rows.iter_mut().zip(&plans) {
         row.asked_for = plan.sweeps == asked_for;
     }
-    let place = |row: &Row| [row.diffusion.min, row.gradient.max];
+    let place = |row: &SolverRow| [row.diffusion.min, row.gradient.max];
     pareto::mark(&mut rows, place, |row| &mut row.on_front);
     let on_gpu = match subject.gpu {
         Some(gpu) => truth.on_gpu(gpu, &shape, effort)?,
@@ -248,7 +248,12 @@ struct Truth<'a> {
 }
 
 impl Truth<'_> {
-    fn row_of_cpu(&self, shape: &ShapeParams, timed: Timed, machine: &Machine) -> Result<Row> {
+    fn row_of_cpu(
+        &self,
+        shape: &ShapeParams,
+        timed: Timed,
+        machine: &Machine,
+    ) -> Result<SolverRow> {
         let frame = self.measuring.frame;
         let layers = timing::plan(Goal::Layers, frame, *shape)?;
         let found = engine::layers(frame, *shape)?;
@@ -298,7 +303,7 @@ impl Truth<'_> {
         found: &Layers,
         diffusion: Times,
         whole: Times,
-    ) -> Row {
+    ) -> SolverRow {
         let Measuring {
             frame, steepest, ..
         } = *self.measuring;
@@ -306,7 +311,7 @@ impl Truth<'_> {
         let found_trace = found.trace();
         let trace = compare([&found_trace], [&self.trace], mask, steepest);
         let explicit = matches!(layers.sweeps.recurrence, Recurrence::Explicit(_));
-        Row {
+        SolverRow {
             solver: if explicit {
                 Solver::Explicit
             } else {

@@ -114,7 +114,7 @@ mod tests {
             ),
             200.0
         );
-        // Told per pixel of a reference a fifth as high, the bumps have a fifth of the gain; what was too
+        // Measured per pixel of a reference a fifth as high, the bumps have a fifth of the gain; what was too
         // flat to count still is.
         let fifth = curvature_gain(
             &trace.map(|t| 5.0 * t),
@@ -134,7 +134,7 @@ mod tests {
         assert!((most_gain(1.0 / 255.0, 0.5, 3.0) - 51.1).abs() < 0.1);
         // Diffused by two pixels it is a fifth as high.
         assert_eq!(most_gain(1.0 / 255.0, 2.0, 1.0), 200.0);
-        // Half floats are told apart by no step that is seen.
+        // The steps of half floats are too fine to be seen.
         assert_eq!(most_gain(1.0 / 4096.0, 1.0, 1.0), 200.0);
         assert_eq!(most_gain(0.0, 0.0, 1.0), 200.0);
         let flat = Plane::filled(4, 4, 1e-9);

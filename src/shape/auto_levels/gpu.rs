@@ -97,7 +97,7 @@ const MEDIAN_PERCENT: u32 = 50;
 /// What is searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Search {
-    /// The gain of the curvature mapping, in a picture of this size whose curvature is told by this factor, and the
+    /// The gain of the curvature mapping, in a picture of this size whose curvature has this factor, and the
     /// greatest that is chosen.
     Gain {
         size: [usize; 2],

@@ -180,7 +180,7 @@ impl Run<'_> {
         let sweeping = Sweeping {
             gradient,
             conductance,
-            term_weights: self.hold(&weights),
+            term_weights: self.uploaded(&weights),
             level_count,
             by_level,
             is_expansion,
@@ -373,7 +373,7 @@ mod tests {
             let found = gradient(&in_tiles, &small);
             let expected = gradient(&one_by_one, &small);
             for (found, expected) in [(&found.x, &expected.x), (&found.y, &expected.y)] {
-                let apart = Product::Gradient.apart(&[found], &[expected]);
+                let apart = Product::Gradient.difference(&[found], &[expected]);
                 assert!(apart <= Product::Gradient.tolerance(), "{apart:e}");
                 let mut samples = found.samples().iter().zip(small.mask.plane().samples());
                 assert!(samples.all(|(&g, &is_covered)| is_covered || g == 0.0));

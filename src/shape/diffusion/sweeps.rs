@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// The sweeps over the frame that diffuse its gradient, and what is read out of them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DiffusionSchedule {
+pub(crate) struct DiffusionSchedule {
     /// How a sweep makes the next term.
     pub recurrence: Recurrence,
     /// How the result is made of the terms.
@@ -16,7 +16,7 @@ pub struct DiffusionSchedule {
 
 /// How a sweep makes the next term of the terms before.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Recurrence {
+pub(crate) enum Recurrence {
     /// By an explicit step of this length.
     Explicit(f32),
     /// By the recurrence of the Chebyshev polynomials of the diffusion operator.
@@ -25,7 +25,7 @@ pub enum Recurrence {
 
 /// How results are made of the terms that the sweeps make, the gradient itself being the first.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Readout {
+pub(crate) enum Readout {
     /// The last term.
     Last,
     /// One weighted sum of all terms per scale.
@@ -36,7 +36,7 @@ pub enum Readout {
 
 /// How far pixels are diffused by their importance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Importance {
+pub(crate) struct Importance {
     /// How far those of importance 1 are.
     pub spread: Spread,
     /// Largest relative error of an expansion.
@@ -121,12 +121,12 @@ impl DiffusionSchedule {
     }
 
     /// How often the operator is applied.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.count
     }
 
     /// How many fields are read out.
-    pub fn results(&self) -> usize {
+    pub(crate) fn results(&self) -> usize {
         match &self.readout {
             Readout::Sums(sums) => sums.len(),
             Readout::Last | Readout::ByImportance(_) => 1,
@@ -154,7 +154,7 @@ impl DiffusionSchedule {
     ///
     /// # Panics
     /// If the readout is not by importance.
-    pub fn weights_by_importance(&self, importances: &[f64]) -> Vec<Vec<f32>> {
+    pub(crate) fn weights_by_importance(&self, importances: &[f64]) -> Vec<Vec<f32>> {
         let Readout::ByImportance(Importance { spread, tolerance }) = self.readout else {
             panic!("the sweeps are not read out by importance");
         };

@@ -57,7 +57,7 @@ fn angle_within(length: f32) -> f32 {
 }
 
 // A normal and its four neighbours.
-struct Cross {
+struct NeighbourNormals {
     own: vec3<f32>,
     left: vec3<f32>,
     right: vec3<f32>,
@@ -68,7 +68,7 @@ struct Cross {
 // Crease weight of a pixel with the normals `n`, whose filtered normal had the length `length`, where the neighbours left,
 // right, above and below are there. The largest angle counts: to a neighbour, and across the pixel from one side to the
 // other.
-fn crease_detector_weight(n: Cross, length: f32, there: vec4<bool>) -> f32 {
+fn crease_detector_weight(n: NeighbourNormals, length: f32, there: vec4<bool>) -> f32 {
     // The squared distance between the tips of unit vectors grows as the angle does, and loses nothing where that is small.
     let left = n.own - n.left;
     let right = n.own - n.right;
@@ -150,7 +150,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         silhouette = select(1.0, silhouette, is_inside);
         let left = normal_at(columns.x, row);
         let right = normal_at(columns.z, row);
-        let around = Cross(normal, left, right, normal_above, normal_below);
+        let around = NeighbourNormals(normal, left, right, normal_above, normal_below);
         let there = vec4<bool>(covered_here.x, covered_here.z, covered_above.y, covered_below.y);
         var length = 1.0;
         if HAS_LENGTHS {

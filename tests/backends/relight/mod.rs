@@ -8,8 +8,8 @@ use super::{assert_alike, with_color};
 use crate::common::cpu;
 use crate::common::relit::{self, Asked, LIT, METHODS, torus_scene};
 use glam::Vec3;
+use relievo::engine::Inputs;
 use relievo::engine::gpu::Runner;
-use relievo::engine::{Inputs, relit_tolerance};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
@@ -53,7 +53,7 @@ impl Asked {
         let found = runner
             .execute(&plan, frame, Inputs::lit_by(&self.light))
             .unwrap();
-        let allowed = relit_tolerance(plan.relighting.as_ref().unwrap(), &self.light);
+        let allowed = plan.relit_tolerance(&self.light).unwrap();
         assert_alike(name, &found, &expected, |product| {
             (product == Product::Picture).then_some(allowed)
         });

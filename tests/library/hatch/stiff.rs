@@ -4,11 +4,10 @@ use super::*;
 use crate::common::{is_a_drawing, poisoned};
 use glam::DVec3;
 use relievo::frame::Mask;
-use relievo::params::{StrokeDirections, StrokeScale};
+use relievo::params::{FieldParams, StrokeDirections, StrokeScale};
 use relievo::report::scenes::Surface;
-use relievo::report::stability::extreme_strokes;
 
-/// Those of the report and a few more.
+/// Strokes at the ends of their ranges, and every style.
 fn settings() -> Vec<(&'static str, LineParams)> {
     let usual = LineParams {
         directions: StrokeDirections::Both,
@@ -19,9 +18,32 @@ fn settings() -> Vec<(&'static str, LineParams)> {
         change(&mut line.strokes);
         (name, line)
     };
-    let mut settings = extreme_strokes();
-    settings.extend([
+    let field = FieldParams {
+        cell_px: 1,
+        passes: 6,
+        radius_px: 64.0,
+        ..usual.field
+    };
+    vec![
         ("usual", usual),
+        strokes("narrower than a pixel", |s| {
+            s.scale = StrokeScale::Factor(0.1);
+        }),
+        strokes("wider than the picture", |s| {
+            s.scale = StrokeScale::Factor(500.0);
+        }),
+        strokes("8 sets of 360 levels", |s| (s.levels, s.sets) = (360, 8)),
+        strokes("one level", |s| s.levels = 1),
+        strokes("hairs far apart", |s| {
+            (s.width_px, s.spacing_px) = (Some(0.05), Some(1000.0));
+        }),
+        strokes("dots for strokes", |s| {
+            (s.width_px, s.length_px) = (Some(100.0), Some(1.0));
+        }),
+        (
+            "a field as fine as the picture",
+            LineParams { field, ..usual },
+        ),
         strokes("8 sets of a pencil", |s| {
             (s.style, s.sets) = (Style::Pencil, 8)
         }),
@@ -31,8 +53,7 @@ fn settings() -> Vec<(&'static str, LineParams)> {
         strokes("no wobble", |s| {
             (s.wobble, s.pressure) = (Some(0.0), Some(0.0))
         }),
-    ]);
-    settings
+    ]
 }
 
 fn frames() -> Vec<(&'static str, Frame)> {

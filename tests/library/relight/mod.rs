@@ -13,8 +13,21 @@ use relievo::engine::{Inputs, Outcome};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
 use relievo::light::lights::{DirectionalLight, Illumination};
-use relievo::params::{Adaptive, Material, Method, Scale, ScalingParams, ShapeParams};
-use relievo::report::light::lit::bare;
+use relievo::params::{
+    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Scale, ScalingParams,
+    ShapeParams,
+};
+
+/// White, with gains of 1 and no ambient light: a formula gives the picture.
+fn white(material: Material) -> MaterialParams {
+    MaterialParams {
+        material,
+        ambient: 0.0,
+        diffuse_gain: 1.0,
+        specular_gain: Some(1.0),
+        ..MaterialParams::default()
+    }
+}
 
 impl Asked {
     /// Light of 1 from 30 degrees above the upper left, on white.
@@ -28,7 +41,13 @@ impl Asked {
                 curvature_gain: Adaptive::Fixed(12.0),
                 ..ScalingParams::default()
             },
-            relight: bare(material, method),
+            relight: RelightParams {
+                method,
+                albedo: AlbedoSource::White,
+                environment_gain: Adaptive::Fixed(1.0),
+                material: white(material),
+                ..RelightParams::default()
+            },
             light: lights(&[Vec3::new(-0.6, 0.6, 0.53)]),
         }
     }

@@ -1,11 +1,11 @@
 //! What the report says of sequences.
 
 use super::*;
-use relievo::report::coherence::{MovingFrame, Row, measure};
+use relievo::report::coherence::{CoherenceRow, MovingFrame, measure};
 
 /// Rows of a card that is moved. The first frame is white, and its white point holds for the grey ones that
 /// follow, of which there are some.
-fn pan(by: [f64; 2]) -> Vec<Row> {
+fn pan(by: [f64; 2]) -> Vec<CoherenceRow> {
     let frames = (1..=4).map(|number| {
         let luminance = if number == 1 { 1.0 } else { 0.2 };
         let frame = cards(Window::from_size(200, 140), luminance, |_, _| Some(7.0));

@@ -7,7 +7,7 @@ use relievo::frame::SightLines;
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, SpecularInputs, load_specular};
 use relievo::params::Bend;
-use relievo::trace::{Met, Tracer};
+use relievo::trace::{HitSurface, Tracer};
 
 /// Middles of the spheres of the front and of the back, and their radius: fitted to the depth of both files, whose
 /// pixels lie on them within 7e-5.
@@ -84,7 +84,9 @@ fn sight_lines_through_a_lens_end_where_they_must() {
             let Some(hit) = hit else { continue };
             found += 1;
             // The monkey stands before the wall.
-            if let (true, Met::Behind(at)) = (hit.is_seen && hit.point.z < 0.001 - WALL, hit.met) {
+            if let (true, HitSurface::Behind(at)) =
+                (hit.is_seen && hit.point.z < 0.001 - WALL, hit.surface)
+            {
                 errors.push(at.distance(expected));
             }
         }

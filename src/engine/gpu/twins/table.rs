@@ -20,7 +20,7 @@ use crate::light::light_warping::{
 use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
 use crate::light::relight::gpu::RELIGHT;
 use crate::light::relight::shade::premultiplied;
-use crate::light::sum::Power;
+use crate::light::sum::Exponent;
 use crate::light::sum::terms::{self, at_most_1, positive, scalar_product};
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;
@@ -32,7 +32,7 @@ use crate::line::direction::gpu::SPREAD_DIRECTIONS;
 use crate::line::direction::{clear_direction, fixed_direction, fixed_second_direction};
 use crate::line::direction_field::gpu_kernels::{PATCH_DIRECTIONS, PATCH_FORMS, SETTLE_PATCHES};
 use crate::line::direction_field::setting::FieldSetting;
-use crate::line::direction_field::{Form, calm, doubled, halved};
+use crate::line::direction_field::{CurvatureTensor, calm, doubled, halved};
 use crate::line::hatching::gpu::{PICTURE_STROKES, STROKES};
 use crate::line::hatching::share;
 use crate::line::normal_rays::gpu::NORMAL_RAYS;

@@ -41,17 +41,17 @@ fn differences(raw: &[u8]) -> Vec<u8> {
     let mut differences = vec![0; raw.len()];
     let (low, high) = differences.split_at_mut(raw.len() / 2);
     let (pairs, _) = raw.as_chunks::<2>();
-    let apart = |byte: u8, before: u8| byte.wrapping_sub(before).wrapping_add(128);
+    let delta = |byte: u8, before: u8| byte.wrapping_sub(before).wrapping_add(128);
     let after_first = low.iter_mut().zip(high.iter_mut()).skip(1);
     let neighbours = pairs.iter().skip(1).zip(pairs);
     for ((low, high), (now, before)) in after_first.zip(neighbours) {
-        *low = apart(now[0], before[0]);
-        *high = apart(now[1], before[1]);
+        *low = delta(now[0], before[0]);
+        *high = delta(now[1], before[1]);
     }
     // The high bytes come after the last of the low ones.
     if let (Some(first), Some(last)) = (pairs.first(), pairs.last()) {
         low[0] = first[0];
-        high[0] = apart(first[1], last[0]);
+        high[0] = delta(first[1], last[0]);
     }
     differences
 }

@@ -70,7 +70,7 @@ fn terms_of_light() -> Vec<Twin> {
             changed,
             changed,
             CHANGE_PICTURE,
-            |c: f32, change: f32, told: f32| { changed(c, change, told) }
+            |c: f32, change: f32, layered: f32| { changed(c, change, layered) }
         )
         .on(|words| bounded(&mut words[1..])),
         twin!(
@@ -280,13 +280,13 @@ fn lights() -> Vec<Twin> {
         // A cosine that is held to 0..1; whole powers as far as they are multiplied, any others as far as exponents go.
         twin!(
             power_raise,
-            Power::raise,
+            Exponent::raise,
             RELIGHT,
             |x: f32, whole: u32, power: f32| {
                 let mut lanes = [x; BATCH];
                 let power = match whole {
-                    0 => Power::Any(power),
-                    whole => Power::Whole(whole),
+                    0 => Exponent::Real(power),
+                    whole => Exponent::Integer(whole),
                 };
                 power.raise(&mut lanes);
                 lanes[0]

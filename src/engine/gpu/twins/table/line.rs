@@ -112,8 +112,8 @@ fn seen_vector(words: &mut [u32]) {
     unit_vector(&mut words[3..6]);
 }
 
-fn form([x, y, mean, _]: [f32; 4]) -> Form {
-    Form {
+fn form([x, y, mean, _]: [f32; 4]) -> CurvatureTensor {
+    CurvatureTensor {
         deviator: DVec2::new(x.into(), y.into()),
         mean: mean.into(),
     }
@@ -147,7 +147,7 @@ fn directions() -> Vec<Twin> {
         .on(bounded),
         twin!(
             form_larger,
-            Form::larger,
+            CurvatureTensor::larger,
             PATCH_DIRECTIONS,
             |f: [f32; 4]| { form(f).larger().unwrap_or_default().as_vec2().to_array() }
         )
@@ -156,7 +156,7 @@ fn directions() -> Vec<Twin> {
         // A doubt is a share; where it is next to none the precision of forms decides.
         twin!(
             form_confidence,
-            Form::confidence,
+            CurvatureTensor::confidence,
             PATCH_DIRECTIONS,
             |f: [f32; 4], doubt: f32| { form(f).confidence(doubt.into()) as f32 }
         )
@@ -169,7 +169,7 @@ fn directions() -> Vec<Twin> {
         // The same; none at all is a case of its own.
         twin!(
             form_flatness,
-            Form::flatness,
+            CurvatureTensor::flatness,
             PATCH_DIRECTIONS,
             |f: [f32; 4], doubt: f32| { form(f).flatness(doubt.into()) as f32 }
         )

@@ -1,6 +1,6 @@
 //! Every stiff and extreme case of the report ends as it declares; none in a NaN or a panic.
 
-use relievo::report::stability::{Expected, Verdict, all};
+use super::{Expected, Verdict, all};
 
 #[test]
 fn every_case_ends_as_declared() {

@@ -1,13 +1,14 @@
 //! The solvers against diffusion in double precision, on scenes full of barriers.
 
-use crate::common::cpu;
-use relievo::frame::{Plane, Vector2Planes};
-use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
-use relievo::plan::{Available, Goal, Plan};
-use relievo::report::compare::compare;
-use relievo::report::scenes::Scene;
-use relievo::report::sweeps::Measuring;
-use relievo::shape::chebyshev::{Spread, coefficients};
+use super::Measuring;
+use crate::frame::{Plane, Vector2Planes};
+use crate::params::{Scale, ShapeParams, Solver};
+use crate::plan::Goal;
+use crate::report::compare::compare;
+use crate::report::engine::{self, Inputs};
+use crate::report::scenes::Scene;
+use crate::report::timing;
+use crate::shape::chebyshev::{Spread, coefficients};
 
 /// Rounding of single precision over hundreds of sweeps, relative to the largest slope.
 const ROUNDING: f64 = 3e-6;
@@ -26,9 +27,8 @@ fn scenes() -> [Scene; 2] {
 }
 
 fn gradient(scene: &Scene, shape: ShapeParams) -> Vector2Planes {
-    let available = Available::in_frame(&scene.frame);
-    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
-    cpu::run(&plan, &scene.frame)
+    let plan = timing::plan(Goal::Layers, &scene.frame, shape).unwrap();
+    engine::run(&plan, &scene.frame, Inputs::default())
         .unwrap()
         .shape
         .gradient

@@ -5,21 +5,21 @@ use crate::line::linear_camera::seen_by_steps;
 use crate::line::normal_rays::{Noise, NormalRay, Sides, principal_curvatures};
 use crate::line::specular::seen::SeenPixel;
 use crate::line::specular::tangents::Tangents;
-use crate::trace::{Hit, Met, VisibleSurface};
+use crate::trace::{Hit, HitSurface, VisibleSurface};
 use glam::{DQuat, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
 /// Share of the distance by which a point may lie off a surface that it is on.
 const ON_SURFACE: f64 = 0.01;
 
-/// All pixels whose point is told, row after row.
-pub(crate) fn met_pixels(
+/// All pixels whose point is known, row by row.
+pub(crate) fn hit_pixels(
     frame: &Frame,
     scene: &SpecularScene,
     points: &Vector3Planes,
     tangents: &Tangents,
 ) -> Vec<SeenPixel> {
-    let met = MetPoints {
+    let points = HitPoints {
         frame,
         scene,
         points,
@@ -31,13 +31,13 @@ pub(crate) fn met_pixels(
         .into_par_iter()
         .map(|y| {
             let row = frame.mask.runs(y).flatten();
-            row.filter_map(|x| met.pixel(x, y, tangents)).collect()
+            row.filter_map(|x| points.pixel(x, y, tangents)).collect()
         })
         .collect();
     rows.concat()
 }
 
-struct MetPoints<'a> {
+struct HitPoints<'a> {
     frame: &'a Frame,
     scene: &'a SpecularScene,
     points: &'a Vector3Planes,
@@ -45,7 +45,7 @@ struct MetPoints<'a> {
     sight: SightLines,
 }
 
-impl MetPoints<'_> {
+impl HitPoints<'_> {
     /// The point that a pixel shows.
     fn point(&self, x: usize, y: usize) -> Option<DVec3> {
         let is_inside = x < self.points.x.width() && y < self.points.x.height();
@@ -109,17 +109,17 @@ impl MetPoints<'_> {
 
     /// The point as a hit on what lies behind or around, where it is on one of them.
     fn on_known_surface(&self, point: DVec3, normal: DVec3, tangents: &Tangents) -> Option<Hit> {
-        let hit = |met| Hit {
+        let hit = |surface| Hit {
             point,
             normal,
-            met,
+            surface,
             is_seen: true,
         };
         let behind = tangents.tracer.behind().and_then(|surface| {
             let at = self.sight.projection().pixel_of(point)?;
             let depth = surface.depth_at_place(at)?;
             let is_on = (depth / -point.z - 1.0).abs() < ON_SURFACE;
-            is_on.then_some(hit(Met::Behind(at)))
+            is_on.then_some(hit(HitSurface::Behind(at)))
         });
         behind.or_else(|| {
             let map = tangents.tracer.around()?;
@@ -128,7 +128,7 @@ impl MetPoints<'_> {
             let distance = map.distance_of(world)?;
             let own = world.distance(map.surroundings().center);
             let is_on = (distance / own - 1.0).abs() < ON_SURFACE;
-            is_on.then_some(hit(Met::Surroundings(world)))
+            is_on.then_some(hit(HitSurface::Surroundings(world)))
         })
     }
 

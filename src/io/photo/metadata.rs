@@ -15,7 +15,7 @@ use tiff::tags::Tag;
 
 /// What a picture made of a photo keeps of it.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Kept {
+pub struct PhotoMetadata {
     /// Columns of the photo.
     pub width: usize,
     /// Its ICC profile.
@@ -32,7 +32,7 @@ const RESOLUTIONS: RangeInclusive<f32> = 1.0..=10_000.0;
 /// Longest colour profile that is kept, in bytes.
 const MAX_PROFILE: usize = 1 << 24;
 
-impl Kept {
+impl PhotoMetadata {
     /// What is kept of the photo of this header. What cannot be read of it is left out.
     ///
     /// # Errors

@@ -407,7 +407,7 @@ mod tests {
     use std::path::Path;
 
     /// The picture of each command, as it is shown.
-    fn pictures(studio: &mut ViewSession) -> Vec<Pixels> {
+    fn pictures(session: &mut ViewSession) -> Vec<Pixels> {
         let reading = Reading {
             input: Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr"),
             frame: None,
@@ -417,8 +417,8 @@ mod tests {
             look.set_command(command);
             // A device has no kernels for tones that show the shape.
             look.set("tone", Some("enhance".into()));
-            studio.make(&look, &reading, What::Picture, 1).unwrap();
-            studio.picture().unwrap()
+            session.make(&look, &reading, What::Picture, 1).unwrap();
+            session.picture().unwrap()
         });
         shown.collect()
     }
@@ -430,10 +430,10 @@ mod tests {
             return;
         };
         let expected = pictures(&mut ViewSession::new(Arc::default()));
-        let mut studio = ViewSession::new(engine.into());
-        let found = pictures(&mut studio);
+        let mut session = ViewSession::new(engine.into());
+        let found = pictures(&mut session);
         // The device did it: no pass has run on the CPU.
-        assert_eq!(studio.counts().map(BTreeMap::len), Some(0));
+        assert_eq!(session.counts().map(BTreeMap::len), Some(0));
         for (found, expected) in found.iter().zip(&expected) {
             let pixels = found.rgba.iter().zip(&expected.rgba);
             let apart =
