@@ -28,7 +28,7 @@ impl CancelToken {
         Self::default()
     }
 
-    /// Ends every run that has this token, as soon as the pass in hand is done.
+    /// Ends every run that has this token: long passes stop within a few rows, short ones end first.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -55,6 +55,11 @@ impl Watch<'_> {
                 done: done.min(1.0),
             });
         }
+    }
+
+    /// What may end the run.
+    pub(crate) fn token(&self) -> Option<&CancelToken> {
+        self.cancel
     }
 
     /// # Errors

@@ -114,6 +114,58 @@ fn a_cancelled_run_ends_and_the_next_does_not() {
     assert_eq!(red(&after.color), red(&anew.color));
 }
 
+/// A run of each kind is cancelled as each of its passes begins. Then the same session, with whatever it kept, makes the
+/// samples of one that was never cancelled.
+#[test]
+fn wherever_a_run_is_cancelled_its_session_stays_whole() {
+    let (frame, light, scaling) = (waves(), lamp(), ScalingParams::default());
+    let drawing = |style: Style| {
+        let mut line = LineParams::default();
+        line.strokes.style = style;
+        Request::hatch(shape(), scaling, Tone::Shape(None), line)
+    };
+    let relit = RelightParams::default();
+    let requests = [
+        Request::layers(shape(), scaling),
+        Request::relight(shape(), scaling, relit, &light),
+        drawing(Style::Pen),
+        drawing(Style::Lines),
+        drawing(Style::Stipple),
+    ];
+    for request in &requests {
+        let mut anew = Session::new(Engine::cpu(), frame.clone());
+        let expected = anew.run(request, &Run::new()).unwrap();
+        let passes: Vec<_> = expected.timings.iter().map(|(pass, _)| *pass).collect();
+        assert!(passes.len() > 3, "{passes:?}");
+        let mut session = Session::new(Engine::cpu(), frame.clone());
+        for pass in passes {
+            let token = CancelToken::new();
+            let tell = |at: Progress| {
+                if at.stage == pass {
+                    token.cancel();
+                }
+            };
+            let run = Run::new().progress(&tell).cancel(&token);
+            // What the session has kept may leave the pass out.
+            if session.run(request, &run).is_err() {
+                assert!(token.is_cancelled(), "{pass}");
+            }
+            let again = session.run(request, &Run::new()).unwrap();
+            let made = again.products().count();
+            assert_eq!(made, expected.products().count(), "{pass}");
+            for ((product, a), (_, b)) in again.products().zip(expected.products()) {
+                let same = a.iter().zip(&b).all(|(a, b)| bits(a) == bits(b));
+                assert!(same, "{product:?} after {pass} was cancelled");
+            }
+            // Without anything kept, the next pass is met.
+            session = Session::new(Engine::cpu(), frame.clone());
+            let run = Run::new().progress(&tell).cancel(&token);
+            let stopped = session.run(request, &run);
+            assert!(matches!(stopped, Err(Error::Cancelled)), "{pass}");
+        }
+    }
+}
+
 #[test]
 fn progress_goes_up_to_the_end() {
     let said = Mutex::new(Vec::new());
