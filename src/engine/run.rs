@@ -110,9 +110,10 @@ impl<'a> Run<'a> {
     }
 
     /// Runs on these pixels of the frame and as many around them as the plan reaches: a preview, or a tile. The outcome has
-    /// the region's size. Gains and white levels that are chosen from the frame are chosen from this part of it, and a
-    /// drawing, whose strokes depend on all of the frame, is that of this part; give the gain and the levels to have the
-    /// samples of the whole.
+    /// the region's size. Gains and white levels that are chosen from the frame are chosen from this part of it; give them
+    /// to have the samples of the whole. Mirrors and lenses in new light show there what they show in the whole. A drawing
+    /// is that of this part, alone or in a sequence: its strokes depend on all of a frame, and no part has those of the
+    /// whole.
     #[must_use]
     pub fn region(mut self, region: Window) -> Self {
         self.region = Some(region);
